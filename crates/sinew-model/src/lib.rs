@@ -1,0 +1,1 @@
+//! Arm, transmission, momentum observer and tendon offset.
