@@ -1,0 +1,177 @@
+//! Inverse and forward dynamics.
+
+use super::mass_matrix::{cholesky, cholesky_solve, wrench_in_parent};
+use super::momentum::turn_back;
+use super::{Arm, ArmWorkspace, JointKind};
+use crate::StepError;
+use crate::vec3::{Vec3, add, cross, rotate, rotate_back, scale, sub};
+
+impl Arm {
+    /// Generalised force for a motion: `tau = M(q) ddq + C(q, dq) dq + g(q)`.
+    ///
+    /// Recursive Newton–Euler in body frames; gravity enters as an acceleration of the base.
+    ///
+    /// * `q`, `dq`, `ddq`: `n`. Returns `tau`, `n`, N·m (N for prismatic joints).
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. One O(n) pass.
+    pub fn inverse_dynamics<'w>(
+        &self,
+        ws: &'w mut ArmWorkspace,
+        q: &[f64],
+        dq: &[f64],
+        ddq: &[f64],
+    ) -> Result<&'w [f64], StepError> {
+        let n = self.joints.len();
+        if q.len() != n || dq.len() != n || ddq.len() != n || !ws.fits(self) {
+            return Err(StepError::Length);
+        }
+        let finite = |x: &[f64]| x.iter().all(|v| v.is_finite());
+        if !(finite(q) && finite(dq) && finite(ddq)) {
+            return Err(StepError::NotFinite);
+        }
+        self.newton_euler(ws, q, dq, Some(ddq));
+        Ok(&ws.tau)
+    }
+
+    /// Bias torque `C(q, dq) dq + g(q)`: what holds the motion without accelerating it.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. One O(n) pass.
+    pub fn bias_torque<'w>(
+        &self,
+        ws: &'w mut ArmWorkspace,
+        q: &[f64],
+        dq: &[f64],
+    ) -> Result<&'w [f64], StepError> {
+        if q.len() != self.joints.len() || dq.len() != q.len() || !ws.fits(self) {
+            return Err(StepError::Length);
+        }
+        if q.iter().chain(dq).any(|v| !v.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        self.newton_euler(ws, q, dq, None);
+        Ok(&ws.tau)
+    }
+
+    /// Acceleration under a generalised force: `ddq = M(q)⁻¹ (tau − C dq − g)`.
+    ///
+    /// By Cholesky factorisation of the mass matrix, no inverse is formed.
+    ///
+    /// * `tau`: `n`, everything that acts on the joints (elastic torque, friction, contact).
+    /// * `ddq`: `n`, written; rad/s² (m/s²).
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::NotPositiveDefinite`] when
+    /// the masses given don't make a physical robot (a joint that carries nothing, or an
+    /// identified inertia that isn't one). `ddq` is then unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n³).
+    pub fn forward_dynamics(
+        &self,
+        ws: &mut ArmWorkspace,
+        q: &[f64],
+        dq: &[f64],
+        tau: &[f64],
+        ddq: &mut [f64],
+    ) -> Result<(), StepError> {
+        let n = self.joints.len();
+        if tau.len() != n || ddq.len() != n {
+            return Err(StepError::Length);
+        }
+        if tau.iter().any(|x| !x.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        self.mass_matrix(ws, q)?;
+        self.bias_torque(ws, q, dq)?;
+        cholesky(&ws.mass_matrix, &mut ws.factor, n)
+            .map_err(|joint| StepError::NotPositiveDefinite { joint })?;
+        for ((out, tau), bias) in ddq.iter_mut().zip(tau).zip(&ws.tau) {
+            *out = tau - bias;
+        }
+        cholesky_solve(&ws.factor, n, ddq);
+        Ok(())
+    }
+
+    /// Newton–Euler recursion to `ws.tau`. Lengths are checked by the caller.
+    fn newton_euler(&self, ws: &mut ArmWorkspace, q: &[f64], dq: &[f64], ddq: Option<&[f64]>) {
+        // In `state`: `gamma` holds the linear acceleration of the origin with gravity in it,
+        // `first_moment` the angular acceleration; `moment` and `force` the wrench.
+        let n = self.joints.len();
+        ws.state[0].gamma = scale(self.gravity, -1.0);
+        ws.state[0].first_moment = [0.0; 3];
+        for i in 0..n {
+            let joint = &self.joints[i];
+            let (before, after) = ws.state.split_at_mut(i + 1);
+            let parent = &before[joint.parent_slot];
+            let body = &mut after[0];
+            let (rate, acc) = (dq[i], ddq.map_or(0.0, |a| a[i]));
+            let (wp, dwp) = (parent.omega, parent.first_moment);
+            let r = match joint.kind {
+                JointKind::Revolute => {
+                    let (s, c) = libm::sincos(q[i]);
+                    (body.cos, body.sin, body.travel) = (c, s, 0.0);
+                    joint.translation
+                }
+                JointKind::Prismatic => {
+                    (body.cos, body.sin, body.travel) = (1.0, 0.0, q[i]);
+                    add(joint.translation, rotate(&joint.rotation, [0.0, 0.0, q[i]]))
+                }
+            };
+            let (c, s) = (body.cos, body.sin);
+            let down = |x: Vec3| turn_back(c, s, rotate_back(&joint.rotation, x));
+            let a_origin = add(parent.gamma, add(cross(dwp, r), cross(wp, cross(wp, r))));
+            let w = down(wp);
+            body.omega = w;
+            body.first_moment = down(dwp);
+            body.gamma = down(a_origin);
+            match joint.kind {
+                JointKind::Revolute => {
+                    body.omega[2] += rate;
+                    // d/dt of (w + rate ẑ) seen from the turning body
+                    body.first_moment[0] += w[1] * rate;
+                    body.first_moment[1] -= w[0] * rate;
+                    body.first_moment[2] += acc;
+                }
+                JointKind::Prismatic => {
+                    // Coriolis 2 ω × ẑ rate, and the acceleration along z
+                    body.gamma[0] += 2.0 * w[1] * rate;
+                    body.gamma[1] -= 2.0 * w[0] * rate;
+                    body.gamma[2] += acc;
+                }
+            }
+            let (w, dw, a) = (body.omega, body.first_moment, body.gamma);
+            let (m, h) = (joint.mass, joint.first_moment);
+            let spin = rotate(&joint.inertia, w);
+            body.force = add(scale(a, m), add(cross(dw, h), cross(w, cross(w, h))));
+            body.moment = add(add(rotate(&joint.inertia, dw), cross(w, spin)), cross(h, a));
+        }
+        for i in (0..n).rev() {
+            let joint = &self.joints[i];
+            let (before, after) = ws.state.split_at_mut(i + 1);
+            let body = &after[0];
+            ws.tau[i] = match joint.kind {
+                JointKind::Revolute => body.moment[2],
+                JointKind::Prismatic => body.force[2],
+            };
+            let (moment, force) = wrench_in_parent(joint, body, body.moment, body.force);
+            let parent = &mut before[joint.parent_slot];
+            parent.moment = add(parent.moment, moment);
+            parent.force = add(parent.force, force);
+        }
+        // The base slot serves the momentum pass too, which counts on it being at rest.
+        let base = &mut ws.state[0];
+        base.gamma = self.gravity;
+        base.first_moment = [0.0; 3];
+        base.moment = [0.0; 3];
+        base.force = [0.0; 3];
+        debug_assert_eq!(sub(base.omega, [0.0; 3]), [0.0; 3]);
+    }
+}

@@ -1,0 +1,194 @@
+//! The arm: a tree of rigid bodies on revolute and prismatic joints.
+//!
+//! [`Arm`] is the model and never changes after construction; [`ArmWorkspace`] owns every
+//! intermediate, is sized once, and is what a step writes to. Every joint frame is re-based at
+//! construction so that the joint axis is its local z axis, which is what makes the pass of
+//! [`Arm::momentum`] short.
+//!
+//! Reading order: `build` (bodies in, re-based arm out), `momentum` (the realtime pass),
+//! `mass_matrix`, `dynamics`, `energy`, `point` (forces at a link, payloads).
+
+mod build;
+mod dynamics;
+mod energy;
+mod mass_matrix;
+mod momentum;
+mod point;
+#[cfg(feature = "urdf")]
+pub mod urdf;
+
+pub use build::{ArmBuilder, ArmError, BodyInertia, BodySpec, Pose};
+pub use momentum::Momentum;
+
+use crate::vec3::{Mat3, Vec3};
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// Standard gravity as the reference values use it, m/s².
+pub const GRAVITY_M_S2: f64 = 9.81;
+
+/// What a joint does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis; `q` in rad. URDF's continuous joints are revolute ones without limit.
+    Revolute,
+    /// Slides along its axis; `q` in m.
+    Prismatic,
+}
+
+/// A joint and the body it carries, in re-based frames.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Joint {
+    pub(crate) kind: JointKind,
+    /// Slot of the parent in a workspace: 0 is the base, `i + 1` is joint `i`.
+    pub(crate) parent_slot: usize,
+    /// `parent_from_joint` at `q = 0`.
+    pub(crate) rotation: Mat3,
+    /// Origin of the joint in the parent's frame, m.
+    pub(crate) translation: Vec3,
+    /// Mass of the body, kg.
+    pub(crate) mass: f64,
+    /// First mass moment of the body about the joint origin, kg·m.
+    pub(crate) first_moment: Vec3,
+    /// Inertia of the body about the joint origin, kg·m².
+    pub(crate) inertia: Mat3,
+    /// Mass of the body and everything it carries, kg.
+    pub(crate) subtree_mass: f64,
+}
+
+/// Where a link of the description ended up: on which joint, and at which pose.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LinkFrame {
+    pub(crate) name: String,
+    /// `None`: fixed to the base.
+    pub(crate) joint: Option<usize>,
+    /// Pose of the link frame in the re-based joint frame (or in the base).
+    pub(crate) pose: Pose,
+}
+
+/// A fixed-base arm of `n` joints. Immutable; see [`ArmBuilder`] and [`urdf`](crate::arm::urdf).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) names: Vec<String>,
+    pub(crate) links: Vec<LinkFrame>,
+    /// Gravitational acceleration in the base frame, m/s².
+    pub(crate) gravity: Vec3,
+}
+
+/// Per-body intermediates of one pass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BodyState {
+    /// cos and sin of a revolute `q` (1 and 0 for a prismatic joint).
+    pub(crate) cos: f64,
+    pub(crate) sin: f64,
+    /// Travel along z of a prismatic joint (0 for a revolute one), m.
+    pub(crate) travel: f64,
+    /// Angular velocity, body frame.
+    pub(crate) omega: Vec3,
+    /// Velocity of the body's origin, body frame.
+    pub(crate) v: Vec3,
+    /// Gravity, body frame.
+    pub(crate) gamma: Vec3,
+    /// Angular momentum (or moment) of the subtree about the body's origin.
+    pub(crate) moment: Vec3,
+    /// Linear momentum (or force) of the subtree.
+    pub(crate) force: Vec3,
+    /// First mass moment of the subtree.
+    pub(crate) first_moment: Vec3,
+}
+
+/// Composite inertia of a subtree at its joint origin.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Composite {
+    pub(crate) mass: f64,
+    pub(crate) first_moment: Vec3,
+    pub(crate) inertia: Mat3,
+}
+
+/// Storage for every intermediate of an arm's passes, sized at construction.
+#[derive(Debug, Clone)]
+pub struct ArmWorkspace {
+    /// Slot 0 is the base, slot `i + 1` is joint `i`.
+    pub(crate) state: Vec<BodyState>,
+    pub(crate) composite: Vec<Composite>,
+    pub(crate) p: Vec<f64>,
+    pub(crate) ct_dq: Vec<f64>,
+    pub(crate) g: Vec<f64>,
+    /// Bias torque and other generalised forces.
+    pub(crate) tau: Vec<f64>,
+    /// Mass matrix, row-major `n × n`.
+    pub(crate) mass_matrix: Vec<f64>,
+    /// Its Cholesky factor, lower triangle, row-major `n × n`.
+    pub(crate) factor: Vec<f64>,
+}
+
+impl ArmWorkspace {
+    /// Storage for `arm`. This is where memory is allocated, once.
+    pub fn new(arm: &Arm) -> Self {
+        let n = arm.dof();
+        let mut state = alloc::vec![BodyState::default(); n + 1];
+        if let Some(base) = state.first_mut() {
+            base.cos = 1.0;
+            base.gamma = arm.gravity;
+        }
+        Self {
+            state,
+            composite: alloc::vec![Composite::default(); n + 1],
+            p: alloc::vec![0.0; n],
+            ct_dq: alloc::vec![0.0; n],
+            g: alloc::vec![0.0; n],
+            tau: alloc::vec![0.0; n],
+            mass_matrix: alloc::vec![0.0; n * n],
+            factor: alloc::vec![0.0; n * n],
+        }
+    }
+
+    /// Whether this workspace was made for an arm with as many joints as `arm`.
+    #[inline]
+    pub(crate) fn fits(&self, arm: &Arm) -> bool {
+        self.p.len() == arm.joints.len()
+    }
+}
+
+impl Arm {
+    /// Number of joints `n` (degrees of freedom).
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Joint names, in the order of `q`.
+    pub fn joint_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Index of the joint called `name`.
+    pub fn joint_index(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    /// Kind of joint `i`, or `None` past the last.
+    pub fn joint_kind(&self, i: usize) -> Option<JointKind> {
+        self.joints.get(i).map(|j| j.kind)
+    }
+
+    /// Joint that carries joint `i`; `None` when that is the base (or `i` is past the last).
+    pub fn parent(&self, i: usize) -> Option<usize> {
+        self.joints.get(i)?.parent_slot.checked_sub(1)
+    }
+
+    /// Gravitational acceleration in the base frame, m/s².
+    pub fn gravity(&self) -> Vec3 {
+        self.gravity
+    }
+
+    /// Names of all links of the description, moving or fixed to the base.
+    pub fn link_names(&self) -> impl Iterator<Item = &str> {
+        self.links.iter().map(|l| l.name.as_str())
+    }
+
+    /// Mass of everything joint `i` carries, kg.
+    pub fn subtree_mass(&self, i: usize) -> Option<f64> {
+        self.joints.get(i).map(|j| j.subtree_mass)
+    }
+}

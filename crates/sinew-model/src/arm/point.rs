@@ -1,0 +1,197 @@
+//! Forces at a link and changed masses: contacts, payloads, perturbed models.
+
+use super::build::{ArmError, BodyInertia, Pose, check_body};
+use super::mass_matrix::pose_in_parent;
+use super::{Arm, ArmWorkspace, JointKind};
+use crate::StepError;
+use crate::vec3::{Vec3, add, cross, mul, rotate, scale};
+
+impl Arm {
+    /// Pose of link `link` in the base frame at `q`.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(depth).
+    pub fn link_pose(
+        &self,
+        ws: &mut ArmWorkspace,
+        q: &[f64],
+        link: &str,
+    ) -> Result<Pose, StepError> {
+        let frame = self
+            .links
+            .iter()
+            .find(|l| l.name == link)
+            .ok_or(StepError::UnknownLink)?;
+        let Some(joint) = frame.joint else {
+            return Ok(frame.pose);
+        };
+        Ok(self.joint_pose(ws, q, joint)?.then(&frame.pose))
+    }
+
+    /// Adds to `tau` what a force at a point of a link does to the joints: `tau += Jᵀ f`.
+    ///
+    /// * `point`: in the link frame, m. `force`: in the *base* frame, N.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`]; [`StepError::UnknownLink`]. `tau` is
+    /// then unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(depth).
+    pub fn add_point_force(
+        &self,
+        ws: &mut ArmWorkspace,
+        q: &[f64],
+        link: &str,
+        point: Vec3,
+        force: Vec3,
+        tau: &mut [f64],
+    ) -> Result<(), StepError> {
+        if tau.len() != self.joints.len() {
+            return Err(StepError::Length);
+        }
+        if point.iter().chain(&force).any(|x| !x.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        let frame = self
+            .links
+            .iter()
+            .find(|l| l.name == link)
+            .ok_or(StepError::UnknownLink)?;
+        let Some(mut i) = frame.joint else {
+            return Ok(());
+        };
+        let base_from_joint = self.joint_pose(ws, q, i)?;
+        let f = crate::vec3::rotate_back(&base_from_joint.rotation, force);
+        let (mut moment, mut force) = (cross(frame.pose.apply(point), f), f);
+        loop {
+            let joint = &self.joints[i];
+            tau[i] += match joint.kind {
+                JointKind::Revolute => moment[2],
+                JointKind::Prismatic => force[2],
+            };
+            if joint.parent_slot == 0 {
+                return Ok(());
+            }
+            (moment, force) =
+                super::mass_matrix::wrench_in_parent(joint, &ws.state[i + 1], moment, force);
+            i = joint.parent_slot - 1;
+        }
+    }
+
+    /// `base_from_joint`, leaving sine and cosine of every ancestor in the workspace.
+    fn joint_pose(
+        &self,
+        ws: &mut ArmWorkspace,
+        q: &[f64],
+        joint: usize,
+    ) -> Result<Pose, StepError> {
+        if q.len() != self.joints.len() || !ws.fits(self) {
+            return Err(StepError::Length);
+        }
+        if q.iter().any(|x| !x.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        let mut pose = Pose::IDENTITY;
+        let mut slot = joint + 1;
+        while slot > 0 {
+            let j = &self.joints[slot - 1];
+            let state = &mut ws.state[slot];
+            (state.cos, state.sin, state.travel) = match j.kind {
+                JointKind::Revolute => {
+                    let (s, c) = libm::sincos(q[slot - 1]);
+                    (c, s, 0.0)
+                }
+                JointKind::Prismatic => (1.0, 0.0, q[slot - 1]),
+            };
+            let (rotation, translation) = pose_in_parent(j, state);
+            pose = Pose {
+                rotation: mul(&rotation, &pose.rotation),
+                translation: add(rotate(&rotation, pose.translation), translation),
+            };
+            slot = j.parent_slot;
+        }
+        Ok(pose)
+    }
+
+    /// The same arm with `body` bolted to `link`; `body` in the link frame. A negative mass is
+    /// refused; a link fixed to the base changes nothing.
+    ///
+    /// # Errors
+    /// `Ok(None)` when there's no such link; [`ArmError`] when `body` is impossible.
+    pub fn with_payload(&self, link: &str, body: BodyInertia) -> Result<Option<Self>, ArmError> {
+        check_body(link, &body)?;
+        let Some(frame) = self.links.iter().find(|l| l.name == link) else {
+            return Ok(None);
+        };
+        let mut arm = self.clone();
+        if let Some(joint) = frame.joint {
+            let (first_moment, inertia) = body.seen_from(&frame.pose).at_origin();
+            let j = &mut arm.joints[joint];
+            j.mass += body.mass;
+            j.first_moment = add(j.first_moment, first_moment);
+            j.inertia = crate::vec3::add_scaled(&j.inertia, &inertia, 1.0);
+            arm.sum_subtree_masses();
+        }
+        Ok(Some(arm))
+    }
+
+    /// Body of joint `i` in its re-based frame (axis along z), or `None` past the last.
+    pub fn body(&self, i: usize) -> Option<BodyInertia> {
+        let j = self.joints.get(i)?;
+        let com = if j.mass > 0.0 {
+            scale(j.first_moment, 1.0 / j.mass)
+        } else {
+            [0.0; 3]
+        };
+        Some(BodyInertia {
+            mass: j.mass,
+            com,
+            inertia: crate::vec3::add_scaled(
+                &j.inertia,
+                &crate::vec3::point_inertia(j.mass, com),
+                -1.0,
+            ),
+        })
+    }
+
+    /// The same arm with the body of joint `i` replaced; `body` in the re-based frame that
+    /// [`Arm::body`] speaks. `i` past the last changes nothing.
+    ///
+    /// # Errors
+    /// [`ArmError`] when `body` is impossible.
+    pub fn with_body(&self, i: usize, body: BodyInertia) -> Result<Self, ArmError> {
+        let mut arm = self.clone();
+        if let (Some(joint), Some(name)) = (arm.joints.get_mut(i), self.names.get(i)) {
+            check_body(name, &body)?;
+            let (first_moment, inertia) = body.at_origin();
+            joint.mass = body.mass;
+            joint.first_moment = first_moment;
+            joint.inertia = inertia;
+            arm.sum_subtree_masses();
+        }
+        Ok(arm)
+    }
+
+    /// The same arm with every mass and inertia multiplied by `factor`, which multiplies `M`,
+    /// `C` and `g` alike: the paper's model error "M, C, g each −10 %" is `0.9`.
+    ///
+    /// # Errors
+    /// [`ArmError`] when `factor` is negative or not finite.
+    pub fn with_scaled_masses(&self, factor: f64) -> Result<Self, ArmError> {
+        check_body("mass factor", &BodyInertia::point(factor, [0.0; 3]))?;
+        let mut arm = self.clone();
+        for j in &mut arm.joints {
+            j.mass *= factor;
+            j.first_moment = scale(j.first_moment, factor);
+            for row in &mut j.inertia {
+                *row = scale(*row, factor);
+            }
+        }
+        arm.sum_subtree_masses();
+        Ok(arm)
+    }
+}
