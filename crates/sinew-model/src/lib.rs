@@ -27,6 +27,9 @@
 extern crate alloc;
 
 pub mod arm;
+#[cfg(feature = "urdf")]
+pub mod robot;
+pub mod transmission;
 pub mod vec3;
 
 mod error;

@@ -1,0 +1,102 @@
+//! What stands between a motor and its joint: spring, reflected inertia, friction, tendon.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// Coulomb and viscous friction, `tau_friction = coulomb · sat(dq/dq_s) + viscous · dq`.
+///
+/// `sat` rises linearly to ±1 at the speed `dq_s` = [`Friction::SMOOTHING_RAD_PER_S`], because a
+/// sign function of a measured speed would chatter between ±coulomb in every pause.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    /// Coulomb friction, N·m (N), at least 0.
+    pub coulomb_nm: f64,
+    /// Viscous friction, N·m·s/rad (N·s/m), at least 0.
+    pub viscous_nm_s_per_rad: f64,
+}
+
+impl Friction {
+    /// Speed at which Coulomb friction is fully there, rad/s: well above the speed noise of a
+    /// filtered 13-bit encoder (about 0.005 rad/s), well below working speeds.
+    pub const SMOOTHING_RAD_PER_S: f64 = 0.02;
+
+    /// Friction torque at speed `dq`, N·m, positive when it brakes positive motion.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    #[inline]
+    pub fn torque(&self, dq: f64) -> f64 {
+        self.coulomb_nm * (dq / Self::SMOOTHING_RAD_PER_S).clamp(-1.0, 1.0)
+            + self.viscous_nm_s_per_rad * dq
+    }
+}
+
+/// A guiding pulley the rope runs over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guide {
+    /// Radius, m.
+    pub radius_m: f64,
+    /// Wrap angle, rad.
+    pub wrap_rad: f64,
+    /// Coefficient of friction of the capstan law.
+    pub friction: f64,
+}
+
+/// The rope that moves a joint.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tendon {
+    /// Catalogue name of the rope, where it is known.
+    pub rope: Option<String>,
+    /// Free length `L`, m.
+    pub length_m: f64,
+    /// Radius `r` of the pulley at the joint, m.
+    pub joint_pulley_radius_m: f64,
+    /// Pretension, N.
+    pub pretension_n: Option<f64>,
+    /// Guiding pulleys from motor to joint.
+    pub guides: Vec<Guide>,
+    /// Elongation at which the owner wants to tension again, m.
+    pub retension_at_m: Option<f64>,
+    /// Strain at which the owner wants to replace the rope, as a fraction.
+    pub replace_at_strain: Option<f64>,
+}
+
+impl Tendon {
+    /// Elongation `ΔL = r · delta_e`, m.
+    pub fn elongation_m(&self, delta_e: f64) -> f64 {
+        self.joint_pulley_radius_m * delta_e
+    }
+
+    /// Strain `ε = ΔL / L` as a fraction.
+    pub fn strain(&self, delta_e: f64) -> f64 {
+        self.elongation_m(delta_e) / self.length_m
+    }
+}
+
+/// Elastic transmission of one joint: `tau_el = K (theta − q)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transmission {
+    /// Stiffness `K`, N·m/rad (N/m), above 0.
+    pub stiffness_nm_per_rad: f64,
+    /// Motor inertia reflected to the joint, kg·m² (kg); `None` where the file gives none.
+    pub motor_inertia_kg_m2: Option<f64>,
+    /// Friction at the joint.
+    pub joint_friction: Friction,
+    /// Friction of motor and gear, reflected to the joint.
+    pub motor_friction: Friction,
+    /// The rope, where the file describes it.
+    pub tendon: Option<Tendon>,
+}
+
+impl Transmission {
+    /// A bare spring.
+    pub fn spring(stiffness_nm_per_rad: f64) -> Self {
+        Self {
+            stiffness_nm_per_rad,
+            motor_inertia_kg_m2: None,
+            joint_friction: Friction::default(),
+            motor_friction: Friction::default(),
+            tendon: None,
+        }
+    }
+}
