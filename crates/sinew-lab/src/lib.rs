@@ -1,1 +1,3 @@
-//! The workshop.
+//! The workshop of Sinew: replay and estimation, simulation, the paper's figures, plots, reports.
+
+pub mod estimate;
