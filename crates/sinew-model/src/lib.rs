@@ -27,6 +27,8 @@
 extern crate alloc;
 
 pub mod arm;
+pub mod observer;
+pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod transmission;

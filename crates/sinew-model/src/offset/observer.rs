@@ -1,0 +1,513 @@
+//! One step from a sample to every joint's offset.
+
+use crate::StepError;
+use crate::arm::{Arm, ArmWorkspace};
+use crate::error::{is_input, is_time_step};
+use crate::observer::{FirstOrder, GainError, MomentumObserver, StateVariableFilter};
+use crate::transmission::Transmission;
+use alloc::vec::Vec;
+
+/// Where the elastic torque comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TorqueSource {
+    /// Link-side momentum observer: needs masses, no torque sensor.
+    #[default]
+    Observer,
+    /// Measured joint torque `tau_el`.
+    TorqueSensor,
+    /// Motor-side momentum, eq. (2): needs `tau_m`, reflected inertia and motor friction. Never
+    /// the default, because motor friction hides the elastic torque when the arm stands still.
+    Motor,
+}
+
+/// Whether `theta − q` lags like the torque it is compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Comparison {
+    /// `theta` and `q` go through the same filters as the observed torque: motion cancels.
+    #[default]
+    Matched,
+    /// The paper's: a lagging torque against `theta − q` as measured, so that motion shows up.
+    Paper,
+}
+
+/// Where joint velocities come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum VelocityFilter {
+    /// A [`StateVariableFilter`] of this cut-off on every position (and torque) that enters.
+    StateVariable {
+        /// `ω`, rad/s.
+        cutoff_rad_per_s: f64,
+    },
+    /// Velocities of the recording, positions unfiltered.
+    Recorded,
+}
+
+/// How offsets are estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OffsetConfig {
+    /// Where `tau_el` comes from.
+    pub source: TorqueSource,
+    /// Lag treatment.
+    pub comparison: Comparison,
+    /// Observer gain `K_I`, 1/s.
+    pub gain_per_s: f64,
+    /// Where velocities come from.
+    pub velocity: VelocityFilter,
+}
+
+impl Default for OffsetConfig {
+    /// Observer, matched, `K_I` = 20 1/s, filter at 40 rad/s: the middle of what serves 12–14 bit
+    /// encoders.
+    fn default() -> Self {
+        Self {
+            source: TorqueSource::Observer,
+            comparison: Comparison::Matched,
+            gain_per_s: 20.0,
+            velocity: VelocityFilter::StateVariable {
+                cutoff_rad_per_s: 40.0,
+            },
+        }
+    }
+}
+
+/// Why an estimator could not be built.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OffsetConfigError {
+    /// One transmission per joint is needed.
+    #[error("{found} transmissions for an arm of {expected} joints")]
+    Length {
+        /// Joints of the arm.
+        expected: usize,
+        /// Transmissions given.
+        found: usize,
+    },
+    /// A gain nobody can use.
+    #[error(transparent)]
+    Gain(#[from] GainError),
+    /// A cut-off nobody can use.
+    #[error("velocity filter at {cutoff_rad_per_s} rad/s; it must be above 0 and at most 1e6")]
+    VelocityFilter {
+        /// Cut-off given, rad/s.
+        cutoff_rad_per_s: f64,
+    },
+    /// A stiffness nobody can build.
+    #[error(
+        "stiffness of joint {joint} is {stiffness_nm_per_rad} N·m/rad; it must be finite and above 0"
+    )]
+    Stiffness {
+        /// Index of the joint.
+        joint: usize,
+        /// Stiffness given, N·m/rad.
+        stiffness_nm_per_rad: f64,
+    },
+    /// The motor source without a motor inertia.
+    #[error("joint {joint} has no motor inertia, which the motor source needs")]
+    MotorInertia {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// The motor source needs motor velocities, which only the filter gives.
+    #[error(
+        "the motor source needs the velocity filter: recorded velocities are the joint's, not the motor's"
+    )]
+    MotorVelocity,
+}
+
+/// One sample of a robot. Slices have one entry per joint.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sample<'a> {
+    /// Joint position, rad.
+    pub q: &'a [f64],
+    /// Measured motor position reflected to the joint, rad. Not looked at for rigid joints.
+    pub theta_measured: &'a [f64],
+    /// Joint velocity, rad/s; needed with [`VelocityFilter::Recorded`].
+    pub dq: Option<&'a [f64]>,
+    /// Measured elastic torque, N·m; needed by [`TorqueSource::TorqueSensor`].
+    pub tau_el: Option<&'a [f64]>,
+    /// Motor torque reflected to the joint, N·m; needed by [`TorqueSource::Motor`].
+    pub tau_m: Option<&'a [f64]>,
+    /// Known external torque, N·m, positive when applied to the robot.
+    pub tau_ext: Option<&'a [f64]>,
+}
+
+/// Above this a filter does nothing at any sampling rate.
+const MAX_CUTOFF_RAD_PER_S: f64 = 1e6;
+
+/// Filters of one joint.
+#[derive(Debug, Clone, Copy, Default)]
+struct JointFilters {
+    q: StateVariableFilter,
+    theta: StateVariableFilter,
+    /// Known torque that enters the observer: external, or the motor's.
+    torque: StateVariableFilter,
+    /// `theta − q` with the lag of the observed torque.
+    deflection: FirstOrder,
+}
+
+/// Estimates every joint's offset `delta_e` sample by sample.
+///
+/// ```text
+/// delta_e = theta_measured − q − tau_el / K            eq. (5)–(6)
+/// ```
+///
+/// with `tau_el` from the source chosen. With [`Comparison::Matched`] positions pass through the
+/// filters that make `tau_el` lag, so that a motion cancels; the estimate then is that of about
+/// `2/ω + 1/K_I` ago.
+///
+/// Right in differences: a wrong stiffness or mass adds an error proportional to the torque.
+///
+/// # Realtime
+/// Everything is allocated at construction.
+#[derive(Debug, Clone)]
+pub struct OffsetObserver {
+    arm: Arm,
+    transmissions: Vec<Option<Transmission>>,
+    config: OffsetConfig,
+    ws: ArmWorkspace,
+    observer: MomentumObserver,
+    filters: Vec<JointFilters>,
+    // One entry per joint each.
+    q: Vec<f64>,
+    dq: Vec<f64>,
+    known: Vec<f64>,
+    momentum: Vec<f64>,
+    alpha: Vec<f64>,
+    deflection: Vec<f64>,
+    tau_el: Vec<f64>,
+    delta_e: Vec<f64>,
+    since_start_s: f64,
+    started: bool,
+}
+
+impl OffsetObserver {
+    /// An estimator for `arm`; one transmission per joint, `None` for rigid joints, whose offset
+    /// stays NaN.
+    ///
+    /// # Errors
+    /// [`OffsetConfigError`], naming the joint and the value.
+    pub fn new(
+        arm: &Arm,
+        transmissions: &[Option<Transmission>],
+        config: OffsetConfig,
+    ) -> Result<Self, OffsetConfigError> {
+        let n = arm.dof();
+        if transmissions.len() != n {
+            return Err(OffsetConfigError::Length {
+                expected: n,
+                found: transmissions.len(),
+            });
+        }
+        if let VelocityFilter::StateVariable { cutoff_rad_per_s } = config.velocity
+            && !(cutoff_rad_per_s > 0.0 && cutoff_rad_per_s <= MAX_CUTOFF_RAD_PER_S)
+        {
+            return Err(OffsetConfigError::VelocityFilter { cutoff_rad_per_s });
+        }
+        for (joint, t) in transmissions.iter().enumerate() {
+            let Some(t) = t else { continue };
+            let k = t.stiffness_nm_per_rad;
+            if !(k.is_finite() && k > 0.0) {
+                return Err(OffsetConfigError::Stiffness {
+                    joint,
+                    stiffness_nm_per_rad: k,
+                });
+            }
+            if config.source == TorqueSource::Motor && t.motor_inertia_kg_m2.is_none() {
+                return Err(OffsetConfigError::MotorInertia { joint });
+            }
+        }
+        if config.source == TorqueSource::Motor && config.velocity == VelocityFilter::Recorded {
+            return Err(OffsetConfigError::MotorVelocity);
+        }
+        let gains = alloc::vec![config.gain_per_s; n];
+        let zeros = || alloc::vec![0.0; n];
+        Ok(Self {
+            arm: arm.clone(),
+            transmissions: transmissions.to_vec(),
+            config,
+            ws: ArmWorkspace::new(arm),
+            observer: MomentumObserver::new(&gains)?,
+            filters: alloc::vec![JointFilters::default(); n],
+            q: zeros(),
+            dq: zeros(),
+            known: zeros(),
+            momentum: zeros(),
+            alpha: zeros(),
+            deflection: zeros(),
+            tau_el: zeros(),
+            delta_e: alloc::vec![f64::NAN; n],
+            since_start_s: 0.0,
+            started: false,
+        })
+    }
+
+    /// How it estimates.
+    pub fn config(&self) -> &OffsetConfig {
+        &self.config
+    }
+
+    /// The arm it knows.
+    pub fn arm(&self) -> &Arm {
+        &self.arm
+    }
+
+    /// Forgets the past: the next step is a start. For gaps, clock jumps, a new recording.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn reset(&mut self) {
+        self.started = false;
+        self.observer.reset();
+        self.since_start_s = 0.0;
+    }
+
+    /// One step of `dt_s` to `sample`. The first one after construction or a reset only takes
+    /// the sample, as if the robot had stood there at rest, and doesn't look at `dt_s`.
+    ///
+    /// # Errors
+    /// [`StepError::Length`] (also when the source needs a quantity the sample doesn't have),
+    /// [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is then unchanged, so a bad
+    /// sample can be left out and the next step given the time since the last good one.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. One O(n) pass.
+    pub fn step(&mut self, dt_s: f64, sample: &Sample<'_>) -> Result<(), StepError> {
+        self.check(dt_s, sample)?;
+        let known = match self.config.source {
+            TorqueSource::Observer => sample.tau_ext,
+            TorqueSource::TorqueSensor => sample.tau_el,
+            TorqueSource::Motor => sample.tau_m,
+        };
+        self.filter(dt_s, sample, known);
+        match self.config.source {
+            TorqueSource::Observer => self.link_side(dt_s, known.is_some())?,
+            TorqueSource::Motor => self.motor_side(dt_s)?,
+            TorqueSource::TorqueSensor => {
+                for (tau, known) in self.tau_el.iter_mut().zip(&self.known) {
+                    *tau = *known;
+                }
+            }
+        }
+        self.compare(sample);
+        if self.started {
+            self.since_start_s += dt_s;
+        }
+        self.started = true;
+        Ok(())
+    }
+
+    /// Refuses what can't be used, before anything changes.
+    fn check(&self, dt_s: f64, sample: &Sample<'_>) -> Result<(), StepError> {
+        let n = self.arm.dof();
+        let fits = |x: Option<&[f64]>| x.is_none_or(|x| x.len() == n);
+        if sample.q.len() != n
+            || sample.theta_measured.len() != n
+            || !(fits(sample.dq)
+                && fits(sample.tau_el)
+                && fits(sample.tau_m)
+                && fits(sample.tau_ext))
+        {
+            return Err(StepError::Length);
+        }
+        if self.started && !is_time_step(dt_s) {
+            return Err(StepError::TimeStep);
+        }
+        let finite = |x: &[f64]| x.iter().all(|v| is_input(*v));
+        if !finite(sample.q) {
+            return Err(StepError::NotFinite);
+        }
+        if self.config.velocity == VelocityFilter::Recorded {
+            let dq = sample.dq.ok_or(StepError::Length)?;
+            if !finite(dq) {
+                return Err(StepError::NotFinite);
+            }
+        }
+        let needed = match self.config.source {
+            TorqueSource::Observer => sample.tau_ext,
+            TorqueSource::TorqueSensor => Some(sample.tau_el.ok_or(StepError::Length)?),
+            TorqueSource::Motor => Some(sample.tau_m.ok_or(StepError::Length)?),
+        };
+        // External torque acts on every joint; a rigid joint's own torques don't matter.
+        let every_joint = self.config.source == TorqueSource::Observer;
+        for (i, transmission) in self.transmissions.iter().enumerate() {
+            let elastic = transmission.is_some();
+            let at = |x: &[f64]| x.get(i).is_some_and(|v| is_input(*v));
+            if (elastic && !at(sample.theta_measured))
+                || ((elastic || every_joint) && needed.is_some_and(|x| !at(x)))
+            {
+                return Err(StepError::NotFinite);
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings `q`, `dq`, `known` and the filters of `theta` to this sample.
+    fn filter(&mut self, dt_s: f64, sample: &Sample<'_>, known: Option<&[f64]>) {
+        let VelocityFilter::StateVariable {
+            cutoff_rad_per_s: w,
+        } = self.config.velocity
+        else {
+            self.q.copy_from_slice(sample.q);
+            if let Some(dq) = sample.dq {
+                self.dq.copy_from_slice(dq);
+            }
+            for (i, slot) in self.known.iter_mut().enumerate() {
+                *slot = known.and_then(|k| k.get(i)).copied().unwrap_or(0.0);
+            }
+            return;
+        };
+        let decay = StateVariableFilter::decay(w, dt_s);
+        let rows = self
+            .filters
+            .iter_mut()
+            .zip(&self.transmissions)
+            .zip(self.q.iter_mut().zip(&mut self.dq).zip(&mut self.known));
+        for (i, ((filter, transmission), ((q, dq), slot))) in rows.enumerate() {
+            let at = |x: &[f64]| x.get(i).copied().unwrap_or(0.0);
+            // A rigid joint's motor side may be missing (NaN): it must not get in.
+            let elastic = transmission.is_some();
+            let theta = if elastic {
+                at(sample.theta_measured)
+            } else {
+                0.0
+            };
+            let torque = known.map_or(0.0, at);
+            let torque = if torque.is_finite() { torque } else { 0.0 };
+            if self.started {
+                filter.q.step(w, dt_s, decay, at(sample.q));
+                filter.theta.step(w, dt_s, decay, theta);
+                filter.torque.step(w, dt_s, decay, torque);
+            } else {
+                filter.q = StateVariableFilter::settled_at(at(sample.q));
+                filter.theta = StateVariableFilter::settled_at(theta);
+                filter.torque = StateVariableFilter::settled_at(torque);
+            }
+            *q = filter.q.value();
+            *dq = filter.q.rate();
+            *slot = filter.torque.value();
+        }
+    }
+
+    /// Elastic torque from the arm's momentum.
+    fn link_side(&mut self, dt_s: f64, tau_ext: bool) -> Result<(), StepError> {
+        let terms = self.arm.momentum(&mut self.ws, &self.q, &self.dq)?;
+        let rows = self.alpha.iter_mut().zip(&self.transmissions);
+        let inputs = terms.ct_dq.iter().zip(terms.g).zip(&self.dq);
+        for ((alpha, transmission), ((ct_dq, g), dq)) in rows.zip(inputs) {
+            let friction = transmission
+                .as_ref()
+                .map_or(0.0, |t| t.joint_friction.torque(*dq));
+            *alpha = ct_dq - g - friction;
+        }
+        let tau_ext = tau_ext.then_some(self.known.as_slice());
+        self.observer.step(dt_s, terms.p, &self.alpha, tau_ext)?;
+        self.tau_el.copy_from_slice(self.observer.torque());
+        Ok(())
+    }
+
+    /// Elastic torque from the motors' momentum: `I_m ddtheta = (tau_m − friction) − tau_el` is
+    /// the observer's equation for `p = −I_m dtheta`, `α = −(tau_m − friction)`.
+    fn motor_side(&mut self, dt_s: f64) -> Result<(), StepError> {
+        let rows = self.momentum.iter_mut().zip(&mut self.alpha);
+        let inputs = self
+            .transmissions
+            .iter()
+            .zip(&self.filters)
+            .zip(&self.known);
+        for ((p, alpha), ((transmission, filter), tau_m)) in rows.zip(inputs) {
+            (*p, *alpha) = match transmission {
+                None => (0.0, 0.0),
+                Some(t) => {
+                    let dtheta = filter.theta.rate();
+                    (
+                        -t.motor_inertia_kg_m2.unwrap_or(0.0) * dtheta,
+                        t.motor_friction.torque(dtheta) - tau_m,
+                    )
+                }
+            };
+        }
+        self.observer
+            .step(dt_s, &self.momentum, &self.alpha, None)?;
+        self.tau_el.copy_from_slice(self.observer.torque());
+        Ok(())
+    }
+
+    /// Eq. (5)–(6), with or without the lag of the observed torque.
+    fn compare(&mut self, sample: &Sample<'_>) {
+        let filtered = self.config.velocity != VelocityFilter::Recorded;
+        let matched = self.config.comparison == Comparison::Matched;
+        let lagging = self.config.source != TorqueSource::TorqueSensor;
+        let rows = self
+            .delta_e
+            .iter_mut()
+            .zip(&mut self.deflection)
+            .zip(&mut self.filters)
+            .zip(&self.transmissions);
+        let inputs = self.tau_el.iter().zip(self.observer.pole());
+        let positions = sample.theta_measured.iter().zip(sample.q);
+        for (((((delta_e, out), filter), transmission), (tau_el, pole)), (theta, q)) in
+            rows.zip(inputs).zip(positions)
+        {
+            let Some(transmission) = transmission else {
+                continue;
+            };
+            let mut deflection = theta - q;
+            if matched && filtered {
+                deflection = filter.theta.value() - filter.q.value();
+            }
+            if matched && lagging {
+                if self.started {
+                    deflection = filter.deflection.step(pole, deflection);
+                } else {
+                    filter.deflection = FirstOrder::settled_at(deflection);
+                }
+            }
+            *out = deflection;
+            *delta_e = deflection - tau_el / transmission.stiffness_nm_per_rad;
+        }
+    }
+
+    /// Offset `delta_e`, `n`, rad; NaN for rigid joints and before the first sample.
+    pub fn delta_e(&self) -> &[f64] {
+        &self.delta_e
+    }
+
+    /// Elastic torque from the source chosen, `n`, N·m.
+    pub fn tau_el(&self) -> &[f64] {
+        &self.tau_el
+    }
+
+    /// `theta_measured − q` as it is compared (lagging when matched), `n`, rad.
+    pub fn deflection(&self) -> &[f64] {
+        &self.deflection
+    }
+
+    /// Joint velocity as used, `n`, rad/s.
+    pub fn dq(&self) -> &[f64] {
+        &self.dq
+    }
+
+    /// Time since the first sample, s.
+    pub fn since_start_s(&self) -> f64 {
+        self.since_start_s
+    }
+
+    /// Time after which what was wrong about the start (a robot in motion, an observer that
+    /// assumed rest) has faded to a thousandth, s: `7/K_I + 9/ω`, since `e⁻⁷` and
+    /// `(1 + 9) e⁻⁹` are about 1e-3.
+    pub fn settling_time_s(&self) -> f64 {
+        let filter = match self.config.velocity {
+            VelocityFilter::StateVariable { cutoff_rad_per_s } => 9.0 / cutoff_rad_per_s,
+            VelocityFilter::Recorded => 0.0,
+        };
+        match self.config.source {
+            TorqueSource::TorqueSensor => filter,
+            _ => filter + 7.0 / self.config.gain_per_s,
+        }
+    }
+
+    /// Whether the start has faded.
+    pub fn is_settled(&self) -> bool {
+        self.started && self.since_start_s >= self.settling_time_s()
+    }
+}
