@@ -1,0 +1,194 @@
+//! URDF text to arm: what is accepted, warned of and refused.
+
+use sinew_model::arm::urdf::{UrdfError, UrdfOptions, parse};
+use sinew_model::arm::{ArmError, ArmWorkspace};
+
+const PENDULUM: &str = r#"<robot name="pendulum">
+  <link name="base"/>
+  <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+  <joint name="swing" type="revolute"><parent link="base"/><child link="bob"/>
+    <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+    <dynamics damping="0.1" friction="0.2"/></joint>
+</robot>"#;
+
+fn refused(text: &str) -> UrdfError {
+    parse(text, &UrdfOptions::default()).unwrap_err()
+}
+
+/// The message of a refusal.
+fn message(text: &str) -> String {
+    refused(text).to_string()
+}
+
+fn warnings(text: &str) -> Vec<String> {
+    parse(text, &UrdfOptions::default()).unwrap().warnings
+}
+
+#[test]
+fn a_pendulum_reads_as_one() {
+    let urdf = parse(PENDULUM, &UrdfOptions::default()).unwrap();
+    assert_eq!(urdf.name, "pendulum");
+    assert!(urdf.warnings.is_empty(), "{:?}", urdf.warnings);
+    assert_eq!(
+        (urdf.coulomb_nm[0], urdf.viscous_nm_s_per_rad[0]),
+        (0.2, 0.1)
+    );
+    let mut ws = ArmWorkspace::new(&urdf.arm);
+    let terms = urdf.arm.momentum(&mut ws, &[0.3], &[2.0]).unwrap();
+    // (m l² + I) dq and m g l sin q
+    assert!((terms.p[0] - (2.0 * 0.25 + 0.01) * 2.0).abs() < 1e-14);
+    assert!((terms.g[0] - 2.0 * 9.81 * 0.5 * 0.3f64.sin()).abs() < 1e-14);
+}
+
+#[test]
+fn not_urdf_is_refused() {
+    for text in [
+        "",
+        "  \n",
+        "hello",
+        "<robot",
+        "<html><body/></html>",
+        "{}",
+        "<robot name='x'></robot>",
+    ] {
+        let error = message(text);
+        assert!(!error.contains('\n'), "{error}");
+    }
+    // Every truncation of a good file is refused or read, never a panic.
+    for end in 0..PENDULUM.len() {
+        let _ = parse(&PENDULUM[..end], &UrdfOptions::default());
+    }
+    assert!(message(&PENDULUM[..PENDULUM.len() / 2]).contains("not a readable URDF"));
+}
+
+#[test]
+fn impossible_masses_are_refused_with_place_and_value() {
+    let error = refused(&PENDULUM.replace("value=\"2\"", "value=\"-2\""));
+    assert!(
+        matches!(&error, UrdfError::Arm(ArmError::NegativeMass { mass_kg, .. }) if *mass_kg == -2.0)
+    );
+    assert!(error.to_string().contains("link 'bob'") && error.to_string().contains("-2 kg"));
+    for value in ["NaN", "inf", "-inf"] {
+        let error = message(&PENDULUM.replace("value=\"2\"", &format!("value=\"{value}\"")));
+        assert!(
+            error.contains("link 'bob'") && error.contains("mass"),
+            "{error}"
+        );
+        let error = message(&PENDULUM.replace("ixx=\"0.01\"", &format!("ixx=\"{value}\"")));
+        assert!(error.contains("inertia"), "{error}");
+        let error = message(&PENDULUM.replace("xyz=\"0 0 -0.5\"", &format!("xyz=\"0 0 {value}\"")));
+        assert!(error.contains("link 'bob'"), "{error}");
+    }
+    assert!(
+        message(&PENDULUM.replace("axis xyz=\"0 1 0\"", "axis xyz=\"0 0 0\"")).contains("axis")
+    );
+}
+
+#[test]
+fn odd_but_real_numbers_are_warned_of() {
+    let no_mass = PENDULUM.replace("value=\"2\"", "value=\"0\"");
+    let all = warnings(&no_mass).join("\n");
+    assert!(all.contains("no mass") && all.contains("'swing'"), "{all}");
+
+    let not_definite = PENDULUM.replace("ixx=\"0.01\"", "ixx=\"-0.01\"");
+    assert!(warnings(&not_definite)[0].contains("not positive definite"));
+    let coupled = PENDULUM.replace("ixy=\"0\"", "ixy=\"0.02\"");
+    assert!(warnings(&coupled)[0].contains("not positive definite"));
+    let triangle = PENDULUM.replace("izz=\"0.01\"", "izz=\"0.05\"");
+    assert!(warnings(&triangle)[0].contains("triangle"));
+
+    let negative_friction = PENDULUM.replace("friction=\"0.2\"", "friction=\"-0.39\"");
+    let urdf = parse(&negative_friction, &UrdfOptions::default()).unwrap();
+    assert!(urdf.warnings[0].contains("negative friction") && urdf.warnings[0].contains("-0.39"));
+    assert_eq!(urdf.coulomb_nm[0], 0.0);
+}
+
+#[test]
+fn trees_that_are_none_are_refused() {
+    let second_base = PENDULUM.replace("</robot>", "<link name=\"island\"/></robot>");
+    assert!(message(&second_base).contains("'island'"));
+    let twice = PENDULUM.replace("</robot>", "<link name=\"bob\"/></robot>");
+    assert!(message(&twice).contains("twice"));
+    let unknown = PENDULUM.replace("child link=\"bob\"", "child link=\"rod\"");
+    assert!(message(&unknown).contains("'rod'"));
+    let ring = r#"<robot name="ring"><link name="base"/><link name="a"/><link name="b"/>
+      <joint name="ab" type="continuous"><parent link="a"/><child link="b"/></joint>
+      <joint name="ba" type="continuous"><parent link="b"/><child link="a"/></joint></robot>"#;
+    assert!(message(ring).contains("ring"));
+    let only_base = r#"<robot name="rock"><link name="base"/></robot>"#;
+    assert!(message(only_base).contains("no moving joint"));
+}
+
+#[test]
+fn unsupported_joints_are_refused_or_locked() {
+    for kind in ["floating", "planar"] {
+        let text = PENDULUM.replace("type=\"revolute\"", &format!("type=\"{kind}\""));
+        let error = message(&text);
+        assert!(error.contains("'swing'") && error.contains(kind), "{error}");
+    }
+    assert!(!message(&PENDULUM.replace("\"revolute\"", "\"hinge\"")).is_empty());
+}
+
+/// Two links; the second joint is locked at an angle.
+const DOUBLE: &str = r#"<robot name="double">
+  <link name="base"/>
+  <link name="upper"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+  <link name="lower"><inertial><origin xyz="0 0 -0.3"/><mass value="1"/>
+    <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial></link>
+  <joint name="a" type="revolute"><parent link="base"/><child link="upper"/>
+    <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="b" type="KIND"><parent link="upper"/><child link="lower"/>
+    <origin xyz="0 0 -1"/><axis xyz="0 2 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"#;
+
+#[test]
+fn a_locked_joint_is_one_that_stands_still() {
+    for (kind, at) in [("revolute", 0.7), ("prismatic", -0.2)] {
+        let text = DOUBLE.replace("KIND", kind);
+        let free = parse(&text, &UrdfOptions::default()).unwrap().arm;
+        let options = UrdfOptions {
+            locked: vec![("b".into(), at)],
+            ..Default::default()
+        };
+        let locked = parse(&text, &options).unwrap().arm;
+        assert_eq!(locked.joint_names(), ["a"]);
+        let (mut ws_free, mut ws_locked) = (ArmWorkspace::new(&free), ArmWorkspace::new(&locked));
+        let a = free
+            .momentum(&mut ws_free, &[0.4, at], &[1.5, 0.0])
+            .unwrap();
+        let b = locked.momentum(&mut ws_locked, &[0.4], &[1.5]).unwrap();
+        assert!((a.p[0] - b.p[0]).abs() < 1e-14, "{kind}");
+        assert!((a.g[0] - b.g[0]).abs() < 1e-13, "{kind}");
+    }
+    let options = UrdfOptions {
+        locked: vec![("c".into(), 0.0)],
+        ..Default::default()
+    };
+    let error = parse(&DOUBLE.replace("KIND", "revolute"), &options).unwrap_err();
+    assert!(error.to_string().contains("'c'") && error.to_string().contains("a, b"));
+}
+
+#[test]
+fn mimic_joints_are_joints_with_a_warning() {
+    let text = DOUBLE.replace("KIND", "revolute").replace(
+        "<origin xyz=\"0 0 -1\"/>",
+        "<origin xyz=\"0 0 -1\"/><mimic joint=\"a\"/>",
+    );
+    let urdf = parse(&text, &UrdfOptions::default()).unwrap();
+    assert_eq!(urdf.arm.dof(), 2);
+    assert!(urdf.warnings[0].contains("mimics 'a'"));
+}
+
+#[test]
+fn gravity_follows_the_base() {
+    // A base lying on its side: world z is base −x.
+    let options = UrdfOptions {
+        base_rpy_rad: [0.0, std::f64::consts::FRAC_PI_2, 0.0],
+        ..Default::default()
+    };
+    let arm = parse(PENDULUM, &options).unwrap().arm;
+    let g = arm.gravity();
+    assert!((g[0] - 9.81).abs() < 1e-14 && g[2].abs() < 1e-14, "{g:?}");
+}
