@@ -1,0 +1,402 @@
+//! From raw values to SI, unwrapped and watched.
+//!
+//! # Wrap-around
+//! A value that differs from the previous one of its signal by more than half a
+//! period is taken to the nearest turn. After a gap the same holds, and for the
+//! motor side the turn is chosen so that `theta − q` changes least, so that both
+//! sides land on the same turn. A signal whose raw values span more than one
+//! period does not come from a wrapping encoder and is left as it is.
+
+use crate::frame::{Frame, Quantity, is_absent};
+use crate::health::{EventKind, Health, SignalCount};
+
+/// A raw span larger than this many periods is not a wrapping encoder.
+const WRAP_SPAN_PERIODS: f64 = 1.001;
+/// Frames and seconds from which a signal that never changes is suspicious.
+const CONSTANT_FRAMES: u64 = 100;
+const CONSTANT_SECONDS: f64 = 1.0;
+/// A joint position beyond this is more likely to be in degrees, rad.
+const DEGREES_FROM_RAD: f64 = 2.0 * std::f64::consts::PI * 1.01;
+/// Only every so many frames enter the comparison of motor and joint side.
+const SLOPE_EVERY: u64 = 8;
+/// Least motion of a joint for that comparison, rad.
+const SLOPE_SPAN_RAD: f64 = 0.05;
+
+/// How one signal becomes SI: `si = scale · raw + offset`, with its period in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Signal {
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
+    /// `None`: never unwrapped.
+    pub(crate) period: Option<f64>,
+}
+
+impl Signal {
+    pub(crate) fn si(quantity: Quantity) -> Self {
+        Signal {
+            scale: 1.0,
+            offset: 0.0,
+            period: match crate::mapping::Wrap::default_for(quantity) {
+                crate::mapping::Wrap::Period(period) => Some(period),
+                crate::mapping::Wrap::Never => None,
+            },
+        }
+    }
+}
+
+/// Running sums of the line `theta = intercept + slope · q`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slope {
+    count: f64,
+    origin: (f64, f64),
+    q: f64,
+    theta: f64,
+    qq: f64,
+    q_theta: f64,
+}
+
+#[derive(Debug)]
+pub(crate) struct Conditioner {
+    joints: Vec<String>,
+    n: usize,
+    gap_ns: i64,
+    /// Six blocks of `n`, as [`Quantity::PER_JOINT`].
+    signals: Vec<Signal>,
+    identity: bool,
+    minimum: Vec<f64>,
+    maximum: Vec<f64>,
+    finite: Vec<u64>,
+    non_finite: Vec<u64>,
+    /// Two blocks of `n`: q and theta.
+    last: Vec<f64>,
+    turns: Vec<f64>,
+    wraps: Vec<u64>,
+    slopes: Vec<Slope>,
+    first_ns: Option<i64>,
+    last_ns: Option<i64>,
+    last_epoch: u32,
+    segment: u32,
+}
+
+impl Conditioner {
+    /// `signals`: six blocks of as many entries as there are joints.
+    pub(crate) fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
+        let n = joints.len();
+        let identity = signals.iter().all(|s| s.scale == 1.0 && s.offset == 0.0);
+        Conditioner {
+            joints: joints.to_vec(),
+            n,
+            gap_ns,
+            signals,
+            identity,
+            minimum: vec![f64::INFINITY; 6 * n],
+            maximum: vec![f64::NEG_INFINITY; 6 * n],
+            finite: vec![0; 6 * n],
+            non_finite: vec![0; 6 * n],
+            last: vec![f64::NAN; 2 * n],
+            turns: vec![0.0; 2 * n],
+            wraps: vec![0; 2 * n],
+            slopes: vec![Slope::default(); n],
+            first_ns: None,
+            last_ns: None,
+            last_epoch: 0,
+            segment: 0,
+        }
+    }
+
+    /// The period in raw units, if the signal may still come from a wrapping encoder.
+    pub(crate) fn raw_period(&self, quantity: Quantity, joint: usize) -> Option<f64> {
+        if !matches!(quantity, Quantity::Q | Quantity::Theta) {
+            return None;
+        }
+        let index = quantity.index() * self.n + joint;
+        let signal = &self.signals[index];
+        let period = signal.period?;
+        (self.maximum[index] - self.minimum[index] <= WRAP_SPAN_PERIODS * period
+            || self.finite[index] == 0)
+            .then_some(period / signal.scale.abs())
+    }
+
+    /// Turns the wide raw row into the frame.
+    pub(crate) fn apply(
+        &mut self,
+        epoch: u32,
+        time_ns: i64,
+        after_damage: bool,
+        raw: &[f64],
+        frame: &mut Frame,
+        health: &mut Health,
+    ) {
+        let new_segment = self.segment_at(epoch, time_ns, after_damage, health);
+        frame.time_ns = time_ns;
+        frame.segment = self.segment;
+        let n = self.n;
+        for quantity in Quantity::PER_JOINT {
+            let block = quantity.index() * n;
+            let out = frame.get_mut(quantity);
+            self.convert(block, &raw[block..block + n], out);
+        }
+        self.unwrap(new_segment, frame);
+        frame.temperature_c = raw[6 * n..]
+            .iter()
+            .copied()
+            .find(|value| !is_absent(*value))
+            .filter(|value| value.is_finite())
+            .unwrap_or(f64::NAN);
+
+        if frame.q.iter().all(|value| value.is_nan()) {
+            health.frames_without_joint_side += 1;
+        }
+        if frame.theta.iter().all(|value| value.is_nan()) {
+            health.frames_without_motor_side += 1;
+        }
+        if health.frames % SLOPE_EVERY == 0 {
+            self.watch_slopes(frame);
+        }
+        health.frames += 1;
+    }
+
+    fn segment_at(
+        &mut self,
+        epoch: u32,
+        time_ns: i64,
+        after_damage: bool,
+        health: &mut Health,
+    ) -> bool {
+        let Some(last_ns) = self.last_ns.replace(time_ns) else {
+            self.first_ns = Some(time_ns);
+            self.last_epoch = epoch;
+            return false;
+        };
+        let mut new_segment = after_damage;
+        if epoch != self.last_epoch {
+            self.last_epoch = epoch;
+            new_segment = true;
+            health.clock_jumps += 1;
+            health.event(time_ns, EventKind::ClockJump, || {
+                let back_s = last_ns.saturating_sub(time_ns) as f64 * 1e-9;
+                format!("the clock went back by {back_s:.3} s; a new segment starts")
+            });
+        } else {
+            let pause_ns = time_ns.saturating_sub(last_ns);
+            if pause_ns > self.gap_ns {
+                new_segment = true;
+                let pause_s = pause_ns as f64 * 1e-9;
+                health.gaps += 1;
+                health.longest_gap_s = health.longest_gap_s.max(pause_s);
+                health.event(last_ns, EventKind::Gap, || {
+                    format!("no frame for {pause_s:.3} s; a new segment starts")
+                });
+            }
+        }
+        if new_segment {
+            self.segment = self.segment.saturating_add(1);
+        }
+        new_segment
+    }
+
+    /// Raw to SI, with the extremes of what was recorded.
+    #[inline]
+    fn convert(&mut self, block: usize, raw: &[f64], out: &mut [f64]) {
+        let n = self.n;
+        let minimum = &mut self.minimum[block..block + n];
+        let maximum = &mut self.maximum[block..block + n];
+        let finite = &mut self.finite[block..block + n];
+        for joint in 0..n {
+            let mut value = raw[joint];
+            if !self.identity && !is_absent(value) {
+                let signal = &self.signals[block + joint];
+                value = signal.scale * value + signal.offset;
+            }
+            if value.is_finite() {
+                if value < minimum[joint] {
+                    minimum[joint] = value;
+                }
+                if value > maximum[joint] {
+                    maximum[joint] = value;
+                }
+                finite[joint] += 1;
+                out[joint] = value;
+            } else {
+                if !is_absent(value) {
+                    self.non_finite[block + joint] += 1;
+                }
+                out[joint] = f64::NAN;
+            }
+        }
+    }
+
+    #[inline]
+    fn unwrap(&mut self, new_segment: bool, frame: &mut Frame) {
+        let n = self.n;
+        for joint in 0..n {
+            let q_before = self.last[joint];
+            if let Some(period) = self.signals[joint].period {
+                self.unwrap_one(joint, joint, period, q_before, &mut frame.q[joint]);
+            }
+            let theta = n + joint;
+            if let Some(period) = self.signals[theta].period {
+                let mut expected = self.last[theta];
+                if new_segment {
+                    let moved = frame.q[joint] - q_before;
+                    if moved.is_finite() {
+                        expected += moved;
+                    }
+                }
+                self.unwrap_one(theta, theta, period, expected, &mut frame.theta[joint]);
+            }
+        }
+    }
+
+    #[inline]
+    fn unwrap_one(
+        &mut self,
+        place: usize,
+        signal: usize,
+        period: f64,
+        expected: f64,
+        value: &mut f64,
+    ) {
+        if value.is_nan() {
+            return;
+        }
+        let mut unwrapped = *value;
+        if self.turns[place] != 0.0 {
+            unwrapped += self.turns[place] * period;
+        }
+        // False as well when nothing is expected yet (NaN).
+        if (unwrapped - expected).abs() > 0.5 * period
+            && self.maximum[signal] - self.minimum[signal] <= WRAP_SPAN_PERIODS * period
+        {
+            let turns = ((expected - unwrapped) / period).round();
+            if turns != 0.0 {
+                self.turns[place] += turns;
+                self.wraps[place] += 1;
+                unwrapped = *value + self.turns[place] * period;
+            }
+        }
+        self.last[place] = unwrapped;
+        *value = unwrapped;
+    }
+
+    fn watch_slopes(&mut self, frame: &Frame) {
+        for (joint, slope) in self.slopes.iter_mut().enumerate() {
+            let (q, theta) = (frame.q[joint], frame.theta[joint]);
+            if !(q.is_finite() && theta.is_finite()) {
+                continue;
+            }
+            if slope.count == 0.0 {
+                slope.origin = (q, theta);
+            }
+            let (q, theta) = (q - slope.origin.0, theta - slope.origin.1);
+            slope.count += 1.0;
+            slope.q += q;
+            slope.theta += theta;
+            slope.qq += q * q;
+            slope.q_theta += q * theta;
+        }
+    }
+
+    /// Writes the counts and suspicions of the whole recording.
+    pub(crate) fn finish(&mut self, health: &mut Health) {
+        let n = self.n;
+        health.non_finite.clear();
+        health.unwrapped.clear();
+        for quantity in Quantity::PER_JOINT {
+            for joint in 0..n {
+                let index = quantity.index() * n + joint;
+                if self.non_finite[index] > 0 {
+                    health.non_finite.push(SignalCount {
+                        quantity,
+                        joint: self.joints[joint].clone(),
+                        count: self.non_finite[index],
+                    });
+                }
+                self.suspect_signal(quantity, joint, health);
+            }
+        }
+        for (block, quantity) in [Quantity::Q, Quantity::Theta].into_iter().enumerate() {
+            for joint in 0..n {
+                let wraps = self.wraps[block * n + joint];
+                if wraps > 0 {
+                    health.unwrapped.push(SignalCount {
+                        quantity,
+                        joint: self.joints[joint].clone(),
+                        count: wraps,
+                    });
+                }
+            }
+        }
+        for joint in 0..n {
+            self.suspect_sides(joint, health);
+        }
+    }
+
+    fn suspect_signal(&self, quantity: Quantity, joint: usize, health: &mut Health) {
+        let index = quantity.index() * self.n + joint;
+        let name = format!("{}.{}", quantity.symbol(), self.joints[joint]);
+        let (minimum, maximum) = (self.minimum[index], self.maximum[index]);
+        if self.finite[index] == 0 {
+            if self.non_finite[index] > 0 {
+                health.suspicion(format!(
+                    "{name} holds no finite value in {} samples",
+                    self.non_finite[index]
+                ));
+            }
+            return;
+        }
+        let seconds = match (self.first_ns, self.last_ns) {
+            (Some(first), Some(last)) => last.saturating_sub(first) as f64 * 1e-9,
+            _ => 0.0,
+        };
+        if minimum == maximum
+            && self.finite[index] >= CONSTANT_FRAMES
+            && seconds.abs() >= CONSTANT_SECONDS
+        {
+            health.suspicion(format!(
+                "{name} is constant at {minimum} over {} samples",
+                self.finite[index]
+            ));
+        }
+        let largest = minimum.abs().max(maximum.abs());
+        if quantity == Quantity::Q && largest > DEGREES_FROM_RAD {
+            health.suspicion(format!(
+                "{name} looks like degrees (range {:.4}, from {minimum:.4} to {maximum:.4}): \
+                 a mapping with unit = \"deg\" converts it; ignore this for a joint that turns without end or slides",
+                maximum - minimum
+            ));
+        }
+    }
+
+    /// Compares the motor side with the joint side: unit, gear ratio, sign.
+    fn suspect_sides(&self, joint: usize, health: &mut Health) {
+        const RAD_TO_DEG: f64 = 180.0 / std::f64::consts::PI;
+        let slope = &self.slopes[joint];
+        let variance = slope.qq - slope.q * slope.q / slope.count;
+        let covariance = slope.q_theta - slope.q * slope.theta / slope.count;
+        let span = self.maximum[joint] - self.minimum[joint];
+        let enough = slope.count >= 16.0 && variance > 0.0 && span.is_finite();
+        if !enough || span < SLOPE_SPAN_RAD {
+            return;
+        }
+        let ratio = covariance / variance;
+        let name = &self.joints[joint];
+        if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
+            health.suspicion(format!(
+                "theta.{name} moves {ratio:.1} times as much as q.{name}: theta looks like degrees"
+            ));
+        } else if (ratio * RAD_TO_DEG - 1.0).abs() < 0.1 {
+            health.suspicion(format!(
+                "theta.{name} moves {ratio:.4} times as much as q.{name}: q looks like degrees"
+            ));
+        } else if ratio.abs() > 2.0 {
+            health.suspicion(format!(
+                "theta.{name} moves {ratio:.1} times as much as q.{name}: not divided by the gear ratio?"
+            ));
+        } else if ratio < -0.2 {
+            health.suspicion(format!(
+                "theta.{name} moves against q.{name} (factor {ratio:.2}): wrong sign?"
+            ));
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! From streams of samples to frames: sorted, joined, conditioned.
+//!
+//! One *primary* stream sets the instants (joint side, or the rows of a table);
+//! *side* streams (motor side, external torque) are looked up at these instants:
+//! the sample with the same stamp, or the linear interpolation of its neighbours.
+
+mod condition;
+mod sorter;
+
+use crate::frame::{ABSENT, BLOCKS, Frame, Quantity, is_absent};
+use crate::health::{EventKind, Health};
+
+pub(crate) use condition::{Conditioner, Signal};
+pub(crate) use sorter::Sorter;
+use sorter::{Key, has_reached};
+
+/// A joint-side sample waits for a stalled side stream at most this many windows.
+const PATIENCE_WINDOWS: i64 = 4;
+
+/// A stream looked up at the instants of the primary one.
+#[derive(Debug)]
+pub(crate) struct Side {
+    pub(crate) sorter: Sorter,
+    /// The quantity of each block of `n` values in its rows.
+    blocks: Vec<Quantity>,
+    /// Columns that ever held a value.
+    seen: Vec<bool>,
+    /// Index of the last sample at or before the current instant.
+    cursor: usize,
+}
+
+/// Sorts, joins and conditions; hands out one frame at a time.
+#[derive(Debug)]
+pub(crate) struct Joiner {
+    n: usize,
+    window_ns: i64,
+    interpolate_ns: i64,
+    pub(crate) primary: Sorter,
+    primary_blocks: Vec<Quantity>,
+    pub(crate) sides: Vec<Side>,
+    raw: Vec<f64>,
+    conditioner: Conditioner,
+    frame: Frame,
+    ended: bool,
+    late_reported: u64,
+}
+
+impl Joiner {
+    pub(crate) fn new(
+        n: usize,
+        primary_blocks: &[Quantity],
+        side_blocks: &[&[Quantity]],
+        window_ns: i64,
+        interpolate_ns: i64,
+        conditioner: Conditioner,
+    ) -> Self {
+        Joiner {
+            n,
+            window_ns,
+            interpolate_ns,
+            primary: Sorter::new(n * primary_blocks.len(), window_ns),
+            primary_blocks: primary_blocks.to_vec(),
+            sides: side_blocks
+                .iter()
+                .map(|blocks| Side {
+                    sorter: Sorter::new(n * blocks.len(), window_ns),
+                    blocks: blocks.to_vec(),
+                    seen: vec![false; n * blocks.len()],
+                    cursor: 0,
+                })
+                .collect(),
+            raw: vec![ABSENT; n * BLOCKS],
+            conditioner,
+            frame: Frame::new(n),
+            ended: false,
+            late_reported: 0,
+        }
+    }
+
+    /// Nothing more will come: everything held may leave.
+    pub(crate) fn end(&mut self) {
+        self.primary.drop_behind();
+        for side in &mut self.sides {
+            side.sorter.drop_behind();
+        }
+        self.ended = true;
+    }
+
+    /// The next sample comes after a damaged part of the file.
+    pub(crate) fn mark_damage(&mut self) {
+        self.primary.mark_damage();
+    }
+
+    /// Whether the oldest joint-side sample may become a frame now.
+    #[inline]
+    pub(crate) fn is_ready(&self) -> bool {
+        let Some(front) = self.primary.front() else {
+            return false;
+        };
+        if self.ended || self.primary.is_full() {
+            return true;
+        }
+        if !self.primary.front_is_settled(self.window_ns) {
+            return false;
+        }
+        let key = front.key;
+        let sides_reached = self.sides.iter().all(|side| {
+            side.sorter.is_full()
+                || side
+                    .sorter
+                    .newest()
+                    .is_some_and(|newest| has_reached(newest, key, self.window_ns))
+        });
+        sides_reached
+            || self
+                .primary
+                .front_is_settled(self.window_ns.saturating_mul(PATIENCE_WINDOWS))
+    }
+
+    /// Makes the frame of the oldest joint-side sample. Call only when [`Self::is_ready`].
+    pub(crate) fn compose(&mut self, health: &mut Health) -> &Frame {
+        let n = self.n;
+        let (key, after_damage) = match self.primary.front() {
+            None => return &self.frame,
+            Some(slot) => {
+                for (block, quantity) in self.primary_blocks.iter().enumerate() {
+                    let into = quantity.index() * n;
+                    self.raw[into..into + n]
+                        .copy_from_slice(&slot.values[block * n..(block + 1) * n]);
+                }
+                (slot.key, slot.after_damage)
+            }
+        };
+        for side in &mut self.sides {
+            side.look_up(
+                key,
+                n,
+                self.interpolate_ns,
+                &self.conditioner,
+                &mut self.raw,
+            );
+        }
+        self.primary.pop_front();
+        if self.primary.counts.late != self.late_reported {
+            let newly = self.primary.counts.late - self.late_reported;
+            self.late_reported = self.primary.counts.late;
+            let at = self.primary.last_late_ns.unwrap_or(key.time_ns);
+            health.event(at, EventKind::Late, || {
+                format!("{newly} messages came later than the reorder window and were dropped")
+            });
+        }
+        self.conditioner.apply(
+            key.epoch,
+            key.time_ns,
+            after_damage,
+            &self.raw,
+            &mut self.frame,
+            health,
+        );
+        &self.frame
+    }
+
+    /// Adds what the sorters and the conditioner counted.
+    pub(crate) fn finish(&mut self, health: &mut Health) {
+        let mut counts = self.primary.counts;
+        for side in &self.sides {
+            counts.late += side.sorter.counts.late;
+            counts.duplicates += side.sorter.counts.duplicates;
+            counts.out_of_order += side.sorter.counts.out_of_order;
+        }
+        health.late = counts.late;
+        health.duplicates = counts.duplicates;
+        health.out_of_order = counts.out_of_order;
+        self.conditioner.finish(health);
+    }
+}
+
+impl Side {
+    /// Writes this stream's values at `key` into the wide row; absent where there are none.
+    fn look_up(
+        &mut self,
+        key: Key,
+        n: usize,
+        interpolate_ns: i64,
+        conditioner: &Conditioner,
+        raw: &mut [f64],
+    ) {
+        let horizon = Key {
+            epoch: key.epoch,
+            time_ns: key.time_ns.saturating_sub(interpolate_ns),
+        };
+        while self
+            .sorter
+            .get(1)
+            .is_some_and(|second| second.key <= horizon)
+        {
+            self.sorter.pop_front();
+            self.cursor = self.cursor.saturating_sub(1);
+        }
+        // The cursor corrects itself after samples were sorted in before it.
+        self.cursor = self.cursor.min(self.sorter.len().saturating_sub(1));
+        while self.cursor > 0 && self.sorter.get(self.cursor).is_some_and(|s| s.key > key) {
+            self.cursor -= 1;
+        }
+        while self
+            .sorter
+            .get(self.cursor + 1)
+            .is_some_and(|next| next.key <= key)
+        {
+            self.cursor += 1;
+        }
+
+        let near = |index: Option<usize>| {
+            index
+                .and_then(|index| self.sorter.get(index))
+                .filter(|slot| {
+                    slot.key.epoch == key.epoch
+                        && slot.key.time_ns.abs_diff(key.time_ns) <= interpolate_ns.unsigned_abs()
+                })
+        };
+        let before = near(Some(self.cursor)).filter(|slot| slot.key <= key);
+        let after_index = if self
+            .sorter
+            .get(self.cursor)
+            .is_some_and(|slot| slot.key > key)
+        {
+            self.cursor
+        } else {
+            self.cursor + 1
+        };
+        let after = near(Some(after_index));
+
+        for (block, quantity) in self.blocks.iter().enumerate() {
+            let into = quantity.index() * n;
+            for joint in 0..n {
+                let column = block * n + joint;
+                let value = match (before, after) {
+                    (Some(a), _) if a.key == key => a.values[column],
+                    (Some(a), Some(b)) => {
+                        let (va, vb) = (a.values[column], b.values[column]);
+                        if is_absent(va) || is_absent(vb) {
+                            ABSENT
+                        } else {
+                            let period = conditioner.raw_period(*quantity, joint);
+                            interpolate(key.time_ns, a.key, va, b.key, vb, period)
+                        }
+                    }
+                    _ => ABSENT,
+                };
+                raw[into + joint] = if is_absent(value) {
+                    if self.seen[column] {
+                        self.look_farther(key, column, after_index, interpolate_ns, || {
+                            conditioner.raw_period(*quantity, joint)
+                        })
+                    } else {
+                        ABSENT
+                    }
+                } else {
+                    value
+                };
+            }
+        }
+    }
+
+    /// A joint missing in the nearest samples (each message may hold a subset):
+    /// its own nearest samples on both sides, within the same distance.
+    #[cold]
+    fn look_farther(
+        &self,
+        key: Key,
+        column: usize,
+        after_index: usize,
+        interpolate_ns: i64,
+        period: impl Fn() -> Option<f64>,
+    ) -> f64 {
+        let near = |key_of: Key| {
+            key_of.epoch == key.epoch
+                && key_of.time_ns.abs_diff(key.time_ns) <= interpolate_ns.unsigned_abs()
+        };
+        let found = |index: usize| {
+            self.sorter
+                .get(index)
+                .map(|slot| (slot.key, slot.values[column]))
+        };
+        let before = (0..after_index)
+            .rev()
+            .map_while(found)
+            .take_while(|(at, _)| near(*at))
+            .find(|(_, value)| !is_absent(*value));
+        let after = (after_index..self.sorter.len())
+            .map_while(found)
+            .take_while(|(at, _)| near(*at))
+            .find(|(_, value)| !is_absent(*value));
+        match (before, after) {
+            (Some((at, value)), _) if at == key => value,
+            (Some((ka, va)), Some((kb, vb))) => interpolate(key.time_ns, ka, va, kb, vb, period()),
+            _ => ABSENT,
+        }
+    }
+
+    /// Takes a sample in; `fill` writes it over a row of "absent".
+    #[inline]
+    pub(crate) fn insert(&mut self, time_ns: i64, fill: impl FnOnce(&mut [f64])) {
+        let seen = &mut self.seen;
+        self.sorter.insert(time_ns, |row| {
+            fill(row);
+            for (seen, value) in seen.iter_mut().zip(row.iter()) {
+                *seen |= !is_absent(*value);
+            }
+        });
+    }
+}
+
+fn interpolate(time_ns: i64, ka: Key, va: f64, kb: Key, vb: f64, period: Option<f64>) -> f64 {
+    // Both lie within the interpolation distance, so the differences are small and exact.
+    let span = kb.time_ns.wrapping_sub(ka.time_ns) as f64;
+    let weight = time_ns.wrapping_sub(ka.time_ns) as f64 / span;
+    let mut difference = vb - va;
+    if let Some(period) = period
+        && difference.abs() > 0.5 * period
+    {
+        difference -= period * (difference / period).round();
+    }
+    va + weight * difference
+}

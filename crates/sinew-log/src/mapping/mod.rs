@@ -1,0 +1,150 @@
+//! Mapping files: other names, units, signs and gear ratios to the frame's quantities.
+//!
+//! ```toml
+//! [time]
+//! column = "transmit_time"       # default: time_s or time_ns
+//! unit = "s"                     # s, ms, us, ns
+//!
+//! [temperature]
+//! column = "board_temperature"
+//! unit = "°C"                    # or K
+//!
+//! [joints.elbow]                 # the name Sinew shall use; order is kept
+//! name = "j3"                    # MCAP: name in the recording, default the same
+//! motor_name = "m3"              # MCAP: name on the motor side, default `name`
+//! q = { column = "position", unit = "deg", sign = -1, offset = 0.1 }
+//! theta = { sum = [ { column = "position" }, { column = "deflection", scale = -1.0 } ] }
+//! tau_el = { column = "effort", unit = "N·mm" }
+//!
+//! [mcap]
+//! joint_state_topic = "/arm/joint_states"
+//! motor_topic = "/arm/motor_states"
+//! motor_interface = "position"
+//! ```
+//!
+//! A term is `si = sign · scale · unit(raw) / gear_ratio + offset`; `offset` is
+//! in SI and is added last. `unit = "count"` needs `counts_per_turn`. Positions
+//! in rad, deg, turn or count are unwrapped with the period `wrap_period`
+//! (default 2π, in SI at the joint) unless `wrap = false`; lengths are not.
+//! In an MCAP recording the terms have no `column` and no `sum`: the topic's own
+//! fields are converted.
+
+mod parse;
+pub(crate) mod unit;
+
+use crate::frame::Quantity;
+
+pub(crate) use parse::from_toml;
+
+/// Names, units, gear ratios, signs and offsets of a recording that has its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mapping {
+    pub(crate) file: String,
+    pub(crate) time: Option<TimeMap>,
+    pub(crate) temperature: Option<Source>,
+    pub(crate) joints: Vec<JointMap>,
+    pub(crate) mcap: McapMap,
+}
+
+impl Mapping {
+    /// Reads a mapping from the text of a TOML file; `file_name` is for messages only.
+    ///
+    /// # Errors
+    /// [`LogError::Mapping`](crate::LogError::Mapping) with file and line: broken TOML, unknown
+    /// keys, unknown units, a unit that cannot be the quantity, a zero or infinite factor.
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Mapping, crate::LogError> {
+        from_toml(text, file_name)
+    }
+
+    /// Reads a mapping file.
+    ///
+    /// # Errors
+    /// As [`Mapping::from_toml`], and [`LogError::Io`](crate::LogError::Io).
+    pub fn read(path: &std::path::Path) -> Result<Mapping, crate::LogError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| crate::LogError::Io {
+            file: file.clone(),
+            action: "read",
+            source,
+        })?;
+        from_toml(&text, &file)
+    }
+
+    /// The joints the mapping names, in the file's order.
+    pub fn joint_names(&self) -> impl Iterator<Item = &str> {
+        self.joints.iter().map(|joint| joint.name.as_str())
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TimeMap {
+    pub(crate) column: Option<String>,
+    /// Power of ten to nanoseconds; `None`: by the column's suffix.
+    pub(crate) exponent: Option<i32>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct JointMap {
+    pub(crate) name: String,
+    pub(crate) recorded: Option<String>,
+    pub(crate) motor_recorded: Option<String>,
+    /// One source per quantity of [`Quantity::PER_JOINT`].
+    pub(crate) sources: [Option<Source>; 6],
+}
+
+impl JointMap {
+    pub(crate) fn recorded_name(&self) -> &str {
+        self.recorded.as_deref().unwrap_or(&self.name)
+    }
+
+    pub(crate) fn motor_recorded_name(&self) -> &str {
+        self.motor_recorded
+            .as_deref()
+            .unwrap_or(self.recorded_name())
+    }
+}
+
+/// Where one quantity comes from: a sum of terms.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) terms: Vec<Term>,
+    pub(crate) wrap: Wrap,
+    pub(crate) line: usize,
+}
+
+/// `si = scale · raw + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Term {
+    pub(crate) column: Option<String>,
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
+    pub(crate) line: usize,
+}
+
+/// Period of the encoder as seen at the joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Wrap {
+    Never,
+    Period(f64),
+}
+
+impl Wrap {
+    /// What a position without further information has: one turn.
+    pub(crate) fn default_for(quantity: Quantity) -> Wrap {
+        match quantity {
+            Quantity::Q | Quantity::Theta => Wrap::Period(2.0 * std::f64::consts::PI),
+            _ => Wrap::Never,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct McapMap {
+    pub(crate) joint_state_topic: Option<String>,
+    pub(crate) motor_topic: Option<String>,
+    pub(crate) motor_interface: Option<String>,
+    pub(crate) motor_effort_interface: Option<String>,
+    pub(crate) temperature_interface: Option<String>,
+    pub(crate) external_torque_topic: Option<String>,
+    pub(crate) joint_effort: Option<crate::options::JointEffort>,
+}

@@ -1,0 +1,149 @@
+//! A bounds-checked cursor over CDR (OMG CDR, plain XCDR1), for finding where values lie.
+//!
+//! `cdr-encoding` serialises what Sinew writes and is the oracle in the tests. It
+//! is not used to read messages: through serde it gives values, not their
+//! offsets, and a `JointState` needs a `Vec` of names and three of values per
+//! message. Measured on seven joints (`benches/read.rs`, `decode/*`): a cached
+//! layout over this cursor takes tens of nanoseconds where serde takes most of a
+//! microsecond.
+
+/// Bytes of the encapsulation header: representation and options.
+pub(super) const ENCAPSULATION: usize = 4;
+
+/// Why a payload is not the message it should be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CdrError {
+    /// Neither plain big- nor little-endian CDR.
+    Representation(u8),
+    /// The payload ends before the value does.
+    Short { at: usize, wanted: u64 },
+}
+
+impl std::fmt::Display for CdrError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            CdrError::Representation(kind) => {
+                write!(
+                    f,
+                    "CDR representation {kind:#04x}, plain CDR (0 or 1) is read"
+                )
+            }
+            CdrError::Short { at, wanted } => {
+                write!(
+                    f,
+                    "payload ends at byte {at}, where {wanted} bytes more are announced"
+                )
+            }
+        }
+    }
+}
+
+/// A place in a payload. Alignment counts from the end of the encapsulation header.
+#[derive(Clone)]
+pub(super) struct Cdr<'a> {
+    data: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Cdr<'a> {
+    pub(super) fn new(data: &'a [u8]) -> Result<Self, CdrError> {
+        let Some(head) = data.first_chunk::<ENCAPSULATION>() else {
+            return Err(CdrError::Short {
+                at: data.len(),
+                wanted: ENCAPSULATION as u64,
+            });
+        };
+        let big_endian = match (head[0], head[1]) {
+            (0, 0) => true,
+            (0, 1) => false,
+            (0, kind) => return Err(CdrError::Representation(kind)),
+            (kind, _) => return Err(CdrError::Representation(kind)),
+        };
+        Ok(Cdr {
+            data,
+            at: ENCAPSULATION,
+            big_endian,
+        })
+    }
+
+    pub(super) fn is_big_endian(&self) -> bool {
+        self.big_endian
+    }
+
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    fn take(&mut self, bytes: u64) -> Result<&'a [u8], CdrError> {
+        let rest = &self.data[self.at..];
+        let wanted = usize::try_from(bytes).ok().filter(|n| *n <= rest.len());
+        match wanted {
+            Some(wanted) => {
+                self.at += wanted;
+                Ok(&rest[..wanted])
+            }
+            None => Err(CdrError::Short {
+                at: self.data.len(),
+                wanted: bytes - rest.len() as u64,
+            }),
+        }
+    }
+
+    fn align(&mut self, to: usize) -> Result<(), CdrError> {
+        let past = (self.at - ENCAPSULATION) % to;
+        if past != 0 {
+            self.take((to - past) as u64)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, CdrError> {
+        self.align(4)?;
+        let bytes = self.take(4)?;
+        Ok(read_u32(bytes, self.big_endian))
+    }
+
+    /// A string without its closing zero, as bytes.
+    pub(super) fn string(&mut self) -> Result<&'a [u8], CdrError> {
+        let length = self.u32()?;
+        let bytes = self.take(u64::from(length))?;
+        Ok(bytes.strip_suffix(&[0]).unwrap_or(bytes))
+    }
+
+    /// Offset and count of a sequence of doubles; the cursor is after them.
+    pub(super) fn doubles(&mut self) -> Result<(usize, usize), CdrError> {
+        let count = self.u32()?;
+        if count > 0 {
+            self.align(8)?;
+        }
+        let at = self.at;
+        self.take(u64::from(count) * 8)?;
+        Ok((at, count as usize))
+    }
+}
+
+#[inline]
+fn read_u32(bytes: &[u8], big_endian: bool) -> u32 {
+    match bytes.first_chunk::<4>() {
+        Some(bytes) if big_endian => u32::from_be_bytes(*bytes),
+        Some(bytes) => u32::from_le_bytes(*bytes),
+        None => 0,
+    }
+}
+
+/// Reads the stamp of a `std_msgs/Header` at the start of a payload, ns.
+///
+/// `None`: not plain CDR, or too short. Seconds are signed in ROS 2.
+#[inline]
+pub(super) fn stamp_ns(data: &[u8]) -> Option<i64> {
+    let head = data.first_chunk::<12>()?;
+    let seconds = [head[4], head[5], head[6], head[7]];
+    let nanos = [head[8], head[9], head[10], head[11]];
+    let (seconds, nanos) = match (head[0], head[1]) {
+        (0, 1) => (i32::from_le_bytes(seconds), u32::from_le_bytes(nanos)),
+        (0, 0) => (i32::from_be_bytes(seconds), u32::from_be_bytes(nanos)),
+        _ => return None,
+    };
+    Some(i64::from(seconds) * 1_000_000_000 + i64::from(nanos))
+}

@@ -1,0 +1,211 @@
+//! `JointState` and `DynamicJointState` payloads: what they name and where the values lie.
+//!
+//! A publisher repeats the same names in the same order in nearly every message.
+//! A message is therefore parsed once into a [`Layout`]; while the bytes that are
+//! not values stay the same, the following messages are compared with `memcmp`
+//! and their values copied from known offsets.
+
+use super::cdr::{Cdr, CdrError, ENCAPSULATION};
+
+/// Stamp of the header, the only bytes before the values that change.
+const STAMP: std::ops::Range<usize> = ENCAPSULATION..ENCAPSULATION + 8;
+/// Messages longer than this are decoded each time: keeping them costs memory.
+const CACHED_BYTES_LIMIT: usize = 64 << 10;
+
+/// A message type of which values are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    JointState,
+    DynamicJointState,
+}
+
+impl Kind {
+    pub(super) fn of_schema(name: &str) -> Option<Kind> {
+        match name {
+            "sensor_msgs/msg/JointState" | "sensor_msgs/JointState" => Some(Kind::JointState),
+            "control_msgs/msg/DynamicJointState" | "control_msgs/DynamicJointState" => {
+                Some(Kind::DynamicJointState)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Which value of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Field<'a> {
+    Position,
+    Velocity,
+    Effort,
+    Interface(&'a [u8]),
+}
+
+/// One value in a payload.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry<'a> {
+    pub(super) joint: &'a [u8],
+    pub(super) field: Field<'a>,
+    pub(super) at: usize,
+}
+
+/// A payload taken apart.
+#[derive(Debug)]
+pub(super) struct Parsed<'a> {
+    big_endian: bool,
+    pub(super) names: Vec<&'a [u8]>,
+    pub(super) entries: Vec<Entry<'a>>,
+    /// Byte ranges that hold values, ascending.
+    values: Vec<(usize, usize)>,
+    end: usize,
+    /// Fewer values than names somewhere.
+    pub(super) short: bool,
+}
+
+pub(super) fn parse(kind: Kind, data: &[u8]) -> Result<Parsed<'_>, CdrError> {
+    let mut cdr = Cdr::new(data)?;
+    // Header: seconds, nanoseconds, frame.
+    cdr.u32()?;
+    cdr.u32()?;
+    cdr.string()?;
+    let count = cdr.u32()?;
+    let mut names = Vec::new();
+    for _ in 0..count {
+        names.push(cdr.string()?);
+    }
+    let mut parsed = Parsed {
+        big_endian: cdr.is_big_endian(),
+        names,
+        entries: Vec::new(),
+        values: Vec::new(),
+        end: 0,
+        short: false,
+    };
+    match kind {
+        Kind::JointState => {
+            for field in [Field::Position, Field::Velocity, Field::Effort] {
+                let (at, count) = cdr.doubles()?;
+                parsed.values.push((at, at + 8 * count));
+                // An empty sequence means "not published"; a shorter one is a fault.
+                parsed.short |= count != 0 && count < parsed.names.len();
+                for (index, joint) in parsed.names.iter().take(count).enumerate() {
+                    parsed.entries.push(Entry {
+                        joint,
+                        field,
+                        at: at + 8 * index,
+                    });
+                }
+            }
+        }
+        Kind::DynamicJointState => {
+            let count = cdr.u32()? as usize;
+            parsed.short |= count < parsed.names.len();
+            let mut interfaces = Vec::new();
+            for index in 0..count {
+                interfaces.clear();
+                let named = cdr.u32()?;
+                for _ in 0..named {
+                    interfaces.push(cdr.string()?);
+                }
+                let (at, values) = cdr.doubles()?;
+                parsed.values.push((at, at + 8 * values));
+                parsed.short |= values < interfaces.len();
+                let Some(joint) = parsed.names.get(index) else {
+                    continue;
+                };
+                for (value, interface) in interfaces.iter().take(values).enumerate() {
+                    parsed.entries.push(Entry {
+                        joint,
+                        field: Field::Interface(interface),
+                        at: at + 8 * value,
+                    });
+                }
+            }
+        }
+    }
+    parsed.end = cdr.at();
+    Ok(parsed)
+}
+
+/// Where the values of a message go, valid while its other bytes stay the same.
+#[derive(Debug)]
+pub(super) struct Layout {
+    template: Vec<u8>,
+    /// Byte ranges that must equal the template.
+    fixed: Vec<(usize, usize)>,
+    /// Offset in the payload and column of the row.
+    picks: Vec<(usize, usize)>,
+    big_endian: bool,
+    pub(super) short: bool,
+}
+
+impl Layout {
+    /// `column_of` says where a value goes; the first value of a column is kept.
+    pub(super) fn new<'a>(
+        data: &[u8],
+        parsed: &Parsed<'a>,
+        width: usize,
+        mut column_of: impl FnMut(&Entry<'a>) -> Option<usize>,
+    ) -> Layout {
+        let mut taken = vec![false; width];
+        let mut picks = Vec::new();
+        for entry in &parsed.entries {
+            if let Some(column) = column_of(entry)
+                && !std::mem::replace(&mut taken[column], true)
+            {
+                picks.push((entry.at, column));
+            }
+        }
+        let mut fixed = vec![(0, STAMP.start)];
+        let mut from = STAMP.end;
+        for &(start, end) in &parsed.values {
+            if start > from {
+                fixed.push((from, start));
+            }
+            from = end;
+        }
+        if parsed.end > from {
+            fixed.push((from, parsed.end));
+        }
+        Layout {
+            template: data.to_vec(),
+            fixed,
+            picks,
+            big_endian: parsed.big_endian,
+            short: parsed.short,
+        }
+    }
+
+    pub(super) fn is_cacheable(&self) -> bool {
+        self.template.len() <= CACHED_BYTES_LIMIT
+    }
+
+    /// Whether any value of the message is wanted.
+    pub(super) fn is_empty(&self) -> bool {
+        self.picks.is_empty()
+    }
+
+    /// Whether the message has this layout.
+    #[inline]
+    pub(super) fn fits(&self, data: &[u8]) -> bool {
+        data.len() == self.template.len()
+            && self
+                .fixed
+                .iter()
+                .all(|&(start, end)| data[start..end] == self.template[start..end])
+    }
+
+    /// Copies the values into a row. The message must fit.
+    #[inline]
+    pub(super) fn copy(&self, data: &[u8], row: &mut [f64]) {
+        for &(at, column) in &self.picks {
+            let Some(bytes) = data[at..].first_chunk::<8>() else {
+                continue;
+            };
+            row[column] = if self.big_endian {
+                f64::from_be_bytes(*bytes)
+            } else {
+                f64::from_le_bytes(*bytes)
+            };
+        }
+    }
+}

@@ -1,0 +1,685 @@
+//! MCAP as ROS 2 writes it: joint side, motor side and external torque as samples.
+
+mod cdr;
+mod chunk;
+mod container;
+mod message;
+mod scan;
+mod source;
+
+use std::collections::HashMap;
+
+use crate::error::{LogError, name_list, nearest};
+use crate::frame::{Channels, Quantities, Quantity};
+use crate::health::{Health, UNKNOWN_LIMIT};
+use crate::join::{Conditioner, Joiner, Signal};
+use crate::mapping::{JointMap, Mapping, Wrap};
+use crate::options::{JointEffort, OpenOptions};
+use crate::recording::{ReadSeek, to_ns};
+use container::{Container, Item};
+use message::{Entry, Field, Kind, Layout, parse};
+use scan::{Contents, Fields, Topic};
+use source::Source;
+
+/// Layouts remembered per topic: publishers that take turns on one topic.
+const LAYOUTS_KEPT: usize = 4;
+/// Topic of the joint side unless told otherwise.
+const JOINT_TOPIC: &str = "/joint_states";
+/// Topic of the motor side unless told otherwise.
+const MOTOR_TOPIC: &str = "/dynamic_joint_states";
+
+/// What a topic is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Joint,
+    Motor,
+    External,
+}
+
+/// Topic and interface names after options and mapping were merged.
+#[derive(Debug, Clone)]
+struct Names {
+    joint_topic: String,
+    motor_topic: Option<String>,
+    external_topic: Option<String>,
+    motor_interface: String,
+    motor_effort_interface: String,
+    temperature_interface: String,
+    joint_effort: JointEffort,
+}
+
+impl Names {
+    fn quantity(&self, role: Role, field: Field<'_>) -> Option<Quantity> {
+        match (role, field) {
+            (Role::Joint, Field::Position) => Some(Quantity::Q),
+            (Role::Joint, Field::Velocity) => Some(Quantity::Dq),
+            (Role::Joint, Field::Effort) => match self.joint_effort {
+                JointEffort::TauEl => Some(Quantity::TauEl),
+                JointEffort::TauM => Some(Quantity::TauM),
+                JointEffort::Ignore => None,
+            },
+            (Role::Motor, Field::Position) => Some(Quantity::Theta),
+            (Role::Motor, Field::Effort) => Some(Quantity::TauM),
+            (Role::Motor, Field::Interface(name)) => {
+                if name == self.motor_interface.as_bytes() {
+                    Some(Quantity::Theta)
+                } else if name == self.motor_effort_interface.as_bytes() {
+                    Some(Quantity::TauM)
+                } else if name == self.temperature_interface.as_bytes() {
+                    Some(Quantity::Temperature)
+                } else {
+                    None
+                }
+            }
+            (Role::External, Field::Effort) => Some(Quantity::TauExt),
+            _ => None,
+        }
+    }
+}
+
+/// One topic while its messages are read.
+#[derive(Debug)]
+struct Stream {
+    role: Role,
+    kind: Kind,
+    /// Most recently used first.
+    layouts: Vec<Layout>,
+}
+
+/// The joints handed out: where a recorded name goes on each side.
+#[derive(Debug, Default)]
+struct Selection {
+    n: usize,
+    joint_side: HashMap<Vec<u8>, usize>,
+    motor_side: HashMap<Vec<u8>, usize>,
+}
+
+pub(crate) struct McapReader {
+    file: String,
+    container: Container,
+    names: Names,
+    mapping: Vec<JointMap>,
+    pub(crate) joints: Vec<String>,
+    pub(crate) channels: Channels,
+    pub(crate) robot_description: Option<String>,
+    /// Recorded names of all joints known, for telling the unknown ones.
+    known: Vec<Vec<u8>>,
+    schemas: HashMap<u16, String>,
+    streams: Vec<Option<Stream>>,
+    selection: Selection,
+    joint_blocks: Vec<Quantity>,
+    motor_blocks: Vec<Quantity>,
+    ended: bool,
+}
+
+impl McapReader {
+    pub(crate) fn open(
+        reader: Box<dyn ReadSeek>,
+        file: &str,
+        options: &OpenOptions,
+    ) -> Result<Self, LogError> {
+        let io = |source| LogError::Io {
+            file: file.to_owned(),
+            action: "read",
+            source,
+        };
+        let source = Source::new(reader).map_err(io)?;
+        let mut container = Container::new(source, options.chunk_limit_bytes);
+        let contents = scan::scan(&mut container).map_err(io)?;
+        let names = choose(&contents, options, file)?;
+        let empty = Mapping::default();
+        let mapping = options.mapping.as_ref().unwrap_or(&empty);
+        check_mapping(mapping)?;
+        let (joints, channels, known) = joints_of(&contents, &names, mapping, file)?;
+        let effort = match names.joint_effort {
+            JointEffort::TauEl => Some(Quantity::TauEl),
+            JointEffort::TauM => Some(Quantity::TauM),
+            JointEffort::Ignore => None,
+        };
+        let mut joint_blocks = vec![Quantity::Q, Quantity::Dq];
+        joint_blocks.extend(effort);
+        // A quantity has one source; the joint side's wins.
+        let motor_blocks = [Quantity::Theta, Quantity::TauM, Quantity::Temperature]
+            .into_iter()
+            .filter(|quantity| !joint_blocks.contains(quantity))
+            .collect();
+        let mut reader = McapReader {
+            file: file.to_owned(),
+            container,
+            names,
+            mapping: mapping.joints.clone(),
+            joints,
+            channels,
+            robot_description: contents.robot_description,
+            known,
+            schemas: HashMap::new(),
+            streams: Vec::new(),
+            selection: Selection::default(),
+            joint_blocks,
+            motor_blocks,
+            ended: false,
+        };
+        let all = reader.joints.clone();
+        reader.select(&all);
+        Ok(reader)
+    }
+
+    /// Which joints the rows hold from now on, in which order.
+    pub(crate) fn select(&mut self, joints: &[String]) {
+        let mut selection = Selection {
+            n: joints.len(),
+            ..Selection::default()
+        };
+        for (index, joint) in joints.iter().enumerate() {
+            let mapped = self.mapping.iter().find(|mapped| mapped.name == *joint);
+            let recorded = mapped.map_or(joint.as_str(), JointMap::recorded_name);
+            let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
+            selection
+                .joint_side
+                .insert(recorded.as_bytes().to_vec(), index);
+            selection
+                .motor_side
+                .insert(motor.as_bytes().to_vec(), index);
+        }
+        self.selection = selection;
+        self.streams.clear();
+    }
+
+    pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+        let mut signals = Vec::with_capacity(6 * joints.len());
+        for quantity in Quantity::PER_JOINT {
+            for joint in joints {
+                let source = self
+                    .mapping
+                    .iter()
+                    .find(|mapped| mapped.name == *joint)
+                    .and_then(|mapped| mapped.sources[quantity.index()].as_ref());
+                signals.push(match source {
+                    None => Signal::si(quantity),
+                    Some(source) => Signal {
+                        scale: source.terms.first().map_or(1.0, |term| term.scale),
+                        offset: source.terms.first().map_or(0.0, |term| term.offset),
+                        period: match source.wrap {
+                            Wrap::Never => None,
+                            Wrap::Period(period) => Some(period),
+                        },
+                    },
+                });
+            }
+        }
+        let conditioner = Conditioner::new(joints, signals, to_ns(options.gap_s));
+        let mut sides: Vec<&[Quantity]> = Vec::new();
+        if self.names.motor_topic.is_some() {
+            sides.push(&self.motor_blocks);
+        }
+        if self.names.external_topic.is_some() {
+            sides.push(&[Quantity::TauExt]);
+        }
+        Joiner::new(
+            joints.len(),
+            &self.joint_blocks,
+            &sides,
+            to_ns(options.reorder_s),
+            to_ns(options.interpolate_s),
+            conditioner,
+        )
+    }
+
+    pub(crate) fn bytes_done(&self) -> u64 {
+        self.container.bytes_done()
+    }
+
+    pub(crate) fn bytes_total(&self) -> u64 {
+        self.container.bytes_total()
+    }
+
+    /// Reads one message of interest into the joiner; `false` at the end.
+    pub(crate) fn pull(
+        &mut self,
+        joiner: &mut Joiner,
+        health: &mut Health,
+    ) -> Result<bool, LogError> {
+        while !self.ended {
+            let item = self.container.next(health).map_err(|source| LogError::Io {
+                file: self.file.clone(),
+                action: "read",
+                source,
+            })?;
+            match item {
+                Item::End => self.ended = true,
+                Item::Damage => joiner.mark_damage(),
+                Item::Schema { id, name } => {
+                    self.schemas.insert(id, name);
+                }
+                Item::Channel(channel) => self.channel(&channel),
+                Item::Message {
+                    channel,
+                    log_time_ns,
+                } => {
+                    let known = self.streams.get(usize::from(channel));
+                    if known.is_some_and(Option::is_some) {
+                        self.message(channel, log_time_ns, joiner, health);
+                        return Ok(true);
+                    }
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    fn channel(&mut self, channel: &mcap::records::Channel) {
+        let role = if channel.topic == self.names.joint_topic {
+            Role::Joint
+        } else if Some(&channel.topic) == self.names.motor_topic.as_ref() {
+            Role::Motor
+        } else if Some(&channel.topic) == self.names.external_topic.as_ref() {
+            Role::External
+        } else {
+            return;
+        };
+        let kind = self
+            .schemas
+            .get(&channel.schema_id)
+            .and_then(|schema| Kind::of_schema(schema));
+        let Some(kind) = kind else { return };
+        let id = usize::from(channel.id);
+        if self.streams.len() <= id {
+            self.streams.resize_with(id + 1, || None);
+        }
+        // The definition is repeated in every chunk by some recorders: keep the layouts.
+        if self.streams[id].is_none() {
+            self.streams[id] = Some(Stream {
+                role,
+                kind,
+                layouts: Vec::new(),
+            });
+        }
+    }
+
+    #[inline]
+    fn message(
+        &mut self,
+        channel: u16,
+        log_time_ns: u64,
+        joiner: &mut Joiner,
+        health: &mut Health,
+    ) {
+        health.messages += 1;
+        let data = self.container.payload();
+        let Some(Some(stream)) = self.streams.get_mut(usize::from(channel)) else {
+            return;
+        };
+        let fitting = stream.layouts.iter().position(|layout| layout.fits(data));
+        match fitting {
+            Some(0) => {}
+            Some(index) => stream.layouts.swap(0, index),
+            None => {
+                let (blocks, joints) = match stream.role {
+                    Role::Joint => (self.joint_blocks.as_slice(), &self.selection.joint_side),
+                    Role::Motor => (self.motor_blocks.as_slice(), &self.selection.motor_side),
+                    Role::External => ([Quantity::TauExt].as_slice(), &self.selection.joint_side),
+                };
+                let n = self.selection.n;
+                let (names, role) = (&self.names, stream.role);
+                let column = |entry: &Entry<'_>| {
+                    let joint = *joints.get(entry.joint)?;
+                    let quantity = names.quantity(role, entry.field)?;
+                    let block = blocks.iter().position(|block| *block == quantity)?;
+                    Some(block * n + joint)
+                };
+                let layout = match parse(stream.kind, data) {
+                    Ok(parsed) => {
+                        note_unknown(&parsed.names, &self.known, health);
+                        Layout::new(data, &parsed, blocks.len() * n, column)
+                    }
+                    Err(error) => {
+                        health.undecodable(log_time_ns as i64, || {
+                            format!("message of channel {channel}: {error}")
+                        });
+                        return;
+                    }
+                };
+                stream.layouts.truncate(LAYOUTS_KEPT - 1);
+                stream.layouts.insert(0, layout);
+            }
+        }
+        let layout = &stream.layouts[0];
+        health.short_messages += u64::from(layout.short);
+        if !layout.is_empty() {
+            // A zero stamp is what a node without a clock writes.
+            let stamp = cdr::stamp_ns(data).unwrap_or(0);
+            let time_ns = if stamp == 0 {
+                i64::try_from(log_time_ns).unwrap_or(i64::MAX)
+            } else {
+                stamp
+            };
+            let fill = |row: &mut [f64]| layout.copy(data, row);
+            match stream.role {
+                Role::Joint => joiner.primary.insert(time_ns, fill),
+                Role::Motor => joiner.sides[0].insert(time_ns, fill),
+                Role::External => {
+                    if let Some(side) = joiner.sides.last_mut() {
+                        side.insert(time_ns, fill);
+                    }
+                }
+            }
+        }
+        if !layout.is_cacheable() {
+            stream.layouts.remove(0);
+        }
+    }
+}
+
+fn note_unknown(names: &[&[u8]], known: &[Vec<u8>], health: &mut Health) {
+    for name in names {
+        if health.unknown_joints.len() >= UNKNOWN_LIMIT {
+            return;
+        }
+        if !known.iter().any(|known| known == name) {
+            let name = crate::error::shorten(&String::from_utf8_lossy(name), 80);
+            if !health.unknown_joints.contains(&name) {
+                health.unknown_joints.push(name);
+            }
+        }
+    }
+}
+
+/// In an MCAP recording a term converts a field; it names no column.
+fn check_mapping(mapping: &Mapping) -> Result<(), LogError> {
+    for source in mapping
+        .joints
+        .iter()
+        .flat_map(|joint| joint.sources.iter().flatten())
+    {
+        for term in &source.terms {
+            if let Some(column) = &term.column {
+                return Err(LogError::Mapping {
+                    file: mapping.file.clone(),
+                    line: Some(term.line),
+                    reason: format!(
+                        "column '{column}': an MCAP recording has topics, not columns; \
+                         leave column and sum out, the term then converts the topic's own value"
+                    ),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Chooses the topics.
+fn choose(contents: &Contents, options: &OpenOptions, file: &str) -> Result<Names, LogError> {
+    let defaults = OpenOptions::default();
+    let mapped = options.mapping.as_ref().map(|mapping| &mapping.mcap);
+    let name = |given: &String, default: &String, mapped: Option<&String>| {
+        if given == default {
+            mapped.unwrap_or(given).clone()
+        } else {
+            given.clone()
+        }
+    };
+    let external = name(
+        &options.external_torque_topic,
+        &defaults.external_torque_topic,
+        mapped.and_then(|m| m.external_torque_topic.as_ref()),
+    );
+    let motor_wish = options
+        .motor_topic
+        .clone()
+        .or_else(|| mapped.and_then(|m| m.motor_topic.clone()));
+    let joint_wish = options
+        .joint_state_topic
+        .clone()
+        .or_else(|| mapped.and_then(|m| m.joint_state_topic.clone()));
+
+    let topics: Vec<&Topic> = contents.topics.values().collect();
+    let of_kind = |kind: Kind| -> Vec<&Topic> {
+        topics
+            .iter()
+            .copied()
+            .filter(|topic| Kind::of_schema(&topic.schema) == Some(kind))
+            .collect()
+    };
+    let all_names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
+    let request = |reason: String| LogError::Request {
+        file: file.to_owned(),
+        reason,
+    };
+    let missing = |wanted: &str| {
+        let hint = nearest(wanted, &all_names)
+            .map(|name| format!("; did you mean '{name}'?"))
+            .unwrap_or_default();
+        request(format!(
+            "no topic '{wanted}'{hint} topics are {}",
+            name_list(&all_names)
+        ))
+    };
+
+    let states = of_kind(Kind::JointState);
+    let joint = match &joint_wish {
+        Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
+            None => return Err(missing(wanted)),
+            Some(topic) if Kind::of_schema(&topic.schema) != Some(Kind::JointState) => {
+                return Err(request(format!(
+                    "topic '{wanted}' holds '{}'; the joint side is sensor_msgs/msg/JointState",
+                    topic.schema
+                )));
+            }
+            Some(topic) => *topic,
+        },
+        None => {
+            let candidates: Vec<&Topic> = states
+                .iter()
+                .copied()
+                .filter(|topic| {
+                    Some(&topic.name) != motor_wish.as_ref()
+                        && topic.name != external
+                        && (motor_wish.is_some() || !is_motor_name(&topic.name))
+                })
+                .collect();
+            match candidates.iter().find(|topic| topic.name == JOINT_TOPIC) {
+                Some(topic) => *topic,
+                None => match candidates.as_slice() {
+                    [only] => *only,
+                    [] => {
+                        let damage = contents
+                            .health
+                            .damage
+                            .first()
+                            .map(|damage| {
+                                format!(" before byte {}: {}", damage.offset, damage.reason)
+                            })
+                            .unwrap_or_default();
+                        return Err(LogError::NotARecording {
+                            file: file.to_owned(),
+                            reason: format!(
+                                "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
+                                name_list(&all_names)
+                            ),
+                        });
+                    }
+                    several => {
+                        let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
+                        return Err(request(format!(
+                            "several topics could be the joint side: {}; choose one as joint_state_topic",
+                            name_list(&names)
+                        )));
+                    }
+                },
+            }
+        }
+    };
+    if joint.encoding != "cdr" {
+        return Err(request(format!(
+            "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
+            joint.name, joint.encoding
+        )));
+    }
+
+    let motor = match &motor_wish {
+        Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
+            None => return Err(missing(wanted)),
+            Some(topic) if Kind::of_schema(&topic.schema).is_none() => {
+                return Err(request(format!(
+                    "topic '{wanted}' holds '{}'; the motor side is control_msgs/msg/DynamicJointState or sensor_msgs/msg/JointState",
+                    topic.schema
+                )));
+            }
+            Some(topic) => Some(*topic),
+        },
+        None => {
+            let dynamic = of_kind(Kind::DynamicJointState);
+            dynamic
+                .iter()
+                .copied()
+                .find(|topic| topic.name == MOTOR_TOPIC)
+                .or(match dynamic.as_slice() {
+                    [only] => Some(*only),
+                    _ => None,
+                })
+                .or_else(|| {
+                    states
+                        .iter()
+                        .copied()
+                        .find(|topic| topic.name != joint.name && is_motor_name(&topic.name))
+                })
+        }
+    };
+    let external = topics
+        .iter()
+        .find(|topic| topic.name == external && topic.schema.ends_with("JointState"))
+        .map(|topic| topic.name.clone());
+    Ok(Names {
+        joint_topic: joint.name.clone(),
+        motor_topic: motor.map(|topic| topic.name.clone()),
+        external_topic: external,
+        motor_interface: name(
+            &options.motor_interface,
+            &defaults.motor_interface,
+            mapped.and_then(|m| m.motor_interface.as_ref()),
+        ),
+        motor_effort_interface: name(
+            &options.motor_effort_interface,
+            &defaults.motor_effort_interface,
+            mapped.and_then(|m| m.motor_effort_interface.as_ref()),
+        ),
+        temperature_interface: name(
+            &options.temperature_interface,
+            &defaults.temperature_interface,
+            mapped.and_then(|m| m.temperature_interface.as_ref()),
+        ),
+        joint_effort: match mapped.and_then(|m| m.joint_effort) {
+            Some(effort) if options.joint_effort == JointEffort::default() => effort,
+            _ => options.joint_effort,
+        },
+    })
+}
+
+fn is_motor_name(topic: &str) -> bool {
+    topic.to_ascii_lowercase().contains("motor")
+}
+
+type Joints = (Vec<String>, Channels, Vec<Vec<u8>>);
+
+/// The joints of the recording, what is recorded of each, and their recorded names.
+fn joints_of(
+    contents: &Contents,
+    names: &Names,
+    mapping: &Mapping,
+    file: &str,
+) -> Result<Joints, LogError> {
+    let roles = [
+        (Role::Joint, Some(&names.joint_topic)),
+        (Role::Motor, names.motor_topic.as_ref()),
+        (Role::External, names.external_topic.as_ref()),
+    ];
+    // Recorded name on its side, and what it has there.
+    let mut found: Vec<(Role, String, Quantities)> = Vec::new();
+    let mut known = Vec::new();
+    for (role, topic_name) in roles {
+        let topics = contents
+            .topics
+            .values()
+            .filter(|topic| Some(&topic.name) == topic_name);
+        for (joint, fields) in topics.flat_map(|topic| &topic.joints) {
+            known.push(joint.as_bytes().to_vec());
+            let quantities = quantities_of(role, fields, names);
+            found.push((role, joint.clone(), quantities));
+        }
+    }
+    let mut channels = Channels::default();
+    let mut joints: Vec<String> = Vec::new();
+    if mapping.joints.is_empty() {
+        for (_, joint, quantities) in &found {
+            let anything = Quantity::PER_JOINT.iter().any(|q| quantities.has(*q));
+            if anything && !joints.contains(joint) {
+                joints.push(joint.clone());
+            }
+        }
+    } else {
+        let recorded: Vec<&str> = found.iter().map(|(_, joint, _)| joint.as_str()).collect();
+        for joint in &mapping.joints {
+            let wanted = joint.recorded_name();
+            if !recorded.contains(&wanted) {
+                let hint = nearest(wanted, &recorded)
+                    .map(|name| format!("; did you mean '{name}'?"))
+                    .unwrap_or_default();
+                return Err(LogError::Request {
+                    file: file.to_owned(),
+                    reason: format!(
+                        "the mapping {} names the joint '{wanted}', which is not recorded{hint} joints are {}",
+                        mapping.file,
+                        name_list(&recorded)
+                    ),
+                });
+            }
+            joints.push(joint.name.clone());
+        }
+    }
+    for joint in &joints {
+        let mapped = mapping.joints.iter().find(|mapped| mapped.name == *joint);
+        let recorded = mapped.map_or(joint.as_str(), JointMap::recorded_name);
+        let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
+        let mut all = Quantities::default();
+        for (role, name, quantities) in &found {
+            let wanted = if *role == Role::Motor {
+                motor
+            } else {
+                recorded
+            };
+            if name == wanted {
+                for quantity in quantities.iter() {
+                    all.insert(quantity);
+                }
+            }
+        }
+        channels.temperature |= all.temperature;
+        channels.joints.push(all);
+    }
+    Ok((joints, channels, known))
+}
+
+fn quantities_of(role: Role, fields: &Fields, names: &Names) -> Quantities {
+    let mut quantities = Quantities::default();
+    let plain = [
+        (fields.position, Field::Position),
+        (fields.velocity, Field::Velocity),
+        (fields.effort, Field::Effort),
+    ];
+    let present = plain
+        .into_iter()
+        .filter(|(present, _)| *present)
+        .map(|(_, field)| field)
+        .chain(
+            fields
+                .interfaces
+                .iter()
+                .map(|name| Field::Interface(name.as_bytes())),
+        );
+    for field in present {
+        if let Some(quantity) = names.quantity(role, field) {
+            quantities.insert(quantity);
+        }
+    }
+    quantities
+}

@@ -1,0 +1,69 @@
+//! How a recording shall be read.
+
+use crate::mapping::Mapping;
+
+/// Which quantity the `effort` of the joint-side `JointState` is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum JointEffort {
+    /// Elastic joint torque from a sensor (the default).
+    #[default]
+    TauEl,
+    /// Motor torque reflected to the joint, as many drivers publish it.
+    TauM,
+    /// Not used.
+    Ignore,
+}
+
+/// How a recording shall be read; every field has a documented default.
+///
+/// A [`Mapping`] may set the topic and interface names as well; a name given
+/// here wins over the mapping's.
+#[derive(Debug, Clone)]
+pub struct OpenOptions {
+    /// Names, units, signs and gear ratios of a recording that has its own.
+    pub mapping: Option<Mapping>,
+    /// Joint-side `sensor_msgs/msg/JointState` topic. Default: `/joint_states`,
+    /// else the only `JointState` topic there is that is not the motor side.
+    pub joint_state_topic: Option<String>,
+    /// Motor-side topic, `control_msgs/msg/DynamicJointState` or a second
+    /// `JointState`. Default: `/dynamic_joint_states`, else the only
+    /// `DynamicJointState` topic, else a `JointState` topic with `motor` in its name.
+    pub motor_topic: Option<String>,
+    /// Interface of `DynamicJointState` that holds the motor position, reflected to the joint.
+    pub motor_interface: String,
+    /// Interface of `DynamicJointState` that holds the motor torque, reflected to the joint.
+    pub motor_effort_interface: String,
+    /// Interface of `DynamicJointState` that holds a temperature.
+    pub temperature_interface: String,
+    /// `JointState` topic whose `effort` is the known external torque.
+    pub external_torque_topic: String,
+    /// What the joint side's `effort` is.
+    pub joint_effort: JointEffort,
+    /// A longer pause between frames starts a new segment, s.
+    pub gap_s: f64,
+    /// Messages late by at most this much are sorted in, s; later ones are dropped and counted.
+    pub reorder_s: f64,
+    /// Motor samples farther than this from the joint stamp are not used for interpolation, s.
+    pub interpolate_s: f64,
+    /// Most memory one chunk or record may take, bytes.
+    pub chunk_limit_bytes: usize,
+}
+
+impl Default for OpenOptions {
+    fn default() -> Self {
+        OpenOptions {
+            mapping: None,
+            joint_state_topic: None,
+            motor_topic: None,
+            motor_interface: "motor_position".to_owned(),
+            motor_effort_interface: "motor_effort".to_owned(),
+            temperature_interface: "temperature".to_owned(),
+            external_torque_topic: "/external_joint_torques".to_owned(),
+            joint_effort: JointEffort::default(),
+            gap_s: 0.5,
+            reorder_s: 0.25,
+            interpolate_s: 0.05,
+            chunk_limit_bytes: 256 << 20,
+        }
+    }
+}

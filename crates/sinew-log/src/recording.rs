@@ -1,0 +1,397 @@
+//! Opening a recording of any format and reading it frame by frame.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::error::{LogError, name_list, nearest};
+use crate::frame::{Channels, Frame};
+use crate::health::Health;
+use crate::join::Joiner;
+use crate::mcap_read::McapReader;
+use crate::options::OpenOptions;
+use crate::table::{CsvReader, ParquetReader};
+
+/// Something to read a recording from: a file, or bytes in memory.
+pub trait ReadSeek: Read + Seek + Send {}
+impl<T: Read + Seek + Send> ReadSeek for T {}
+
+/// The format of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// MCAP as ROS 2 writes it.
+    Mcap,
+    /// Delimited text with a header line.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// How far a recording has been read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Bytes of the file used so far.
+    pub bytes_done: u64,
+    /// Bytes of the file.
+    pub bytes_total: u64,
+}
+
+enum Backend {
+    Mcap(McapReader),
+    Csv(CsvReader),
+    Parquet(ParquetReader),
+}
+
+/// A recording being read: frames in the order of their stamps.
+///
+/// Memory is bounded by one chunk (MCAP), row (CSV) or row-group page
+/// (Parquet) and the reorder window, never by the file.
+pub struct Recording {
+    backend: Backend,
+    file: String,
+    options: OpenOptions,
+    /// All joints and what is recorded of them, as found.
+    found: (Vec<String>, Channels),
+    joints: Vec<String>,
+    channels: Channels,
+    joiner: Joiner,
+    health: Health,
+    started: bool,
+    ended: bool,
+    finished: bool,
+}
+
+impl std::fmt::Debug for Recording {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recording")
+            .field("file", &self.file)
+            .field("format", &self.format())
+            .field("joints", &self.joints)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Opens a recording; the format is told by the content, then by the extension.
+///
+/// A directory with a single `.mcap` file (a ROS 2 bag) is opened as that file.
+///
+/// # Errors
+/// [`LogError`] when the file cannot be read, is no recording, or lacks what the options ask
+/// for. Damage is not an error; see [`Recording::health`].
+pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
+    let bag;
+    let path = if path.is_dir() {
+        bag = single_bag_file(path)?;
+        &bag
+    } else {
+        path
+    };
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| LogError::Io {
+        file: name.clone(),
+        action: "open",
+        source,
+    })?;
+    Recording::from_reader(Box::new(file), &name, options)
+}
+
+fn single_bag_file(directory: &Path) -> Result<std::path::PathBuf, LogError> {
+    let name = directory.display().to_string();
+    let entries = std::fs::read_dir(directory).map_err(|source| LogError::Io {
+        file: name.clone(),
+        action: "read",
+        source,
+    })?;
+    let mut files: Vec<_> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "mcap")
+        })
+        .collect();
+    files.sort();
+    match (files.len(), files.pop()) {
+        (1, Some(file)) => Ok(file),
+        (count, _) => Err(LogError::NotARecording {
+            file: name,
+            reason: format!("a directory with {count} .mcap files; name one file"),
+        }),
+    }
+}
+
+impl Recording {
+    /// Opens a recording from anything readable, such as bytes in memory.
+    ///
+    /// `name` is used in messages, and its extension where the content does not tell the format.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn from_reader(
+        mut reader: Box<dyn ReadSeek>,
+        name: &str,
+        options: &OpenOptions,
+    ) -> Result<Recording, LogError> {
+        check_options(options, name)?;
+        let io = |source| LogError::Io {
+            file: name.to_owned(),
+            action: "read",
+            source,
+        };
+        let mut magic = [0_u8; 8];
+        let mut got = 0;
+        while got < magic.len() {
+            match reader.read(&mut magic[got..]) {
+                Ok(0) => break,
+                Ok(read) => got += read,
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(io(error)),
+            }
+        }
+        reader.seek(SeekFrom::Start(0)).map_err(io)?;
+        let refuse = |reason: String| LogError::NotARecording {
+            file: name.to_owned(),
+            reason,
+        };
+        if got == 0 {
+            return Err(refuse("the file is empty".to_owned()));
+        }
+        let magic = &magic[..got];
+        let extension = name.rsplit_once('.').map(|(_, extension)| extension);
+        let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+        let mut backend = if magic == mcap::MAGIC {
+            Backend::Mcap(McapReader::open(reader, name, options)?)
+        } else if magic.starts_with(b"PAR1") {
+            Backend::Parquet(ParquetReader::open(reader, name, options)?)
+        } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
+            return Err(refuse(
+                "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
+            ));
+        } else if is_named("parquet") {
+            return Err(refuse(
+                "it does not start as a Parquet file (PAR1)".to_owned(),
+            ));
+        } else if let Some(what) = known_stranger(magic) {
+            return Err(refuse(what.to_owned()));
+        } else {
+            Backend::Csv(CsvReader::open(reader, name, options)?)
+        };
+        let (joints, channels) = match &mut backend {
+            Backend::Mcap(reader) => (reader.joints.clone(), reader.channels.clone()),
+            Backend::Csv(reader) => reader.columns().found(),
+            Backend::Parquet(reader) => reader.columns().found(),
+        };
+        let joiner = backend.joiner(&joints, options);
+        Ok(Recording {
+            backend,
+            file: name.to_owned(),
+            options: options.clone(),
+            found: (joints.clone(), channels.clone()),
+            joints,
+            channels,
+            joiner,
+            health: Health::default(),
+            started: false,
+            ended: false,
+            finished: false,
+        })
+    }
+
+    /// The format found.
+    pub fn format(&self) -> Format {
+        match self.backend {
+            Backend::Mcap(_) => Format::Mcap,
+            Backend::Csv(_) => Format::Csv,
+            Backend::Parquet(_) => Format::Parquet,
+        }
+    }
+
+    /// The joints of the frames: all found, in the recording's order, or those selected.
+    pub fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    /// Which quantities are recorded for each of [`Self::joints`].
+    ///
+    /// For MCAP this is what the first messages hold; a topic that starts later
+    /// than the part looked at is announced by the summary only.
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// The URDF in the recording's `/robot_description`, if there is one.
+    pub fn robot_description(&self) -> Option<&str> {
+        match &self.backend {
+            Backend::Mcap(reader) => reader.robot_description.as_deref(),
+            Backend::Csv(_) | Backend::Parquet(_) => None,
+        }
+    }
+
+    /// Chooses the joints of the frames and their order. Call before the first frame.
+    ///
+    /// # Errors
+    /// A name that is not recorded or given twice, with the names there are and the nearest
+    /// one; or a call after the first frame. The selection is then unchanged.
+    pub fn select(&mut self, joints: &[&str]) -> Result<(), LogError> {
+        let request = |reason: String| LogError::Request {
+            file: self.file.clone(),
+            reason,
+        };
+        if self.started {
+            return Err(request(
+                "joints can be selected before the first frame only".to_owned(),
+            ));
+        }
+        let mut channels = Channels {
+            joints: Vec::with_capacity(joints.len()),
+            temperature: self.found.1.temperature,
+        };
+        for (place, joint) in joints.iter().enumerate() {
+            let Some(index) = self.found.0.iter().position(|known| known == joint) else {
+                let hint = nearest(joint, &self.found.0)
+                    .map(|name| format!("; did you mean '{name}'?"))
+                    .unwrap_or_default();
+                return Err(request(format!(
+                    "no joint '{joint}'{hint} joints are {}",
+                    name_list(&self.found.0)
+                )));
+            };
+            if joints[..place].contains(joint) {
+                return Err(request(format!("joint '{joint}' is selected twice")));
+            }
+            channels.joints.push(self.found.1.joints[index]);
+        }
+        self.joints = joints.iter().map(|&joint| joint.to_owned()).collect();
+        self.channels = channels;
+        match &mut self.backend {
+            Backend::Mcap(reader) => reader.select(&self.joints),
+            Backend::Csv(reader) => reader.select(&self.joints),
+            Backend::Parquet(reader) => reader.select(&self.joints),
+        }
+        self.joiner = self.backend.joiner(&self.joints, &self.options);
+        Ok(())
+    }
+
+    /// The next frame, or `None` at the end. The frame is lent until the next call.
+    ///
+    /// # Errors
+    /// The operating system fails, or a table holds a cell that is no number. The
+    /// recording has then ended: further calls return `None`.
+    pub fn next_frame(&mut self) -> Result<Option<&Frame>, LogError> {
+        self.started = true;
+        while !self.joiner.is_ready() {
+            if self.ended {
+                self.finish();
+                return Ok(None);
+            }
+            let more = match &mut self.backend {
+                Backend::Mcap(reader) => reader.pull(&mut self.joiner, &mut self.health),
+                Backend::Csv(reader) => reader.pull(&mut self.joiner, &mut self.health),
+                Backend::Parquet(reader) => reader.pull(&mut self.joiner, &mut self.health),
+            };
+            match more {
+                Ok(true) => {}
+                Ok(false) => {
+                    self.ended = true;
+                    self.joiner.end();
+                }
+                Err(error) => {
+                    self.ended = true;
+                    self.joiner = self.backend.joiner(&[], &self.options);
+                    return Err(error);
+                }
+            }
+        }
+        Ok(Some(self.joiner.compose(&mut self.health)))
+    }
+
+    fn finish(&mut self) {
+        if !self.finished {
+            self.finished = true;
+            self.joiner.finish(&mut self.health);
+        }
+    }
+
+    /// What was lost or repaired, and why; complete after the last frame.
+    pub fn health(&self) -> &Health {
+        &self.health
+    }
+
+    /// How far the file has been read.
+    pub fn progress(&self) -> Progress {
+        let (bytes_done, bytes_total) = match &self.backend {
+            Backend::Mcap(reader) => (reader.bytes_done(), reader.bytes_total()),
+            Backend::Csv(reader) => (reader.bytes_done(), reader.bytes_total()),
+            Backend::Parquet(reader) => (reader.bytes_done(), reader.bytes_total()),
+        };
+        Progress {
+            bytes_done,
+            bytes_total,
+        }
+    }
+}
+
+impl Backend {
+    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+        match self {
+            Backend::Mcap(reader) => reader.joiner(joints, options),
+            Backend::Csv(reader) => reader.columns().joiner(joints, options),
+            Backend::Parquet(reader) => reader.columns().joiner(joints, options),
+        }
+    }
+}
+
+fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
+    let request = |reason: String| {
+        Err(LogError::Request {
+            file: name.to_owned(),
+            reason,
+        })
+    };
+    for (what, value) in [
+        ("gap_s", options.gap_s),
+        ("reorder_s", options.reorder_s),
+        ("interpolate_s", options.interpolate_s),
+    ] {
+        if !(value >= 0.0) {
+            return request(format!("option {what} is {value} s; it cannot be negative"));
+        }
+    }
+    if options.interpolate_s > options.reorder_s && options.interpolate_s > 0.0 {
+        return request(format!(
+            "option interpolate_s ({} s) is larger than reorder_s ({} s): the later neighbour would not be waited for",
+            options.interpolate_s, options.reorder_s
+        ));
+    }
+    Ok(())
+}
+
+/// Formats a user may take for a recording.
+fn known_stranger(magic: &[u8]) -> Option<&'static str> {
+    let strangers: [(&[u8], &str); 7] = [
+        (b"\x1f\x8b", "it is a gzip file; unpack it first"),
+        (b"\x28\xb5\x2f\xfd", "it is a zstd file; unpack it first"),
+        (b"PK\x03\x04", "it is a zip file; unpack it first"),
+        (
+            b"#ROSBAG",
+            "it is a ROS 1 bag; convert it to MCAP (mcap convert)",
+        ),
+        (
+            b"SQLite f",
+            "it is an SQLite file, such as a ROS 2 .db3 bag; convert it to MCAP (ros2 bag convert)",
+        ),
+        (
+            b"\x89HDF",
+            "it is an HDF5 file; export it as Parquet or CSV",
+        ),
+        (b"%PDF", "it is a PDF file"),
+    ];
+    strangers
+        .into_iter()
+        .find(|(start, _)| magic.starts_with(start))
+        .map(|(_, what)| what)
+}
+
+/// Seconds to nanoseconds, saturating.
+pub(crate) fn to_ns(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}

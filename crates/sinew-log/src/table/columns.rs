@@ -1,0 +1,422 @@
+//! Which column is which quantity of which joint.
+
+use crate::error::{LogError, Place, name_list, nearest};
+use crate::frame::{ABSENT, BLOCKS, Channels, Quantities, Quantity};
+use crate::join::{Conditioner, Joiner, Signal};
+use crate::mapping::{Mapping, Source, Wrap};
+use crate::options::OpenOptions;
+use crate::recording::to_ns;
+
+/// Most columns a table may have.
+pub(crate) const COLUMN_LIMIT: usize = 65_536;
+
+/// One addend of a value: `scale · cell + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Addend {
+    pub(crate) column: usize,
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
+}
+
+/// One signal of one joint: a sum of columns.
+#[derive(Debug, Clone)]
+struct SignalPlan {
+    joint: usize,
+    quantity: Quantity,
+    addends: Vec<Addend>,
+    period: Option<f64>,
+}
+
+/// What the columns of a table mean.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    joints: Vec<String>,
+    channels: Channels,
+    signals: Vec<SignalPlan>,
+    pub(crate) time_column: usize,
+    /// Power of ten from the time column's unit to nanoseconds.
+    pub(crate) time_exponent: i32,
+    /// Columns that are read, ascending, with the place of their value in the row of cells.
+    pub(crate) used: Vec<usize>,
+    /// Signals of the joints selected: place in the wide row, range of `addends`.
+    selected: Vec<(usize, usize, usize)>,
+    addends: Vec<Addend>,
+}
+
+/// A column name of DESIGN.md taken apart: quantity, joint, factor to SI, unwrapped.
+fn parse_name(name: &str) -> Option<(Quantity, &str, bool)> {
+    let (symbol, rest) = name.split_once('.')?;
+    let quantity = Quantity::PER_JOINT
+        .into_iter()
+        .find(|quantity| quantity.symbol() == symbol)?;
+    // Prismatic joints: metres and newtons, which do not wrap.
+    let straight = match quantity {
+        Quantity::Q | Quantity::Theta => "_m",
+        Quantity::Dq => "_m_s",
+        _ => "_n",
+    };
+    let (joint, wraps) = match rest.strip_suffix(quantity.suffix()) {
+        Some(joint) => (joint, true),
+        None => (rest.strip_suffix(straight)?, false),
+    };
+    (!joint.is_empty()).then_some((quantity, joint, wraps))
+}
+
+impl Columns {
+    pub(crate) fn new(
+        names: &[String],
+        options: &OpenOptions,
+        file: &str,
+    ) -> Result<Self, LogError> {
+        let header = |reason: String| LogError::Content {
+            file: file.to_owned(),
+            place: Place::Header,
+            reason,
+        };
+        if names.len() > COLUMN_LIMIT {
+            return Err(header(format!(
+                "{} columns, at most {COLUMN_LIMIT} are read",
+                names.len()
+            )));
+        }
+        let mut seen = std::collections::HashSet::new();
+        for name in names.iter().filter(|name| !name.is_empty()) {
+            if !seen.insert(name.as_str()) {
+                return Err(header(format!(
+                    "column '{}' is there twice; remove or rename one",
+                    crate::error::shorten(name, 80)
+                )));
+            }
+        }
+        let mapping = options.mapping.as_ref();
+        let (time_column, time_exponent) = time_of(names, mapping, file)?;
+        let mut columns = Columns {
+            joints: Vec::new(),
+            channels: Channels::default(),
+            signals: Vec::new(),
+            time_column,
+            time_exponent,
+            used: Vec::new(),
+            selected: Vec::new(),
+            addends: Vec::new(),
+        };
+        match mapping {
+            Some(mapping) if !mapping.joints.is_empty() => {
+                columns.map_joints(names, mapping, file)?;
+            }
+            _ => columns.find_joints(names),
+        }
+        if columns.joints.is_empty() {
+            return Err(LogError::NotARecording {
+                file: file.to_owned(),
+                reason: format!(
+                    "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns; columns are {}",
+                    name_list(names)
+                ),
+            });
+        }
+        columns.map_temperature(names, mapping, file)?;
+        let all = columns.joints.clone();
+        columns.select(&all);
+        Ok(columns)
+    }
+
+    fn find_joints(&mut self, names: &[String]) {
+        for (column, name) in names.iter().enumerate() {
+            let Some((quantity, joint, wraps)) = parse_name(name) else {
+                continue;
+            };
+            let index = match self.joints.iter().position(|known| known == joint) {
+                Some(index) => index,
+                None => {
+                    self.joints.push(joint.to_owned());
+                    self.channels.joints.push(Quantities::default());
+                    self.joints.len() - 1
+                }
+            };
+            if self.channels.joints[index].has(quantity) {
+                // q.a_rad and q.a_m: the first is taken.
+                continue;
+            }
+            self.channels.joints[index].insert(quantity);
+            self.signals.push(SignalPlan {
+                joint: index,
+                quantity,
+                addends: vec![Addend {
+                    column,
+                    scale: 1.0,
+                    offset: 0.0,
+                }],
+                period: Signal::si(quantity).period.filter(|_| wraps),
+            });
+        }
+    }
+
+    fn map_joints(
+        &mut self,
+        names: &[String],
+        mapping: &Mapping,
+        file: &str,
+    ) -> Result<(), LogError> {
+        for joint in &mapping.joints {
+            let index = self.joints.len();
+            self.joints.push(joint.name.clone());
+            self.channels.joints.push(Quantities::default());
+            for quantity in Quantity::PER_JOINT {
+                let Some(source) = &joint.sources[quantity.index()] else {
+                    continue;
+                };
+                let addends = addends_of(source, names, mapping, file)?;
+                self.channels.joints[index].insert(quantity);
+                self.signals.push(SignalPlan {
+                    joint: index,
+                    quantity,
+                    addends,
+                    period: match source.wrap {
+                        Wrap::Never => None,
+                        Wrap::Period(period) => Some(period),
+                    },
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn map_temperature(
+        &mut self,
+        names: &[String],
+        mapping: Option<&Mapping>,
+        file: &str,
+    ) -> Result<(), LogError> {
+        let addends = match mapping.and_then(|m| m.temperature.as_ref().map(|t| (m, t))) {
+            Some((mapping, source)) => addends_of(source, names, mapping, file)?,
+            None => match names.iter().position(|name| name == "temperature_c") {
+                None => return Ok(()),
+                Some(column) => vec![Addend {
+                    column,
+                    scale: 1.0,
+                    offset: 0.0,
+                }],
+            },
+        };
+        self.channels.temperature = true;
+        for joint in &mut self.channels.joints {
+            joint.temperature = true;
+        }
+        self.signals.push(SignalPlan {
+            joint: 0,
+            quantity: Quantity::Temperature,
+            addends,
+            period: None,
+        });
+        Ok(())
+    }
+
+    pub(crate) fn found(&self) -> (Vec<String>, Channels) {
+        (self.joints.clone(), self.channels.clone())
+    }
+
+    /// Which joints the rows hold from now on, in which order.
+    pub(crate) fn select(&mut self, joints: &[String]) {
+        self.selected.clear();
+        self.addends.clear();
+        let mut used = vec![self.time_column];
+        for signal in &self.signals {
+            let place = if signal.quantity == Quantity::Temperature {
+                Some(0)
+            } else {
+                let name = &self.joints[signal.joint];
+                joints.iter().position(|joint| joint == name)
+            };
+            // A selection of no joints has no place for a temperature either.
+            let Some(place) = place.filter(|place| *place < joints.len()) else {
+                continue;
+            };
+            let from = self.addends.len();
+            self.addends.extend_from_slice(&signal.addends);
+            used.extend(signal.addends.iter().map(|addend| addend.column));
+            self.selected.push((
+                signal.quantity.index() * joints.len() + place,
+                from,
+                self.addends.len(),
+            ));
+        }
+        used.sort_unstable();
+        used.dedup();
+        // From column numbers to places in the row of used cells.
+        for addend in &mut self.addends {
+            addend.column = used.binary_search(&addend.column).unwrap_or(0);
+        }
+        self.used = used;
+    }
+
+    /// Place of the time among the used cells.
+    pub(crate) fn time_place(&self) -> usize {
+        self.used.binary_search(&self.time_column).unwrap_or(0)
+    }
+
+    /// Computes the wide row from the used cells; an absent cell makes its signal absent.
+    pub(crate) fn row(&self, cells: &[f64], row: &mut [f64]) {
+        for &(place, from, to) in &self.selected {
+            let mut sum = 0.0;
+            for addend in &self.addends[from..to] {
+                let cell = cells[addend.column];
+                if crate::frame::is_absent(cell) {
+                    sum = ABSENT;
+                    break;
+                }
+                sum += addend.scale * cell + addend.offset;
+            }
+            row[place] = sum;
+        }
+    }
+
+    pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+        let mut signals = Vec::with_capacity(6 * joints.len());
+        for quantity in Quantity::PER_JOINT {
+            for joint in joints {
+                let plan = self
+                    .signals
+                    .iter()
+                    .find(|plan| plan.quantity == quantity && self.joints[plan.joint] == *joint);
+                signals.push(Signal {
+                    scale: 1.0,
+                    offset: 0.0,
+                    period: plan.and_then(|plan| plan.period),
+                });
+            }
+        }
+        let blocks: [Quantity; BLOCKS] = [
+            Quantity::Q,
+            Quantity::Theta,
+            Quantity::Dq,
+            Quantity::TauEl,
+            Quantity::TauM,
+            Quantity::TauExt,
+            Quantity::Temperature,
+        ];
+        Joiner::new(
+            joints.len(),
+            &blocks,
+            &[],
+            to_ns(options.reorder_s),
+            to_ns(options.interpolate_s),
+            Conditioner::new(joints, signals, to_ns(options.gap_s)),
+        )
+    }
+}
+
+fn addends_of(
+    source: &Source,
+    names: &[String],
+    mapping: &Mapping,
+    file: &str,
+) -> Result<Vec<Addend>, LogError> {
+    source
+        .terms
+        .iter()
+        .map(|term| {
+            let error = |reason: String| LogError::Mapping {
+                file: mapping.file.clone(),
+                line: Some(term.line),
+                reason,
+            };
+            let wanted = term.column.as_ref().ok_or_else(|| {
+                error(format!(
+                    "a 'column' is needed to read {file}, which is a table"
+                ))
+            })?;
+            let column = names
+                .iter()
+                .position(|name| name == wanted)
+                .ok_or_else(|| {
+                    let hint = nearest(wanted, names)
+                        .map(|name| format!("; did you mean '{name}'?"))
+                        .unwrap_or_default();
+                    error(format!(
+                        "no column '{wanted}' in {file}{hint} columns are {}",
+                        name_list(names)
+                    ))
+                })?;
+            Ok(Addend {
+                column,
+                scale: term.scale,
+                offset: term.offset,
+            })
+        })
+        .collect()
+}
+
+fn time_of(
+    names: &[String],
+    mapping: Option<&Mapping>,
+    file: &str,
+) -> Result<(usize, i32), LogError> {
+    const KNOWN: [(&str, i32); 4] = [
+        ("time_s", 9),
+        ("time_ns", 0),
+        ("time_us", 3),
+        ("time_ms", 6),
+    ];
+    let map = mapping.and_then(|mapping| mapping.time.as_ref());
+    if let Some((wanted, map)) = map.and_then(|map| Some((map.column.as_ref()?, map))) {
+        let column = names.iter().position(|name| name == wanted);
+        let exponent = map
+            .exponent
+            .or_else(|| KNOWN.iter().find(|(name, _)| name == wanted).map(|k| k.1))
+            .unwrap_or(9);
+        return column.map(|column| (column, exponent)).ok_or_else(|| {
+            let hint = nearest(wanted, names)
+                .map(|name| format!("; did you mean '{name}'?"))
+                .unwrap_or_default();
+            LogError::Request {
+                file: file.to_owned(),
+                reason: format!(
+                    "no time column '{wanted}'{hint} columns are {}",
+                    name_list(names)
+                ),
+            }
+        });
+    }
+    KNOWN
+        .iter()
+        .find_map(|(known, exponent)| {
+            let column = names.iter().position(|name| name == known)?;
+            Some((
+                column,
+                map.and_then(|map| map.exponent).unwrap_or(*exponent),
+            ))
+        })
+        .ok_or_else(|| LogError::NotARecording {
+            file: file.to_owned(),
+            reason: format!(
+                "no time column: time_s or time_ns, or [time] column in a mapping; columns are {}",
+                name_list(names)
+            ),
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn column_names_of_the_design_are_taken_apart() {
+        assert_eq!(
+            parse_name("q.elbow_rad"),
+            Some((Quantity::Q, "elbow", true))
+        );
+        assert_eq!(
+            parse_name("tau_el.lwr_0_joint_nm"),
+            Some((Quantity::TauEl, "lwr_0_joint", true))
+        );
+        assert_eq!(
+            parse_name("dq.a.b_rad_s"),
+            Some((Quantity::Dq, "a.b", true))
+        );
+        assert_eq!(parse_name("q.slide_m"), Some((Quantity::Q, "slide", false)));
+        assert_eq!(parse_name("q._rad"), None);
+        assert_eq!(parse_name("q.elbow"), None);
+        assert_eq!(parse_name("position"), None);
+    }
+}

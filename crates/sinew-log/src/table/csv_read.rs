@@ -1,0 +1,350 @@
+//! Delimited text: one header line, one row per instant.
+
+use std::io::{Read, Seek, SeekFrom};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use csv::ByteRecord;
+
+use super::columns::Columns;
+use super::decimal::{parse_cell, parse_ns};
+use crate::error::{LogError, Place, shorten};
+use crate::frame::{ABSENT, BLOCKS};
+use crate::health::Health;
+use crate::join::Joiner;
+use crate::options::OpenOptions;
+use crate::recording::ReadSeek;
+
+/// Longest line (header or row) that is read, bytes.
+const ROW_LIMIT_BYTES: u64 = 4 << 20;
+/// Bytes of the start in which the header line must end.
+const HEADER_LIMIT_BYTES: u64 = 4 << 20;
+/// One read of the operating system, bytes.
+const BUFFER_BYTES: usize = 256 << 10;
+
+/// Hands the file to the CSV parser and stops it before an unclosed quote or a
+/// file without line ends is collected in memory.
+struct Meter {
+    reader: Box<dyn ReadSeek>,
+    /// Bytes handed out.
+    given: u64,
+    /// Bytes up to which rows were complete, set by the row loop.
+    done: Arc<AtomicU64>,
+}
+
+impl Read for Meter {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let open = self.given.saturating_sub(self.done.load(Ordering::Relaxed));
+        if open > ROW_LIMIT_BYTES + BUFFER_BYTES as u64 {
+            return Err(std::io::Error::new(
+                std::io::ErrorKind::InvalidData,
+                format!(
+                    "a row of more than {ROW_LIMIT_BYTES} bytes: a quote that is not closed, or no line ends"
+                ),
+            ));
+        }
+        let read = self.reader.read(into)?;
+        self.given += read as u64;
+        Ok(read)
+    }
+}
+
+pub(crate) struct CsvReader {
+    file: String,
+    names: Vec<String>,
+    columns: Columns,
+    reader: csv::Reader<Meter>,
+    record: ByteRecord,
+    cells: Vec<f64>,
+    row: Vec<f64>,
+    done: Arc<AtomicU64>,
+    length: u64,
+    /// The file's last byte is not a line end.
+    unterminated: bool,
+    comma_is_decimal: bool,
+    last_ns: Option<i64>,
+}
+
+impl CsvReader {
+    pub(crate) fn open(
+        mut reader: Box<dyn ReadSeek>,
+        file: &str,
+        options: &OpenOptions,
+    ) -> Result<Self, LogError> {
+        let io = |source| LogError::Io {
+            file: file.to_owned(),
+            action: "read",
+            source,
+        };
+        let refuse = |reason: String| LogError::NotARecording {
+            file: file.to_owned(),
+            reason,
+        };
+        let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
+        reader.seek(SeekFrom::Start(0)).map_err(io)?;
+        let head = read_head(&mut reader).map_err(io)?;
+        if head.contains(&0) {
+            return Err(refuse(
+                "it holds zero bytes, so it is not text; MCAP, Parquet and delimited UTF-8 text are read".to_owned(),
+            ));
+        }
+        if std::str::from_utf8(&head).is_err() {
+            return Err(refuse("its first line is not UTF-8 text".to_owned()));
+        }
+        let delimiter = delimiter_of(&head);
+        let mut last = [b'\n'];
+        reader
+            .seek(SeekFrom::Start(length.saturating_sub(1)))
+            .map_err(io)?;
+        let got = reader.read(&mut last).map_err(io)?;
+        let unterminated = got == 1 && last != *b"\n" && last != *b"\r";
+        // The byte order mark is not part of the first column's name.
+        let start = if head.starts_with(b"\xef\xbb\xbf") {
+            3
+        } else {
+            0
+        };
+        reader.seek(SeekFrom::Start(start)).map_err(io)?;
+
+        let done = Arc::new(AtomicU64::new(0));
+        let meter = Meter {
+            reader,
+            given: 0,
+            done: Arc::clone(&done),
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(delimiter)
+            .flexible(true)
+            .has_headers(false)
+            .buffer_capacity(BUFFER_BYTES)
+            .from_reader(meter);
+        let mut record = ByteRecord::new();
+        let found = reader
+            .read_byte_record(&mut record)
+            .map_err(|error| csv_error(file, error))?;
+        if !found {
+            return Err(refuse("it has no header line".to_owned()));
+        }
+        let names: Vec<String> = record
+            .iter()
+            .map(|name| String::from_utf8_lossy(name).trim().to_owned())
+            .collect();
+        let columns = Columns::new(&names, options, file)?;
+        done.store(reader.position().byte(), Ordering::Relaxed);
+        let mut this = CsvReader {
+            file: file.to_owned(),
+            names,
+            columns,
+            reader,
+            record,
+            cells: Vec::new(),
+            row: Vec::new(),
+            done,
+            length,
+            unterminated,
+            comma_is_decimal: delimiter != b',',
+            last_ns: None,
+        };
+        this.resize(this.columns.found().0.len());
+        Ok(this)
+    }
+
+    fn resize(&mut self, joints: usize) {
+        self.cells = vec![ABSENT; self.columns.used.len()];
+        self.row = vec![ABSENT; BLOCKS * joints];
+    }
+
+    pub(crate) fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    pub(crate) fn select(&mut self, joints: &[String]) {
+        self.columns.select(joints);
+        self.resize(joints.len());
+    }
+
+    pub(crate) fn bytes_done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed).min(self.length)
+    }
+
+    pub(crate) fn bytes_total(&self) -> u64 {
+        self.length
+    }
+
+    /// Reads one row into the joiner; `false` at the end.
+    pub(crate) fn pull(
+        &mut self,
+        joiner: &mut Joiner,
+        health: &mut Health,
+    ) -> Result<bool, LogError> {
+        let start = self.reader.position().byte();
+        let found = self
+            .reader
+            .read_byte_record(&mut self.record)
+            .map_err(|error| csv_error(&self.file, error))?;
+        if !found {
+            self.done.store(self.length, Ordering::Relaxed);
+            return Ok(false);
+        }
+        let end = self.reader.position().byte();
+        self.done.store(end, Ordering::Relaxed);
+        health.messages += 1;
+        // Only the last row can lack its line end.
+        let cut_off = self.unterminated && self.reader.is_done();
+        let short = self.record.len() < self.names.len();
+        if cut_off && short {
+            return Ok(self.lost_tail(start, health, "it has too few cells"));
+        }
+        if self.record.len() != self.names.len() {
+            health.ragged_rows += 1;
+        }
+        for (place, &column) in self.columns.used.iter().enumerate() {
+            if column == self.columns.time_column {
+                continue;
+            }
+            let cell = self.record.get(column).unwrap_or(b"");
+            self.cells[place] = match parse_cell(cell, self.comma_is_decimal) {
+                Some(value) => value,
+                None if cut_off && column + 1 == self.record.len() => {
+                    return Ok(self.lost_tail(start, health, "its last cell is no number"));
+                }
+                None => return Err(self.bad_cell(column, "is not a number")),
+            };
+        }
+        let cell = self
+            .record
+            .get(self.columns.time_column)
+            .unwrap_or(b"")
+            .trim_ascii();
+        let time_ns = match self.time(cell) {
+            Some(time_ns) => time_ns,
+            None if cell.is_empty()
+                || parse_cell(cell, self.comma_is_decimal).is_some_and(f64::is_nan) =>
+            {
+                health.rows_without_time += 1;
+                return Ok(true);
+            }
+            None if cut_off && self.columns.time_column + 1 == self.record.len() => {
+                return Ok(self.lost_tail(start, health, "its last cell is no time"));
+            }
+            None => {
+                return Err(self.bad_cell(
+                    self.columns.time_column,
+                    "is not a time within the years 1677 to 2262",
+                ));
+            }
+        };
+        self.last_ns = Some(time_ns);
+        self.columns.row(&self.cells, &mut self.row);
+        let row = &self.row;
+        joiner
+            .primary
+            .insert(time_ns, |slot| slot.copy_from_slice(row));
+        Ok(true)
+    }
+
+    fn time(&self, cell: &[u8]) -> Option<i64> {
+        let exponent = self.columns.time_exponent;
+        parse_ns(cell, exponent).or_else(|| {
+            if !self.comma_is_decimal {
+                return None;
+            }
+            let text = std::str::from_utf8(cell).ok()?.replacen(',', ".", 1);
+            parse_ns(text.as_bytes(), exponent)
+        })
+    }
+
+    fn lost_tail(&self, start: u64, health: &mut Health, why: &str) -> bool {
+        health.damaged(
+            start,
+            self.length.saturating_sub(start),
+            self.last_ns,
+            format!("the last line is cut off: {why}"),
+        );
+        true
+    }
+
+    fn bad_cell(&self, column: usize, what: &str) -> LogError {
+        let cell = self.record.get(column).unwrap_or(b"");
+        let line = self.record.position().map_or(0, |position| position.line());
+        LogError::Content {
+            file: self.file.clone(),
+            place: Place::Cell {
+                line,
+                column: self.names.get(column).cloned().unwrap_or_default(),
+            },
+            reason: format!(
+                "'{}' {what}; empty or nan means not recorded",
+                shorten(&String::from_utf8_lossy(cell), 60)
+            ),
+        }
+    }
+}
+
+/// The first line, or as much of it as the limit allows.
+fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    let mut buffer = [0_u8; 4096];
+    while (head.len() as u64) < HEADER_LIMIT_BYTES {
+        let read = reader.read(&mut buffer)?;
+        if read == 0 {
+            break;
+        }
+        let end = buffer[..read]
+            .iter()
+            .position(|byte| *byte == b'\n' || *byte == b'\r')
+            // A line end before any content is skipped by the parser as well.
+            .filter(|end| *end > 0 || !head.is_empty());
+        match end {
+            Some(end) => {
+                head.extend_from_slice(&buffer[..end]);
+                break;
+            }
+            None => head.extend_from_slice(&buffer[..read]),
+        }
+    }
+    Ok(head)
+}
+
+/// The delimiter that occurs most often outside quotes; a comma when none does.
+fn delimiter_of(head: &[u8]) -> u8 {
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    let mut quoted = false;
+    for &byte in head {
+        if byte == b'"' {
+            quoted = !quoted;
+        }
+        if !quoted && let Some(count) = counts.iter_mut().find(|(known, _)| *known == byte) {
+            count.1 += 1;
+        }
+    }
+    let mut best = counts[0];
+    for count in counts {
+        if count.1 > best.1 {
+            best = count;
+        }
+    }
+    best.0
+}
+
+fn csv_error(file: &str, error: csv::Error) -> LogError {
+    let line = error.position().map(csv::Position::line);
+    match error.into_kind() {
+        csv::ErrorKind::Io(source) if source.kind() == std::io::ErrorKind::InvalidData => {
+            LogError::NotARecording {
+                file: file.to_owned(),
+                reason: source.to_string(),
+            }
+        }
+        csv::ErrorKind::Io(source) => LogError::Io {
+            file: file.to_owned(),
+            action: "read",
+            source,
+        },
+        other => LogError::Content {
+            file: file.to_owned(),
+            place: line.map_or(Place::Header, Place::Line),
+            reason: format!("{other:?}"),
+        },
+    }
+}

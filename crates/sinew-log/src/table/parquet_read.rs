@@ -1,0 +1,445 @@
+//! Parquet through its low-level column readers, a batch of rows at a time.
+
+use std::io::{Read, Seek, SeekFrom};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use bytes::Bytes;
+use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
+use parquet::column::reader::ColumnReader;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
+
+use super::columns::Columns;
+use super::decimal::float_ns;
+use crate::error::LogError;
+use crate::frame::{ABSENT, BLOCKS, is_absent};
+use crate::health::Health;
+use crate::join::Joiner;
+use crate::options::OpenOptions;
+use crate::recording::ReadSeek;
+
+/// Rows decoded at a time.
+const BATCH_ROWS: usize = 1024;
+/// Largest piece (page, footer) taken into memory, bytes.
+const PIECE_LIMIT_BYTES: usize = 256 << 20;
+
+/// A file shared by the column readers, each with its own position.
+#[derive(Clone)]
+struct Shared {
+    reader: Arc<Mutex<Box<dyn ReadSeek>>>,
+    length: u64,
+}
+
+impl Shared {
+    fn read_at(&self, at: u64, into: &mut [u8]) -> std::io::Result<usize> {
+        let mut reader = self.reader.lock().unwrap_or_else(PoisonError::into_inner);
+        reader.seek(SeekFrom::Start(at))?;
+        reader.read(into)
+    }
+}
+
+impl Length for Shared {
+    fn len(&self) -> u64 {
+        self.length
+    }
+}
+
+struct SharedAt {
+    shared: Shared,
+    at: u64,
+}
+
+impl Read for SharedAt {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.shared.read_at(self.at, into)?;
+        self.at += read as u64;
+        Ok(read)
+    }
+}
+
+impl ChunkReader for Shared {
+    type T = std::io::BufReader<SharedAt>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        Ok(std::io::BufReader::new(SharedAt {
+            shared: self.clone(),
+            at: start,
+        }))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        let there = self.length.saturating_sub(start);
+        if length as u64 > there || length > PIECE_LIMIT_BYTES {
+            return Err(ParquetError::EOF(format!(
+                "{length} bytes announced at byte {start}, {there} there, {PIECE_LIMIT_BYTES} allowed"
+            )));
+        }
+        let mut bytes = vec![0; length];
+        SharedAt {
+            shared: self.clone(),
+            at: start,
+        }
+        .read_exact(&mut bytes)?;
+        Ok(bytes.into())
+    }
+}
+
+/// How a column's cells become numbers.
+#[derive(Debug, Clone, Copy)]
+struct Leaf {
+    /// Definition level at which a value is present.
+    present: i16,
+    /// Power of ten to nanoseconds of a timestamp column, which is exact as an integer.
+    timestamp: Option<i32>,
+}
+
+/// One column of the row group being read.
+struct Cells {
+    reader: ColumnReader,
+    levels: Vec<i16>,
+    doubles: Vec<f64>,
+    floats: Vec<f32>,
+    ints: Vec<i32>,
+    longs: Vec<i64>,
+    /// Decoded batch: values, and integers where the column is one.
+    values: Vec<f64>,
+    exact: Vec<i64>,
+    is_integer: bool,
+}
+
+pub(crate) struct ParquetReader {
+    names: Vec<String>,
+    leaves: Vec<Leaf>,
+    columns: Columns,
+    reader: SerializedFileReader<Shared>,
+    length: u64,
+    rows_total: u64,
+    next_group: usize,
+    group: Vec<Cells>,
+    batch_rows: usize,
+    batch_at: usize,
+    rows_done: u64,
+    cells: Vec<f64>,
+    row: Vec<f64>,
+    last_ns: Option<i64>,
+    ended: bool,
+}
+
+impl ParquetReader {
+    pub(crate) fn open(
+        mut reader: Box<dyn ReadSeek>,
+        file: &str,
+        options: &OpenOptions,
+    ) -> Result<Self, LogError> {
+        let io = |source| LogError::Io {
+            file: file.to_owned(),
+            action: "read",
+            source,
+        };
+        let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
+        let shared = Shared {
+            reader: Arc::new(Mutex::new(reader)),
+            length,
+        };
+        let refuse = |reason: String| LogError::NotARecording {
+            file: file.to_owned(),
+            reason,
+        };
+        let reader = guarded(|| SerializedFileReader::new(shared)).map_err(|reason| {
+            refuse(format!(
+                "its Parquet footer cannot be read ({reason}); a Parquet file that was cut off cannot be recovered"
+            ))
+        })?;
+        let schema = reader.metadata().file_metadata().schema_descr_ptr();
+        let mut names = Vec::new();
+        let mut leaves = Vec::new();
+        for column in schema.columns() {
+            let numeric = matches!(
+                column.physical_type(),
+                Physical::DOUBLE | Physical::FLOAT | Physical::INT32 | Physical::INT64
+            );
+            // Lists and texts keep their place but not their name, so nothing finds them.
+            let flat = column.max_rep_level() == 0 && numeric;
+            names.push(if flat {
+                column.path().string()
+            } else {
+                String::new()
+            });
+            let timestamp = match column.logical_type_ref() {
+                Some(LogicalType::Timestamp(timestamp)) => Some(match timestamp.unit {
+                    TimeUnit::MILLIS => 6,
+                    TimeUnit::MICROS => 3,
+                    TimeUnit::NANOS => 0,
+                }),
+                _ => None,
+            };
+            leaves.push(Leaf {
+                present: column.max_def_level(),
+                timestamp,
+            });
+        }
+        let columns = Columns::new(&names, options, file)?;
+        let rows_total = reader.metadata().file_metadata().num_rows().max(0) as u64;
+        let mut this = ParquetReader {
+            names,
+            leaves,
+            columns,
+            reader,
+            length,
+            rows_total,
+            next_group: 0,
+            group: Vec::new(),
+            batch_rows: 0,
+            batch_at: 0,
+            rows_done: 0,
+            cells: Vec::new(),
+            row: Vec::new(),
+            last_ns: None,
+            ended: false,
+        };
+        this.resize(this.columns.found().0.len());
+        Ok(this)
+    }
+
+    fn resize(&mut self, joints: usize) {
+        self.cells = vec![ABSENT; self.columns.used.len()];
+        self.row = vec![ABSENT; BLOCKS * joints];
+    }
+
+    pub(crate) fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    pub(crate) fn select(&mut self, joints: &[String]) {
+        self.columns.select(joints);
+        self.resize(joints.len());
+    }
+
+    pub(crate) fn bytes_done(&self) -> u64 {
+        if self.ended || self.rows_total == 0 {
+            return self.length;
+        }
+        let share = self.rows_done.min(self.rows_total) as f64 / self.rows_total as f64;
+        (share * self.length as f64) as u64
+    }
+
+    pub(crate) fn bytes_total(&self) -> u64 {
+        self.length
+    }
+
+    /// Reads one row into the joiner; `false` at the end.
+    pub(crate) fn pull(
+        &mut self,
+        joiner: &mut Joiner,
+        health: &mut Health,
+    ) -> Result<bool, LogError> {
+        while self.batch_at >= self.batch_rows {
+            if self.ended {
+                return Ok(false);
+            }
+            if let Err(reason) = self.next_batch() {
+                self.ended = true;
+                let lost_rows = self.rows_total.saturating_sub(self.rows_done);
+                let share = lost_rows as f64 / self.rows_total.max(1) as f64;
+                health.damaged(
+                    self.bytes_done(),
+                    (share * self.length as f64) as u64,
+                    self.last_ns,
+                    format!(
+                        "row {} of {}: {reason}; the remaining {lost_rows} rows are lost",
+                        self.rows_done, self.rows_total
+                    ),
+                );
+                return Ok(false);
+            }
+        }
+        let at = self.batch_at;
+        self.batch_at += 1;
+        self.rows_done += 1;
+        health.messages += 1;
+        for (cell, column) in self.cells.iter_mut().zip(&self.group) {
+            *cell = column.values[at];
+        }
+        let place = self.columns.time_place();
+        let time = &self.group[place];
+        let exponent = self.leaves[self.columns.time_column]
+            .timestamp
+            .unwrap_or(self.columns.time_exponent);
+        let time_ns = if is_absent(time.values[at]) {
+            None
+        } else if time.is_integer {
+            i64::checked_pow(10, exponent.unsigned_abs())
+                .and_then(|factor| time.exact[at].checked_mul(factor))
+        } else {
+            float_ns(time.values[at], exponent)
+        };
+        let Some(time_ns) = time_ns else {
+            health.rows_without_time += 1;
+            return Ok(true);
+        };
+        self.last_ns = Some(time_ns);
+        self.columns.row(&self.cells, &mut self.row);
+        let row = &self.row;
+        joiner
+            .primary
+            .insert(time_ns, |slot| slot.copy_from_slice(row));
+        Ok(true)
+    }
+
+    /// Decodes the next rows of all used columns in lockstep.
+    fn next_batch(&mut self) -> Result<(), String> {
+        self.batch_at = 0;
+        self.batch_rows = 0;
+        loop {
+            if self.group.is_empty() {
+                if self.next_group >= self.reader.num_row_groups() {
+                    self.ended = true;
+                    return Ok(());
+                }
+                self.open_group()?;
+            }
+            let mut rows = None;
+            for (cells, &column) in self.group.iter_mut().zip(&self.columns.used) {
+                let leaf = self.leaves[column];
+                let read = guarded(|| cells.decode(leaf))
+                    .map_err(|reason| format!("column '{}': {reason}", self.names[column]))?;
+                match rows {
+                    None => rows = Some(read),
+                    Some(rows) if rows != read => {
+                        return Err(format!(
+                            "column '{}' has {read} values where the time has {rows}",
+                            self.names[column]
+                        ));
+                    }
+                    Some(_) => {}
+                }
+            }
+            match rows {
+                Some(rows) if rows > 0 => {
+                    self.batch_rows = rows;
+                    return Ok(());
+                }
+                _ => self.group.clear(),
+            }
+        }
+    }
+
+    fn open_group(&mut self) -> Result<(), String> {
+        let group = guarded(|| self.reader.get_row_group(self.next_group))?;
+        self.next_group += 1;
+        for &column in &self.columns.used {
+            let reader = guarded(|| group.get_column_reader(column))?;
+            let is_integer = matches!(
+                reader,
+                ColumnReader::Int32ColumnReader(_) | ColumnReader::Int64ColumnReader(_)
+            );
+            self.group.push(Cells {
+                reader,
+                levels: Vec::new(),
+                doubles: Vec::new(),
+                floats: Vec::new(),
+                ints: Vec::new(),
+                longs: Vec::new(),
+                values: Vec::new(),
+                exact: Vec::new(),
+                is_integer,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Cells {
+    /// Decodes a batch; how many rows there were.
+    fn decode(&mut self, leaf: Leaf) -> ParquetResult<usize> {
+        self.levels.clear();
+        self.values.clear();
+        self.exact.clear();
+        let levels = (leaf.present > 0).then_some(&mut self.levels);
+        let rows = match &mut self.reader {
+            ColumnReader::DoubleColumnReader(reader) => {
+                self.doubles.clear();
+                let (rows, ..) =
+                    reader.read_records(BATCH_ROWS, levels, None, &mut self.doubles)?;
+                self.values.extend_from_slice(&self.doubles);
+                rows
+            }
+            ColumnReader::FloatColumnReader(reader) => {
+                self.floats.clear();
+                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.floats)?;
+                self.values
+                    .extend(self.floats.iter().map(|value| f64::from(*value)));
+                rows
+            }
+            ColumnReader::Int32ColumnReader(reader) => {
+                self.ints.clear();
+                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.ints)?;
+                self.exact
+                    .extend(self.ints.iter().map(|value| i64::from(*value)));
+                rows
+            }
+            ColumnReader::Int64ColumnReader(reader) => {
+                self.longs.clear();
+                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.longs)?;
+                self.exact.extend_from_slice(&self.longs);
+                rows
+            }
+            _ => return Err(ParquetError::General("not a numeric column".to_owned())),
+        };
+        if self.is_integer {
+            self.values
+                .extend(self.exact.iter().map(|value| *value as f64));
+        }
+        if leaf.present > 0 && self.values.len() < rows {
+            self.spread_nulls(leaf.present, rows)?;
+        }
+        if self.values.len() != rows {
+            return Err(ParquetError::General(format!(
+                "{} values for {rows} rows",
+                self.values.len()
+            )));
+        }
+        Ok(rows)
+    }
+
+    /// Moves the values to their rows, from the back; nulls become absent.
+    fn spread_nulls(&mut self, present: i16, rows: usize) -> ParquetResult<()> {
+        let mut from = self.values.len();
+        let filled = self
+            .levels
+            .iter()
+            .filter(|level| **level == present)
+            .count();
+        if self.levels.len() != rows || filled != from {
+            return Err(ParquetError::General(format!(
+                "{} levels and {from} values for {rows} rows",
+                self.levels.len()
+            )));
+        }
+        self.values.resize(rows, ABSENT);
+        if self.is_integer {
+            self.exact.resize(rows, 0);
+        }
+        for to in (0..rows).rev() {
+            if self.levels[to] == present {
+                from -= 1;
+                self.values[to] = self.values[from];
+                if self.is_integer {
+                    self.exact[to] = self.exact[from];
+                }
+            } else {
+                self.values[to] = ABSENT;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Runs the Parquet library with a net: its decoders may panic on damaged pages.
+fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, String> {
+    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(error)) => Err(error.to_string()),
+        Err(_) => Err("its pages are damaged".to_owned()),
+    }
+}

@@ -1,0 +1,30 @@
+//! Writing recordings: to a temporary file beside the target, renamed when finished.
+
+mod csv_write;
+mod mcap_write;
+mod message_text;
+mod partial;
+
+pub use csv_write::CsvWriter;
+pub use mcap_write::{Compression, McapOptions, McapWriter};
+
+use crate::error::LogError;
+use crate::frame::Frame;
+
+/// A recording being written.
+///
+/// Frames are written as `name.tmp` beside the target and renamed by `finish`;
+/// a writer dropped before that removes what it wrote.
+pub trait FrameWriter {
+    /// Appends a frame.
+    ///
+    /// # Errors
+    /// The frame has another number of joints, its time cannot be stored, or the system refuses.
+    fn write(&mut self, frame: &Frame) -> Result<(), LogError>;
+
+    /// Completes the file and gives it its name.
+    ///
+    /// # Errors
+    /// The system refuses; no file is left.
+    fn finish(self: Box<Self>) -> Result<(), LogError>;
+}

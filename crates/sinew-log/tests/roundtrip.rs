@@ -1,0 +1,197 @@
+//! What is written is read back bit for bit, in every format, compression and layout.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use sinew_log::{
+    Compression, CsvWriter, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities,
+    Quantity, open,
+};
+
+fn all_quantities() -> Quantities {
+    Quantities {
+        q: true,
+        theta: true,
+        dq: true,
+        tau_el: true,
+        tau_m: true,
+        tau_ext: true,
+        temperature: true,
+    }
+}
+
+fn names(n: usize) -> Vec<String> {
+    (0..n).map(|joint| format!("joint_{joint}")).collect()
+}
+
+/// Frames at about 250 Hz with positions that never jump by half a turn.
+fn frames(n: usize, count: usize, seed: u64) -> Vec<Frame> {
+    let mut state = seed | 1;
+    let mut random = move || {
+        // xorshift64*, Vigna 2016: enough for test values.
+        state ^= state >> 12;
+        state ^= state << 25;
+        state ^= state >> 27;
+        (state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    (0..count)
+        .map(|index| {
+            let mut frame = Frame::new(n);
+            frame.time_ns = 1_700_000_000_123_456_789 + 4_000_000 * index as i64;
+            for quantity in Quantity::PER_JOINT {
+                for value in frame.get_mut(quantity) {
+                    *value = random();
+                }
+            }
+            frame.temperature_c = 22.0 + random();
+            // Some values are not recorded.
+            if index % 7 == 3 {
+                frame.theta[0] = f64::NAN;
+                frame.tau_el[n - 1] = f64::NAN;
+            }
+            frame
+        })
+        .collect()
+}
+
+fn write_mcap(path: &Path, options: &McapOptions, frames: &[Frame]) {
+    let mut writer: Box<dyn FrameWriter> = Box::new(McapWriter::create(path, options).unwrap());
+    for frame in frames {
+        writer.write(frame).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+fn read_back(path: &Path) -> Vec<Frame> {
+    let mut recording = open(path, &OpenOptions::default()).unwrap();
+    let mut frames = Vec::new();
+    while let Some(frame) = recording.next_frame().unwrap() {
+        frames.push(frame.clone());
+    }
+    assert!(!recording.health().is_damaged(), "{:?}", recording.health());
+    assert_eq!(recording.health().frames, frames.len() as u64);
+    assert_eq!(
+        recording.progress().bytes_done,
+        recording.progress().bytes_total
+    );
+    frames
+}
+
+/// Equal bit for bit, except that any NaN equals any NaN.
+fn assert_same(a: &[Frame], b: &[Frame]) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert_eq!(a.time_ns, b.time_ns);
+        for quantity in Quantity::PER_JOINT
+            .into_iter()
+            .chain([Quantity::Temperature])
+        {
+            for (x, y) in a.get(quantity).iter().zip(b.get(quantity)) {
+                assert!(
+                    x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan()),
+                    "{quantity:?} at {}: {x} and {y}",
+                    a.time_ns
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_compression_and_layout_gives_the_same_frames_and_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = frames(4, 3000, 7);
+    for compression in [Compression::None, Compression::Zstd, Compression::Lz4] {
+        for chunked in [true, false] {
+            for indexed in [true, false] {
+                let options = McapOptions {
+                    joints: names(4),
+                    quantities: all_quantities(),
+                    compression,
+                    chunked,
+                    indexed,
+                    chunk_size: 64 << 10,
+                    robot_description: Some("<robot name=\"arm\"/>".to_owned()),
+                    ..McapOptions::default()
+                };
+                let path = folder.path().join("a.mcap");
+                write_mcap(&path, &options, &frames);
+                assert_same(&frames, &read_back(&path));
+                let recording = open(&path, &OpenOptions::default()).unwrap();
+                assert_eq!(recording.robot_description(), Some("<robot name=\"arm\"/>"));
+                assert_eq!(recording.joints(), names(4));
+                assert_eq!(recording.channels().union(), all_quantities());
+
+                let again = folder.path().join("b.mcap");
+                write_mcap(&again, &options, &frames);
+                assert_eq!(
+                    std::fs::read(&path).unwrap(),
+                    std::fs::read(&again).unwrap()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_writer_dropped_before_the_end_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let options = McapOptions {
+        joints: names(1),
+        ..McapOptions::default()
+    };
+    let mut writer = McapWriter::create(&path, &options).unwrap();
+    writer.write(&Frame::new(1)).unwrap();
+    assert!(folder.path().join("a.mcap.tmp").exists());
+    drop(writer);
+    let path = folder.path().join("a.csv");
+    drop(CsvWriter::create(&path, &names(1), Quantities::positions()).unwrap());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_frame_of_the_wrong_length_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.csv");
+    let mut writer = CsvWriter::create(&path, &names(2), Quantities::positions()).unwrap();
+    let error = writer.write(&Frame::new(3)).unwrap_err().to_string();
+    assert!(error.contains("3 values of q for 2 joints"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn mcap_and_csv_round_trip(
+        n in 1_usize..9,
+        count in 1_usize..400,
+        seed in any::<u64>(),
+        compression in prop_oneof![
+            Just(Compression::None), Just(Compression::Zstd), Just(Compression::Lz4)
+        ],
+        chunk_size in 1_u64..100_000,
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let frames = frames(n, count, seed);
+        let path = folder.path().join("a.mcap");
+        let options = McapOptions {
+            joints: names(n),
+            quantities: all_quantities(),
+            compression,
+            chunk_size,
+            ..McapOptions::default()
+        };
+        write_mcap(&path, &options, &frames);
+        assert_same(&frames, &read_back(&path));
+
+        let path = folder.path().join("a.csv");
+        let mut writer: Box<dyn FrameWriter> =
+            Box::new(CsvWriter::create(&path, &names(n), all_quantities()).unwrap());
+        for frame in &frames {
+            writer.write(frame).unwrap();
+        }
+        writer.finish().unwrap();
+        assert_same(&frames, &read_back(&path));
+    }
+}
