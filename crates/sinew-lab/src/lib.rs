@@ -1,3 +1,5 @@
 //! The workshop of Sinew: replay and estimation, simulation, the paper's figures, plots, reports.
 
 pub mod estimate;
+pub mod output;
+pub mod robot_dir;

@@ -1,0 +1,99 @@
+//! A robot's folder: `robot.toml` and the URDF it names.
+
+use sinew_model::robot::{Robot, RobotError, RobotFile};
+use std::path::{Path, PathBuf};
+
+/// A robot and where it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedRobot {
+    /// The robot.
+    pub robot: Robot,
+    /// `robot.toml` as opened.
+    pub file: PathBuf,
+    /// Where the URDF came from, in words.
+    pub urdf: String,
+    /// Text of the URDF.
+    pub urdf_text: String,
+}
+
+/// Why a robot could not be loaded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotDirError {
+    /// A file that can't be read.
+    #[error("can't read {path}: {error}", path = path.display())]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// No robot was named and none lies where one is looked for.
+    #[error(
+        "no robot.toml beside the recording nor in the current folder; name the robot's folder with --robot DIR (it holds robot.toml with stiffness_nm_per_rad per joint; robots/biorob-like is an example)"
+    )]
+    NotFound,
+    /// Neither the robot's folder nor the recording has a URDF.
+    #[error(
+        "{path} names no urdf and the recording has no /robot_description; add urdf = \"NAME.urdf\"", path = path.display()
+    )]
+    NoUrdf {
+        /// `robot.toml`.
+        path: PathBuf,
+    },
+    /// The description was refused.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+}
+
+/// Loads a robot from `place` (its folder, or `robot.toml` itself).
+///
+/// `description` is the recording's own URDF; it is used where `robot.toml` names none.
+///
+/// # Errors
+/// [`RobotDirError`].
+pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, RobotDirError> {
+    let file = if place.is_dir() {
+        place.join("robot.toml")
+    } else {
+        place.to_path_buf()
+    };
+    let text = read(&file)?;
+    let parsed = RobotFile::parse(&text, &file.display().to_string())?;
+    let (urdf_text, urdf) = match (parsed.urdf(), description) {
+        (Some(name), _) => {
+            let path = file.parent().unwrap_or(Path::new("")).join(name);
+            (read(&path)?, path.display().to_string())
+        }
+        (None, Some(text)) => (
+            text.to_string(),
+            "the recording's /robot_description".into(),
+        ),
+        (None, None) => return Err(RobotDirError::NoUrdf { path: file }),
+    };
+    Ok(LoadedRobot {
+        robot: parsed.build(&urdf_text)?,
+        file,
+        urdf,
+        urdf_text,
+    })
+}
+
+/// Where a robot is looked for when none is named: beside the recording, then here.
+///
+/// # Errors
+/// [`RobotDirError::NotFound`].
+pub fn find(log: &Path) -> Result<PathBuf, RobotDirError> {
+    let beside = log.parent().unwrap_or(Path::new("")).join("robot.toml");
+    [beside, PathBuf::from("robot.toml")]
+        .into_iter()
+        .find(|p| p.is_file())
+        .ok_or(RobotDirError::NotFound)
+}
+
+fn read(path: &Path) -> Result<String, RobotDirError> {
+    std::fs::read_to_string(path).map_err(|error| RobotDirError::Read {
+        path: path.to_path_buf(),
+        error,
+    })
+}
