@@ -100,7 +100,10 @@ fn odd_but_real_numbers_are_warned_of() {
 
     let negative_friction = PENDULUM.replace("friction=\"0.2\"", "friction=\"-0.39\"");
     let urdf = parse(&negative_friction, &UrdfOptions::default()).unwrap();
-    assert!(urdf.warnings[0].contains("negative friction") && urdf.warnings[0].contains("-0.39"));
+    assert!(
+        urdf.warnings[0].contains("negative friction")
+            && urdf.warnings[0].contains("swing (friction -0.390 N·m)")
+    );
     assert_eq!(urdf.coulomb_nm[0], 0.0);
 }
 

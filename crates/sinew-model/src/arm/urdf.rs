@@ -150,6 +150,16 @@ struct Reader<'a> {
     children: Vec<Vec<usize>>,
     root: usize,
     warnings: Vec<String>,
+    odd: Odd,
+}
+
+/// Names of what is odd, gathered so that one warning speaks of all.
+#[derive(Default)]
+struct Odd {
+    inertia_without_mass: Vec<String>,
+    not_definite: Vec<String>,
+    triangle: Vec<String>,
+    negative_friction: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
@@ -232,6 +242,7 @@ impl<'a> Reader<'a> {
             children,
             root,
             warnings: Vec::new(),
+            odd: Odd::default(),
         })
     }
 
@@ -322,6 +333,7 @@ impl<'a> Reader<'a> {
                 "N·m·s/rad",
             )?);
         }
+        self.warnings.extend(self.odd.sentences());
         Ok(UrdfArm {
             name: self.robot.name.clone(),
             arm,
@@ -405,20 +417,13 @@ impl<'a> Reader<'a> {
         let pose = urdf_pose(&link.inertial.origin);
         let placed = body.seen_from(&pose);
         super::build::check_body(&place, &placed)?;
+        let odd = &mut self.odd;
         if body.mass == 0.0 && body.inertia != [[0.0; 3]; 3] {
-            self.warnings.push(format!(
-                "{place} has an inertia but no mass (0 kg); check its <mass>"
-            ));
+            odd.inertia_without_mass.push(link.name.clone());
         } else if !is_positive_semidefinite(&body.inertia) {
-            self.warnings.push(format!(
-                "{place} has an inertia that is not positive definite (diagonal {} {} {} kg·m²); no body can have it, the estimate uses it as it stands, a simulation may refuse it",
-                i.ixx, i.iyy, i.izz
-            ));
+            odd.not_definite.push(link.name.clone());
         } else if !obeys_triangle(&body.inertia) {
-            self.warnings.push(format!(
-                "{place} has principal inertias that break the triangle inequality (diagonal {} {} {} kg·m²); no body can have them, they are used as they stand",
-                i.ixx, i.iyy, i.izz
-            ));
+            odd.triangle.push(link.name.clone());
         }
         Ok(placed)
     }
@@ -439,11 +444,38 @@ impl<'a> Reader<'a> {
             .into());
         }
         if value < 0.0 {
-            self.warnings.push(format!(
-                "joint '{joint}' has a negative {what} ({value} {unit}) in the URDF; it counts as 0"
-            ));
+            self.odd
+                .negative_friction
+                .push(format!("{joint} ({what} {value:.3} {unit})"));
         }
         Ok(value.max(0.0))
+    }
+}
+
+impl Odd {
+    fn sentences(&self) -> Vec<String> {
+        [
+            (
+                &self.inertia_without_mass,
+                "link with an inertia but no mass (0 kg), check its <mass>",
+            ),
+            (
+                &self.not_definite,
+                "link with an inertia that is not positive definite, which no body has; used as it stands, a simulation may refuse it",
+            ),
+            (
+                &self.triangle,
+                "link with principal inertias that break the triangle inequality, which no body has (identified models do); used as they stand",
+            ),
+            (
+                &self.negative_friction,
+                "joint with a negative friction in the URDF; it counts as 0",
+            ),
+        ]
+        .iter()
+        .filter(|(names, _)| !names.is_empty())
+        .map(|(names, text)| format!("{text}: {}", names.join(", ")))
+        .collect()
     }
 }
 
