@@ -3,3 +3,4 @@
 pub mod estimate;
 pub mod output;
 pub mod robot_dir;
+pub mod simulate;
