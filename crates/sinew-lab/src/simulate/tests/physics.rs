@@ -315,7 +315,8 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     };
     let slope = 20.0 + weight * q0.cos();
     let (early, late) = pushed(0.5 * coulomb);
-    assert!((late - early).abs() < 1e-9, "creeps: {early} then {late} rad");
+    // What still rings is a ten-thousandth of x_s.
+    assert!((late - early).abs() < 1e-7, "creeps: {early} then {late} rad");
     // It has moved within pre-sliding only, as Dahl's law says: F_c (1 − exp(−x/x_s)) beside
     // the spring's and gravity's share. Small steps of load overshoot a little: 3 %.
     let carried = coulomb * (1.0 - (-late / 1e-3f64).exp()) + slope * late;
