@@ -50,7 +50,11 @@ impl Contacts {
         let size = random.force_n.sample(&mut self.rng);
         let v: [f64; 3] = std::array::from_fn(|_| normal(&mut self.rng));
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let direction = if length > 0.0 { v.map(|x| x / length) } else { [1.0, 0.0, 0.0] };
+        let direction = if length > 0.0 {
+            v.map(|x| x / length)
+        } else {
+            [1.0, 0.0, 0.0]
+        };
         (start_s + duration_s <= random.from_to_s.1).then(|| Contact {
             start_s,
             duration_s,

@@ -40,8 +40,7 @@ impl Friction {
     /// Friction torque, N·m, positive when it brakes positive motion.
     #[inline]
     pub(crate) fn torque(&self, z: f64, dq: f64, tau_el: f64) -> f64 {
-        (self.coulomb_nm + self.torque_fraction * tau_el.abs()) * z
-            + self.viscous_nm_s_per_rad * dq
+        (self.coulomb_nm + self.torque_fraction * tau_el.abs()) * z + self.viscous_nm_s_per_rad * dq
     }
 
     /// Whether `z` matters.

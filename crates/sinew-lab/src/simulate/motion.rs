@@ -140,9 +140,7 @@ impl Trajectory {
                 segments,
                 repeat: false,
                 ..
-            } => Some(
-                self.now.end_s + segments.iter().map(|(_, m, p)| m + p).sum::<f64>(),
-            ),
+            } => Some(self.now.end_s + segments.iter().map(|(_, m, p)| m + p).sum::<f64>()),
             _ => None,
         }
     }
@@ -166,7 +164,11 @@ impl Trajectory {
         for i in 0..q_d.len() {
             let way = s.to[i] - s.from[i];
             q_d[i] = s.from[i] + way * share;
-            dq_d[i] = if rate == 0.0 { 0.0 } else { way * rate / s.move_s };
+            dq_d[i] = if rate == 0.0 {
+                0.0
+            } else {
+                way * rate / s.move_s
+            };
         }
     }
 

@@ -187,8 +187,14 @@ impl Plant {
     ) -> Result<(), StepError> {
         out.fill(0.0);
         for f in forces {
-            self.arm
-                .add_point_force(&mut self.ws, &self.state.q, &f.link, f.point_m, f.force_n, out)?;
+            self.arm.add_point_force(
+                &mut self.ws,
+                &self.state.q,
+                &f.link,
+                f.point_m,
+                f.force_n,
+                out,
+            )?;
         }
         Ok(())
     }
@@ -217,9 +223,8 @@ impl Plant {
         let s = &mut self.state;
         let [a, b, c, d] = &self.k;
         for (i, drive) in self.drives.iter().enumerate() {
-            let sum = |f: fn(&Rates) -> &[f64]| {
-                weight * (f(a)[i] + 2.0 * (f(b)[i] + f(c)[i]) + f(d)[i])
-            };
+            let sum =
+                |f: fn(&Rates) -> &[f64]| weight * (f(a)[i] + 2.0 * (f(b)[i] + f(c)[i]) + f(d)[i]);
             let travel = sum(|r| &r.dq);
             let motor_travel = sum(|r| &r.dtheta);
             s.z_joint[i] = drive.joint_friction.presliding(s.z_joint[i], travel);
@@ -269,10 +274,7 @@ impl Plant {
             let stiffness = drive.stiffness_nm_per_rad * scale;
             k.dcreep[i] = (drive.viscoelastic_fraction * tau_el / stiffness - s.creep[i])
                 / drive.viscoelastic_time_s;
-            self.tau[i] = tau_el
-                - drive
-                    .joint_friction
-                    .torque(s.z_joint[i], s.dq[i], tau_el);
+            self.tau[i] = tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], tau_el);
         }
         for f in inputs.forces {
             self.arm.add_point_force(

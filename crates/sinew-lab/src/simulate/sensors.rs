@@ -10,7 +10,11 @@ use std::f64::consts::TAU;
 /// # Source
 /// Kirchhoff, von Stryk, IROS 2018, section V (Fig. 6).
 pub fn injected(theta: f64, delta_e: f64) -> f64 {
-    if theta > delta_e { theta + delta_e } else { theta }
+    if theta > delta_e {
+        theta + delta_e
+    } else {
+        theta
+    }
 }
 
 /// A torque channel, drawn.
@@ -38,7 +42,11 @@ impl TorqueSensor {
     }
 
     pub(crate) fn read(&self, i: usize, tau: f64, theta: f64, rng: &mut ChaCha8Rng) -> f64 {
-        let noise = if self.noise > 0.0 { self.noise * normal(rng) } else { 0.0 };
+        let noise = if self.noise > 0.0 {
+            self.noise * normal(rng)
+        } else {
+            0.0
+        };
         let ripple = if self.ripple[i] == 0.0 {
             0.0
         } else {
@@ -100,7 +108,11 @@ impl Sensors {
     }
 
     fn noise(&mut self, std: f64) -> f64 {
-        if std > 0.0 { std * normal(&mut self.rng) } else { 0.0 }
+        if std > 0.0 {
+            std * normal(&mut self.rng)
+        } else {
+            0.0
+        }
     }
 
     /// Joint position, rad.

@@ -11,8 +11,8 @@ mod read;
 mod table;
 
 pub use draw::{Draw, PerJoint};
-pub use table::Bound;
 pub use profile::Shape;
+pub use table::Bound;
 
 pub(crate) use draw::{Stream, normal, rng};
 pub(crate) use profile::interpolate;

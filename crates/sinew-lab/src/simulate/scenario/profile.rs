@@ -76,7 +76,10 @@ impl Shape {
 /// Straight lines between points sorted by time; the ends hold. 0 without points.
 pub(crate) fn interpolate(points: &[(f64, f64)], t: f64) -> f64 {
     let after = points.partition_point(|&(time, _)| time <= t);
-    match (after.checked_sub(1).and_then(|i| points.get(i)), points.get(after)) {
+    match (
+        after.checked_sub(1).and_then(|i| points.get(i)),
+        points.get(after),
+    ) {
         (Some(&(t0, v0)), Some(&(t1, v1))) => v0 + (v1 - v0) * (t - t0) / (t1 - t0),
         (Some(&(_, v)), None) | (None, Some(&(_, v))) => v,
         (None, None) => 0.0,
@@ -90,12 +93,24 @@ mod tests {
     #[test]
     fn each_shape_starts_and_ends_where_it_says() {
         let table = Shape::Table(vec![(1.0, 0.0), (2.0, 4.0), (3.0, 1.0)]);
-        assert_eq!([0.0, 1.5, 2.0, 2.5, 9.0].map(|t| table.at(t)), [0.0, 2.0, 4.0, 2.5, 1.0]);
-        let ramp = Shape::Ramp { from_s: 1.0, to_s: 3.0 };
-        assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|t| ramp.at(t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!(
+            [0.0, 1.5, 2.0, 2.5, 9.0].map(|t| table.at(t)),
+            [0.0, 2.0, 4.0, 2.5, 1.0]
+        );
+        let ramp = Shape::Ramp {
+            from_s: 1.0,
+            to_s: 3.0,
+        };
+        assert_eq!(
+            [0.0, 1.0, 2.0, 3.0, 4.0].map(|t| ramp.at(t)),
+            [0.0, 0.0, 0.5, 1.0, 1.0]
+        );
         let step = Shape::Step { at_s: 2.0 };
         assert_eq!([1.999, 2.0].map(|t| step.at(t)), [0.0, 1.0]);
-        let growth = Shape::Exponential { from_s: 1.0, time_constant_s: 2.0 };
+        let growth = Shape::Exponential {
+            from_s: 1.0,
+            time_constant_s: 2.0,
+        };
         assert_eq!(growth.at(1.0), 0.0);
         assert!((growth.at(3.0) - (1.0 - (-1f64).exp())).abs() < 1e-15);
     }

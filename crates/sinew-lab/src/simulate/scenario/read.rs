@@ -52,9 +52,8 @@ impl Scenario {
                 .unwrap_or(plain.control_rate_hz),
             start_time_ns: match root.count("start_time_ns")? {
                 None => plain.start_time_ns,
-                Some(ns) => i64::try_from(ns).map_err(|_| {
-                    root.refuse("start_time_ns", "a time before the year 2262")
-                })?,
+                Some(ns) => i64::try_from(ns)
+                    .map_err(|_| root.refuse("start_time_ns", "a time before the year 2262"))?,
             },
             controller: optional(&root, "controller", |s| {
                 Ok(Controller {
@@ -251,7 +250,9 @@ fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, SimulateError> {
         scale_error: per(s, "scale_error", Bound::Any)?,
         offset_nm: per(s, "offset_nm", Bound::Any)?,
         ripple_nm: per(s, "ripple_nm", Bound::Any)?,
-        ripple_per_rad: s.number("ripple_per_rad", Bound::NotNegative)?.unwrap_or(0.0),
+        ripple_per_rad: s
+            .number("ripple_per_rad", Bound::NotNegative)?
+            .unwrap_or(0.0),
         noise_nm: s.number("noise_nm", Bound::NotNegative)?.unwrap_or(0.0),
     })
 }
@@ -259,7 +260,9 @@ fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, SimulateError> {
 fn temperature(s: &Section<'_>) -> Result<Temperature, SimulateError> {
     let plain = Temperature::default();
     let celsius = Bound::Within(-60.0, 200.0);
-    let from = s.number("change_from_s", Bound::NotNegative)?.unwrap_or(0.0);
+    let from = s
+        .number("change_from_s", Bound::NotNegative)?
+        .unwrap_or(0.0);
     let to = s.number("change_to_s", Bound::NotNegative)?.unwrap_or(from);
     if to < from {
         return Err(s.refuse("change_to_s", "at least change_from_s"));
@@ -322,12 +325,18 @@ fn contact(s: &Section<'_>) -> Result<Contact, SimulateError> {
 
 fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, SimulateError> {
     let from = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
-    let to = s.number("to_s", Bound::NotNegative)?.unwrap_or(f64::INFINITY);
+    let to = s
+        .number("to_s", Bound::NotNegative)?
+        .unwrap_or(f64::INFINITY);
     if to <= from {
         return Err(s.refuse("to_s", "later than from_s"));
     }
     let out = RandomContacts {
-        fraction: s.need("fraction", Bound::Within(0.0, 0.95), "the share of the time")?,
+        fraction: s.need(
+            "fraction",
+            Bound::Within(0.0, 0.95),
+            "the share of the time",
+        )?,
         link: link(s)?,
         line: s.line(),
         point_m: s.vec3("point_m")?.unwrap_or([0.0; 3]),

@@ -247,9 +247,9 @@ impl<'d> Section<'d> {
     pub(crate) fn flag(&self, key: &'static str) -> Result<Option<bool>, SimulateError> {
         self.get(key)
             .map(|v| {
-                v.get_ref().as_bool().ok_or_else(|| {
-                    self.doc.value_error(self.full(key), v, "true or false")
-                })
+                v.get_ref()
+                    .as_bool()
+                    .ok_or_else(|| self.doc.value_error(self.full(key), v, "true or false"))
             })
             .transpose()
     }
@@ -257,9 +257,10 @@ impl<'d> Section<'d> {
     pub(crate) fn text(&self, key: &'static str) -> Result<Option<String>, SimulateError> {
         self.get(key)
             .map(|v| {
-                v.get_ref().as_str().map(str::to_owned).ok_or_else(|| {
-                    self.doc.value_error(self.full(key), v, "text in quotes")
-                })
+                v.get_ref()
+                    .as_str()
+                    .map(str::to_owned)
+                    .ok_or_else(|| self.doc.value_error(self.full(key), v, "text in quotes"))
             })
             .transpose()
     }

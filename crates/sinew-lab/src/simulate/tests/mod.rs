@@ -12,7 +12,11 @@ pub(super) fn biorob_like() -> Robot {
         include_str!("../../../../../robots/biorob-like/robot.toml"),
         "robot.toml",
     )
-    .and_then(|f| f.build(include_str!("../../../../../robots/biorob-like/biorob-like.urdf")))
+    .and_then(|f| {
+        f.build(include_str!(
+            "../../../../../robots/biorob-like/biorob-like.urdf"
+        ))
+    })
     .expect("the shipped robot is readable")
 }
 

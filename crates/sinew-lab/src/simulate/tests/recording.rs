@@ -38,44 +38,82 @@ fn busy() -> Scenario {
             link: "tool".into(),
             line: 0,
             point_m: [0.0; 3],
-            force_n: Draw::Uniform { min: 2.0, max: 15.0 },
+            force_n: Draw::Uniform {
+                min: 2.0,
+                max: 15.0,
+            },
             duration_s: Draw::Uniform { min: 0.5, max: 1.0 },
             rise_s: 0.05,
             from_to_s: (0.0, f64::INFINITY),
         }),
-        record: Record { dq: true, tau_el: true, tau_m: true, tau_ext: true, temperature: true },
+        record: Record {
+            dq: true,
+            tau_el: true,
+            tau_m: true,
+            tau_ext: true,
+            temperature: true,
+        },
         ..Scenario::default()
     }
 }
 
 /// Bits of everything in a frame.
 fn bits(frame: &Frame) -> Vec<u64> {
-    let parts = [&frame.q, &frame.theta, &frame.dq, &frame.tau_el, &frame.tau_m, &frame.tau_ext];
-    parts.iter().flat_map(|p| p.iter().map(|x| x.to_bits())).collect()
+    let parts = [
+        &frame.q,
+        &frame.theta,
+        &frame.dq,
+        &frame.tau_el,
+        &frame.tau_m,
+        &frame.tau_ext,
+    ];
+    parts
+        .iter()
+        .flat_map(|p| p.iter().map(|x| x.to_bits()))
+        .collect()
 }
 
 #[test]
 fn two_runs_are_bitwise_the_same_and_another_seed_is_not() {
     let (a, b) = (all(&busy()), all(&busy()));
     assert_eq!(a.len(), 1500);
-    assert!(a.iter().zip(&b).all(|(a, b)| a.time_ns == b.time_ns && bits(a) == bits(b)));
+    assert!(
+        a.iter()
+            .zip(&b)
+            .all(|(a, b)| a.time_ns == b.time_ns && bits(a) == bits(b))
+    );
     let other = all(&Scenario { seed: 2, ..busy() });
     assert!(a.iter().zip(&other).any(|(a, b)| bits(a) != bits(b)));
-    assert!(a.iter().all(|f| bits(f).iter().all(|&x| f64::from_bits(x).is_finite())));
+    assert!(
+        a.iter()
+            .all(|f| bits(f).iter().all(|&x| f64::from_bits(x).is_finite()))
+    );
 }
 
 #[test]
 fn sensors_leave_the_motion_alone() {
     // The true velocity has no noise: it tells the motion, whatever the encoders do.
-    let plain = all(&Scenario { encoder: Encoder::default(), ..busy() });
+    let plain = all(&Scenario {
+        encoder: Encoder::default(),
+        ..busy()
+    });
     let noisy = all(&busy());
-    assert!(plain.iter().zip(&noisy).all(|(a, b)| a.dq == b.dq && a.tau_el == b.tau_el));
+    assert!(
+        plain
+            .iter()
+            .zip(&noisy)
+            .all(|(a, b)| a.dq == b.dq && a.tau_el == b.tau_el)
+    );
     assert!(plain.iter().zip(&noisy).any(|(a, b)| a.q != b.q));
 }
 
 #[test]
 fn random_motion_stays_within_four_fifths_of_the_limits() {
-    let frames = all(&Scenario { random_contacts: None, duration_s: Some(40.0), ..busy() });
+    let frames = all(&Scenario {
+        random_contacts: None,
+        duration_s: Some(40.0),
+        ..busy()
+    });
     let robot = biorob_like();
     let mut widest = [0.0f64; 4];
     for frame in &frames {
@@ -94,7 +132,9 @@ fn holding(kind: OffsetKind) -> Scenario {
         duration_s: Some(12.0),
         sample_rate_hz: 100.0,
         settle_s: 1.0,
-        motion: Motion::Hold { pose_rad: PerJoint::one("shoulder_pitch", FRAC_PI_2) },
+        motion: Motion::Hold {
+            pose_rad: PerJoint::one("shoulder_pitch", FRAC_PI_2),
+        },
         joint_friction: FrictionSpec::none(),
         motor_friction: FrictionSpec::none(),
         offsets: vec![Offset {
@@ -133,7 +173,11 @@ fn a_physical_offset_is_felt_and_an_injected_one_is_not() {
     // 1 − cos(0.01) = 5e-5 of 91 mrad.
     let sag = 0.3705 * 9.81 / 40.0;
     for f in [p, i] {
-        assert!((f.theta[1] - f.q[1] - sag - 0.01).abs() < 1e-5, "{}", f.theta[1] - f.q[1] - sag);
+        assert!(
+            (f.theta[1] - f.q[1] - sag - 0.01).abs() < 1e-5,
+            "{}",
+            f.theta[1] - f.q[1] - sag
+        );
     }
 }
 
@@ -162,11 +206,18 @@ fn a_contact_shows_in_the_elastic_torque_and_leaves_again() {
     let frames = all(&scenario);
     // The tool is 0.72 m out, a little less once the arm has given way.
     let lifted = &frames[790];
-    assert!(lifted.tau_ext[1] > 3.3 && lifted.tau_ext[1] < 3.6, "{}", lifted.tau_ext[1]);
+    assert!(
+        lifted.tau_ext[1] > 3.3 && lifted.tau_ext[1] < 3.6,
+        "{}",
+        lifted.tau_ext[1]
+    );
     // Then gravity is carried by spring and contact together, at every joint.
     let arm = biorob_like().arm;
     let mut ws = sinew_model::arm::ArmWorkspace::new(&arm);
-    let g = arm.momentum(&mut ws, &lifted.q, &[0.0; 4]).expect("finite").g;
+    let g = arm
+        .momentum(&mut ws, &lifted.q, &[0.0; 4])
+        .expect("finite")
+        .g;
     for i in 0..4 {
         // Ringing has had seven seconds to fade.
         let left = lifted.tau_el[i] + lifted.tau_ext[i] - g[i];
@@ -178,7 +229,10 @@ fn a_contact_shows_in_the_elastic_torque_and_leaves_again() {
 #[test]
 fn an_encoder_of_thirteen_bits_shows_multiples_of_its_step() {
     let step = std::f64::consts::TAU / 8192.0;
-    for frame in all(&Scenario { duration_s: Some(0.5), ..busy() }) {
+    for frame in all(&Scenario {
+        duration_s: Some(0.5),
+        ..busy()
+    }) {
         for q in &frame.q {
             assert!((q / step - (q / step).round()).abs() < 1e-9);
         }
@@ -193,7 +247,9 @@ fn a_stiff_controller_on_a_coarse_step_is_told_not_to_be() {
             stiffness_nm_per_rad: PerJoint::fixed(1e6),
             damping_nm_s_per_rad: PerJoint::fixed(0.0),
         },
-        motion: Motion::Hold { pose_rad: PerJoint::fixed(0.3) },
+        motion: Motion::Hold {
+            pose_rad: PerJoint::fixed(0.3),
+        },
         offsets: vec![Offset {
             joint: "swing".into(),
             line: 0,
@@ -216,5 +272,8 @@ fn a_stiff_controller_on_a_coarse_step_is_told_not_to_be() {
         }
     }
     let message = end.expect_err("it must diverge");
-    assert!(message.contains("integration_step_s") && message.contains(" s ("), "{message}");
+    assert!(
+        message.contains("integration_step_s") && message.contains(" s ("),
+        "{message}"
+    );
 }
