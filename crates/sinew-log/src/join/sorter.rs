@@ -163,7 +163,8 @@ impl Sorter {
         };
         let released = self.released.is_some_and(|released| key <= released);
         if released || time_ns < newest.saturating_sub(self.window_ns) {
-            if self.released == Some(key) {
+            // Amid samples from behind, the same stamp is one of them.
+            if self.released == Some(key) && self.behind.is_empty() {
                 self.counts.duplicates += 1;
                 return;
             }

@@ -106,6 +106,8 @@ pub(crate) struct McapReader {
     known: Vec<Vec<u8>>,
     schemas: HashMap<u16, String>,
     streams: Vec<Option<Stream>>,
+    /// Channels known from the start: a damaged chunk may hold their definition.
+    announced: Vec<(u16, String, Kind)>,
     selection: Selection,
     joint_blocks: Vec<Quantity>,
     motor_blocks: Vec<Quantity>,
@@ -154,6 +156,13 @@ impl McapReader {
             known,
             schemas: HashMap::new(),
             streams: Vec::new(),
+            announced: contents
+                .topics
+                .iter()
+                .filter_map(|(id, topic)| {
+                    Some((*id, topic.name.clone(), Kind::of_schema(&topic.schema)?))
+                })
+                .collect(),
             selection: Selection::default(),
             joint_blocks,
             motor_blocks,
@@ -183,6 +192,9 @@ impl McapReader {
         }
         self.selection = selection;
         self.streams.clear();
+        for (id, topic, kind) in self.announced.clone() {
+            self.stream(id, &topic, kind);
+        }
     }
 
     pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
@@ -268,21 +280,27 @@ impl McapReader {
     }
 
     fn channel(&mut self, channel: &mcap::records::Channel) {
-        let role = if channel.topic == self.names.joint_topic {
-            Role::Joint
-        } else if Some(&channel.topic) == self.names.motor_topic.as_ref() {
-            Role::Motor
-        } else if Some(&channel.topic) == self.names.external_topic.as_ref() {
-            Role::External
-        } else {
-            return;
-        };
         let kind = self
             .schemas
             .get(&channel.schema_id)
             .and_then(|schema| Kind::of_schema(schema));
-        let Some(kind) = kind else { return };
-        let id = usize::from(channel.id);
+        if let Some(kind) = kind {
+            self.stream(channel.id, &channel.topic, kind);
+        }
+    }
+
+    /// From now on messages of the channel are read, if its topic has a role.
+    fn stream(&mut self, id: u16, topic: &str, kind: Kind) {
+        let role = if topic == self.names.joint_topic {
+            Role::Joint
+        } else if Some(topic) == self.names.motor_topic.as_deref() {
+            Role::Motor
+        } else if Some(topic) == self.names.external_topic.as_deref() {
+            Role::External
+        } else {
+            return;
+        };
+        let id = usize::from(id);
         if self.streams.len() <= id {
             self.streams.resize_with(id + 1, || None);
         }

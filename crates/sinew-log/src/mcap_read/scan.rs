@@ -66,6 +66,15 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
     let summary = read_summary(container)?;
     container.restart(MAGIC_BYTES)?;
     let mut contents = Contents::default();
+    // Channels are defined where they are first used. The summary repeats them, so
+    // that a file whose first chunk is damaged can still be read.
+    for (id, topic) in summary.iter().flat_map(|summary| &summary.topics) {
+        let seen = Topic {
+            messages: 0,
+            ..topic.clone()
+        };
+        contents.topics.insert(*id, seen);
+    }
     let mut health = Health::default();
     loop {
         match container.next(&mut health)? {
@@ -90,9 +99,6 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
     }
     contents.health = health;
     if let Some(summary) = summary {
-        for (id, topic) in summary.topics {
-            contents.topics.entry(id).or_insert(topic);
-        }
         if contents.robot_description.is_none() {
             contents.find_description(container, &summary.chunks)?;
         }
@@ -105,7 +111,7 @@ impl Contents {
     fn channel(&mut self, channel: &mcap::records::Channel) {
         let topic = topic_of(channel, &self.schemas);
         let known = self.topics.entry(channel.id).or_default();
-        if known.name != topic.name {
+        if known.name != topic.name || known.schema.is_empty() {
             *known = topic;
         }
     }

@@ -59,6 +59,8 @@ pub(crate) struct CsvReader {
     row: Vec<f64>,
     done: Arc<AtomicU64>,
     length: u64,
+    /// Bytes before the header: a byte order mark.
+    base: u64,
     /// The file's last byte is not a line end.
     unterminated: bool,
     comma_is_decimal: bool,
@@ -109,7 +111,7 @@ impl CsvReader {
         let done = Arc::new(AtomicU64::new(0));
         let meter = Meter {
             reader,
-            given: 0,
+            given: start,
             done: Arc::clone(&done),
         };
         let mut reader = csv::ReaderBuilder::new()
@@ -130,7 +132,7 @@ impl CsvReader {
             .map(|name| String::from_utf8_lossy(name).trim().to_owned())
             .collect();
         let columns = Columns::new(&names, options, file)?;
-        done.store(reader.position().byte(), Ordering::Relaxed);
+        done.store(start + reader.position().byte(), Ordering::Relaxed);
         let mut this = CsvReader {
             file: file.to_owned(),
             names,
@@ -141,6 +143,7 @@ impl CsvReader {
             row: Vec::new(),
             done,
             length,
+            base: start,
             unterminated,
             comma_is_decimal: delimiter != b',',
             last_ns: None,
@@ -177,7 +180,7 @@ impl CsvReader {
         joiner: &mut Joiner,
         health: &mut Health,
     ) -> Result<bool, LogError> {
-        let start = self.reader.position().byte();
+        let start = self.base + self.reader.position().byte();
         let found = self
             .reader
             .read_byte_record(&mut self.record)
@@ -186,11 +189,11 @@ impl CsvReader {
             self.done.store(self.length, Ordering::Relaxed);
             return Ok(false);
         }
-        let end = self.reader.position().byte();
+        let end = self.base + self.reader.position().byte();
         self.done.store(end, Ordering::Relaxed);
         health.messages += 1;
         // Only the last row can lack its line end.
-        let cut_off = self.unterminated && self.reader.is_done();
+        let cut_off = self.unterminated && end >= self.length;
         let short = self.record.len() < self.names.len();
         if cut_off && short {
             return Ok(self.lost_tail(start, health, "it has too few cells"));

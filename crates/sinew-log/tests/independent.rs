@@ -1,0 +1,109 @@
+//! Recordings by writers that are not Sinew's: `data/make_rosbags.py`.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use sinew_log::{Format, OpenOptions, Quantity, Recording, open};
+
+const JOINTS: [&str; 3] = ["shoulder", "elbow", "wrist"];
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name)
+}
+
+/// What the generator says it wrote: per time the values of `header`.
+fn truth() -> (Vec<String>, Vec<(i64, Vec<Option<f64>>)>) {
+    let text = std::fs::read_to_string(data("rosbags.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    let rows = lines
+        .map(|line| {
+            let mut cells = line.split(',');
+            let time = cells.next().unwrap().parse().unwrap();
+            (time, cells.map(|cell| cell.parse().ok()).collect())
+        })
+        .collect();
+    (header, rows)
+}
+
+/// Every frame equals the truth bit for bit; how many frames there were.
+fn compare(mut recording: Recording, missing_motor: bool) -> usize {
+    let (header, rows) = truth();
+    let column: HashMap<&str, usize> = header
+        .iter()
+        .enumerate()
+        .skip(1)
+        .map(|(index, name)| (name.as_str(), index - 1))
+        .collect();
+    let joints = recording.joints().to_vec();
+    let mut count = 0;
+    while let Some(frame) = recording.next_frame().unwrap() {
+        let (time, row) = &rows[count];
+        assert_eq!(frame.time_ns, *time);
+        for (place, joint) in joints.iter().enumerate() {
+            for quantity in Quantity::PER_JOINT {
+                let found = frame.get(quantity)[place];
+                let name = format!("{joint}.{}", quantity.symbol());
+                let expected = column.get(name.as_str()).and_then(|column| row[*column]);
+                match expected {
+                    Some(_) if missing_motor && quantity == Quantity::Theta => {
+                        assert!(found.is_nan());
+                    }
+                    Some(value) => assert_eq!(found.to_bits(), value.to_bits(), "{name} at {time}"),
+                    None => assert!(found.is_nan(), "{name} at {time}: {found}"),
+                }
+            }
+        }
+        assert_eq!(Some(frame.temperature_c), row[column["temperature"]]);
+        count += 1;
+    }
+    assert!(!recording.health().is_damaged(), "{:?}", recording.health());
+    count
+}
+
+#[test]
+fn rosbags_compressed_and_indexed() {
+    let recording = open(&data("rosbags.mcap"), &OpenOptions::default()).unwrap();
+    assert_eq!(recording.format(), Format::Mcap);
+    // The gripper has no motor position and no joint position: it is not a joint of ours.
+    assert_eq!(recording.joints(), JOINTS);
+    assert_eq!(
+        recording.robot_description(),
+        Some("<robot name=\"fixture\"><link name=\"base\"/></robot>")
+    );
+    assert_eq!(compare(recording, false), 200);
+}
+
+#[test]
+fn mcap_writer_without_chunks_index_and_summary_and_big_endian() {
+    let recording = open(&data("rosbags_bare.mcap"), &OpenOptions::default()).unwrap();
+    assert_eq!(recording.joints(), JOINTS);
+    assert_eq!(recording.robot_description(), None);
+    assert_eq!(compare(recording, false), 50);
+}
+
+#[test]
+fn another_interface_name_is_another_quantity() {
+    let options = OpenOptions {
+        motor_interface: "no_such_interface".to_owned(),
+        ..OpenOptions::default()
+    };
+    let recording = open(&data("rosbags.mcap"), &options).unwrap();
+    assert!(!recording.channels().any_has(Quantity::Theta));
+    assert_eq!(compare(recording, true), 200);
+}
+
+#[test]
+fn selected_joints_come_in_the_order_asked_for() {
+    let mut recording = open(&data("rosbags.mcap"), &OpenOptions::default()).unwrap();
+    recording.select(&["wrist", "shoulder"]).unwrap();
+    assert_eq!(recording.joints(), ["wrist", "shoulder"]);
+    assert_eq!(compare(recording, false), 200);
+}

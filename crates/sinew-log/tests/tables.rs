@@ -1,0 +1,352 @@
+//! CSV as people and programs write it, and what is wrong with some of it.
+
+mod support;
+
+use sinew_log::{Frame, Health, Mapping, OpenOptions, Quantity};
+use support::*;
+
+fn read(text: &str) -> (Vec<Frame>, Health) {
+    read_bytes(text.as_bytes(), "a.csv")
+}
+
+fn error(text: &str) -> String {
+    error_of(text.as_bytes(), "log.csv", &OpenOptions::default())
+}
+
+/// A table of `steps` rows at 100 Hz made by a function of the step.
+fn table(header: &str, steps: i64, row: impl Fn(i64) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for step in 0..steps {
+        text.push_str(&format!("{}.{:02},{}\n", step / 100, step % 100, row(step)));
+    }
+    text
+}
+
+#[test]
+fn delimiters_line_ends_quotes_and_byte_order_mark() {
+    let plain = "time_s,q.a_rad,theta.a_rad\n0.5,1.5,2.5\n0.75,-1e-3,3\n";
+    let variants = [
+        plain.to_owned(),
+        plain.replace(',', ";"),
+        plain.replace(',', "\t"),
+        plain.replace('\n', "\r\n"),
+        format!("\u{feff}{plain}"),
+        plain
+            .replace("q.a_rad", "\"q.a_rad\"")
+            .replace("2.5", "\"2.5\""),
+        plain.replace(',', " , "),
+        plain.trim_end().to_owned(),
+        // A decimal comma where the comma does not separate cells.
+        plain
+            .replace(',', ";")
+            .replace('.', ",")
+            .replace("q,a", "q.a")
+            .replace("theta,a", "theta.a"),
+    ];
+    for text in variants {
+        let (frames, health) = read(&text);
+        assert_eq!(frames.len(), 2, "{text:?}");
+        assert_eq!(frames[0].time_ns, 500_000_000);
+        assert_eq!((frames[0].q[0], frames[0].theta[0]), (1.5, 2.5), "{text:?}");
+        assert_eq!((frames[1].q[0], frames[1].theta[0]), (-1e-3, 3.0));
+        assert!(!health.is_lossy(), "{health:?}");
+    }
+}
+
+#[test]
+fn times_of_large_epochs_are_exact() {
+    let text = "time_s,q.a_rad\n1530821160.123456789,0\n1530821160.123456790,0\n";
+    let (frames, _) = read(text);
+    assert_eq!(frames[0].time_ns, 1_530_821_160_123_456_789);
+    assert_eq!(frames[1].time_ns, 1_530_821_160_123_456_790);
+    let (frames, _) = read("q.a_rad,time_ns\n0,1530821160123456789\n");
+    assert_eq!(frames[0].time_ns, 1_530_821_160_123_456_789);
+}
+
+#[test]
+fn empty_cells_and_nan_are_not_the_same() {
+    let (frames, health) = read("time_s,q.a_rad,theta.a_rad\n0,,1\n1,nan,1\n2,inf,1\n3,0.5,1\n");
+    assert!(frames[..3].iter().all(|frame| frame.q[0].is_nan()));
+    assert_eq!(frames[3].q[0], 0.5);
+    // The empty cell was not recorded; NaN and infinity were, and are bad.
+    assert_eq!(health.non_finite_total(), 2);
+    assert_eq!(health.non_finite[0].quantity, Quantity::Q);
+    assert_eq!(health.frames_without_joint_side, 3);
+}
+
+#[test]
+fn all_nan_and_constant_signals_are_suspicious() {
+    let text = table("time_s,q.a_rad,theta.a_rad,tau_el.a_nm", 200, |step| {
+        format!("{},0.25,nan", 0.01 * step as f64)
+    });
+    let (_, health) = read(&text);
+    let all = health.suspicions.join("\n");
+    assert!(
+        all.contains("theta.a is constant at 0.25 over 200 samples"),
+        "{all}"
+    );
+    assert!(
+        all.contains("tau_el.a holds no finite value in 200 samples"),
+        "{all}"
+    );
+}
+
+#[test]
+fn degrees_gear_ratios_and_signs_are_suspected() {
+    let text = table("time_s,q.elbow_rad,theta.elbow_rad", 200, |step| {
+        let q = 71.5 * (0.05 * step as f64).sin();
+        format!("{q},{q}")
+    });
+    let (_, health) = read(&text);
+    assert!(
+        health.suspicions[0].contains("q.elbow looks like degrees (range 14"),
+        "{health:?}"
+    );
+
+    for (factor, word) in [
+        (57.29578, "theta looks like degrees"),
+        (1.0 / 57.29578, "q looks like degrees"),
+        (100.0, "gear ratio"),
+        (-1.0, "wrong sign"),
+    ] {
+        let text = table("time_s,q.a_rad,theta.a_rad", 400, |step| {
+            let q = 1.2 * (0.05 * step as f64).sin();
+            format!("{q},{}", q * factor)
+        });
+        let (_, health) = read(&text);
+        let all = health.suspicions.join("\n");
+        assert!(all.contains(word), "{factor}: {all}");
+    }
+    // What is right is not suspected.
+    let text = table("time_s,q.a_rad,theta.a_rad", 400, |step| {
+        let q = 1.2 * (0.05 * step as f64).sin();
+        format!("{q},{}", q + 0.05 * (0.05 * step as f64).cos())
+    });
+    assert!(read(&text).1.suspicions.is_empty());
+}
+
+#[test]
+fn a_cell_that_is_no_number_is_an_error_with_its_place() {
+    let message = error("time_s,q.a_rad\n0,1\n1,fault\n2,3\n");
+    assert_eq!(
+        message,
+        "log.csv: line 3, column 'q.a_rad': 'fault' is not a number; empty or nan means not recorded"
+    );
+    let message = error("time_s,q.a_rad\nsoon,1\n");
+    assert!(
+        message.contains("line 2, column 'time_s': 'soon' is not a time"),
+        "{message}"
+    );
+    let message = error("time_s,q.a_rad\n1e30,1\n");
+    assert!(message.contains("1677 to 2262"), "{message}");
+}
+
+#[test]
+fn columns_that_are_not_read_may_hold_anything() {
+    let (frames, _) = read("time_s,note,q.a_rad\n0,\"hello, world\",1\n1,x,2\n");
+    assert_eq!(frames.len(), 2);
+}
+
+#[test]
+fn headers_that_will_not_do() {
+    assert!(error("q.a_rad,theta.a_rad\n0,1\n").contains("no time column"));
+    assert!(error("time_s,position\n0,1\n").contains("no column like q.<joint>_rad"));
+    let message = error("time_s,q.a_rad,q.a_rad\n0,1,2\n");
+    assert!(
+        message.contains("column 'q.a_rad' is there twice"),
+        "{message}"
+    );
+    assert!(error("\n\n\n").contains("no header line"));
+    assert!(error("hello").contains("no time column"));
+}
+
+#[test]
+fn a_header_without_rows_has_no_frames() {
+    let (frames, health) = read("time_s,q.a_rad\n");
+    assert!(frames.is_empty() && !health.is_damaged());
+    assert!(read("time_s,q.a_rad").0.is_empty());
+}
+
+#[test]
+fn a_last_line_that_is_cut_off_is_damage() {
+    let whole = "time_s,q.a_rad,theta.a_rad\n0,1,2\n1,1,2\n";
+    for (tail, lost) in [("2,1", 3), ("2", 1), ("2,1,-", 5), ("2,1,1e", 6)] {
+        let (frames, health) = read(&format!("{whole}{tail}"));
+        assert_eq!(frames.len(), 2, "{tail}");
+        assert!(health.is_damaged(), "{tail}");
+        assert_eq!(health.bytes_lost, lost);
+        assert_eq!(health.damage[0].offset, whole.len() as u64);
+        assert_eq!(health.damage[0].after_ns, Some(1_000_000_000));
+    }
+    // Complete but for its line end.
+    let (frames, health) = read(&format!("{whole}2,1,2"));
+    assert_eq!(frames.len(), 3);
+    assert!(!health.is_damaged());
+}
+
+#[test]
+fn ragged_rows_are_padded_and_counted() {
+    let (frames, health) = read("time_s,q.a_rad,theta.a_rad\n0,1\n1,1,2,9\n2,1,2\n");
+    assert_eq!(frames.len(), 3);
+    assert!(frames[0].theta[0].is_nan());
+    assert_eq!(frames[1].theta[0], 2.0);
+    assert_eq!(health.ragged_rows, 2);
+}
+
+#[test]
+fn rows_without_a_time_are_dropped_and_counted() {
+    let (frames, health) = read("time_s,q.a_rad\n0,1\n,1\nnan,1\n1,1\n");
+    assert_eq!(frames.len(), 2);
+    assert_eq!(health.rows_without_time, 2);
+    assert!(health.is_lossy());
+}
+
+#[test]
+fn time_going_back_duplicates_and_gaps_in_a_table() {
+    let mut text = String::from("time_s,q.a_rad\n");
+    for time in [0.0, 0.1, 0.1, 0.3, 0.2, 10.4] {
+        text.push_str(&format!("{time},0.5\n"));
+    }
+    for step in 0..20 {
+        text.push_str(&format!("{},0.5\n", 0.1 * f64::from(step)));
+    }
+    let (frames, health) = read(&text);
+    assert_eq!((health.duplicates, health.out_of_order), (1, 1));
+    assert_eq!((health.gaps, health.clock_jumps), (1, 1));
+    assert_eq!(frames.len(), 5 + 20);
+    let segments: Vec<u32> = frames.iter().map(|frame| frame.segment).collect();
+    assert_eq!(segments[..6], [0, 0, 0, 0, 1, 2]);
+}
+
+#[test]
+fn a_missing_motor_side_is_said() {
+    let text = table("time_s,q.a_rad,q.b_rad", 10, |_| "0,0".to_owned());
+    let (frames, health) = read(&text);
+    assert!(
+        frames
+            .iter()
+            .all(|frame| frame.theta.iter().all(|v| v.is_nan()))
+    );
+    assert_eq!(health.frames_without_motor_side, 10);
+}
+
+#[test]
+fn a_quote_that_is_not_closed_does_not_take_the_file_into_memory() {
+    let mut text = String::from("time_s,q.a_rad\n0,1\n1,\"");
+    text.push_str(&"2,3\n".repeat(4 << 20));
+    let message = error(&text);
+    assert!(message.contains("quote that is not closed"), "{message}");
+    let message = error(&format!("time_s,q.a_rad{}", ",x".repeat(8 << 20)));
+    assert!(
+        message.contains("more than") || message.contains("columns"),
+        "{message}"
+    );
+}
+
+#[test]
+fn stamps_without_end_in_one_instant_do_not_fill_the_memory() {
+    // All within one reorder window, so nothing would leave it by time alone.
+    let mut text = String::from("time_ns,q.a_rad\n");
+    for step in 0..100_000 {
+        text.push_str(&format!("{step},0.5\n"));
+    }
+    let (frames, _) = read(&text);
+    assert_eq!(frames.len(), 100_000);
+}
+
+#[test]
+fn prismatic_columns_do_not_wrap() {
+    let (frames, health) = read("time_s,q.lift_m,theta.lift_m\n0,0,0\n0.1,3.5,3.5\n0.2,0,0\n");
+    assert_eq!(frames[1].q[0], 3.5);
+    assert!(health.unwrapped.is_empty());
+}
+
+#[test]
+fn joints_are_selected_by_name() {
+    let text = "time_s,q.a_rad,q.b_rad,theta.b_rad,temperature_c\n0,1,2,3,25\n";
+    let mut recording = open_bytes(text.as_bytes(), "a.csv", &OpenOptions::default()).unwrap();
+    assert_eq!(recording.joints(), ["a", "b"]);
+    assert!(!recording.channels().joints[0].theta && recording.channels().joints[1].theta);
+    recording.select(&["b"]).unwrap();
+    let frame = recording.next_frame().unwrap().unwrap();
+    assert_eq!(
+        (frame.q[0], frame.theta[0], frame.temperature_c),
+        (2.0, 3.0, 25.0)
+    );
+}
+
+fn mapped(mapping: &str, text: &str) -> Result<(Vec<Frame>, Health), String> {
+    let mapping = Mapping::from_toml(mapping, "map.toml").map_err(|e| e.to_string())?;
+    let options = OpenOptions {
+        mapping: Some(mapping),
+        ..OpenOptions::default()
+    };
+    let recording =
+        open_bytes(text.as_bytes(), "a.csv", &options).map_err(|error| error.to_string())?;
+    Ok(read_all(recording))
+}
+
+#[test]
+fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
+    let mapping = r#"
+        [time]
+        column = "t"
+        unit = "ms"
+        [temperature]
+        column = "kelvin"
+        unit = "K"
+        [joints.z]
+        q = { column = "deg", unit = "deg", sign = -1.0, offset = 0.5 }
+        theta = { column = "ticks", unit = "count", counts_per_turn = 4096, gear_ratio = 2.0 }
+        dq = { column = "rpm", unit = "rpm" }
+        tau_el = { column = "mnm", unit = "mN·m" }
+        [joints.a]
+        q = { sum = [ { column = "deg", unit = "deg" }, { column = "mnm", unit = "Nmm", scale = 0.5 } ] }
+    "#;
+    let text = "t,deg,ticks,rpm,mnm,kelvin\n1500.25,90,4096,60,250,300\n";
+    let (frames, _) = mapped(mapping, text).unwrap();
+    let frame = &frames[0];
+    let pi = std::f64::consts::PI;
+    assert_eq!(frame.time_ns, 1_500_250_000);
+    assert!((frame.q[0] - (0.5 - pi / 2.0)).abs() < 1e-15);
+    assert!((frame.theta[0] - pi).abs() < 1e-15);
+    assert!((frame.dq[0] - 2.0 * pi).abs() < 1e-14);
+    assert!((frame.tau_el[0] - 0.25).abs() < 1e-15);
+    assert!((frame.q[1] - (pi / 2.0 + 0.125)).abs() < 1e-15);
+    assert!((frame.temperature_c - 26.85).abs() < 1e-10);
+}
+
+#[test]
+fn the_period_of_a_motor_turn_behind_the_gear_can_be_stated() {
+    // One motor turn is 0.1 turns of the joint: the encoder wraps at 0.2 pi.
+    let mapping = r#"
+        [joints.a]
+        theta = { column = "turns", unit = "turn", gear_ratio = 10.0, wrap_period = 0.6283185307179586 }
+    "#;
+    let mut text = String::from("time_s,turns\n");
+    for step in 0..50 {
+        let turned = 0.13 * f64::from(step);
+        text.push_str(&format!("{},{}\n", 0.01 * f64::from(step), turned.fract()));
+    }
+    let (frames, health) = mapped(mapping, &text).unwrap();
+    for (step, frame) in frames.iter().enumerate() {
+        let expected = 0.013 * step as f64 * std::f64::consts::TAU;
+        assert!((frame.theta[0] - expected).abs() < 1e-12);
+    }
+    assert_eq!(health.unwrapped[0].count, 6);
+}
+
+#[test]
+fn a_mapping_and_a_table_that_do_not_fit() {
+    let text = "time_s,position\n0,1\n";
+    let message = mapped("[joints.a]\nq = { column = \"positoin\" }\n", text).unwrap_err();
+    assert!(
+        message
+            .contains("map.toml: line 2: no column 'positoin' in a.csv; did you mean 'position'?"),
+        "{message}"
+    );
+    let message = mapped("[joints.a]\nq = { unit = \"deg\" }\n", text).unwrap_err();
+    assert!(message.contains("a 'column' is needed"), "{message}");
+    let message = mapped("[time]\ncolumn = \"clock\"\n", text).unwrap_err();
+    assert!(message.contains("no time column 'clock'"), "{message}");
+}
