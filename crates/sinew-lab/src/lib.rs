@@ -2,5 +2,6 @@
 
 pub mod estimate;
 pub mod output;
+pub mod plot;
 pub mod robot_dir;
 pub mod simulate;

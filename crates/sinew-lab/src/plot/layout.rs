@@ -1,0 +1,331 @@
+//! Where things stand: panels in a grid, legends above them, room for numbers and labels.
+
+use super::axis::{Axis, x_extent, y_extent};
+use super::label::{width, wrap};
+use super::{Colour, Dash, Figure, Panel, Series};
+
+pub(super) const TITLE_PX: f64 = 16.0;
+pub(super) const SUBTITLE_PX: f64 = 12.5;
+pub(super) const PANEL_TITLE_PX: f64 = 13.0;
+pub(super) const LABEL_PX: f64 = 12.5;
+pub(super) const TICK_PX: f64 = 12.0;
+pub(super) const LEGEND_PX: f64 = 12.0;
+/// Around the figure.
+pub(super) const MARGIN: f64 = 10.0;
+/// Between neighbouring panels.
+const GUTTER: f64 = 22.0;
+const STACK_GAP: f64 = 10.0;
+/// Legend sample and the gap behind an entry.
+pub(super) const SAMPLE: f64 = 20.0;
+const ENTRY_GAP: f64 = 16.0;
+
+/// A rectangle, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rect {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) w: f64,
+    pub(super) h: f64,
+}
+
+impl Rect {
+    pub(super) fn overlaps(&self, other: &Rect) -> bool {
+        self.x < other.x + other.w
+            && other.x < self.x + self.w
+            && self.y < other.y + other.h
+            && other.y < self.y + self.h
+    }
+
+    pub(super) fn contains(&self, other: &Rect) -> bool {
+        other.x >= self.x
+            && other.y >= self.y
+            && other.x + other.w <= self.x + self.w
+            && other.y + other.h <= self.y + self.h
+    }
+}
+
+/// One word of a legend and how its sample looks.
+pub(super) struct Entry {
+    pub(super) name: String,
+    pub(super) colour: Colour,
+    pub(super) sample: Sample,
+    /// Left end of the sample and baseline of the word.
+    pub(super) x: f64,
+    pub(super) y: f64,
+}
+
+pub(super) enum Sample {
+    Line(Dash, f64),
+    Band,
+}
+
+/// A panel with its place.
+pub(super) struct Placed<'a> {
+    pub(super) panel: &'a Panel,
+    /// The axes' box.
+    pub(super) plot: Rect,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) right: Option<Axis>,
+    pub(super) title: Option<(f64, f64)>,
+    pub(super) legend: Vec<Entry>,
+    /// Left edge of the label column, for the rotated label.
+    pub(super) label_x: f64,
+    pub(super) right_label_x: f64,
+}
+
+/// The whole figure.
+pub(super) struct Layout<'a> {
+    pub(super) width: f64,
+    pub(super) height: f64,
+    pub(super) title: Vec<String>,
+    pub(super) subtitle: Vec<String>,
+    pub(super) panels: Vec<Placed<'a>>,
+}
+
+struct Column {
+    left: f64,
+    right: f64,
+}
+
+/// Arranges a figure; sizes that are not positive numbers become the smallest that can be drawn.
+pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
+    let size = |v: f64, least: f64| {
+        if v.is_finite() {
+            v.clamp(least, 2e4)
+        } else {
+            least
+        }
+    };
+    let (total_w, total_h) = (size(figure.width_px, 120.0), size(figure.height_px, 80.0));
+    let room = total_w - 2.0 * MARGIN;
+    let title = wrap(&figure.title, 1.06 * TITLE_PX, room);
+    let subtitle = wrap(&figure.subtitle, SUBTITLE_PX, room);
+    let mut top = MARGIN
+        + title.len() as f64 * (TITLE_PX + 5.0)
+        + subtitle.len() as f64 * (SUBTITLE_PX + 4.0);
+    if !title.is_empty() || !subtitle.is_empty() {
+        top += 6.0;
+    }
+
+    let columns = figure.columns.max(1).min(figure.panels.len().max(1));
+    let rows: Vec<&[Panel]> = figure.panels.chunks(columns).collect();
+    let cell_w = (room - GUTTER * (columns - 1) as f64) / columns as f64;
+
+    // Fixed heights of every row: title and legend above, numbers and label below.
+    let heads: Vec<f64> = rows
+        .iter()
+        .map(|row| {
+            row.iter()
+                .map(|p| head_height(p, cell_w))
+                .fold(0.0, f64::max)
+        })
+        .collect();
+    let feet: Vec<f64> = rows
+        .iter()
+        .map(|row| row.iter().map(foot_height).fold(0.0, f64::max))
+        .collect();
+    let weights: Vec<f64> = rows
+        .iter()
+        .map(|row| row.iter().map(weight).fold(0.0, f64::max))
+        .collect();
+    let fixed: f64 =
+        heads.iter().chain(&feet).sum::<f64>() + STACK_GAP * rows.len().saturating_sub(1) as f64;
+    let free = (total_h - top - MARGIN / 2.0 - fixed).max(24.0 * rows.len() as f64);
+    let heights: Vec<f64> = weights
+        .iter()
+        .map(|w| free * w / weights.iter().sum::<f64>())
+        .collect();
+
+    // Vertical axes first, because their numbers decide the margins of a column.
+    let mut axes = Vec::new();
+    for (i, panel) in figure.panels.iter().enumerate() {
+        let x = x_extent(panel);
+        let y = y_extent(panel, x);
+        let count = (heights[i / columns] / 27.0).clamp(2.0, 7.0) as usize;
+        let left = Axis::new(y.0, y.1, count);
+        let right = panel
+            .y_right
+            .as_ref()
+            .filter(|r| r.factor.is_finite() && r.factor != 0.0)
+            .map(|r| {
+                let mut axis = Axis::new(left.low * r.factor, left.high * r.factor, count);
+                // Exactly the same stretch as on the left, also when a factor below zero flips it.
+                axis.low = left.low * r.factor;
+                axis.high = left.high * r.factor;
+                axis
+            });
+        axes.push((x, left, right));
+    }
+    let margins: Vec<Column> = (0..columns)
+        .map(|c| {
+            let of_column = || axes.iter().skip(c).step_by(columns);
+            let labelled =
+                |pick: fn(&Panel) -> bool| figure.panels.iter().skip(c).step_by(columns).any(pick);
+            let left = of_column()
+                .map(|(_, y, _)| number_width(y))
+                .fold(0.0, f64::max);
+            let right = of_column()
+                .filter_map(|(_, _, r)| r.as_ref())
+                .map(number_width)
+                .fold(0.0, f64::max);
+            Column {
+                left: left
+                    + 8.0
+                    + if labelled(|p| !p.y_label.is_empty()) {
+                        LABEL_PX + 7.0
+                    } else {
+                        0.0
+                    },
+                right: if right > 0.0 {
+                    right + 8.0 + LABEL_PX + 7.0
+                } else {
+                    12.0
+                },
+            }
+        })
+        .collect();
+
+    let mut panels = Vec::new();
+    for (i, (x, y, right)) in axes.into_iter().enumerate() {
+        let (row, column) = (i / columns, i % columns);
+        let cell_x = MARGIN + (cell_w + GUTTER) * column as f64;
+        let row_y = top
+            + (0..row)
+                .map(|r| heads[r] + heights[r] + feet[r] + STACK_GAP)
+                .sum::<f64>();
+        let margin = &margins[column];
+        let plot = Rect {
+            x: cell_x + margin.left,
+            y: row_y + heads[row],
+            w: (cell_w - margin.left - margin.right).max(24.0),
+            h: heights[row],
+        };
+        let panel = &figure.panels[i];
+        let (title, legend) = head(panel, cell_x, cell_w, plot.y);
+        panels.push(Placed {
+            panel,
+            plot,
+            x: x_axis(x, plot.w),
+            y,
+            right,
+            title,
+            legend,
+            label_x: cell_x,
+            right_label_x: cell_x + cell_w,
+        });
+    }
+    Layout {
+        width: total_w,
+        height: total_h,
+        title,
+        subtitle,
+        panels,
+    }
+}
+
+fn weight(panel: &Panel) -> f64 {
+    if panel.weight.is_finite() && panel.weight > 0.0 {
+        panel.weight
+    } else {
+        1.0
+    }
+}
+
+fn number_width(axis: &Axis) -> f64 {
+    let widths = axis.ticks.iter().map(|&t| width(&axis.number(t), TICK_PX));
+    widths.fold(0.0, f64::max)
+}
+
+/// As many ticks as have room for their numbers.
+fn x_axis(range: (f64, f64), plot_w: f64) -> Axis {
+    let mut count = (plot_w / 45.0).clamp(2.0, 10.0) as usize;
+    loop {
+        let axis = Axis::new(range.0, range.1, count);
+        let room = plot_w / (axis.ticks.len().max(2) - 1) as f64;
+        if number_width(&axis) + 12.0 < room || count <= 1 {
+            return axis;
+        }
+        count -= 1;
+    }
+}
+
+fn foot_height(panel: &Panel) -> f64 {
+    if panel.x_label.is_empty() {
+        6.0
+    } else {
+        TICK_PX + 8.0 + LABEL_PX + 7.0
+    }
+}
+
+fn head_height(panel: &Panel, cell_w: f64) -> f64 {
+    let lines = entries(panel, 0.0, cell_w).1;
+    if lines == 0 {
+        4.0
+    } else {
+        lines as f64 * (LEGEND_PX + 6.0) + 4.0
+    }
+}
+
+/// Title and legend of a panel whose axes begin at `plot_y`.
+fn head(panel: &Panel, x: f64, w: f64, plot_y: f64) -> (Option<(f64, f64)>, Vec<Entry>) {
+    let (mut legend, lines) = entries(panel, x, w);
+    let first = plot_y - 8.0 - lines.saturating_sub(1) as f64 * (LEGEND_PX + 6.0);
+    for entry in &mut legend {
+        entry.y = first + entry.y * (LEGEND_PX + 6.0);
+    }
+    let title = (!panel.title.is_empty()).then_some((x, first));
+    (title, legend)
+}
+
+/// Legend entries with `x` set and `y` counting lines; and how many lines the head has.
+fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
+    let mut entries: Vec<Entry> = Vec::new();
+    let title_w = if panel.title.is_empty() {
+        0.0
+    } else {
+        1.06 * width(&panel.title, PANEL_TITLE_PX) + ENTRY_GAP + 4.0
+    };
+    // Beside the title if the whole legend fits there, else on lines of its own.
+    let whole: f64 = panel
+        .series
+        .iter()
+        .map(|s| match s {
+            Series::Line(l) => &l.name,
+            Series::Band(b) => &b.name,
+        })
+        .filter(|name| !name.is_empty())
+        .map(|name| SAMPLE + 5.0 + width(name, LEGEND_PX) + ENTRY_GAP)
+        .sum();
+    let beside = title_w + whole - ENTRY_GAP <= w;
+    let mut line = usize::from(!beside && title_w > 0.0);
+    let mut at = if beside { x + title_w } else { x };
+    for series in &panel.series {
+        let (name, colour, sample) = match series {
+            Series::Line(l) => (&l.name, l.colour, Sample::Line(l.dash, l.width_px)),
+            Series::Band(b) => (&b.name, b.colour, Sample::Band),
+        };
+        if name.is_empty() {
+            continue;
+        }
+        let entry_w = SAMPLE + 5.0 + width(name, LEGEND_PX);
+        if at > x && at + entry_w > x + w && !beside {
+            line += 1;
+            at = x;
+        }
+        entries.push(Entry {
+            name: name.clone(),
+            colour,
+            sample,
+            x: at,
+            y: line as f64,
+        });
+        at += entry_w + ENTRY_GAP;
+    }
+    let lines = match (entries.is_empty(), panel.title.is_empty()) {
+        (true, true) => 0,
+        (true, false) => 1,
+        _ => line + 1,
+    };
+    (entries, lines)
+}
