@@ -106,6 +106,15 @@ pub enum SimulateError {
     /// The recording could not be written.
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),
+    /// Parquet is read, not written.
+    #[error("{file}: recordings are written as MCAP or CSV; name a file that ends in .mcap or .csv")]
+    Format {
+        /// Output asked for.
+        file: String,
+    },
+    /// The truth file could not be written.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
     /// The truth could not be put into JSON.
     #[error("{file}: can't write the truth: {message}")]
     Truth {

@@ -7,16 +7,23 @@
 mod contacts;
 mod controller;
 mod error;
+mod faults;
 mod friction;
 mod motion;
 mod plant;
+mod run;
 pub mod scenario;
 mod sensors;
 mod simulation;
+mod truth;
+
 #[cfg(test)]
 mod tests;
 
 pub use error::SimulateError;
+pub use faults::FaultCounts;
+pub use run::{Progress, SimulateOptions, Summary, run, truth_path};
 pub use scenario::Scenario;
 pub use sensors::injected;
 pub use simulation::{Simulation, TrueState};
+pub use truth::Truth;

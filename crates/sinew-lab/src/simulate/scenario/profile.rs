@@ -64,6 +64,17 @@ impl Shape {
         }
     }
 
+    /// Where the course has a corner or jumps, s.
+    pub(crate) fn corners(&self) -> Vec<f64> {
+        match self {
+            Self::Constant => Vec::new(),
+            Self::Step { at_s } => vec![*at_s],
+            Self::Ramp { from_s, to_s } => vec![*from_s, *to_s],
+            Self::Exponential { from_s, .. } => vec![*from_s],
+            Self::Table(points) => points.iter().map(|&(t, _)| t).collect(),
+        }
+    }
+
     /// When the value jumps, s.
     pub fn step_s(&self) -> Option<f64> {
         match self {

@@ -1,5 +1,6 @@
 //! The physics against closed forms and balances, and the scenario file against bad input.
 
+mod files;
 mod physics;
 mod recording;
 mod refusals;

@@ -1,0 +1,279 @@
+//! The truth beside a recording.
+
+use super::faults::FaultCounts;
+use super::scenario::{Contact, OffsetKind, Session};
+use super::simulation::Simulation;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+type ByJoint<T> = BTreeMap<String, T>;
+
+/// What was true in a simulated recording: `NAME.truth.json`.
+///
+/// Scenario, seed, `offset_rad`, `step_rad`, `stiffness_nm_per_rad`, `payload_kg` and
+/// `temperature_change_k` are what scoring needs; the rest says what else was drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Truth {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Frames per second.
+    pub sample_rate_hz: f64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// Time stamp of time 0, ns since 1970.
+    pub start_time_ns: i64,
+    /// First session, s: `[from, to]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baseline_s: Option<[f64; 2]>,
+    /// Sessions by name, s.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub sessions_s: BTreeMap<String, [f64; 2]>,
+    /// Offset just before the end of the second session, or of the recording where there are no
+    /// sessions, rad.
+    pub offset_rad: ByJoint<f64>,
+    /// Offset over time: `[time, offset]`, s and rad; straight lines between.
+    pub offset_course_s_rad: ByJoint<Vec<[f64; 2]>>,
+    /// Which joints' offsets are injected into the recording instead of felt by the spring.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub injected: Vec<String>,
+    /// Every jump of an offset.
+    pub steps: Vec<Step>,
+    /// Stiffness, N·m/rad, at the reference temperature.
+    pub stiffness_nm_per_rad: ByJoint<f64>,
+    /// Stiffening, rad⁻².
+    pub spring_cubic_per_rad2: ByJoint<f64>,
+    /// Share of delayed elasticity.
+    pub viscoelastic_fraction: ByJoint<f64>,
+    /// Motor inertia, kg·m².
+    pub motor_inertia_kg_m2: ByJoint<f64>,
+    /// Mass of the body each joint carries, kg.
+    pub mass_kg: ByJoint<f64>,
+    /// Coulomb friction at the joint, N·m.
+    pub joint_coulomb_nm: ByJoint<f64>,
+    /// Viscous friction at the joint, N·m·s/rad.
+    pub joint_viscous_nm_s_per_rad: ByJoint<f64>,
+    /// Coulomb friction of the drive, N·m.
+    pub motor_coulomb_nm: ByJoint<f64>,
+    /// All loads together, kg.
+    pub payload_kg: f64,
+    /// Each load.
+    pub payloads: Vec<Load>,
+    /// Share of the time in contact.
+    pub contact_fraction: f64,
+    /// Each contact.
+    pub contacts: Vec<Touch>,
+    /// Drawn temperature change, K.
+    pub temperature_change_k: f64,
+    /// Frames lost, repeated and delayed on their way into the file.
+    pub frames: Frames,
+}
+
+/// A jump of an offset.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Step {
+    /// Which joint.
+    pub joint: String,
+    /// When, s.
+    pub at_s: f64,
+    /// By how much, rad.
+    pub size_rad: f64,
+}
+
+/// A load.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Load {
+    /// Link that holds it.
+    pub link: String,
+    /// Its mass, kg.
+    pub mass_kg: f64,
+    /// Its centre of mass, link frame, m.
+    pub com_m: [f64; 3],
+    /// Held from, s.
+    pub attach_s: f64,
+    /// Held until, s; none: to the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub release_s: Option<f64>,
+}
+
+/// A contact.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Touch {
+    /// From, s.
+    pub start_s: f64,
+    /// For, s.
+    pub duration_s: f64,
+    /// On which link.
+    pub link: String,
+    /// Where on it, link frame, m.
+    pub point_m: [f64; 3],
+    /// Force in the base frame, N.
+    pub force_n: [f64; 3],
+}
+
+/// Frames on their way into the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Frames {
+    /// Written, repetitions included.
+    pub written: u64,
+    /// Lost.
+    pub lost: u64,
+    /// Written twice.
+    pub duplicated: u64,
+    /// Written after their successor.
+    pub late: u64,
+}
+
+impl From<FaultCounts> for Frames {
+    fn from(c: FaultCounts) -> Self {
+        Self {
+            written: c.written,
+            lost: c.lost,
+            duplicated: c.duplicated,
+            late: c.late,
+        }
+    }
+}
+
+/// Points of an offset's course kept in the truth, at most, beside its corners.
+const COURSE_POINTS: u32 = 240;
+
+impl Truth {
+    /// The truth of a simulation that has run to its end.
+    pub fn of(simulation: &Simulation, counts: FaultCounts) -> Self {
+        let scenario = simulation.scenario();
+        let names = simulation.joint_names();
+        let duration_s = simulation.duration_s();
+        let by_joint = |f: &dyn Fn(usize) -> f64| -> ByJoint<f64> {
+            names.iter().cloned().zip((0..names.len()).map(f)).collect()
+        };
+        let drives = simulation.drives();
+        let sum = |i: usize, t: f64| {
+            let (physical, injected) = simulation.offset_at(i, t);
+            physical + injected
+        };
+        let frame_s = 1.0 / scenario.sample_rate_hz;
+        // Just before the end of B: a step that opens the next session isn't part of it.
+        let told_at = scenario
+            .sessions
+            .get(1)
+            .map_or(duration_s, |s| s.to_s.min(duration_s))
+            - frame_s;
+        let span = |s: &Session| [s.from_s, s.to_s];
+        let contacts = &simulation.contacts().begun;
+        let touched: f64 = contacts
+            .iter()
+            .map(|c| c.duration_s.min(duration_s - c.start_s))
+            .sum();
+        Self {
+            scenario: scenario.name.clone(),
+            seed: scenario.seed,
+            sample_rate_hz: scenario.sample_rate_hz,
+            duration_s,
+            start_time_ns: scenario.start_time_ns,
+            baseline_s: scenario.sessions.first().map(span),
+            sessions_s: scenario
+                .sessions
+                .iter()
+                .map(|s| (s.name.clone(), span(s)))
+                .collect(),
+            offset_rad: by_joint(&|i| sum(i, told_at)),
+            offset_course_s_rad: (0..names.len())
+                .filter(|&i| simulation.offsets().iter().any(|o| o.joint == i))
+                .map(|i| (names[i].clone(), course(simulation, i, duration_s)))
+                .collect(),
+            injected: names
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| {
+                    let injected = |o: &&super::simulation::DrawnOffset| {
+                        o.joint == *i && o.kind == OffsetKind::Injected
+                    };
+                    simulation.offsets().iter().any(|o| injected(&o))
+                })
+                .map(|(_, name)| name.clone())
+                .collect(),
+            steps: simulation
+                .offsets()
+                .iter()
+                .filter_map(|o| {
+                    Some(Step {
+                        joint: names[o.joint].clone(),
+                        at_s: o.shape.step_s()?,
+                        size_rad: o.size_rad,
+                    })
+                })
+                .collect(),
+            stiffness_nm_per_rad: by_joint(&|i| drives[i].stiffness_nm_per_rad),
+            spring_cubic_per_rad2: by_joint(&|i| drives[i].cubic_per_rad2),
+            viscoelastic_fraction: by_joint(&|i| drives[i].viscoelastic_fraction),
+            motor_inertia_kg_m2: by_joint(&|i| drives[i].motor_inertia_kg_m2),
+            mass_kg: by_joint(&|i| simulation.true_empty_arm().body(i).map_or(0.0, |b| b.mass)),
+            joint_coulomb_nm: by_joint(&|i| drives[i].joint_friction.coulomb_nm),
+            joint_viscous_nm_s_per_rad: by_joint(&|i| drives[i].joint_friction.viscous_nm_s_per_rad),
+            motor_coulomb_nm: by_joint(&|i| drives[i].motor_friction.coulomb_nm),
+            payload_kg: simulation.payloads().iter().map(|p| p.mass_kg).sum(),
+            payloads: simulation
+                .payloads()
+                .iter()
+                .map(|p| Load {
+                    link: p.link.clone(),
+                    mass_kg: p.mass_kg,
+                    com_m: p.com_m,
+                    attach_s: p.attach_s,
+                    release_s: p.release_s.is_finite().then_some(p.release_s),
+                })
+                .collect(),
+            contact_fraction: touched / duration_s,
+            contacts: contacts.iter().map(touch).collect(),
+            temperature_change_k: simulation.temperature().change_k,
+            frames: counts.into(),
+        }
+    }
+}
+
+fn touch(c: &Contact) -> Touch {
+    Touch {
+        start_s: c.start_s,
+        duration_s: c.duration_s,
+        link: c.link.clone(),
+        point_m: c.point_m,
+        force_n: c.force_n,
+    }
+}
+
+/// Offset of joint `i` over time: an even grid and both sides of every corner, without the points
+/// that lie on a straight line anyway.
+fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
+    let value = |t: f64| {
+        let (physical, injected) = simulation.offset_at(i, t);
+        physical + injected
+    };
+    // Just before a jump; far below a sample.
+    const BEFORE_S: f64 = 1e-6;
+    let mut times: Vec<f64> = (0..=COURSE_POINTS)
+        .map(|k| duration_s * f64::from(k) / f64::from(COURSE_POINTS))
+        .collect();
+    for o in simulation.offsets().iter().filter(|o| o.joint == i) {
+        for corner in o.shape.corners() {
+            times.extend([corner - BEFORE_S, corner]);
+        }
+    }
+    times.retain(|t| (0.0..=duration_s).contains(t));
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for t in times {
+        let point = [t, value(t)];
+        if let [.., a, b] = points[..] {
+            let straight = a[1] + (point[1] - a[1]) * (b[0] - a[0]) / (t - a[0]);
+            // A nanoradian is nothing to anyone.
+            if (straight - b[1]).abs() < 1e-9 {
+                points.pop();
+            }
+        }
+        points.push(point);
+    }
+    points
+}
