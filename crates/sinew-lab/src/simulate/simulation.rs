@@ -165,7 +165,8 @@ impl Simulation {
         let sample_steps = steps_per("sample_rate_hz", scenario.sample_rate_hz)?;
 
         // Everything drawn for the robot comes from one stream in a fixed order.
-        let mut truth_rng = rng(scenario.seed, Stream::Truth);
+        let robot_seed = scenario.robot_seed.unwrap_or(scenario.seed);
+        let mut truth_rng = rng(robot_seed, Stream::Truth);
         let empty = true_arm(robot, scenario, &mut truth_rng)?;
         let drives = drives(scenario, &names, &transmissions, &mut truth_rng);
         let temperature = draw_temperature(scenario, &names, &mut truth_rng);

@@ -36,6 +36,9 @@ pub struct Scenario {
     pub settle_s: f64,
     /// Seed of all random streams.
     pub seed: u64,
+    /// Seed of what is drawn for the robot itself; `None`: `seed`. The same robot on another day
+    /// has the same `robot_seed` and another `seed`.
+    pub robot_seed: Option<u64>,
     /// Frames per second.
     pub sample_rate_hz: f64,
     /// Steps of the integrator; control and sample periods must be multiples of it.
@@ -369,6 +372,7 @@ impl Default for Scenario {
             duration_s: Some(10.0),
             settle_s: 2.0,
             seed: 1,
+            robot_seed: None,
             sample_rate_hz: 1000.0,
             integration_step_s: 5e-4,
             control_rate_hz: 1000.0,

@@ -41,6 +41,7 @@ impl Scenario {
                 .number("settle_s", Bound::NotNegative)?
                 .unwrap_or(plain.settle_s),
             seed: root.count("seed")?.unwrap_or(plain.seed),
+            robot_seed: root.count("robot_seed")?,
             sample_rate_hz: root
                 .number("sample_rate_hz", Bound::Positive)?
                 .unwrap_or(plain.sample_rate_hz),

@@ -304,9 +304,9 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
             let force_n = [f * q0.cos(), 0.0, f * q0.sin()];
             [PointForce { link: "bob".into(), point_m: [0.0, 0.0, -0.3], force_n }]
         };
-        for permille in 1..=1000 {
-            let part = forces(torque * f64::from(permille) / 1000.0);
-            settle(&mut plant, &[0.0], &[0.0], &part, 0.01);
+        for step in 1..=10_000 {
+            let part = forces(torque * f64::from(step) / 10_000.0);
+            settle(&mut plant, &[0.0], &[0.0], &part, 1e-3);
         }
         settle(&mut plant, &[0.0], &[0.0], &forces(torque), 3.0);
         let early = plant.state.q[0] - q0;
@@ -318,8 +318,8 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     // What still rings is a ten-thousandth of x_s.
     assert!((late - early).abs() < 1e-7, "creeps: {early} then {late} rad");
     // It has moved within pre-sliding only, as Dahl's law says: F_c (1 − exp(−x/x_s)) beside
-    // the spring's and gravity's share. Steps of a thousandth of the load overshoot by as much, which
-    // pre-sliding keeps: 1 %.
+    // the spring's and gravity's share. What rings on the way up ratchets the pre-sliding
+    // by less than 1 %.
     let carried = coulomb * (1.0 - (-late / 1e-3f64).exp()) + slope * late;
     assert!(late > 0.0 && late < 1e-3, "moved {late} rad");
     assert!((carried / (0.5 * coulomb) - 1.0).abs() < 0.01, "carried {carried} N·m");
