@@ -107,7 +107,9 @@ pub enum SimulateError {
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),
     /// Parquet is read, not written.
-    #[error("{file}: recordings are written as MCAP or CSV; name a file that ends in .mcap or .csv")]
+    #[error(
+        "{file}: recordings are written as MCAP or CSV; name a file that ends in .mcap or .csv"
+    )]
     Format {
         /// Output asked for.
         file: String,

@@ -5,9 +5,7 @@ use super::faults::{FaultCounts, FaultyLine};
 use super::scenario::Scenario;
 use super::simulation::Simulation;
 use super::truth::Truth;
-use sinew_log::{
-    Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Quantities,
-};
+use sinew_log::{Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Quantities};
 use sinew_model::robot::Robot;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

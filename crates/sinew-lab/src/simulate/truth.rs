@@ -211,7 +211,9 @@ impl Truth {
             motor_inertia_kg_m2: by_joint(&|i| drives[i].motor_inertia_kg_m2),
             mass_kg: by_joint(&|i| simulation.true_empty_arm().body(i).map_or(0.0, |b| b.mass)),
             joint_coulomb_nm: by_joint(&|i| drives[i].joint_friction.coulomb_nm),
-            joint_viscous_nm_s_per_rad: by_joint(&|i| drives[i].joint_friction.viscous_nm_s_per_rad),
+            joint_viscous_nm_s_per_rad: by_joint(&|i| {
+                drives[i].joint_friction.viscous_nm_s_per_rad
+            }),
             motor_coulomb_nm: by_joint(&|i| drives[i].motor_friction.coulomb_nm),
             payload_kg: simulation.payloads().iter().map(|p| p.mass_kg).sum(),
             payloads: simulation

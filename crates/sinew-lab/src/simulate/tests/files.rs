@@ -6,7 +6,9 @@ use crate::simulate::{Scenario, SimulateOptions, Simulation, run};
 use std::path::Path;
 
 fn shipped(name: &str) -> Scenario {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/scenarios")
+        .join(name);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     Scenario::from_toml(&text, name).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -16,13 +18,20 @@ fn every_shipped_scenario_runs() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
     let mut seen = 0;
     for entry in std::fs::read_dir(folder).expect("examples/scenarios") {
-        let name = entry.expect("readable").file_name().into_string().expect("utf-8");
+        let name = entry
+            .expect("readable")
+            .file_name()
+            .into_string()
+            .expect("utf-8");
         let scenario = shipped(&name);
         assert!(scenario.robot.is_some(), "{name} names its robot");
-        let mut simulation = Simulation::new(&biorob_like(), &scenario).unwrap_or_else(|e| panic!("{e}"));
+        let mut simulation =
+            Simulation::new(&biorob_like(), &scenario).unwrap_or_else(|e| panic!("{e}"));
         // Through every session would take a while; the first seconds already move.
         for _ in 0..1000 {
-            simulation.next_frame().unwrap_or_else(|e| panic!("{name}: {e}"));
+            simulation
+                .next_frame()
+                .unwrap_or_else(|e| panic!("{name}: {e}"));
         }
         seen += 1;
     }
@@ -34,7 +43,13 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = Scenario {
         duration_s: Some(2.0),
-        record: Record { dq: true, tau_el: true, tau_m: true, tau_ext: false, temperature: true },
+        record: Record {
+            dq: true,
+            tau_el: true,
+            tau_m: true,
+            tau_ext: false,
+            temperature: true,
+        },
         ..shipped("work-session.toml")
     };
     let mut simulation = Simulation::new(&biorob_like(), &scenario).expect("a scenario");
@@ -47,8 +62,13 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
         for copy in ["1", "2"] {
             let out = folder.path().join(format!("{copy}-{name}"));
             let mut told = 0;
-            let summary = run(&biorob_like(), &scenario, &SimulateOptions::new(&out), &mut |_| told += 1)
-                .expect("written");
+            let summary = run(
+                &biorob_like(),
+                &scenario,
+                &SimulateOptions::new(&out),
+                &mut |_| told += 1,
+            )
+            .expect("written");
             assert_eq!(summary.frames.written, 500);
             assert!(told > 5);
             bytes.push(std::fs::read(&out).expect("there"));
@@ -61,8 +81,11 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
             assert_eq!(truth["baseline_s"], serde_json::json!([0.0, 60.0]));
         }
         assert!(bytes[0] == bytes[1], "{name} differs from run to run");
-        let mut recording =
-            sinew_log::open(&folder.path().join(format!("1-{name}")), &Default::default()).expect("opens");
+        let mut recording = sinew_log::open(
+            &folder.path().join(format!("1-{name}")),
+            &Default::default(),
+        )
+        .expect("opens");
         let robot = biorob_like();
         let joints: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
         recording.select(&joints).expect("all joints");
@@ -70,9 +93,16 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
         while let Some(frame) = recording.next_frame().expect("reads") {
             let want = &expected[count];
             assert_eq!(frame.time_ns, want.time_ns);
-            assert_eq!((&frame.q, &frame.theta), (&want.q, &want.theta), "{name} {count}");
+            assert_eq!(
+                (&frame.q, &frame.theta),
+                (&want.q, &want.theta),
+                "{name} {count}"
+            );
             assert_eq!((&frame.dq, &frame.tau_el), (&want.dq, &want.tau_el));
-            assert_eq!((&frame.tau_m, frame.temperature_c), (&want.tau_m, want.temperature_c));
+            assert_eq!(
+                (&frame.tau_m, frame.temperature_c),
+                (&want.tau_m, want.temperature_c)
+            );
             count += 1;
         }
         assert_eq!(count, 500);
@@ -83,31 +113,63 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
 fn a_refused_output_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("a.parquet");
-    let scenario = Scenario { duration_s: Some(0.1), ..Scenario::default() };
-    let message = run(&biorob_like(), &scenario, &SimulateOptions::new(&out), &mut |_| {})
-        .expect_err("no Parquet writer")
-        .to_string();
+    let scenario = Scenario {
+        duration_s: Some(0.1),
+        ..Scenario::default()
+    };
+    let message = run(
+        &biorob_like(),
+        &scenario,
+        &SimulateOptions::new(&out),
+        &mut |_| {},
+    )
+    .expect_err("no Parquet writer")
+    .to_string();
     assert!(message.contains(".mcap"), "{message}");
     let missing = folder.path().join("no/such/folder/a.csv");
-    assert!(run(&biorob_like(), &scenario, &SimulateOptions::new(&missing), &mut |_| {}).is_err());
+    assert!(
+        run(
+            &biorob_like(),
+            &scenario,
+            &SimulateOptions::new(&missing),
+            &mut |_| {}
+        )
+        .is_err()
+    );
     assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 0);
 }
 
 #[test]
 fn faults_are_counted_and_seeded() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut scenario = Scenario { duration_s: Some(4.0), sample_rate_hz: 500.0, ..Scenario::default() };
+    let mut scenario = Scenario {
+        duration_s: Some(4.0),
+        sample_rate_hz: 500.0,
+        ..Scenario::default()
+    };
     scenario.faults.dropout_fraction = 0.05;
     scenario.faults.duplicate_fraction = 0.05;
     scenario.faults.late_fraction = 0.05;
     scenario.faults.gaps_s = vec![(1.0, 0.5)];
     let out = folder.path().join("a.csv");
-    let summary = run(&biorob_like(), &scenario, &SimulateOptions::new(&out), &mut |_| {}).expect("written");
+    let summary = run(
+        &biorob_like(),
+        &scenario,
+        &SimulateOptions::new(&out),
+        &mut |_| {},
+    )
+    .expect("written");
     let counts = summary.frames;
     assert_eq!(counts.written, 2000 - counts.lost + counts.duplicated);
     // 250 in the gap and 5 % of 1750 ± three standard deviations of a binomial.
     assert!((250 + 60..=250 + 115).contains(&counts.lost), "{counts:?}");
-    assert!((55..=115).contains(&counts.duplicated) && (45..=115).contains(&counts.late), "{counts:?}");
-    let lines = std::fs::read_to_string(&out).expect("there").lines().count();
+    assert!(
+        (55..=115).contains(&counts.duplicated) && (45..=115).contains(&counts.late),
+        "{counts:?}"
+    );
+    let lines = std::fs::read_to_string(&out)
+        .expect("there")
+        .lines()
+        .count();
     assert_eq!(lines as u64, counts.written + 1);
 }

@@ -47,7 +47,12 @@ fn lively(robot: &Robot, cubic: f64) -> Plant {
 /// Motor torque of tick `k`, held over it.
 fn pushing(k: u64) -> [f64; 4] {
     let t = k as f64 * 1e-3;
-    [2.0 * (3.0 * t).sin(), 3.0 + (5.0 * t).cos(), 1.0, 0.3 * (7.0 * t).sin()]
+    [
+        2.0 * (3.0 * t).sin(),
+        3.0 + (5.0 * t).cos(),
+        1.0,
+        0.3 * (7.0 * t).sin(),
+    ]
 }
 
 fn energy(arm: &Arm, plant: &Plant) -> f64 {
@@ -84,7 +89,9 @@ fn run(plant: &mut Plant, ticks: u64, steps: u32) -> f64 {
             plant.step(1e-3 / f64::from(steps), &inputs).expect("steps");
         }
         // The torque is constant over the tick, so its work is exact.
-        work += (0..4).map(|i| tau_m[i] * (plant.state.theta[i] - before[i])).sum::<f64>();
+        work += (0..4)
+            .map(|i| tau_m[i] * (plant.state.theta[i] - before[i]))
+            .sum::<f64>();
     }
     work
 }
@@ -145,15 +152,29 @@ fn with_dry_friction_the_error_still_falls_at_least_quadratically() {
     let end = |steps: u32| {
         let mut plant = lively(&robot, 0.0);
         for d in &mut plant.drives {
-            d.joint_friction = Friction { coulomb_nm: 0.05, torque_fraction: 0.02, viscous_nm_s_per_rad: 0.02, presliding_rad: 1e-3 };
-            d.motor_friction = Friction { coulomb_nm: 0.2, torque_fraction: 0.1, viscous_nm_s_per_rad: 0.05, presliding_rad: 1e-3 };
+            d.joint_friction = Friction {
+                coulomb_nm: 0.05,
+                torque_fraction: 0.02,
+                viscous_nm_s_per_rad: 0.02,
+                presliding_rad: 1e-3,
+            };
+            d.motor_friction = Friction {
+                coulomb_nm: 0.2,
+                torque_fraction: 0.1,
+                viscous_nm_s_per_rad: 0.05,
+                presliding_rad: 1e-3,
+            };
         }
         run(&mut plant, 300, steps);
         plant.state.q
     };
     let best = end(64);
     let error = |steps| {
-        end(steps).iter().zip(&best).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        end(steps)
+            .iter()
+            .zip(&best)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max)
     };
     let errors = [1, 2, 4, 8].map(error);
     println!("with dry friction, 1 to 0.125 ms: {errors:.2?} rad");
@@ -171,7 +192,12 @@ fn period(plant: &mut Plant, of: impl Fn(&State) -> f64) -> f64 {
     let mut crossings = Vec::new();
     let mut before = of(&plant.state);
     for k in 0..60_000u32 {
-        let inputs = Inputs { tau_m: &[0.0], delta_e: &[0.0], stiffness_scale: &[1.0], forces: &[] };
+        let inputs = Inputs {
+            tau_m: &[0.0],
+            delta_e: &[0.0],
+            stiffness_scale: &[1.0],
+            forces: &[],
+        };
         plant.step(h, &inputs).expect("steps");
         let now = of(&plant.state);
         if before < 0.0 && now >= 0.0 {
@@ -190,7 +216,10 @@ fn one_elastic_joint_swings_at_its_natural_frequency() {
     let arm = {
         let text = "gravity_m_s2 = [0.0, 0.0, 0.0]\n[joints.swing]\nstiffness_nm_per_rad = 20.0\nmotor_inertia_kg_m2 = 0.05\n";
         let urdf = r#"<robot name="p"><link name="base"/><link name="bob"><inertial><origin xyz="0 0 -0.3"/><mass value="0.5"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link><joint name="swing" type="revolute"><parent link="base"/><child link="bob"/><axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="9" velocity="9"/></joint></robot>"#;
-        sinew_model::robot::RobotFile::parse(text, "p.toml").and_then(|f| f.build(urdf)).expect("a robot").arm
+        sinew_model::robot::RobotFile::parse(text, "p.toml")
+            .and_then(|f| f.build(urdf))
+            .expect("a robot")
+            .arm
     };
     for motor in [0.05, 1e9] {
         let mut drives = drives(&robot, 0.0);
@@ -203,7 +232,10 @@ fn one_elastic_joint_swings_at_its_natural_frequency() {
         let expected = std::f64::consts::TAU / omega;
         // Phase error of the integrator (ωh)⁴/120 is below 1e-12; what remains is the straight
         // line through a crossing, (ωh)³/6 of a step over some fifty periods.
-        assert!((found / expected - 1.0).abs() < 1e-8, "{found} s against {expected} s");
+        assert!(
+            (found / expected - 1.0).abs() < 1e-8,
+            "{found} s against {expected} s"
+        );
     }
 }
 
@@ -211,7 +243,12 @@ fn one_elastic_joint_swings_at_its_natural_frequency() {
 fn settle(plant: &mut Plant, tau_m: &[f64], delta_e: &[f64], forces: &[PointForce], seconds: f64) {
     let one = vec![1.0; tau_m.len()];
     for _ in 0..(seconds / 5e-4) as usize {
-        let inputs = Inputs { tau_m, delta_e, stiffness_scale: &one, forces };
+        let inputs = Inputs {
+            tau_m,
+            delta_e,
+            stiffness_scale: &one,
+            forces,
+        };
         plant.step(5e-4, &inputs).expect("steps");
     }
 }
@@ -234,7 +271,11 @@ fn at_rest_the_spring_carries_gravity() {
     settle(&mut plant, &[0.5 * weight], &[0.0], &[], 60.0);
     let s = &plant.state;
     // Rest is reached exponentially; 60 s are more than twenty time constants of 2.5 s.
-    assert!((s.q[0] - std::f64::consts::FRAC_PI_6).abs() < 1e-9, "q = {}", s.q[0]);
+    assert!(
+        (s.q[0] - std::f64::consts::FRAC_PI_6).abs() < 1e-9,
+        "q = {}",
+        s.q[0]
+    );
     assert!((s.theta[0] - s.q[0] - 0.5 * weight / 20.0).abs() < 1e-9);
 }
 
@@ -257,8 +298,16 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
     let robot = biorob_like();
     let point = [0.0, 0.01, -0.02];
     let force = [1.5, -0.8, 2.0];
-    let mut plant = Plant::new(robot.arm.clone(), damped(&robot), State::at_rest(vec![0.2, 0.6, 0.5, 0.3]));
-    let forces = [PointForce { link: "tool".into(), point_m: point, force_n: force }];
+    let mut plant = Plant::new(
+        robot.arm.clone(),
+        damped(&robot),
+        State::at_rest(vec![0.2, 0.6, 0.5, 0.3]),
+    );
+    let forces = [PointForce {
+        link: "tool".into(),
+        point_m: point,
+        force_n: force,
+    }];
     // Motors of enormous inertia hold; the joints find their rest against gravity and contact.
     for d in &mut plant.drives {
         d.motor_inertia_kg_m2 = 1e12;
@@ -266,9 +315,18 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
     settle(&mut plant, &[0.0; 4], &[0.0; 4], &forces, 30.0);
     let q = plant.state.q.clone();
     let mut ws = ArmWorkspace::new(&robot.arm);
-    let g = robot.arm.momentum(&mut ws, &q, &[0.0; 4]).expect("finite").g.to_vec();
+    let g = robot
+        .arm
+        .momentum(&mut ws, &q, &[0.0; 4])
+        .expect("finite")
+        .g
+        .to_vec();
     let position = |ws: &mut ArmWorkspace, q: &[f64]| {
-        robot.arm.link_pose(ws, q, "tool").expect("a link").apply(point)
+        robot
+            .arm
+            .link_pose(ws, q, "tool")
+            .expect("a link")
+            .apply(point)
     };
     for i in 0..4 {
         // J by central differences, error below h² = 1e-10.
@@ -279,7 +337,11 @@ fn at_rest_a_contact_is_carried_as_the_transposed_jacobian_says() {
         let (pa, pb) = (position(&mut ws, &a), position(&mut ws, &b));
         let contact: f64 = (0..3).map(|k| (pa[k] - pb[k]) / (2.0 * h) * force[k]).sum();
         let tau_el = plant.drives[i].spring(plant.state.theta[i] - q[i], 1.0);
-        assert!((tau_el + contact - g[i]).abs() < 1e-8, "joint {i}: {tau_el} + {contact} against {}", g[i]);
+        assert!(
+            (tau_el + contact - g[i]).abs() < 1e-8,
+            "joint {i}: {tau_el} + {contact} against {}",
+            g[i]
+        );
     }
 }
 
@@ -291,7 +353,12 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     // The spring balances gravity at 30°; then a push at the bob, 0.3 m from the joint.
     let mut drives = drives(&robot, 0.0);
     drives[0].motor_inertia_kg_m2 = 1e12;
-    drives[0].joint_friction = Friction { coulomb_nm: coulomb, presliding_rad: 1e-3, viscous_nm_s_per_rad: 0.2, ..FREE };
+    drives[0].joint_friction = Friction {
+        coulomb_nm: coulomb,
+        presliding_rad: 1e-3,
+        viscous_nm_s_per_rad: 0.2,
+        ..FREE
+    };
     let q0 = std::f64::consts::FRAC_PI_6;
     let mut state = State::at_rest(vec![q0]);
     state.theta[0] = q0 + 0.5 * weight / 20.0;
@@ -302,7 +369,11 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
         let forces = |torque: f64| {
             let f = torque / 0.3;
             let force_n = [f * q0.cos(), 0.0, f * q0.sin()];
-            [PointForce { link: "bob".into(), point_m: [0.0, 0.0, -0.3], force_n }]
+            [PointForce {
+                link: "bob".into(),
+                point_m: [0.0, 0.0, -0.3],
+                force_n,
+            }]
         };
         for step in 1..=10_000 {
             let part = forces(torque * f64::from(step) / 10_000.0);
@@ -316,18 +387,27 @@ fn below_coulomb_friction_a_joint_stays_put_and_above_it_slides() {
     let slope = 20.0 + weight * q0.cos();
     let (early, late) = pushed(0.5 * coulomb);
     // What still rings is a ten-thousandth of x_s.
-    assert!((late - early).abs() < 1e-7, "creeps: {early} then {late} rad");
+    assert!(
+        (late - early).abs() < 1e-7,
+        "creeps: {early} then {late} rad"
+    );
     // It has moved within pre-sliding only, as Dahl's law says: F_c (1 − exp(−x/x_s)) beside
     // the spring's and gravity's share. What rings on the way up ratchets the pre-sliding
     // by less than 1 %.
     let carried = coulomb * (1.0 - (-late / 1e-3f64).exp()) + slope * late;
     assert!(late > 0.0 && late < 1e-3, "moved {late} rad");
-    assert!((carried / (0.5 * coulomb) - 1.0).abs() < 0.01, "carried {carried} N·m");
+    assert!(
+        (carried / (0.5 * coulomb) - 1.0).abs() < 0.01,
+        "carried {carried} N·m"
+    );
     let (_, late) = pushed(3.0 * coulomb);
     // Sliding: (3 − 1) F_c against spring and gravity's slope; the push keeps its direction
     // while the bob turns by 28 mrad, which is 4e-4 of it.
     let expected = 2.0 * coulomb / slope;
-    assert!((late / expected - 1.0).abs() < 0.02, "slid {late}, expected {expected} rad");
+    assert!(
+        (late / expected - 1.0).abs() < 0.02,
+        "slid {late}, expected {expected} rad"
+    );
 }
 
 #[test]
@@ -342,7 +422,11 @@ fn delayed_elasticity_ends_at_its_share_with_its_time_constant() {
     let full = 0.04 * 0.7 / 20.0;
     let expected = full * (1.0 - (-1f64).exp());
     // The swing to rest in the first seconds (3 s of 30 s) disturbs the load by a tenth.
-    assert!((plant.state.creep[0] / expected - 1.0).abs() < 0.05, "{}", plant.state.creep[0]);
+    assert!(
+        (plant.state.creep[0] / expected - 1.0).abs() < 0.05,
+        "{}",
+        plant.state.creep[0]
+    );
     settle(&mut plant, &[0.7], &[0.0], &[], 600.0);
     assert!((plant.state.creep[0] / full - 1.0).abs() < 1e-6);
 }
