@@ -3,5 +3,6 @@
 pub mod estimate;
 pub mod output;
 pub mod plot;
+pub mod report;
 pub mod robot_dir;
 pub mod simulate;

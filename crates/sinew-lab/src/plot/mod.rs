@@ -30,7 +30,6 @@ mod label;
 mod layout;
 mod png;
 
-#[expect(unused_imports, reason = "the report uses it")]
 pub(crate) use label::escape_xml;
 pub use png::PngError;
 

@@ -1,0 +1,19 @@
+//! Reports: one HTML file each, that opens offline, prints, and can be read on a telephone.
+//!
+//! [`html`] tells an [`Estimate`](crate::estimate::Estimate); [`Page`] is what it and the paper's
+//! figures are built with. A page holds its style and its figures; it loads nothing and runs no
+//! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
+//! date, no path that wasn't given.
+
+mod estimate;
+mod figures;
+mod number;
+mod page;
+mod sentences;
+#[cfg(test)]
+mod tests;
+
+pub use estimate::html;
+pub use number::{count, rounded, with_error};
+pub use page::{Block, Page, Section, Sentence, Table};
+pub use sentences::headline;

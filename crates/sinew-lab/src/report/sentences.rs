@@ -1,0 +1,101 @@
+//! An estimate in words.
+
+use super::number::{rounded, with_error};
+use crate::estimate::{Estimate, JointEstimate};
+
+/// Beyond this many standard errors a change is called seen; closer, it is said not to be.
+const SEEN_ERRORS: f64 = 2.0;
+/// An error of stiffness or masses below this many percent is ordinary, so an offset that such an
+/// error would show as well is no proof of stretch.
+const ORDINARY_ERROR_PERCENT: f64 = 10.0;
+
+/// One joint in one sentence: how much longer its tendon is, than what, and how sure that is.
+pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
+    let name = &joint.name;
+    if let Some(why) = &joint.refused {
+        return format!("{name}: no estimate; {why}");
+    }
+    let (value, error, elongation_mm, than) =
+        match (&joint.difference, &estimate.settings.reference) {
+            (Some(d), Some(reference)) => (
+                d.difference_mrad,
+                d.standard_error_mrad,
+                d.elongation_mm,
+                format!("in the reference {reference}"),
+            ),
+            _ => (
+                joint.delta_e_mrad,
+                joint.standard_error_mrad,
+                joint.elongation_mm,
+                "at the encoders' calibration".to_string(),
+            ),
+        };
+    if !value.is_finite() {
+        return format!("{name}: no estimate");
+    }
+    let offset = with_error(value, error);
+    let offset = if error.is_finite() && error > 0.0 {
+        format!("offset {offset} mrad")
+    } else {
+        format!("offset {offset} mrad, error unknown: the recording is too short for one")
+    };
+    if error.is_finite() && value.abs() < SEEN_ERRORS * error {
+        return format!("{name}: no stretch seen ({offset})");
+    }
+    match elongation_mm.filter(|mm| mm.is_finite()) {
+        Some(mm) => {
+            let word = if mm < 0.0 { "shorter" } else { "longer" };
+            let mm = rounded(mm.abs(), 2);
+            format!("{name}: tendon {mm} mm {word} than {than} ({offset})")
+        }
+        None => format!(
+            "{name}: motor {} mrad ahead of {than} ({offset}); no tendon in robot.toml, so no elongation",
+            rounded(value, 3)
+        ),
+    }
+}
+
+/// How large an error of stiffness or masses would look the same, where that is worth a word.
+pub(super) fn doubt(joint: &JointEstimate) -> Option<String> {
+    if joint.refused.is_some() {
+        return None;
+    }
+    let (value, per_percent, what) = match &joint.difference {
+        Some(d) => (
+            d.difference_mrad,
+            d.stiffness_error_mrad_per_percent,
+            "difference",
+        ),
+        None => (
+            joint.delta_e_mrad,
+            joint.stiffness_error_mrad_per_percent,
+            "offset",
+        ),
+    };
+    let error = joint
+        .difference
+        .as_ref()
+        .map_or(joint.standard_error_mrad, |d| d.standard_error_mrad);
+    let percent = (value / per_percent).abs();
+    // What isn't seen needs no doubt.
+    if !percent.is_finite() || value.abs() < SEEN_ERRORS * error {
+        return None;
+    }
+    Some(if percent < ORDINARY_ERROR_PERCENT {
+        format!(
+            "{}: an error of {} % in its stiffness or in the masses it carries would show the same {what}; take it for stretch only if you know them better than that.",
+            joint.name,
+            rounded(percent, 2)
+        )
+    } else {
+        format!(
+            "{}: it would take an error of {} % in stiffness or masses to show this {what} without any stretch.",
+            joint.name,
+            if percent > 1000.0 {
+                "over 1000".to_string()
+            } else {
+                rounded(percent, 2)
+            }
+        )
+    })
+}
