@@ -11,6 +11,30 @@
 //!
 //! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`robot`].
 //!
+//! ```
+//! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample};
+//! use sinew_model::robot::RobotFile;
+//!
+//! let toml = include_str!("../../../robots/biorob-like/robot.toml");
+//! let urdf = include_str!("../../../robots/biorob-like/biorob-like.urdf");
+//! let robot = RobotFile::parse(toml, "robot.toml")?.build(urdf)?;
+//! let mut observer = OffsetObserver::new(&robot.arm, &robot.transmissions, OffsetConfig::default())?;
+//!
+//! // The arm hangs still; the elbow's rope is 10 mrad longer than the encoders know.
+//! let (q, theta) = ([0.0; 4], [0.0, 0.0, 0.010, 0.0]);
+//! for _ in 0..1000 {
+//!     let sample = Sample { q: &q, theta_measured: &theta, ..Default::default() };
+//!     observer.step(1e-3, &sample)?; // no allocation, lock or panic
+//! }
+//! assert!(observer.is_settled());
+//! assert!((observer.delta_e()[2] - 0.010).abs() < 1e-12);
+//! let tendon = robot.transmissions[2].as_ref().and_then(|t| t.tendon.as_ref()).unwrap();
+//! assert!((tendon.elongation_m(observer.delta_e()[2]) - 0.25e-3).abs() < 1e-12);
+//! # Ok(()) }
+//! # #[cfg(not(feature = "urdf"))] fn main() {}
+//! ```
+//!
 //! # Features
 //! * `std`: nothing but `std::error::Error` being where std users look for it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
