@@ -111,6 +111,8 @@ pub(crate) struct Composite {
 pub struct ArmWorkspace {
     /// Slot 0 is the base, slot `i + 1` is joint `i`.
     pub(crate) state: Vec<BodyState>,
+    /// Joints of the momentum pass.
+    pub(crate) frames: Vec<momentum::Frame>,
     pub(crate) composite: Vec<Composite>,
     pub(crate) p: Vec<f64>,
     pub(crate) ct_dq: Vec<f64>,
@@ -134,6 +136,7 @@ impl ArmWorkspace {
         }
         Self {
             state,
+            frames: alloc::vec![momentum::Frame::default(); n],
             composite: alloc::vec![Composite::default(); n + 1],
             p: alloc::vec![0.0; n],
             ct_dq: alloc::vec![0.0; n],
