@@ -2,6 +2,7 @@
 
 pub mod estimate;
 pub mod output;
+pub mod paper;
 pub mod plot;
 pub mod report;
 pub mod robot_dir;

@@ -1,0 +1,159 @@
+//! The paper's evaluation, done again: `fig6` in simulation, `fig7` on a simulated "real" elbow.
+//!
+//! Each figure carries its data, its drawing, and the paper's sentences judged from the data by a
+//! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
+//! [`staircase`], once for both figures.
+//!
+//! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6`],
+//! [`fig7`], `page`.
+//!
+//! # Source
+//! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
+//! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, section V.
+
+pub mod fig6;
+pub mod fig7;
+mod page;
+pub mod staircase;
+mod trial;
+
+pub use fig6::fig6;
+pub use fig7::fig7;
+pub use page::{Written, write};
+
+use crate::plot::Figure;
+use crate::simulate::SimulateError;
+use serde::Serialize;
+use sinew_model::StepError;
+use sinew_model::arm::ArmError;
+use sinew_model::offset::OffsetConfigError;
+
+/// A figure of the paper, done again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaperFigure {
+    /// `fig6` or `fig7`: how its files are called.
+    pub name: &'static str,
+    /// One line.
+    pub title: String,
+    /// What is shown and how it was made, in paragraphs.
+    pub about: Vec<String>,
+    /// The curves.
+    pub panels: Vec<PanelData>,
+    /// The drawing.
+    pub figure: Figure,
+    /// What the paper (or its follow-up) says, and whether the data say so too.
+    pub sentences: Vec<Sentence>,
+    /// What is assumed because the paper doesn't tell.
+    pub assumptions: Vec<String>,
+}
+
+/// Curves that share axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PanelData {
+    /// What the panel shows.
+    pub title: String,
+    /// Its curves.
+    pub series: Vec<SeriesData>,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SeriesData {
+    /// What it is.
+    pub name: String,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Value, mrad.
+    pub value_mrad: Vec<f64>,
+}
+
+/// A sentence judged from the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sentence {
+    /// What is said.
+    pub text: String,
+    /// When it holds, and where the number comes from.
+    pub criterion: String,
+    /// What was found.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+impl Sentence {
+    /// Holds when `value` is within `share` of `expected`.
+    fn near(
+        text: impl Into<String>,
+        derivation: &str,
+        value: f64,
+        expected: f64,
+        share: f64,
+        unit: &'static str,
+    ) -> Self {
+        Self {
+            text: text.into(),
+            criterion: format!(
+                "within {:.0} % of {expected} {unit}; {derivation}",
+                100.0 * share
+            ),
+            value,
+            unit,
+            holds: (value - expected).abs() <= share * expected.abs(),
+        }
+    }
+
+    /// Holds when `value` is at most `limit` in size.
+    fn below(
+        text: impl Into<String>,
+        derivation: &str,
+        value: f64,
+        limit: f64,
+        unit: &'static str,
+    ) -> Self {
+        Self {
+            text: text.into(),
+            criterion: format!("at most {limit} {unit}; {derivation}"),
+            value,
+            unit,
+            holds: value.abs() <= limit,
+        }
+    }
+}
+
+/// Why a figure could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PaperError {
+    /// The robot hasn't the joint the figure is about.
+    #[error("robot '{robot}' has no joint '{joint}', which {figure} is about; it has {known}")]
+    Joint {
+        /// Robot's name.
+        robot: String,
+        /// Joint looked for.
+        joint: &'static str,
+        /// Which figure.
+        figure: &'static str,
+        /// Joints there are.
+        known: String,
+    },
+    /// The simulation was refused.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The estimator was refused.
+    #[error(transparent)]
+    Estimator(#[from] OffsetConfigError),
+    /// A model with errors could not be built.
+    #[error(transparent)]
+    Arm(#[from] ArmError),
+    /// A sample was refused.
+    #[error("the estimator refused a simulated sample: {0}")]
+    Step(#[from] StepError),
+    /// The drawing could not be made.
+    #[error(transparent)]
+    Png(#[from] crate::plot::PngError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
+}
