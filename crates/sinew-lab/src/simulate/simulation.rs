@@ -465,7 +465,8 @@ impl Simulation {
         let state = &self.plant.state;
         // No joint turns a thousand radians in a recording made by a working controller.
         const FAR_RAD: f64 = 1e3;
-        if let Some(i) = state.q.iter().position(|q| !(q.abs() < FAR_RAD)) {
+        let lost = |q: &f64| !q.is_finite() || q.abs() >= FAR_RAD;
+        if let Some(i) = state.q.iter().position(lost) {
             return Err(SimulateError::Diverged {
                 time_s: t,
                 reason: format!("joint '{}' is at {} rad", self.names[i], state.q[i]),

@@ -301,7 +301,7 @@ impl<'d> Section<'d> {
             let Some(pair) = entry.get_ref().as_array().filter(|p| p.len() == 2) else {
                 return Err(self.doc.value_error(full, entry, must));
             };
-            let (Some(time), Some(v)) = (pair.get(0), pair.get(1)) else {
+            let (Some(time), Some(v)) = (pair.first(), pair.get(1)) else {
                 return Err(self.doc.value_error(full, entry, must));
             };
             let t = self.float(&full, time, Bound::NotNegative)?;
