@@ -41,7 +41,10 @@ fn main() {
         };
         println!("{name:5} mcap crate reads {}", speed(read));
         println!("{name:5} estimate         {}", speed(estimated));
-        println!("{name:5} speed of estimate over reading: {:.2}", read / estimated);
+        println!(
+            "{name:5} speed of estimate over reading: {:.2}",
+            read / estimated
+        );
     }
 }
 
