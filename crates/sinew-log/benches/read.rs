@@ -172,7 +172,10 @@ fn decode(criterion: &mut Criterion) {
 
 fn read(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("folder");
-    let file = |name: &str| -> PathBuf { folder.path().join(format!("{name}.mcap")) };
+    // SINEW_BENCH_FILES keeps the recordings for a profiler.
+    let kept = std::env::var_os("SINEW_BENCH_FILES").map(PathBuf::from);
+    let place = kept.as_deref().unwrap_or(folder.path());
+    let file = |name: &str| -> PathBuf { place.join(format!("{name}.mcap")) };
     for (name, compression) in [
         ("zstd", Compression::Zstd),
         ("lz4", Compression::Lz4),

@@ -65,11 +65,16 @@ pub(crate) struct Conditioner {
     identity: bool,
     minimum: Vec<f64>,
     maximum: Vec<f64>,
+    /// Frames in which the whole block was finite; `finite` counts the others.
+    whole: [u64; 6],
     finite: Vec<u64>,
     non_finite: Vec<u64>,
     /// Two blocks of `n`: q and theta.
     last: Vec<f64>,
     turns: Vec<f64>,
+    /// Half the period, infinite where there is none; whether a block has turned.
+    half_period: Vec<f64>,
+    turned: [bool; 2],
     wraps: Vec<u64>,
     slopes: Vec<Slope>,
     first_ns: Option<i64>,
@@ -83,6 +88,10 @@ impl Conditioner {
     pub(crate) fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
         let n = joints.len();
         let identity = signals.iter().all(|s| s.scale == 1.0 && s.offset == 0.0);
+        let half_period = signals[..2 * n]
+            .iter()
+            .map(|signal| 0.5 * signal.period.unwrap_or(f64::INFINITY))
+            .collect();
         Conditioner {
             joints: joints.to_vec(),
             n,
@@ -91,10 +100,13 @@ impl Conditioner {
             identity,
             minimum: vec![f64::INFINITY; 6 * n],
             maximum: vec![f64::NEG_INFINITY; 6 * n],
+            whole: [0; 6],
             finite: vec![0; 6 * n],
             non_finite: vec![0; 6 * n],
             last: vec![f64::NAN; 2 * n],
             turns: vec![0.0; 2 * n],
+            half_period,
+            turned: [false; 2],
             wraps: vec![0; 2 * n],
             slopes: vec![Slope::default(); n],
             first_ns: None,
@@ -113,7 +125,7 @@ impl Conditioner {
         let signal = &self.signals[index];
         let period = signal.period?;
         (self.maximum[index] - self.minimum[index] <= WRAP_SPAN_PERIODS * period
-            || self.finite[index] == 0)
+            || self.finite_count(index) == 0)
             .then_some(period / signal.scale.abs())
     }
 
@@ -131,12 +143,13 @@ impl Conditioner {
         frame.time_ns = time_ns;
         frame.segment = self.segment;
         let n = self.n;
+        let mut whole = [false; 6];
         for quantity in Quantity::PER_JOINT {
             let block = quantity.index() * n;
             let out = frame.get_mut(quantity);
-            self.convert(block, &raw[block..block + n], out);
+            whole[quantity.index()] = self.convert(quantity.index(), &raw[block..block + n], out);
         }
-        self.unwrap(new_segment, frame);
+        self.unwrap(new_segment, whole, frame);
         frame.temperature_c = raw[6 * n..]
             .iter()
             .copied()
@@ -144,10 +157,10 @@ impl Conditioner {
             .filter(|value| value.is_finite())
             .unwrap_or(f64::NAN);
 
-        if frame.q.iter().all(|value| value.is_nan()) {
+        if !whole[0] && frame.q.iter().all(|value| value.is_nan()) {
             health.frames_without_joint_side += 1;
         }
-        if frame.theta.iter().all(|value| value.is_nan()) {
+        if !whole[1] && frame.theta.iter().all(|value| value.is_nan()) {
             health.frames_without_motor_side += 1;
         }
         if health.frames % SLOPE_EVERY == 0 {
@@ -195,44 +208,94 @@ impl Conditioner {
         new_segment
     }
 
-    /// Raw to SI, with the extremes of what was recorded.
+    /// Raw to SI, with the extremes of what was recorded; whether all of it is finite.
+    ///
+    /// The usual block is all finite or all absent; both go without a branch per value.
     #[inline]
-    fn convert(&mut self, block: usize, raw: &[f64], out: &mut [f64]) {
+    fn convert(&mut self, quantity: usize, raw: &[f64], out: &mut [f64]) -> bool {
         let n = self.n;
-        let minimum = &mut self.minimum[block..block + n];
-        let maximum = &mut self.maximum[block..block + n];
-        let finite = &mut self.finite[block..block + n];
+        let block = quantity * n;
+        if self.identity {
+            let mut finite = true;
+            let mut absent = true;
+            for value in raw {
+                finite &= value.abs() < f64::INFINITY;
+                absent &= is_absent(*value);
+            }
+            if finite {
+                let minimum = &mut self.minimum[block..block + n];
+                let maximum = &mut self.maximum[block..block + n];
+                for ((value, low), high) in raw.iter().zip(minimum).zip(maximum) {
+                    *low = if *value < *low { *value } else { *low };
+                    *high = if *value > *high { *value } else { *high };
+                }
+                out.copy_from_slice(raw);
+                self.whole[quantity] += 1;
+                return true;
+            }
+            if absent {
+                out.fill(f64::NAN);
+                return false;
+            }
+        }
         for joint in 0..n {
+            let index = block + joint;
             let mut value = raw[joint];
-            if !self.identity && !is_absent(value) {
-                let signal = &self.signals[block + joint];
+            if is_absent(value) {
+                out[joint] = f64::NAN;
+                continue;
+            }
+            if !self.identity {
+                let signal = &self.signals[index];
                 value = signal.scale * value + signal.offset;
             }
             if value.is_finite() {
-                if value < minimum[joint] {
-                    minimum[joint] = value;
-                }
-                if value > maximum[joint] {
-                    maximum[joint] = value;
-                }
-                finite[joint] += 1;
+                self.minimum[index] = self.minimum[index].min(value);
+                self.maximum[index] = self.maximum[index].max(value);
+                self.finite[index] += 1;
                 out[joint] = value;
             } else {
-                if !is_absent(value) {
-                    self.non_finite[block + joint] += 1;
-                }
+                self.non_finite[index] += 1;
                 out[joint] = f64::NAN;
             }
         }
+        false
     }
 
+    fn finite_count(&self, index: usize) -> u64 {
+        self.finite[index] + self.whole[index / self.n]
+    }
+
+    /// Removes wrap-around. In the usual frame nothing has ever turned and nothing jumps.
     #[inline]
-    fn unwrap(&mut self, new_segment: bool, frame: &mut Frame) {
+    fn unwrap(&mut self, new_segment: bool, whole: [bool; 6], frame: &mut Frame) {
+        let n = self.n;
+        if !new_segment && whole[0] && whole[1] && self.turned == [false; 2] {
+            let mut jumps = false;
+            for (values, block) in [(&frame.q, 0), (&frame.theta, n)] {
+                let last = &self.last[block..block + n];
+                let half = &self.half_period[block..block + n];
+                for ((value, last), half) in values.iter().zip(last).zip(half) {
+                    jumps |= (value - last).abs() > *half;
+                }
+            }
+            if !jumps {
+                self.last[..n].copy_from_slice(&frame.q);
+                self.last[n..].copy_from_slice(&frame.theta);
+                return;
+            }
+        }
+        self.unwrap_each(new_segment, frame);
+    }
+
+    fn unwrap_each(&mut self, new_segment: bool, frame: &mut Frame) {
         let n = self.n;
         for joint in 0..n {
             let q_before = self.last[joint];
             if let Some(period) = self.signals[joint].period {
-                self.unwrap_one(joint, joint, period, q_before, &mut frame.q[joint]);
+                self.unwrap_one(joint, period, q_before, &mut frame.q[joint]);
+            } else if frame.q[joint].is_finite() {
+                self.last[joint] = frame.q[joint];
             }
             let theta = n + joint;
             if let Some(period) = self.signals[theta].period {
@@ -243,20 +306,13 @@ impl Conditioner {
                         expected += moved;
                     }
                 }
-                self.unwrap_one(theta, theta, period, expected, &mut frame.theta[joint]);
+                self.unwrap_one(theta, period, expected, &mut frame.theta[joint]);
             }
         }
     }
 
-    #[inline]
-    fn unwrap_one(
-        &mut self,
-        place: usize,
-        signal: usize,
-        period: f64,
-        expected: f64,
-        value: &mut f64,
-    ) {
+    /// `place`: joint for q, `n` + joint for theta, in `last` and in the signals alike.
+    fn unwrap_one(&mut self, place: usize, period: f64, expected: f64, value: &mut f64) {
         if value.is_nan() {
             return;
         }
@@ -266,12 +322,13 @@ impl Conditioner {
         }
         // False as well when nothing is expected yet (NaN).
         if (unwrapped - expected).abs() > 0.5 * period
-            && self.maximum[signal] - self.minimum[signal] <= WRAP_SPAN_PERIODS * period
+            && self.maximum[place] - self.minimum[place] <= WRAP_SPAN_PERIODS * period
         {
             let turns = ((expected - unwrapped) / period).round();
             if turns != 0.0 {
                 self.turns[place] += turns;
                 self.wraps[place] += 1;
+                self.turned[place / self.n] = true;
                 unwrapped = *value + self.turns[place] * period;
             }
         }
@@ -336,7 +393,7 @@ impl Conditioner {
         let index = quantity.index() * self.n + joint;
         let name = format!("{}.{}", quantity.symbol(), self.joints[joint]);
         let (minimum, maximum) = (self.minimum[index], self.maximum[index]);
-        if self.finite[index] == 0 {
+        if self.finite_count(index) == 0 {
             if self.non_finite[index] > 0 {
                 health.suspicion(format!(
                     "{name} holds no finite value in {} samples",
@@ -350,12 +407,12 @@ impl Conditioner {
             _ => 0.0,
         };
         if minimum == maximum
-            && self.finite[index] >= CONSTANT_FRAMES
+            && self.finite_count(index) >= CONSTANT_FRAMES
             && seconds.abs() >= CONSTANT_SECONDS
         {
             health.suspicion(format!(
                 "{name} is constant at {minimum} over {} samples",
-                self.finite[index]
+                self.finite_count(index)
             ));
         }
         let largest = minimum.abs().max(maximum.abs());

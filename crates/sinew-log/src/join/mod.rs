@@ -23,7 +23,7 @@ pub(crate) struct Side {
     pub(crate) sorter: Sorter,
     /// The quantity of each block of `n` values in its rows.
     blocks: Vec<Quantity>,
-    /// Columns that ever held a value.
+    /// Columns that some message held.
     seen: Vec<bool>,
     /// Index of the last sample at or before the current instant.
     cursor: usize,
@@ -230,8 +230,24 @@ impl Side {
         };
         let after = near(Some(after_index));
 
+        // The usual sample has the stamp of the frame and is copied.
+        let exact = before.filter(|slot| slot.key == key);
         for (block, quantity) in self.blocks.iter().enumerate() {
             let into = quantity.index() * n;
+            let columns = block * n..(block + 1) * n;
+            if let Some(slot) = exact {
+                let values = &slot.values[columns.clone()];
+                raw[into..into + n].copy_from_slice(values);
+                let missing = values
+                    .iter()
+                    .zip(&self.seen[columns])
+                    .fold(false, |missing, (value, seen)| {
+                        missing | (*seen & is_absent(*value))
+                    });
+                if !missing {
+                    continue;
+                }
+            }
             for joint in 0..n {
                 let column = block * n + joint;
                 let value = match (before, after) {
@@ -298,16 +314,11 @@ impl Side {
         }
     }
 
-    /// Takes a sample in; `fill` writes it over a row of "absent".
-    #[inline]
-    pub(crate) fn insert(&mut self, time_ns: i64, fill: impl FnOnce(&mut [f64])) {
-        let seen = &mut self.seen;
-        self.sorter.insert(time_ns, |row| {
-            fill(row);
-            for (seen, value) in seen.iter_mut().zip(row.iter()) {
-                *seen |= !is_absent(*value);
-            }
-        });
+    /// From now on a value of this column may be looked for in neighbouring samples.
+    pub(crate) fn note_column(&mut self, column: usize) {
+        if let Some(seen) = self.seen.get_mut(column) {
+            *seen = true;
+        }
     }
 }
 

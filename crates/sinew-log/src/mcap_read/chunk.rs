@@ -30,10 +30,13 @@ impl Unpacker {
         out: &mut Vec<u8>,
     ) -> Result<(), String> {
         let size = self.check_size(header, packed.len() as u64)?;
-        out.clear();
         match header.compression.as_str() {
-            "" => out.extend_from_slice(packed),
+            "" => {
+                out.clear();
+                out.extend_from_slice(packed);
+            }
             "zstd" => {
+                out.clear();
                 out.reserve_exact(size);
                 let context = match &mut self.zstd {
                     Some(context) => context,
@@ -46,12 +49,19 @@ impl Unpacker {
                     .map_err(|error| format!("zstd: {error}"))?;
             }
             "lz4" => {
-                let decoder = lz4::Decoder::new(packed).map_err(|error| format!("lz4: {error}"))?;
-                out.reserve_exact(size);
-                decoder
-                    .take(size as u64 + 1)
-                    .read_to_end(out)
-                    .map_err(|error| format!("lz4: {error}"))?;
+                let mut decoder =
+                    lz4::Decoder::new(packed).map_err(|error| format!("lz4: {error}"))?;
+                // Chunks are of about one size: growing zeroes once, not per chunk.
+                out.resize(size, 0);
+                let mut filled = 0;
+                while filled < size {
+                    match decoder.read(&mut out[filled..]) {
+                        Ok(0) => break,
+                        Ok(read) => filled += read,
+                        Err(error) => return Err(format!("lz4: {error}")),
+                    }
+                }
+                out.truncate(filled);
             }
             other => {
                 return Err(format!(
@@ -66,17 +76,19 @@ impl Unpacker {
                 out.len()
             ));
         }
-        let saved = header.uncompressed_crc;
-        // Zero means "not calculated" in the format.
-        if saved != 0 {
-            let calculated = crc32fast::hash(out);
-            if calculated != saved {
-                return Err(format!(
-                    "chunk checksum is {calculated:08x}, its header says {saved:08x}"
-                ));
-            }
+        check_sum(header, out)
+    }
+
+    /// Checks a chunk that is not compressed and can be used where it lies.
+    pub(super) fn check_plain(&self, header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
+        let size = self.check_size(header, records.len() as u64)?;
+        if records.len() != size {
+            return Err(format!(
+                "chunk holds {} bytes, its header says {size}",
+                records.len()
+            ));
         }
-        Ok(())
+        check_sum(header, records)
     }
 
     /// Unpacks what a cut-off chunk still holds; no checksum can be checked.
@@ -119,4 +131,19 @@ impl Unpacker {
         }
         Ok(size as usize)
     }
+}
+
+/// Compares the checksum of the unpacked records with the header's.
+fn check_sum(header: &ChunkHeader, records: &[u8]) -> Result<(), String> {
+    let saved = header.uncompressed_crc;
+    // Zero means "not calculated" in the format.
+    if saved != 0 {
+        let calculated = crc32fast::hash(records);
+        if calculated != saved {
+            return Err(format!(
+                "chunk checksum is {calculated:08x}, its header says {saved:08x}"
+            ));
+        }
+    }
+    Ok(())
 }

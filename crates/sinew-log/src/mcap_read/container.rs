@@ -45,9 +45,13 @@ pub(super) struct Container {
     source: Source,
     unpacker: Unpacker,
     limit: usize,
-    /// The unpacked chunk and how far it was read.
+    /// The unpacked chunk.
     chunk: Vec<u8>,
+    /// Where the records of the chunk being read lie, how far they are read and where they
+    /// end: in `chunk`, or, when not compressed, in the file's own buffer.
+    chunk_place: Place,
     chunk_at: usize,
+    chunk_end: usize,
     /// File offset and packed size of the chunk being read, for messages.
     chunk_offset: u64,
     /// Records of a salvaged chunk end anywhere; of a whole one they do not.
@@ -66,7 +70,9 @@ impl Container {
             unpacker: Unpacker::new(limit),
             limit,
             chunk: Vec::new(),
+            chunk_place: Place::Chunk,
             chunk_at: 0,
+            chunk_end: 0,
             chunk_offset: 0,
             chunk_is_cut: false,
             payload: (Place::File, 0, 0),
@@ -79,8 +85,8 @@ impl Container {
     /// Continues with the record at `offset` of the file.
     pub(super) fn restart(&mut self, offset: u64) -> std::io::Result<()> {
         self.source.seek(offset)?;
-        self.chunk.clear();
         self.chunk_at = 0;
+        self.chunk_end = 0;
         self.pending = 0;
         self.ended = false;
         self.last_log_ns = None;
@@ -116,7 +122,7 @@ impl Container {
     /// Reads on to the next thing of interest.
     pub(super) fn next(&mut self, health: &mut Health) -> std::io::Result<Item> {
         loop {
-            if self.chunk_at < self.chunk.len() {
+            if self.chunk_at < self.chunk_end {
                 if let Some(item) = self.next_in_chunk(health) {
                     return Ok(item);
                 }
@@ -134,7 +140,11 @@ impl Container {
 
     #[inline]
     fn next_in_chunk(&mut self, health: &mut Health) -> Option<Item> {
-        let rest = &self.chunk[self.chunk_at..];
+        let records = match self.chunk_place {
+            Place::Chunk => &self.chunk[..self.chunk_end],
+            Place::File => &self.source.unread()[..self.chunk_end],
+        };
+        let rest = &records[self.chunk_at..];
         let Some((opcode, length)) = record_header(rest) else {
             self.end_broken_chunk(health);
             return None;
@@ -148,17 +158,17 @@ impl Container {
         let start = self.chunk_at + RECORD_HEADER;
         self.chunk_at = start + length;
         if opcode == op::MESSAGE {
-            return self.message(Place::Chunk, start, length, health);
+            return self.message(self.chunk_place, start, length, health);
         }
         // Chunks do not nest; everything but schemas and channels is of no use here.
-        definition(opcode, &self.chunk[start..start + length], health)
+        definition(opcode, &records[start..start + length], health)
     }
 
     /// The chunk's records do not end where the chunk ends.
     #[cold]
     fn end_broken_chunk(&mut self, health: &mut Health) {
         if !self.chunk_is_cut {
-            let rest = self.chunk.len() - self.chunk_at;
+            let rest = self.chunk_end - self.chunk_at;
             let (offset, after) = (self.chunk_offset, self.last_log_ns);
             health.damaged(
                 offset,
@@ -167,7 +177,7 @@ impl Container {
                 "records inside the chunk do not end with it".to_owned(),
             );
         }
-        self.chunk_at = self.chunk.len();
+        self.chunk_at = self.chunk_end;
     }
 
     #[inline]
@@ -308,15 +318,27 @@ impl Container {
             }
         };
         self.chunk_offset = offset;
-        self.chunk_at = 0;
         let complete = header.compressed_size <= packed.len() as u64;
         if whole && complete {
             let packed = &packed[..header.compressed_size as usize];
             self.chunk_is_cut = false;
-            let verdict = self.unpacker.unpack(&header, packed, &mut self.chunk);
+            let verdict = if header.compression.is_empty() {
+                let from = RECORD_HEADER + CHUNK_HEADER_FIXED;
+                self.chunk_place = Place::File;
+                self.chunk_at = from;
+                self.chunk_end = from + packed.len();
+                self.unpacker.check_plain(&header, packed)
+            } else {
+                let verdict = self.unpacker.unpack(&header, packed, &mut self.chunk);
+                self.chunk_place = Place::Chunk;
+                self.chunk_at = 0;
+                self.chunk_end = self.chunk.len();
+                verdict
+            };
             self.pending = RECORD_HEADER + there;
             if let Err(reason) = verdict {
-                self.chunk.clear();
+                self.chunk_at = 0;
+                self.chunk_end = 0;
                 health.damaged(
                     offset,
                     RECORD_HEADER as u64 + length,
@@ -335,7 +357,9 @@ impl Container {
         self.chunk_is_cut = true;
         self.unpacker.salvage(&header, packed, &mut self.chunk);
         let usable = complete_records(&self.chunk);
-        self.chunk.truncate(usable);
+        self.chunk_place = Place::Chunk;
+        self.chunk_at = 0;
+        self.chunk_end = usable;
         let lost = header
             .compressed_size
             .min(self.source.length().saturating_sub(offset));

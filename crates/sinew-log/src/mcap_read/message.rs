@@ -175,6 +175,11 @@ impl Layout {
         }
     }
 
+    /// Columns of the row that the message fills.
+    pub(super) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.picks.iter().map(|(_, column)| *column)
+    }
+
     pub(super) fn is_cacheable(&self) -> bool {
         self.template.len() <= CACHED_BYTES_LIMIT
     }

@@ -357,6 +357,14 @@ impl McapReader {
                         return;
                     }
                 };
+                let side = match stream.role {
+                    Role::Joint => None,
+                    Role::Motor => joiner.sides.first_mut(),
+                    Role::External => joiner.sides.last_mut(),
+                };
+                if let Some(side) = side {
+                    layout.columns().for_each(|column| side.note_column(column));
+                }
                 stream.layouts.truncate(LAYOUTS_KEPT - 1);
                 stream.layouts.insert(0, layout);
             }
@@ -374,10 +382,14 @@ impl McapReader {
             let fill = |row: &mut [f64]| layout.copy(data, row);
             match stream.role {
                 Role::Joint => joiner.primary.insert(time_ns, fill),
-                Role::Motor => joiner.sides[0].insert(time_ns, fill),
+                Role::Motor => {
+                    if let Some(side) = joiner.sides.first_mut() {
+                        side.sorter.insert(time_ns, fill);
+                    }
+                }
                 Role::External => {
                     if let Some(side) = joiner.sides.last_mut() {
-                        side.insert(time_ns, fill);
+                        side.sorter.insert(time_ns, fill);
                     }
                 }
             }
