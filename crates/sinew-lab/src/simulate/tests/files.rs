@@ -23,6 +23,9 @@ fn every_shipped_scenario_runs() {
             .file_name()
             .into_string()
             .expect("utf-8");
+        if !name.ends_with(".toml") {
+            continue;
+        }
         let scenario = shipped(&name);
         assert!(scenario.robot.is_some(), "{name} names its robot");
         let mut simulation =
@@ -172,4 +175,30 @@ fn faults_are_counted_and_seeded() {
         .lines()
         .count();
     assert_eq!(lines as u64, counts.written + 1);
+}
+
+#[test]
+fn every_key_is_documented() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let page = std::fs::read_to_string(folder.join("README.md")).expect("there");
+    let reader = include_str!("../scenario/read.rs");
+    // Every quoted lower-case word with an underscore is a key: kinds and shapes have none.
+    let keys: Vec<&str> = reader
+        .split('"')
+        .skip(1)
+        .step_by(2)
+        .filter(|word| {
+            word.contains('_')
+                && word
+                    .chars()
+                    .all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit())
+        })
+        .collect();
+    assert!(keys.len() > 60, "{} keys", keys.len());
+    for key in keys {
+        assert!(
+            page.contains(key),
+            "README.md of the scenarios doesn't mention {key}"
+        );
+    }
 }
