@@ -11,8 +11,8 @@
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
 //! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, section V.
 
-pub mod fig6;
-pub mod fig7;
+mod fig6;
+mod fig7;
 mod page;
 pub mod staircase;
 mod trial;
