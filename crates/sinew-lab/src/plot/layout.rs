@@ -142,7 +142,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
     for (i, panel) in figure.panels.iter().enumerate() {
         let x = x_extent(panel);
         let y = y_extent(panel, x);
-        let count = (heights[i / columns] / 27.0).clamp(2.0, 7.0) as usize;
+        let count = (heights[i / columns] / 27.0).clamp(3.0, 7.0) as usize;
         let left = Axis::new(y.0, y.1, count);
         let right = panel
             .y_right

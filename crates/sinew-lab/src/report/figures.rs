@@ -7,9 +7,12 @@ use crate::plot::{Band, Colour, Dash, Figure, Line, Panel};
 /// Most unused stretches that are shaded; there are only so many px.
 const MOST_SPANS: usize = 60;
 
+/// Intervals a figure shows: two px each, so that mean and band are two things to the eye.
+const INTERVALS: usize = 350;
+
 /// The figure and, for its caption, what of the data lies outside its axes.
 pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, String) {
-    let series = &joint.series;
+    let series = &coarse(&joint.series);
     let (unit, seconds) = time_unit(estimate.recording.duration_s);
     let time: Vec<f64> = series.time_s.iter().map(|t| t / seconds).collect();
     let end = estimate.recording.duration_s / seconds;
@@ -22,7 +25,7 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
     };
     let label = format!("time ({unit})");
 
-    let (range, outside) = offset_range(joint);
+    let (range, outside) = offset_range(series, joint);
     let mut offset = framed(Panel::new("Offset", "", "offset δ_{e} (mrad)"))
         .weight(1.35)
         .band(Band::new(
@@ -111,8 +114,7 @@ fn time_unit(duration_s: f64) -> (&'static str, f64) {
 /// An axis for the means and nearly all of the band, and a word on what it cuts off.
 ///
 /// A single spike must not flatten the curve that the figure is about.
-fn offset_range(joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
-    let series = &joint.series;
+fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
     let finite = |v: &[f64]| -> Vec<f64> {
         let mut v: Vec<f64> = v.iter().copied().filter(|x| x.is_finite()).collect();
         v.sort_by(f64::total_cmp);
@@ -144,7 +146,9 @@ fn offset_range(joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
         lows.first().copied().unwrap_or(low),
         highs.last().copied().unwrap_or(high),
     );
-    let outside = if least < low || most > high {
+    // Only what a reader would miss: a fifth of the axis' height or more.
+    let far = 0.2 * (high - low);
+    let outside = if least < low - far || most > high + far {
         format!(
             " Single estimates reach from {} to {} mrad; the axis leaves the rarest 1 % out.",
             rounded(least, 3),
@@ -177,4 +181,33 @@ fn unused(series: &Series, time: &[f64]) -> Vec<(f64, f64)> {
         spans.truncate(MOST_SPANS);
     }
     spans
+}
+
+/// The series in at most [`INTERVALS`] intervals: means of means, smallest and largest of all.
+fn coarse(series: &Series) -> Series {
+    let group = series.time_s.len().div_ceil(INTERVALS).max(1);
+    let mean_of = |values: &[f64]| -> Vec<f64> {
+        values
+            .chunks(group)
+            .map(|chunk| {
+                let finite = || chunk.iter().filter(|v| v.is_finite());
+                finite().sum::<f64>() / finite().count() as f64
+            })
+            .collect()
+    };
+    // `min` and `max` pass over NaN; a chunk of nothing but NaN stays NaN.
+    let extreme = |values: &[f64], of: fn(f64, f64) -> f64| -> Vec<f64> {
+        let fold = |chunk: &[f64]| chunk.iter().copied().fold(f64::NAN, of);
+        values.chunks(group).map(fold).collect()
+    };
+    Series {
+        time_s: mean_of(&series.time_s),
+        delta_e_mrad: mean_of(&series.delta_e_mrad),
+        delta_e_min_mrad: extreme(&series.delta_e_min_mrad, f64::min),
+        delta_e_max_mrad: extreme(&series.delta_e_max_mrad, f64::max),
+        tau_el_nm: mean_of(&series.tau_el_nm),
+        tau_spring_nm: mean_of(&series.tau_spring_nm),
+        q_rad: mean_of(&series.q_rad),
+        usable_share: mean_of(&series.usable_share),
+    }
 }

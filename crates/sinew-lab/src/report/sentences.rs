@@ -5,6 +5,10 @@ use crate::estimate::{Estimate, JointEstimate};
 
 /// Beyond this many standard errors a change is called seen; closer, it is said not to be.
 const SEEN_ERRORS: f64 = 2.0;
+/// What quantised encoders leave even in a good estimate, mrad: the upper end of what a 12–14 bit
+/// encoder reaches with filter and matched comparison. The standard error can't see it, because
+/// it is the same in every frame of a pose.
+const ENCODER_MRAD: f64 = 0.3;
 /// An error of stiffness or masses below this many percent is ordinary, so an offset that such an
 /// error would show as well is no proof of stretch.
 const ORDINARY_ERROR_PERCENT: f64 = 10.0;
@@ -33,13 +37,16 @@ pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
     if !value.is_finite() {
         return format!("{name}: no estimate");
     }
-    let offset = with_error(value, error);
-    let offset = if error.is_finite() && error > 0.0 {
-        format!("offset {offset} mrad")
+    let what = if joint.difference.is_some() {
+        "change"
     } else {
-        format!("offset {offset} mrad, error unknown: the recording is too short for one")
+        "offset"
     };
-    if error.is_finite() && value.abs() < SEEN_ERRORS * error {
+    let mut offset = format!("{what} {} mrad", with_error(value, error));
+    if !(error.is_finite() && error > 0.0) {
+        offset.push_str(", error unknown: the recording is too short for one");
+    }
+    if error.is_finite() && value.abs() < seen(error) {
         return format!("{name}: no stretch seen ({offset})");
     }
     match elongation_mm.filter(|mm| mm.is_finite()) {
@@ -53,6 +60,11 @@ pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
             rounded(value, 3)
         ),
     }
+}
+
+/// From here on a change is called seen, mrad.
+fn seen(standard_error_mrad: f64) -> f64 {
+    (SEEN_ERRORS * standard_error_mrad).max(ENCODER_MRAD)
 }
 
 /// How large an error of stiffness or masses would look the same, where that is worth a word.
@@ -78,7 +90,7 @@ pub(super) fn doubt(joint: &JointEstimate) -> Option<String> {
         .map_or(joint.standard_error_mrad, |d| d.standard_error_mrad);
     let percent = (value / per_percent).abs();
     // What isn't seen needs no doubt.
-    if !percent.is_finite() || value.abs() < SEEN_ERRORS * error {
+    if !percent.is_finite() || value.abs() < seen(error) {
         return None;
     }
     Some(if percent < ORDINARY_ERROR_PERCENT {

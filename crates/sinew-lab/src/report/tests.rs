@@ -149,7 +149,7 @@ fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
     let shrunk = with_difference(made_up(), -4.0);
     assert_eq!(
         say(&shrunk, 1),
-        "elbow: tendon 0.10 mm shorter than in the reference sunday.mcap (offset −4.000 ± 0.070 mrad)"
+        "elbow: tendon 0.10 mm shorter than in the reference sunday.mcap (change −4.000 ± 0.070 mrad)"
     );
     let mut bare = made_up();
     bare.joints[1].elongation_mm = None;
