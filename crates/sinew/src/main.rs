@@ -1,2 +1,62 @@
-//! The command line of Sinew.
-fn main() {}
+//! The command line of Sinew: arguments in, tables and files out.
+//!
+//! No physics and no format lives here. Exit codes: 0 done, 1 input refused, 2 usage, 3 finished,
+//! but data was lost or a threshold was passed. The result goes to stdout, everything else to
+//! stderr.
+
+mod args;
+mod commands;
+mod files;
+mod nearest;
+mod terminal;
+mod text;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use terminal::{Failure, Finish};
+
+/// How far the rope tendons of a robot have stretched, from its encoders alone
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    max_term_width = 80,
+    arg_required_else_help = true,
+    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 finished, but data was lost\n\
+                  or a threshold was passed.\n\n\
+                  Example:\n  sinew estimate monday.mcap --robot robots/biorob-like --report monday.html"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Estimate(Box<commands::estimate::Estimate>),
+    Simulate(commands::simulate::Simulate),
+    Paper(commands::paper::Paper),
+    #[command(subcommand)]
+    Robot(commands::robot::Robot),
+    #[command(subcommand)]
+    Log(commands::log::Log),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Estimate(command) => command.run(),
+        Command::Simulate(command) => command.run(),
+        Command::Paper(command) => command.run(),
+        Command::Robot(command) => command.run(),
+        Command::Log(command) => command.run(),
+    };
+    match result {
+        Ok(Finish::Complete) => ExitCode::SUCCESS,
+        Ok(Finish::Lossy) => ExitCode::from(3),
+        // The reader has gone (`sinew … | head`): nothing is left to say, and nobody to say it to.
+        Err(Failure::ReaderGone) => ExitCode::SUCCESS,
+        Err(Failure::Refused(message)) => {
+            terminal::complain("error", &message);
+            ExitCode::from(1)
+        }
+    }
+}

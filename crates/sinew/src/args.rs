@@ -1,0 +1,209 @@
+//! Values of options, refused with their unit where they can't be.
+
+use clap::{Args, ValueEnum};
+use sinew_lab::estimate::Injection;
+use sinew_log::{JointEffort, LogError, Mapping, OpenOptions};
+use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
+use std::path::PathBuf;
+
+fn number(text: &str, unit: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .trim()
+        .parse()
+        .map_err(|_| format!("'{text}' is not a number ({unit})"))?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} {unit} is not a finite number"))
+    }
+}
+
+fn positive(text: &str, unit: &str) -> Result<f64, String> {
+    match number(text, unit)? {
+        value if value > 0.0 => Ok(value),
+        value => Err(format!("{value} {unit} must be above 0")),
+    }
+}
+
+/// Observer gain.
+pub(crate) fn gain(text: &str) -> Result<f64, String> {
+    positive(text, "1/s")
+}
+
+/// A time span.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    positive(text, "s")
+}
+
+/// `recorded`, or a cut-off.
+pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
+    if text.eq_ignore_ascii_case("recorded") {
+        return Ok(VelocityFilter::Recorded);
+    }
+    let cutoff_rad_per_s =
+        positive(text, "rad/s").map_err(|e| format!("{e}; or the word 'recorded'"))?;
+    Ok(VelocityFilter::StateVariable { cutoff_rad_per_s })
+}
+
+/// `JOINT=RAD` or `JOINT=RAD@TIME`.
+pub(crate) fn injection(text: &str) -> Result<Injection, String> {
+    let form = "write JOINT=RAD or JOINT=RAD@SECONDS, such as elbow=0.01@20";
+    let (joint, rest) = text.rsplit_once('=').ok_or(form)?;
+    if joint.is_empty() {
+        return Err(form.into());
+    }
+    let (offset, from) = match rest.split_once('@') {
+        Some((offset, from)) => (offset, Some(from)),
+        None => (rest, None),
+    };
+    let offset_rad = number(offset, "rad")?;
+    // A motor that is off by half a turn is not stretched; degrees were meant.
+    if offset_rad.abs() > std::f64::consts::PI {
+        return Err(format!("{offset_rad} rad is more than half a turn"));
+    }
+    let from_s = match from.map(|t| number(t, "s")).transpose()? {
+        Some(t) if t < 0.0 => return Err(format!("{t} s is before the recording")),
+        t => t,
+    };
+    Ok(Injection {
+        joint: joint.into(),
+        offset_rad,
+        from_s,
+    })
+}
+
+/// Where the elastic torque comes from.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Source {
+    /// Momentum observer: positions and the robot's masses
+    Observer,
+    /// Joint torque sensors in the recording
+    TorqueSensor,
+    /// Motor torque in the recording, motor inertia and friction
+    Motor,
+}
+
+impl From<Source> for TorqueSource {
+    fn from(source: Source) -> Self {
+        match source {
+            Source::Observer => Self::Observer,
+            Source::TorqueSensor => Self::TorqueSensor,
+            Source::Motor => Self::Motor,
+        }
+    }
+}
+
+/// Lag treatment.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Lag {
+    /// theta - q passes the same filters as the torque
+    Matched,
+    /// theta - q unfiltered, as in the paper
+    Paper,
+}
+
+impl From<Lag> for Comparison {
+    fn from(lag: Lag) -> Self {
+        match lag {
+            Lag::Matched => Self::Matched,
+            Lag::Paper => Self::Paper,
+        }
+    }
+}
+
+/// What `effort` of the joint side is.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Effort {
+    /// Elastic joint torque from a sensor
+    TauEl,
+    /// Motor torque, reflected to the joint
+    TauM,
+    /// Not used
+    Ignore,
+}
+
+/// How a recording is read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading the recording")]
+pub(crate) struct Opening {
+    /// TOML file with other names, units and gear ratios of the recording
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+    /// Joint-side topic (sensor_msgs/JointState) [default: /joint_states]
+    #[arg(long, value_name = "TOPIC")]
+    joint_topic: Option<String>,
+    /// Motor-side topic (control_msgs/DynamicJointState or JointState)
+    /// [default: /dynamic_joint_states]
+    #[arg(long, value_name = "TOPIC")]
+    motor_topic: Option<String>,
+    /// Interface that holds the motor position [default: motor_position]
+    #[arg(long, value_name = "NAME")]
+    motor_interface: Option<String>,
+    /// What the joint side's effort is [default: tau-el]
+    #[arg(long, value_name = "WHAT", hide_possible_values = false)]
+    joint_effort: Option<Effort>,
+}
+
+impl Opening {
+    /// The mapping file, if one was named.
+    pub(crate) fn mapping(&self) -> Option<&std::path::Path> {
+        self.mapping.as_deref()
+    }
+
+    /// Reads the mapping file and puts the names in.
+    pub(crate) fn options(&self) -> Result<OpenOptions, LogError> {
+        let mut options = OpenOptions {
+            mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
+            joint_state_topic: self.joint_topic.clone(),
+            motor_topic: self.motor_topic.clone(),
+            ..OpenOptions::default()
+        };
+        if let Some(name) = &self.motor_interface {
+            options.motor_interface.clone_from(name);
+        }
+        if let Some(effort) = self.joint_effort {
+            options.joint_effort = match effort {
+                Effort::TauEl => JointEffort::TauEl,
+                Effort::TauM => JointEffort::TauM,
+                Effort::Ignore => JointEffort::Ignore,
+            };
+        }
+        Ok(options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn injections_name_joint_offset_and_time() {
+        let i = injection("left=elbow=-0.01@20.5").unwrap();
+        assert_eq!(
+            (i.joint.as_str(), i.offset_rad, i.from_s),
+            ("left=elbow", -0.01, Some(20.5))
+        );
+        assert_eq!(injection("elbow=1e-2").unwrap().from_s, None);
+        for (bad, word) in [
+            ("elbow", "JOINT=RAD"),
+            ("=0.1", "JOINT=RAD"),
+            ("elbow=", "not a number (rad)"),
+            ("elbow=nan", "finite"),
+            ("elbow=10", "half a turn"),
+            ("elbow=0.01@", "not a number (s)"),
+            ("elbow=0.01@-3", "before the recording"),
+        ] {
+            let error = injection(bad).unwrap_err();
+            assert!(error.contains(word), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn values_are_refused_with_their_unit() {
+        for bad in ["-3", "0", "nan", "inf", "fast", ""] {
+            assert!(gain(bad).unwrap_err().contains("1/s"), "{bad}");
+            assert!(velocity_filter(bad).unwrap_err().contains("rad/s"), "{bad}");
+        }
+        assert_eq!(velocity_filter("Recorded"), Ok(VelocityFilter::Recorded));
+    }
+}

@@ -1,0 +1,258 @@
+//! `sinew estimate`: from a recording to each tendon's elongation.
+
+use crate::args::{self, Lag, Opening, Source};
+use crate::files::check_outputs;
+use crate::nearest::nearest;
+use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::text::{paragraph, plain, table};
+use clap::Args;
+use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Request};
+use sinew_lab::{output, report, robot_dir};
+use sinew_model::offset::VelocityFilter;
+use std::path::PathBuf;
+
+/// Estimate how far each tendon has stretched, from a recording
+///
+/// LOG is MCAP as ROS 2 writes it, CSV or Parquet, with motor and joint positions. The robot's
+/// folder holds robot.toml (stiffness, tendons) and the URDF.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
+    sinew estimate monday.mcap --reference first-day.mcap --json\n  \
+    sinew estimate monday.mcap --inject elbow=0.010@20")]
+pub(crate) struct Estimate {
+    /// Recording
+    log: PathBuf,
+    /// Robot's folder [default: beside LOG, then the current folder]
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+    /// Earlier recording of the same robot: report what changed since
+    #[arg(long, value_name = "LOG2")]
+    reference: Option<PathBuf>,
+
+    /// Where the elastic torque comes from
+    #[arg(long, value_enum, default_value = "observer", help_heading = "Method")]
+    source: Source,
+    /// How the lag of the observed torque is treated
+    #[arg(long, value_enum, default_value = "matched", help_heading = "Method")]
+    comparison: Lag,
+    /// Observer gain K_I, 1/s [default: 20]
+    #[arg(long, value_name = "1/S", value_parser = args::gain, allow_negative_numbers = true, help_heading = "Method")]
+    gain: Option<f64>,
+    /// Cut-off of the velocity filter, rad/s, or 'recorded' for recorded velocities
+    /// [default: 40]
+    #[arg(long, value_name = "RAD_PER_S", value_parser = args::velocity_filter, allow_negative_numbers = true, help_heading = "Method")]
+    velocity_filter: Option<VelocityFilter>,
+    /// Use the recorded external torque as known
+    #[arg(long, help_heading = "Method")]
+    tau_ext: bool,
+    /// Add an offset to a motor position, rad, from a time on, s (repeatable)
+    #[arg(long, value_name = "JOINT=RAD[@TIME]", value_parser = args::injection, help_heading = "Method")]
+    inject: Vec<Injection>,
+
+    #[command(flatten)]
+    opening: Opening,
+
+    /// Print one JSON document instead of the table (no value: null)
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    /// Write every frame's estimate as CSV
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    csv: Option<PathBuf>,
+    /// Write a report with plots as one HTML file
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    report: Option<PathBuf>,
+    /// No progress and no warnings on stderr
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+impl Estimate {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        self.check_files()?;
+        let mut request = Request::new(self.log.clone());
+        request.robot.clone_from(&self.robot);
+        request.source = self.source.into();
+        request.comparison = self.comparison.into();
+        request.gain_per_s = self.gain;
+        if let Some(filter) = self.velocity_filter {
+            request.velocity_filter = filter;
+        }
+        request.use_tau_ext = self.tau_ext;
+        request.injections.clone_from(&self.inject);
+        request.reference.clone_from(&self.reference);
+        request.open = self.opening.options()?;
+        request.csv.clone_from(&self.csv);
+
+        let bar = Bar::new("estimating", self.quiet);
+        let result = estimate::run(&request, &mut |at| {
+            bar.say(if at.reference {
+                "reference "
+            } else {
+                "estimating"
+            });
+            bar.set(at.bytes_done as f64, at.bytes_total as f64);
+        });
+        drop(bar);
+        let result = result.map_err(|error| self.explain(error))?;
+
+        if let Some(path) = &self.report {
+            output::write_file(path, report::html(&result).as_bytes())?;
+        }
+        if !self.quiet && !self.json {
+            for warning in &result.warnings {
+                complain("warning", &plain(warning));
+            }
+        }
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&result)? + "\n"))?;
+        } else {
+            answer(&told(&result))?;
+        }
+        Ok(Finish::lossy(result.damaged))
+    }
+
+    fn check_files(&self) -> Result<(), Failure> {
+        let outputs: Vec<_> = [("--csv", &self.csv), ("--report", &self.report)]
+            .into_iter()
+            .filter_map(|(option, path)| Some((option, path.as_deref()?)))
+            .collect();
+        let inputs: Vec<_> = [
+            ("the recording", Some(self.log.as_path())),
+            ("the reference", self.reference.as_deref()),
+            ("the mapping file", self.opening.mapping()),
+        ]
+        .into_iter()
+        .filter_map(|(name, path)| Some((name, path?)))
+        .collect();
+        check_outputs(&outputs, &inputs)
+    }
+
+    /// An error's message, with the joint that may have been meant.
+    fn explain(&self, error: EstimateError) -> Failure {
+        let mut message = error.to_string();
+        if matches!(error, EstimateError::Injection(_)) {
+            let names = self.robot_joints();
+            let unknown = self.inject.iter().find(|i| !names.contains(&i.joint));
+            if let Some(name) = unknown.and_then(|i| nearest(&i.joint, &names)) {
+                message.push_str(&format!("; did you mean '{name}'?"));
+            }
+        }
+        Failure::Refused(message)
+    }
+
+    fn robot_joints(&self) -> Vec<String> {
+        let place = match &self.robot {
+            Some(place) => Ok(place.clone()),
+            None => robot_dir::find(&self.log),
+        };
+        place
+            .and_then(|place| robot_dir::load(&place, None))
+            .map(|loaded| loaded.robot.joint_names().to_vec())
+            .unwrap_or_default()
+    }
+}
+
+/// The estimate as text of at most 80 columns.
+fn told(e: &Result_) -> String {
+    let r = &e.recording;
+    let mut out = paragraph(
+        &plain(&format!(
+            "{}: {}, {} s, {} frames at {} Hz",
+            e.robot.name,
+            r.path,
+            report::rounded(r.duration_s, 4),
+            r.frames,
+            report::rounded(r.rate_hz, 4)
+        )),
+        2,
+    );
+    let head = [
+        "joint",
+        "offset\nmrad",
+        "±\nmrad",
+        "scatter\nmrad",
+        "stretch\nmm",
+        "strain\n%",
+        "used\n%",
+        "1 % of K\nmrad",
+    ];
+    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| report::rounded(v, 3));
+    let rows = e
+        .joints
+        .iter()
+        .map(|j| {
+            vec![
+                plain(&j.name),
+                report::rounded(j.delta_e_mrad, 4),
+                report::rounded(j.standard_error_mrad, 2),
+                report::rounded(j.scatter_mrad, 2),
+                optional(j.elongation_mm),
+                optional(j.strain_percent),
+                format!("{:.1}", 100.0 * j.usable_share),
+                report::rounded(j.stiffness_error_mrad_per_percent, 2),
+            ]
+        })
+        .collect();
+    out.push_str(&table(&head, rows, 1));
+    out.push('\n');
+    let changes = changes(e);
+    let changed = !changes.is_empty();
+    if changed {
+        let head = [
+            "joint",
+            "reference\nmrad",
+            "change\nmrad",
+            "change\nmm",
+            "1 % of K\nmrad",
+        ];
+        out.push_str(&table(&head, changes, 1));
+        out.push('\n');
+    }
+    for joint in &e.joints {
+        out.push_str(&paragraph(&plain(&report::headline(e, joint)), 2));
+    }
+    out.push('\n');
+    for joint in &e.joints {
+        // What every joint lost stands below, once.
+        for loss in joint.losses.iter().filter(|l| !e.losses.contains(l)) {
+            let line = format!(
+                "not used: {} frames ({:.1} %) of {}, {}",
+                loss.frames,
+                100.0 * loss.share,
+                joint.name,
+                loss.reason
+            );
+            out.push_str(&paragraph(&plain(&line), 2));
+        }
+    }
+    for loss in &e.losses {
+        let line = format!("not used: {} frames, {}", loss.frames, loss.reason);
+        out.push_str(&paragraph(&plain(&line), 2));
+    }
+    let rest = if changed {
+        "The change is right as far as robot, payload and motion were alike."
+    } else {
+        "Right in differences; the absolute value rests on stiffness and masses. --reference LOG2 shows what changed."
+    };
+    out + &paragraph(rest, 0)
+}
+
+/// Rows of what changed since the reference; none without one.
+fn changes(e: &Result_) -> Vec<Vec<String>> {
+    e.joints
+        .iter()
+        .filter_map(|j| j.difference.as_ref().map(|d| (j, d)))
+        .map(|(j, d)| {
+            vec![
+                plain(&j.name),
+                report::rounded(d.reference_mrad, 4),
+                report::with_error(d.difference_mrad, d.standard_error_mrad),
+                d.elongation_mm
+                    .map_or("–".into(), |mm| report::rounded(mm, 3)),
+                report::rounded(d.stiffness_error_mrad_per_percent, 2),
+            ]
+        })
+        .collect()
+}

@@ -1,0 +1,7 @@
+//! One file per command.
+
+pub(crate) mod estimate;
+pub(crate) mod log;
+pub(crate) mod paper;
+pub(crate) mod robot;
+pub(crate) mod simulate;

@@ -1,0 +1,104 @@
+//! `sinew paper`: the paper's evaluation, done again.
+
+use crate::terminal::{Failure, Finish, answer, complain};
+use crate::text::{indented, paragraph};
+use clap::{Args, ValueEnum};
+use sinew_lab::paper::{self, PaperFigure, Written};
+use sinew_lab::{report, robot_dir};
+use std::path::PathBuf;
+
+/// Reproduce a figure of the paper beside its sentences, judged from the data
+///
+/// Writes NAME.svg, NAME.png and NAME.html. Exit code 3 when a sentence does not hold.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sinew paper fig6 --out figures")]
+pub(crate) struct Paper {
+    /// Which figure
+    #[arg(value_enum)]
+    figure: Which,
+    /// Robot's folder
+    #[arg(long, value_name = "DIR", default_value = "robots/biorob-like")]
+    robot: PathBuf,
+    /// Folder for the files; made if it isn't there
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    /// Print one JSON document (curves and sentences) instead of the sentences
+    #[arg(long)]
+    json: bool,
+    /// Nothing on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Which {
+    /// Simulation: no model error; K + 20 %; M, C, g - 10 %; offsets of 0.010 and 0.015 rad
+    Fig6,
+    /// A simulated "real" elbow: injected offset, difference, rope relaxed and re-tensioned
+    Fig7,
+}
+
+impl Paper {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        let loaded = robot_dir::load(&self.robot, None)?;
+        std::fs::create_dir_all(&self.out).map_err(|e| {
+            Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
+        })?;
+        let figure = match self.figure {
+            Which::Fig6 => paper::fig6(&loaded.robot)?,
+            Which::Fig7 => paper::fig7(&loaded.robot)?,
+        };
+        let written = paper::write(&figure, &self.out)?;
+        let failed = figure.sentences.iter().filter(|s| !s.holds).count();
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&json(&figure, &written))? + "\n"))?;
+        } else {
+            answer(&told(&figure, &written))?;
+        }
+        if failed > 0 && !self.quiet {
+            let of = figure.sentences.len();
+            complain(
+                "warning",
+                &format!("{failed} of {of} sentences do not hold"),
+            );
+        }
+        Ok(Finish::lossy(failed > 0))
+    }
+}
+
+fn told(figure: &PaperFigure, written: &Written) -> String {
+    let mut out = paragraph(&figure.title, 0);
+    for sentence in &figure.sentences {
+        let verdict = if sentence.holds { "holds:" } else { "FAILS:" };
+        out.push('\n');
+        out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
+        let found = format!(
+            "found {} {}; {}",
+            report::rounded(sentence.value, 3),
+            sentence.unit,
+            sentence.criterion
+        );
+        out.push_str(&indented(&found, 7, 7));
+    }
+    out.push('\n');
+    for path in [&written.html, &written.svg, &written.png] {
+        out.push_str(&format!("{}\n", path.display()));
+    }
+    out
+}
+
+fn json(figure: &PaperFigure, written: &Written) -> serde_json::Value {
+    serde_json::json!({
+        "name": figure.name,
+        "title": figure.title,
+        "sentences": figure.sentences,
+        "assumptions": figure.assumptions,
+        "panels": figure.panels,
+        "files": {
+            "html": written.html.display().to_string(),
+            "svg": written.svg.display().to_string(),
+            "png": written.png.display().to_string(),
+        },
+    })
+}

@@ -1,0 +1,113 @@
+//! `sinew simulate`: recordings with a known truth.
+
+use crate::args;
+use crate::files::check_outputs;
+use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::text::plain;
+use clap::{Args, ValueEnum};
+use sinew_lab::robot_dir;
+use sinew_lab::simulate::{self, Scenario, SimulateOptions};
+use sinew_log::Compression;
+use std::path::{Path, PathBuf};
+
+/// Make a recording of a joint-elastic arm whose tendons stretch
+///
+/// The truth (offsets, stiffness, payload, contacts) is written beside the recording as
+/// NAME.truth.json. Same robot, scenario and seed: the same bytes.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    sinew simulate examples/scenarios/stretched-arm.toml --out stretched.mcap --seed 7")]
+pub(crate) struct Simulate {
+    /// Scenario, TOML
+    scenario: PathBuf,
+    /// Robot's folder [default: the one the scenario names]
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+    /// Recording to write; .mcap or .csv
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Seed of everything drawn [default: the scenario's]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Length, s [default: the scenario's]
+    #[arg(long, value_name = "S", value_parser = args::seconds, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Compression of an MCAP
+    #[arg(long, value_enum, default_value = "zstd")]
+    compression: Packing,
+    /// Print one JSON document (the truth) instead of a line
+    #[arg(long)]
+    json: bool,
+    /// No progress and no warnings on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Packing {
+    /// Smaller
+    Zstd,
+    /// Faster
+    Lz4,
+    /// Not compressed
+    None,
+}
+
+impl Simulate {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        let inputs = [("the scenario", self.scenario.as_path())];
+        check_outputs(&[("--out", &self.out)], &inputs)?;
+        let name = self.scenario.display().to_string();
+        let text = std::fs::read_to_string(&self.scenario)
+            .map_err(|e| Failure::Refused(format!("{name}: can't read: {e}")))?;
+        let mut scenario = Scenario::from_toml(&text, &name)?;
+        if let Some(seed) = self.seed {
+            scenario.seed = seed;
+        }
+        if self.duration.is_some() {
+            scenario.duration_s = self.duration;
+        }
+        let folder = match (&self.robot, &scenario.robot) {
+            (Some(folder), _) => folder.clone(),
+            (None, Some(named)) => self.scenario.parent().unwrap_or(Path::new("")).join(named),
+            (None, None) => {
+                return Err(Failure::Refused(format!(
+                    "{name} names no robot; name its folder with --robot DIR"
+                )));
+            }
+        };
+        let loaded = robot_dir::load(&folder, None)?;
+        if !self.quiet {
+            for warning in &loaded.robot.warnings {
+                complain("warning", &plain(warning));
+            }
+        }
+        let mut options = SimulateOptions::new(&self.out);
+        options.robot_description = Some(loaded.urdf_text.clone());
+        options.compression = match self.compression {
+            Packing::Zstd => Compression::Zstd,
+            Packing::Lz4 => Compression::Lz4,
+            Packing::None => Compression::None,
+        };
+        let bar = Bar::new("simulating", self.quiet);
+        let summary = simulate::run(&loaded.robot, &scenario, &options, &mut |at| {
+            bar.set(at.done_s, at.total_s);
+        });
+        drop(bar);
+        let summary = summary?;
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&summary.truth)? + "\n"))?;
+        } else {
+            answer(&format!(
+                "{}: {} s, {} frames, {:.1} MB; its truth is {}\n",
+                summary.out.display(),
+                summary.duration_s,
+                summary.frames.written,
+                summary.bytes as f64 / 1e6,
+                summary.truth_file.display(),
+            ))?;
+        }
+        Ok(Finish::Complete)
+    }
+}

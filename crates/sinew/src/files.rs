@@ -1,0 +1,47 @@
+//! Checks of output paths before long work begins.
+
+use crate::terminal::Failure;
+use std::path::{Path, PathBuf};
+
+/// Refuses an output that has no folder to lie in or would replace an input or another output.
+///
+/// # Errors
+/// [`Failure::Refused`] naming the option and the path.
+pub(crate) fn check_outputs(
+    outputs: &[(&str, &Path)],
+    inputs: &[(&str, &Path)],
+) -> Result<(), Failure> {
+    for (i, (option, path)) in outputs.iter().enumerate() {
+        let place = |why: String| Failure::Refused(format!("{option} {}: {why}", path.display()));
+        if path.is_dir() {
+            return Err(place("is a folder; name a file".into()));
+        }
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            return Err(place(format!("folder {} does not exist", folder.display())));
+        }
+        let others = inputs.iter().chain(&outputs[..i]);
+        if let Some((other, _)) = others.into_iter().find(|(_, p)| same(p, path)) {
+            return Err(place(format!("is the same file as {other}")));
+        }
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Whether two paths lead to the same file, also when it doesn't exist yet.
+fn same(a: &Path, b: &Path) -> bool {
+    let resolved = |p: &Path| -> Option<PathBuf> {
+        if let Ok(path) = p.canonicalize() {
+            return Some(path);
+        }
+        Some(folder_of(p).canonicalize().ok()?.join(p.file_name()?))
+    };
+    matches!((resolved(a), resolved(b)), (Some(a), Some(b)) if a == b)
+}

@@ -1,0 +1,90 @@
+//! Tables and paragraphs for a terminal of 80 columns.
+
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+
+/// Columns of a terminal that everybody has.
+pub(crate) const WIDTH: usize = 80;
+
+/// A line under the head and nothing else.
+const STYLE: TableStyle =
+    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
+
+/// A table: names to the left, numbers to the right; wrapped to [`WIDTH`].
+pub(crate) fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
+    let mut table = Table::new();
+    table
+        .load_style(STYLE)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(WIDTH as u16)
+        .set_header(head.iter().map(ToString::to_string).collect::<Vec<_>>())
+        .add_rows(rows);
+    let last = head.len().saturating_sub(1);
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, if i == last { 0 } else { 2 }));
+        if i >= left {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.trim_fmt() + "\n"
+}
+
+/// A paragraph, wrapped; following lines are indented by `indent`.
+pub(crate) fn paragraph(text: &str, indent: usize) -> String {
+    indented(text, 0, indent)
+}
+
+/// A paragraph whose first line begins at column `first`, and the others at `rest`.
+pub(crate) fn indented(text: &str, first: usize, rest: usize) -> String {
+    let mut out = " ".repeat(first);
+    let mut column = first;
+    let mut fresh = true;
+    for word in text.split_whitespace() {
+        let length = word.chars().count();
+        if !fresh && column + 1 + length > WIDTH {
+            out.push('\n');
+            out.push_str(&" ".repeat(rest));
+            column = rest;
+        } else if !fresh {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += length;
+        fresh = false;
+    }
+    out.push('\n');
+    out
+}
+
+/// Text from a file without the characters a terminal would obey.
+pub(crate) fn plain(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_and_tables_stay_within_80_columns() {
+        let long = "a joint with_a_very_long_name_that_goes_on and on and on ".repeat(9);
+        let head = ["joint", "offset, mrad", "what"];
+        let rows = vec![vec![long.clone(), "1.0".into(), long.clone()]];
+        for text in [
+            paragraph(&long, 4),
+            indented(&long, 7, 9),
+            table(&head, rows, 1),
+        ] {
+            for line in text.lines() {
+                assert!(line.chars().count() <= WIDTH, "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn escape_sequences_from_files_are_not_obeyed() {
+        assert_eq!(plain("\u{1b}[2Jelbow"), "\u{fffd}[2Jelbow");
+    }
+}

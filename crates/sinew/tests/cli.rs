@@ -1,0 +1,440 @@
+//! The command line as a user meets it: exit codes, messages, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+fn sinew(args: &[&str], dir: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(args)
+        .current_dir(dir)
+        .output()
+        .expect("the program starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("not ended by a signal")
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("stdout is UTF-8")
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("stderr is UTF-8")
+}
+
+/// Refused with this exit code, a single clear message and nothing on stdout.
+#[track_caller]
+fn refused(args: &[&str], dir: &Path, exit: i32, words: &[&str]) {
+    let output = sinew(args, dir);
+    let message = err(&output);
+    assert_eq!(code(&output), exit, "{args:?}: {message}");
+    assert_eq!(out(&output), "", "{args:?}");
+    assert!(message.starts_with("error: "), "{args:?}: {message}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{args:?}: '{word}' is not in: {message}"
+        );
+    }
+    for never in ["panicked", "RUST_BACKTRACE", "Os {", "Err("] {
+        assert!(!message.contains(never), "{args:?}: {message}");
+    }
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn robot() -> String {
+    let folder = repository().join("robots/biorob-like");
+    folder.display().to_string()
+}
+
+/// A folder with `s.mcap`: some seconds of the BioRob-like arm with stretched tendons.
+fn simulated(duration_s: &str) -> TempDir {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let scenario = repository().join("examples/scenarios/stretched-arm.toml");
+    let scenario = scenario.display().to_string();
+    let args = [
+        "simulate",
+        &scenario,
+        "--robot",
+        &robot(),
+        "--out",
+        "s.mcap",
+        "--duration",
+        duration_s,
+    ];
+    let output = sinew(&args, dir.path());
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    dir
+}
+
+#[test]
+fn every_help_fits_80_columns_and_goes_to_stdout() {
+    let dir = tempfile::tempdir().unwrap();
+    for command in [
+        vec!["--help"],
+        vec!["estimate", "--help"],
+        vec!["estimate", "-h"],
+        vec!["simulate", "--help"],
+        vec!["simulate", "-h"],
+        vec!["paper", "--help"],
+        vec!["paper", "-h"],
+        vec!["robot", "--help"],
+        vec!["robot", "check", "--help"],
+        vec!["log", "--help"],
+        vec!["log", "info", "--help"],
+    ] {
+        let output = sinew(&command, dir.path());
+        assert_eq!(code(&output), 0, "{command:?}");
+        let text = out(&output);
+        assert!(text.contains("Usage: sinew"), "{command:?}");
+        for line in text.lines() {
+            assert!(line.chars().count() <= 80, "{command:?}: {line}");
+        }
+    }
+    let version = out(&sinew(&["--version"], dir.path()));
+    assert_eq!(version.trim(), concat!("sinew ", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn usage_errors_exit_with_2_and_name_value_and_unit() {
+    let dir = tempfile::tempdir().unwrap();
+    let estimate = |option: &str, value: &str, words: &[&str]| {
+        refused(&["estimate", "x.mcap", option, value], dir.path(), 2, words);
+    };
+    estimate("--gain", "-3", &["-3 1/s must be above 0", "--gain"]);
+    estimate("--gain", "NaN", &["1/s", "finite"]);
+    estimate("--velocity-filter", "0", &["0 rad/s must be above 0"]);
+    estimate("--velocity-filter", "fast", &["fast", "rad/s", "recorded"]);
+    estimate(
+        "--source",
+        "guess",
+        &["guess", "observer", "torque-sensor", "motor"],
+    );
+    estimate("--comparison", "none", &["matched", "paper"]);
+    estimate("--inject", "elbow", &["JOINT=RAD"]);
+    estimate("--inject", "elbow=45", &["45 rad is more than half a turn"]);
+    estimate(
+        "--inject",
+        "elbow=0.01@-2",
+        &["-2 s is before the recording"],
+    );
+    refused(&["estimate"], dir.path(), 2, &["<LOG>"]);
+    refused(&["estimat", "x.mcap"], dir.path(), 2, &["estimate"]);
+    refused(
+        &["simulate", "x.toml", "--out", "x.mcap", "--duration", "-1"],
+        dir.path(),
+        2,
+        &["-1 s"],
+    );
+    refused(&["simulate", "x.toml"], dir.path(), 2, &["--out"]);
+    assert_eq!(
+        code(&sinew(&[], dir.path())),
+        2,
+        "no command is a usage error"
+    );
+}
+
+#[test]
+fn missing_files_exit_with_1_and_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let robot = robot();
+    refused(
+        &["estimate", "nowhere.mcap", "--robot", &robot],
+        dir.path(),
+        1,
+        &["nowhere.mcap"],
+    );
+    refused(
+        &["log", "info", "nowhere.csv"],
+        dir.path(),
+        1,
+        &["nowhere.csv"],
+    );
+    refused(&["robot", "check", "nowhere"], dir.path(), 1, &["nowhere"]);
+    refused(
+        &["simulate", "nowhere.toml", "--out", "x.mcap"],
+        dir.path(),
+        1,
+        &["nowhere.toml"],
+    );
+    refused(
+        &["estimate", "x.mcap", "--mapping", "nowhere.toml"],
+        dir.path(),
+        1,
+        &["nowhere.toml"],
+    );
+    std::fs::write(dir.path().join("empty.mcap"), "").unwrap();
+    refused(
+        &["estimate", "empty.mcap", "--robot", &robot],
+        dir.path(),
+        1,
+        &["empty.mcap"],
+    );
+    refused(
+        &["log", "info", "empty.mcap"],
+        dir.path(),
+        1,
+        &["empty.mcap"],
+    );
+}
+
+#[test]
+fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
+    let dir = simulated("12");
+    let robot = robot();
+    let base = ["estimate", "s.mcap", "--robot", &robot];
+
+    let table = sinew(&base, dir.path());
+    assert_eq!(code(&table), 0, "{}", err(&table));
+    let text = out(&table);
+    for word in [
+        "shoulder_pitch",
+        "elbow",
+        "mrad",
+        "tendon",
+        "longer",
+        "stiffness",
+    ] {
+        assert!(text.contains(word), "'{word}' is not in:\n{text}");
+    }
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+
+    let files = ["--csv", "e.csv", "--report", "e.html", "--json"];
+    let both = sinew(&[&base[..], &files].concat(), dir.path());
+    assert_eq!(code(&both), 0, "{}", err(&both));
+    assert_eq!(err(&both), "", "nothing to say on stderr");
+    let json: serde_json::Value = serde_json::from_str(&out(&both)).expect("one JSON document");
+    let joints = json["joints"].as_array().expect("joints");
+    assert_eq!(joints.len(), 4);
+    let truth = std::fs::read_to_string(dir.path().join("s.truth.json")).expect("the truth");
+    let truth: serde_json::Value = serde_json::from_str(&truth).expect("JSON");
+    for joint in joints {
+        let name = joint["name"].as_str().expect("a name");
+        let estimate = joint["delta_e_mrad"].as_f64().expect("an estimate");
+        let true_mrad = 1e3 * truth["offset_rad"][name].as_f64().unwrap_or(0.0);
+        // Stiffness is up to 3 % and masses up to 2 % off what the robot's description says.
+        let wrong = 5.0
+            * joint["stiffness_error_mrad_per_percent"]
+                .as_f64()
+                .unwrap()
+                .abs();
+        assert!(
+            (estimate - true_mrad).abs() < 0.5 + wrong,
+            "{name}: {estimate} {true_mrad}"
+        );
+    }
+    // The first intervals settle: no number, so null, not NaN.
+    assert!(joints[0]["series"]["delta_e_mrad"][0].is_null());
+
+    let html = std::fs::read_to_string(dir.path().join("e.html")).expect("the report");
+    assert!(html.starts_with("<!DOCTYPE html>") && html.contains("tendon"));
+    assert_eq!(html.matches("<svg xmlns").count(), 4);
+    let csv = std::fs::read_to_string(dir.path().join("e.csv")).expect("the CSV");
+    assert!(
+        csv.lines()
+            .next()
+            .is_some_and(|l| l.contains("delta_e.elbow_rad"))
+    );
+    let frames = json["recording"]["frames"].as_u64().expect("frames") as usize;
+    assert_eq!(csv.lines().count(), frames + 1);
+    let left: Vec<_> = std::fs::read_dir(dir.path())
+        .unwrap()
+        .map(|f| f.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.contains("tmp"))
+        .collect();
+    assert!(left.is_empty(), "left behind: {left:?}");
+
+    let again = sinew(&[&base[..], &files].concat(), dir.path());
+    assert_eq!(again.stdout, both.stdout, "the same every time");
+    assert_eq!(
+        std::fs::read_to_string(dir.path().join("e.html")).unwrap(),
+        html
+    );
+}
+
+#[test]
+fn an_injected_offset_is_the_difference_to_the_recording_itself() {
+    let dir = simulated("12");
+    let robot = robot();
+    let args = [
+        "estimate",
+        "s.mcap",
+        "--robot",
+        &robot,
+        "--reference",
+        "s.mcap",
+        "--inject",
+        "elbow=-0.004",
+        "--json",
+    ];
+    let output = sinew(&args, dir.path());
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    let json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
+    for joint in json["joints"].as_array().expect("joints") {
+        let expected = if joint["name"] == "elbow" { -4.0 } else { 0.0 };
+        let found = joint["difference"]["difference_mrad"]
+            .as_f64()
+            .expect("a difference");
+        // An added constant passes the linear filters unchanged: rounding only.
+        assert!(
+            (found - expected).abs() < 1e-6,
+            "{}: {found}",
+            joint["name"]
+        );
+    }
+}
+
+#[test]
+fn a_slip_in_a_joint_name_is_answered_with_the_nearest() {
+    let dir = simulated("2");
+    let args = [
+        "estimate",
+        "s.mcap",
+        "--robot",
+        &robot(),
+        "--inject",
+        "elbw=0.01",
+    ];
+    refused(&args, dir.path(), 1, &["elbw", "did you mean 'elbow'?"]);
+}
+
+#[test]
+fn outputs_are_checked_before_the_work_and_never_replace_an_input() {
+    let dir = simulated("2");
+    let robot = robot();
+    let before = std::fs::read(dir.path().join("s.mcap")).unwrap();
+    let base = ["estimate", "s.mcap", "--robot", &robot];
+    let with = |more: &[&str], words: &[&str]| {
+        refused(&[&base[..], more].concat(), dir.path(), 1, words);
+    };
+    with(
+        &["--csv", "s.mcap"],
+        &["--csv", "same file as the recording"],
+    );
+    with(
+        &["--report", "./s.mcap"],
+        &["--report", "same file as the recording"],
+    );
+    with(&["--csv", "a", "--report", "a"], &["same file as --csv"]);
+    with(
+        &["--report", "no/such/folder/r.html"],
+        &["--report", "does not exist"],
+    );
+    with(&["--csv", "."], &["is a folder"]);
+    assert_eq!(std::fs::read(dir.path().join("s.mcap")).unwrap(), before);
+
+    // A refused run leaves an older result as it was.
+    std::fs::write(dir.path().join("old.csv"), "old").unwrap();
+    with(
+        &["--csv", "old.csv", "--source", "torque-sensor"],
+        &["torque"],
+    );
+    assert_eq!(
+        std::fs::read_to_string(dir.path().join("old.csv")).unwrap(),
+        "old"
+    );
+}
+
+#[test]
+fn a_truncated_recording_is_used_up_to_the_damage_and_exits_with_3() {
+    let dir = simulated("8");
+    let whole = std::fs::read(dir.path().join("s.mcap")).unwrap();
+    std::fs::write(dir.path().join("cut.mcap"), &whole[..whole.len() * 6 / 10]).unwrap();
+    let robot = robot();
+    let output = sinew(&["estimate", "cut.mcap", "--robot", &robot], dir.path());
+    assert_eq!(code(&output), 3, "{}", err(&output));
+    assert!(out(&output).contains("elbow"));
+    assert!(err(&output).contains("damaged"), "{}", err(&output));
+    let quiet = sinew(
+        &["estimate", "cut.mcap", "--robot", &robot, "--quiet"],
+        dir.path(),
+    );
+    assert_eq!((code(&quiet), err(&quiet).as_str()), (3, ""));
+    let info = sinew(&["log", "info", "cut.mcap"], dir.path());
+    assert_eq!(code(&info), 3);
+    assert!(out(&info).contains("damaged at byte"), "{}", out(&info));
+}
+
+#[test]
+fn a_robot_and_a_recording_say_what_they_hold() {
+    let dir = simulated("2");
+    let check = sinew(&["robot", "check", &robot()], dir.path());
+    assert_eq!(code(&check), 0, "{}", err(&check));
+    let text = out(&check);
+    for word in ["shoulder_pitch", "40.0", "480", "mm per"] {
+        assert!(text.contains(word), "'{word}' is not in:\n{text}");
+    }
+    let json = out(&sinew(&["robot", "check", &robot(), "--json"], dir.path()));
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["joints"][2]["stiffness_nm_per_rad"], 20.0);
+    let length_mm = json["joints"][2]["tendon"]["length_mm"].as_f64();
+    // Through metres and back: one rounding.
+    assert!(length_mm.is_some_and(|mm| (mm - 700.0).abs() < 1e-9));
+
+    let info = sinew(&["log", "info", "s.mcap"], dir.path());
+    assert_eq!(code(&info), 0, "{}", err(&info));
+    for word in ["MCAP", "500.0 Hz", "elbow", "theta", "nothing lost"] {
+        assert!(
+            out(&info).contains(word),
+            "'{word}' is not in:\n{}",
+            out(&info)
+        );
+    }
+    let json = out(&sinew(&["log", "info", "s.mcap", "--json"], dir.path()));
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["frames"], 1000);
+    assert_eq!(json["lossy"], false);
+}
+
+#[test]
+fn the_papers_figures_become_files_with_judged_sentences() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["fig6", "fig7"] {
+        let output = sinew(
+            &["paper", name, "--robot", &robot(), "--out", "f", "--json"],
+            dir.path(),
+        );
+        let json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
+        let sentences = json["sentences"].as_array().expect("sentences");
+        let failed = sentences.iter().filter(|s| s["holds"] != true).count();
+        assert!(!sentences.is_empty());
+        assert_eq!(
+            code(&output),
+            if failed > 0 { 3 } else { 0 },
+            "{}",
+            err(&output)
+        );
+        let file = |ending: &str| {
+            std::fs::read(dir.path().join(format!("f/{name}.{ending}"))).expect(ending)
+        };
+        assert_eq!(&file("png")[1..4], b"PNG");
+        assert!(file("svg").starts_with(b"<svg"));
+        let page = String::from_utf8(file("html")).expect("UTF-8");
+        assert_eq!(page.matches("<svg xmlns").count(), 1);
+    }
+    refused(&["paper", "fig8"], dir.path(), 2, &["fig8", "fig6", "fig7"]);
+    refused(&["paper", "fig6"], dir.path(), 1, &["robots/biorob-like"]);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let dir = simulated("2");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(["estimate", "s.mcap", "--robot", &robot(), "--json"])
+        .current_dir(dir.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    assert_eq!(err(&output), "");
+}
