@@ -111,8 +111,8 @@ pub(crate) struct Composite {
 pub struct ArmWorkspace {
     /// Slot 0 is the base, slot `i + 1` is joint `i`.
     pub(crate) state: Vec<BodyState>,
-    /// Joints of the momentum pass.
-    pub(crate) frames: Vec<momentum::Frame>,
+    /// Bodies of the momentum pass, which has a storage of its own for speed; slots as above.
+    pub(crate) moving: Vec<momentum::Moving>,
     pub(crate) composite: Vec<Composite>,
     pub(crate) p: Vec<f64>,
     pub(crate) ct_dq: Vec<f64>,
@@ -136,7 +136,7 @@ impl ArmWorkspace {
         }
         Self {
             state,
-            frames: alloc::vec![momentum::Frame::default(); n],
+            moving: alloc::vec![momentum::Moving::default(); n + 1],
             composite: alloc::vec![Composite::default(); n + 1],
             p: alloc::vec![0.0; n],
             ct_dq: alloc::vec![0.0; n],
@@ -185,7 +185,6 @@ impl Arm {
         self.gravity
     }
 
-    /// Names of all links of the description, moving or fixed to the base.
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
         self.links.iter().map(|l| l.name.as_str())
     }

@@ -1,8 +1,8 @@
 //! The O(n) momentum pass.
 
-use super::{Arm, ArmWorkspace, BodyState, Joint, JointKind};
+use super::{Arm, ArmWorkspace, Joint, JointKind};
 use crate::StepError;
-use crate::vec3::{Mat3, Vec3, rotate, rotate_back};
+use crate::vec3::{Mat3, Vec3, add, cross, rotate, rotate_back};
 
 /// What one pass yields, borrowed from the workspace. All of length `n`.
 #[derive(Debug, Clone, Copy)]
@@ -60,15 +60,9 @@ impl Arm {
         if !sum.is_finite() {
             return Err(StepError::NotFinite);
         }
-        self.place_joints(&mut ws.frames, q, dq);
-        self.momentum_forward(&ws.frames, &mut ws.state);
-        self.momentum_backward(
-            &ws.frames,
-            &mut ws.state,
-            &mut ws.p,
-            &mut ws.ct_dq,
-            &mut ws.g,
-        );
+        self.place_joints(&mut ws.moving, q, dq);
+        self.momentum_forward(&mut ws.moving);
+        self.momentum_backward(&mut ws.moving, &mut ws.p, &mut ws.ct_dq, &mut ws.g);
         Ok(Momentum {
             p: &ws.p,
             ct_dq: &ws.ct_dq,
@@ -79,35 +73,35 @@ impl Arm {
     /// What each joint does by itself: nothing here waits for another joint, so that sines of all
     /// joints are computed side by side.
     #[inline]
-    fn place_joints(&self, frames: &mut [Frame], q: &[f64], dq: &[f64]) {
-        for (((joint, frame), q), dq) in self.joints.iter().zip(frames).zip(q).zip(dq) {
-            *frame = Frame::new(joint, *q, *dq);
+    fn place_joints(&self, moving: &mut [Moving], q: &[f64], dq: &[f64]) {
+        let Some((base, bodies)) = moving.split_first_mut() else {
+            return;
+        };
+        base.set_motion(&Motion {
+            omega: [0.0; 3],
+            v: [0.0; 3],
+            gamma: self.gravity,
+        });
+        for (((joint, body), q), dq) in self.joints.iter().zip(bodies).zip(q).zip(dq) {
+            body.set_frame(&Frame::new(joint, *q, *dq));
         }
     }
 
     /// Base to tip: velocities, gravity and own momentum of each body.
     #[inline]
-    fn momentum_forward(&self, frames: &[Frame], state: &mut [BodyState]) {
-        // Most joints hang on the one before: its velocity then is still in registers.
-        let Some((base, _)) = state.split_first() else {
-            return;
-        };
-        let mut last = Motion::of(base);
-        for (i, (joint, frame)) in self.joints.iter().zip(frames).enumerate() {
-            if joint.parent_slot != i {
-                let Some(parent) = state.get(joint.parent_slot) else {
-                    return;
-                };
-                last = Motion::of(parent);
-            }
-            last = last.carried_on(frame);
-            let Some(body) = state.get_mut(i + 1) else {
+    fn momentum_forward(&self, moving: &mut [Moving]) {
+        for (i, joint) in self.joints.iter().enumerate() {
+            // A joint's slot comes after its parent's, so the split always succeeds.
+            let Some((before, after)) = moving.split_at_mut_checked(i + 1) else {
                 return;
             };
-            body.omega = last.omega;
-            body.v = last.v;
-            body.gamma = last.gamma;
-            own_momentum(joint, body);
+            let (Some(parent), Some(body)) = (before.get(joint.parent_slot), after.first_mut())
+            else {
+                return;
+            };
+            let motion = parent.motion().carried_on(&body.frame());
+            body.set_motion(&motion);
+            body.set_load(&Load::of(joint, &motion));
         }
     }
 
@@ -115,34 +109,33 @@ impl Arm {
     #[inline]
     fn momentum_backward(
         &self,
-        frames: &[Frame],
-        state: &mut [BodyState],
+        moving: &mut [Moving],
         p: &mut [f64],
         ct_dq: &mut [f64],
         g: &mut [f64],
     ) {
-        let joints = self.joints.iter().zip(frames).enumerate();
+        let joints = self.joints.iter().enumerate();
         let outputs = p.iter_mut().zip(ct_dq.iter_mut()).zip(g.iter_mut());
-        for ((i, (joint, frame)), ((p, ct_dq), g)) in joints.zip(outputs).rev() {
-            // A joint's slot comes after its parent's, so the split always succeeds.
-            let Some((before, after)) = state.split_at_mut_checked(i + 1) else {
+        for ((i, joint), ((p, ct_dq), g)) in joints.zip(outputs).rev() {
+            let Some((before, after)) = moving.split_at_mut_checked(i + 1) else {
                 return;
             };
             let (Some(parent), Some(body)) = (before.get_mut(joint.parent_slot), after.first())
             else {
                 return;
             };
-            (*p, *ct_dq, *g) = project(joint, body);
+            let load = body.load();
+            (*p, *ct_dq, *g) = project(joint, &body.motion(), &load);
             if joint.parent_slot != 0 {
-                hand_to_parent(joint, frame, body, parent);
+                parent.add(&load.seen_from_parent(joint, &body.frame()));
             }
         }
     }
 }
 
 /// A joint at its `q` and `dq`, before anything is known of the others.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Frame {
+#[derive(Clone, Copy)]
+struct Frame {
     /// `parent_from_joint`: the fixed rotation and the joint's own in one matrix, so that the
     /// chain of joints waits for one product per joint, not two.
     rotation: Mat3,
@@ -195,24 +188,18 @@ impl Frame {
     }
 }
 
-/// What a body hands to those it carries.
+/// What a body hands to those it carries; in body axes.
 #[derive(Clone, Copy)]
 struct Motion {
+    /// Angular velocity.
     omega: Vec3,
+    /// Velocity of the body's origin.
     v: Vec3,
+    /// Gravity.
     gamma: Vec3,
 }
 
 impl Motion {
-    #[inline(always)]
-    fn of(body: &BodyState) -> Self {
-        Self {
-            omega: body.omega,
-            v: body.v,
-            gamma: body.gamma,
-        }
-    }
-
     /// Motion of the body a joint carries from that of the body it sits on.
     #[inline(always)]
     fn carried_on(&self, frame: &Frame) -> Self {
@@ -234,33 +221,166 @@ impl Motion {
     }
 }
 
-/// `H = [I ω + h × v; m v + ω × h]` of one body alone.
-#[inline(always)]
-fn own_momentum(joint: &Joint, body: &mut BodyState) {
-    let (w, v) = (body.omega, body.v);
-    let (m, h, i) = (joint.mass, joint.first_moment, &joint.inertia);
-    body.moment = [
-        i[0][0] * w[0] + i[0][1] * w[1] + i[0][2] * w[2] + (h[1] * v[2] - h[2] * v[1]),
-        i[0][1] * w[0] + i[1][1] * w[1] + i[1][2] * w[2] + (h[2] * v[0] - h[0] * v[2]),
-        i[0][2] * w[0] + i[1][2] * w[1] + i[2][2] * w[2] + (h[0] * v[1] - h[1] * v[0]),
-    ];
-    body.force = [
-        m * v[0] + (w[1] * h[2] - w[2] * h[1]),
-        m * v[1] + (w[2] * h[0] - w[0] * h[2]),
-        m * v[2] + (w[0] * h[1] - w[1] * h[0]),
-    ];
-    body.first_moment = h;
+/// What a body hands to the one that carries it, about the origin it is seen from.
+#[derive(Clone, Copy, Default)]
+struct Load {
+    /// Linear momentum.
+    force: Vec3,
+    /// Angular momentum.
+    moment: Vec3,
+    /// First mass moment.
+    first: Vec3,
 }
 
-/// `(p, Cᵀdq, g)` of one joint.
+impl Load {
+    /// Of one body alone: `H = [I ω + h × v; m v + ω × h]`.
+    #[inline(always)]
+    fn of(joint: &Joint, motion: &Motion) -> Self {
+        let (w, v) = (motion.omega, motion.v);
+        let (m, h, i) = (joint.mass, joint.first_moment, &joint.inertia);
+        Self {
+            force: [
+                m * v[0] + (w[1] * h[2] - w[2] * h[1]),
+                m * v[1] + (w[2] * h[0] - w[0] * h[2]),
+                m * v[2] + (w[0] * h[1] - w[1] * h[0]),
+            ],
+            moment: [
+                i[0][0] * w[0] + i[0][1] * w[1] + i[0][2] * w[2] + (h[1] * v[2] - h[2] * v[1]),
+                i[0][1] * w[0] + i[1][1] * w[1] + i[1][2] * w[2] + (h[2] * v[0] - h[0] * v[2]),
+                i[0][2] * w[0] + i[1][2] * w[1] + i[2][2] * w[2] + (h[0] * v[1] - h[1] * v[0]),
+            ],
+            first: h,
+        }
+    }
+
+    /// The load of a joint's subtree about its parent's origin, in its parent's axes.
+    #[inline(always)]
+    fn seen_from_parent(&self, joint: &Joint, frame: &Frame) -> Self {
+        let (e, r, m) = (&frame.rotation, frame.translation, joint.subtree_mass);
+        let force = rotate(e, self.force);
+        let moment = rotate(e, self.moment);
+        let first = rotate(e, self.first);
+        Self {
+            force,
+            moment: add(moment, cross(r, force)),
+            first: [
+                first[0] + m * r[0],
+                first[1] + m * r[1],
+                first[2] + m * r[2],
+            ],
+        }
+    }
+}
+
+/// Frame, motion and load of one body, kept between the sweeps.
+///
+/// The layout is what makes the pass fast on x86-64, and looks odd on purpose: no two results of the
+/// same sweep are neighbours in memory. Where they are, the compiler packs them two by two into
+/// vector registers, and the shuffles which that takes cost a seventh of the whole pass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Moving([Component; 3]);
+
+/// The x, y or z component of everything: results of the first sweep between those of the second.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C)]
+struct Component {
+    rotation_0: f64,
+    omega: f64,
+    rotation_1: f64,
+    v: f64,
+    rotation_2: f64,
+    gamma: f64,
+    translation: f64,
+    force: f64,
+    spin: f64,
+    moment: f64,
+    slide: f64,
+    first: f64,
+}
+
+impl Moving {
+    #[inline(always)]
+    fn set_frame(&mut self, frame: &Frame) {
+        for (k, slot) in self.0.iter_mut().enumerate() {
+            [slot.rotation_0, slot.rotation_1, slot.rotation_2] = frame.rotation[k];
+            slot.translation = frame.translation[k];
+        }
+        self.0[2].spin = frame.spin;
+        self.0[2].slide = frame.slide;
+    }
+
+    #[inline(always)]
+    fn frame(&self) -> Frame {
+        let [x, y, z] = &self.0;
+        Frame {
+            rotation: [
+                [x.rotation_0, x.rotation_1, x.rotation_2],
+                [y.rotation_0, y.rotation_1, y.rotation_2],
+                [z.rotation_0, z.rotation_1, z.rotation_2],
+            ],
+            translation: [x.translation, y.translation, z.translation],
+            spin: z.spin,
+            slide: z.slide,
+        }
+    }
+
+    #[inline(always)]
+    fn set_motion(&mut self, motion: &Motion) {
+        for (k, slot) in self.0.iter_mut().enumerate() {
+            slot.omega = motion.omega[k];
+            slot.v = motion.v[k];
+            slot.gamma = motion.gamma[k];
+        }
+    }
+
+    #[inline(always)]
+    fn motion(&self) -> Motion {
+        let [x, y, z] = &self.0;
+        Motion {
+            omega: [x.omega, y.omega, z.omega],
+            v: [x.v, y.v, z.v],
+            gamma: [x.gamma, y.gamma, z.gamma],
+        }
+    }
+
+    #[inline(always)]
+    fn set_load(&mut self, load: &Load) {
+        for (k, slot) in self.0.iter_mut().enumerate() {
+            slot.force = load.force[k];
+            slot.moment = load.moment[k];
+            slot.first = load.first[k];
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, load: &Load) {
+        for (k, slot) in self.0.iter_mut().enumerate() {
+            slot.force += load.force[k];
+            slot.moment += load.moment[k];
+            slot.first += load.first[k];
+        }
+    }
+
+    #[inline(always)]
+    fn load(&self) -> Load {
+        let [x, y, z] = &self.0;
+        Load {
+            force: [x.force, y.force, z.force],
+            moment: [x.moment, y.moment, z.moment],
+            first: [x.first, y.first, z.first],
+        }
+    }
+}
+
+/// `(p, Cᵀdq, g)` of one joint from the motion of its body and the load of its subtree.
 #[inline(always)]
-fn project(joint: &Joint, body: &BodyState) -> (f64, f64, f64) {
-    let (w, v, n, f) = (body.omega, body.v, body.moment, body.force);
-    let (s, gamma) = (body.first_moment, body.gamma);
+fn project(joint: &Joint, motion: &Motion, load: &Load) -> (f64, f64, f64) {
+    let (w, v, gamma) = (motion.omega, motion.v, motion.gamma);
+    let (f, n, s) = (load.force, load.moment, load.first);
     match joint.kind {
         JointKind::Revolute => (
             n[2],
-            w[1] * n[0] - w[0] * n[1] + v[1] * f[0] - v[0] * f[1],
+            (w[1] * n[0] - w[0] * n[1]) + (v[1] * f[0] - v[0] * f[1]),
             s[1] * gamma[0] - s[0] * gamma[1],
         ),
         JointKind::Prismatic => (
@@ -269,22 +389,6 @@ fn project(joint: &Joint, body: &BodyState) -> (f64, f64, f64) {
             -joint.subtree_mass * gamma[2],
         ),
     }
-}
-
-/// Adds the subtree's momentum and first moment, seen from the parent, to the parent's.
-#[inline(always)]
-fn hand_to_parent(joint: &Joint, frame: &Frame, body: &BodyState, parent: &mut BodyState) {
-    let (e, r, m) = (&frame.rotation, frame.translation, joint.subtree_mass);
-    let f = rotate(e, body.force);
-    let n = rotate(e, body.moment);
-    let h = rotate(e, body.first_moment);
-    for k in 0..3 {
-        parent.force[k] += f[k];
-        parent.first_moment[k] += h[k] + m * r[k];
-    }
-    parent.moment[0] += n[0] + (r[1] * f[2] - r[2] * f[1]);
-    parent.moment[1] += n[1] + (r[2] * f[0] - r[0] * f[2]);
-    parent.moment[2] += n[2] + (r[0] * f[1] - r[1] * f[0]);
 }
 
 /// `Rz(q) a`.
