@@ -185,6 +185,7 @@ impl Arm {
         self.gravity
     }
 
+    /// Names of all links of the description, moving or fixed to the base.
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
         self.links.iter().map(|l| l.name.as_str())
     }

@@ -1,0 +1,203 @@
+//! Steps allocate nothing after construction: counted, over many steps of every kind.
+
+// A global allocator is an unsafe trait; this one only counts and hands on to the system's.
+#![allow(unsafe_code)]
+
+use sinew_model::StepError;
+use sinew_model::arm::{Arm, ArmWorkspace, urdf};
+use sinew_model::observer::MomentumObserver;
+use sinew_model::offset::{
+    Comparison, OffsetConfig, OffsetObserver, Sample, TorqueSource, VelocityFilter,
+};
+use sinew_model::transmission::Transmission;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    /// Allocations of this thread: tests run side by side.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count_one() {
+    // Threads that are going away have no counter any more; nobody asks for theirs.
+    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count_one();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // Freeing takes the same lock as allocating: not in a step either.
+        count_one();
+        // SAFETY: as above.
+        unsafe { System.dealloc(at, layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count_one();
+        // SAFETY: as above.
+        unsafe { System.realloc(at, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocator calls made by `f`.
+fn allocations(f: impl FnOnce()) -> u64 {
+    let before = COUNT.get();
+    f();
+    COUNT.get() - before
+}
+
+const STEPS: usize = 200;
+
+fn arm() -> Arm {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/reference/models/branching9.urdf"
+    );
+    let text = std::fs::read_to_string(path).unwrap();
+    urdf::parse(&text, &urdf::UrdfOptions::default())
+        .unwrap()
+        .arm
+}
+
+/// A smooth motion, filled into the caller's storage.
+fn motion(k: usize, q: &mut [f64], dq: &mut [f64]) {
+    for (i, (q, dq)) in q.iter_mut().zip(dq).enumerate() {
+        let (rate, t) = (1.0 + 0.3 * i as f64, 1e-3 * k as f64);
+        *q = 0.2 * (rate * t).sin();
+        *dq = 0.2 * rate * (rate * t).cos();
+    }
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(allocations(|| drop(std::hint::black_box(vec![1.0; 100]))) >= 2);
+}
+
+#[test]
+fn dynamics_allocate_nothing() {
+    let arm = arm();
+    let n = arm.dof();
+    let mut ws = ArmWorkspace::new(&arm);
+    let (mut q, mut dq, ddq) = (vec![0.0; n], vec![0.0; n], vec![0.3; n]);
+    let mut out = vec![0.0; n];
+    let count = allocations(|| {
+        for k in 0..STEPS {
+            motion(k, &mut q, &mut dq);
+            arm.momentum(&mut ws, &q, &dq).unwrap();
+            arm.mass_matrix(&mut ws, &q).unwrap();
+            arm.bias_torque(&mut ws, &q, &dq).unwrap();
+            let tau = arm.inverse_dynamics(&mut ws, &q, &dq, &ddq).unwrap();
+            out.copy_from_slice(tau);
+            let tau = out.as_slice();
+            let mut acceleration = [0.0; 9];
+            arm.forward_dynamics(&mut ws, &q, &dq, tau, &mut acceleration)
+                .unwrap();
+            arm.kinetic_energy(&mut ws, &q, &dq).unwrap();
+            arm.potential_energy(&mut ws, &q).unwrap();
+            arm.link_pose(&mut ws, &q, "left_tip").unwrap();
+            let force = [1.0, 2.0, 3.0];
+            arm.add_point_force(&mut ws, &q, "left_tip", [0.0; 3], force, &mut out)
+                .unwrap();
+        }
+    });
+    assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
+}
+
+#[test]
+fn observer_allocates_nothing() {
+    let arm = arm();
+    let n = arm.dof();
+    let mut ws = ArmWorkspace::new(&arm);
+    let mut observer = MomentumObserver::new(&vec![20.0; n]).unwrap();
+    let (mut q, mut dq, mut alpha) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let tau_ext = vec![0.5; n];
+    let count = allocations(|| {
+        for k in 0..STEPS {
+            motion(k, &mut q, &mut dq);
+            let terms = arm.momentum(&mut ws, &q, &dq).unwrap();
+            for (alpha, (c, g)) in alpha.iter_mut().zip(terms.ct_dq.iter().zip(terms.g)) {
+                *alpha = c - g;
+            }
+            // Every third step is longer: weights of the pole are computed anew.
+            let dt = if k % 3 == 0 { 2e-3 } else { 1e-3 };
+            observer.step(dt, terms.p, &alpha, Some(&tau_ext)).unwrap();
+            if k == STEPS / 2 {
+                observer.set_gain(0, 50.0).unwrap();
+            }
+            if k == STEPS * 3 / 4 {
+                observer.reset();
+            }
+        }
+    });
+    assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
+}
+
+#[test]
+fn offset_steps_allocate_nothing_with_any_source() {
+    let arm = arm();
+    let n = arm.dof();
+    let mut spring = Transmission::spring(40.0);
+    spring.motor_inertia_kg_m2 = Some(0.1);
+    let mut transmissions = vec![Some(spring); n];
+    transmissions[1] = None;
+    let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
+    let (theta, torque, broken) = (vec![0.05; n], vec![0.4; n], vec![f64::NAN; n]);
+    let filter = VelocityFilter::StateVariable {
+        cutoff_rad_per_s: 40.0,
+    };
+    for (source, comparison, velocity) in [
+        (TorqueSource::Observer, Comparison::Matched, filter),
+        (TorqueSource::Observer, Comparison::Paper, filter),
+        (
+            TorqueSource::Observer,
+            Comparison::Matched,
+            VelocityFilter::Recorded,
+        ),
+        (TorqueSource::TorqueSensor, Comparison::Matched, filter),
+        (TorqueSource::Motor, Comparison::Matched, filter),
+    ] {
+        let config = OffsetConfig {
+            source,
+            comparison,
+            velocity,
+            ..Default::default()
+        };
+        let mut offset = OffsetObserver::new(&arm, &transmissions, config).unwrap();
+        let mut refused = 0;
+        let count = allocations(|| {
+            for k in 0..STEPS {
+                motion(k, &mut q, &mut dq);
+                let good = Sample {
+                    q: &q,
+                    theta_measured: &theta,
+                    dq: Some(&dq),
+                    tau_el: Some(&torque),
+                    tau_m: Some(&torque),
+                    tau_ext: Some(&torque),
+                };
+                offset.step(1e-3, &good).unwrap();
+                // Refusing is part of a step's life.
+                let bad = Sample { q: &broken, ..good };
+                if offset.step(1e-3, &bad) == Err(StepError::NotFinite) {
+                    refused += 1;
+                }
+            }
+        });
+        assert_eq!(refused, STEPS);
+        assert_eq!(
+            count, 0,
+            "{source:?}, {comparison:?}: {count} allocator calls"
+        );
+    }
+}
