@@ -347,9 +347,9 @@ impl OffsetObserver {
             cutoff_rad_per_s: w,
         } = self.config.velocity
         else {
-            self.q.copy_from_slice(sample.q);
+            copy(sample.q, &mut self.q);
             if let Some(dq) = sample.dq {
-                self.dq.copy_from_slice(dq);
+                copy(dq, &mut self.dq);
             }
             for (i, slot) in self.known.iter_mut().enumerate() {
                 *slot = known.and_then(|k| k.get(i)).copied().unwrap_or(0.0);
@@ -401,7 +401,7 @@ impl OffsetObserver {
         }
         let tau_ext = tau_ext.then_some(self.known.as_slice());
         self.observer.step(dt_s, terms.p, &self.alpha, tau_ext)?;
-        self.tau_el.copy_from_slice(self.observer.torque());
+        copy(self.observer.torque(), &mut self.tau_el);
         Ok(())
     }
 
@@ -428,7 +428,7 @@ impl OffsetObserver {
         }
         self.observer
             .step(dt_s, &self.momentum, &self.alpha, None)?;
-        self.tau_el.copy_from_slice(self.observer.torque());
+        copy(self.observer.torque(), &mut self.tau_el);
         Ok(())
     }
 
@@ -509,5 +509,14 @@ impl OffsetObserver {
     /// Whether the start has faded.
     pub fn is_settled(&self) -> bool {
         self.started && self.since_start_s >= self.settling_time_s()
+    }
+}
+
+/// Copies what there is: `copy_from_slice` would carry a panic for unequal lengths into the step,
+/// though lengths were checked.
+#[inline]
+fn copy(from: &[f64], to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
     }
 }
