@@ -30,7 +30,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect::<Result<_, _>>()?;
     let mut cases = Vec::new();
     for line in lines {
-        let x: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
+        let x: Vec<f64> = line
+            .split_whitespace()
+            .map(str::parse)
+            .collect::<Result<_, _>>()?;
         let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
         for (k, &at) in place.iter().enumerate() {
             (q[at], dq[at]) = (x[k], x[n + k]);

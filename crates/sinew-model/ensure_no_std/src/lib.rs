@@ -1,0 +1,103 @@
+//! `sinew-model` in a program without the standard library: proof that it needs none, and that
+//! its steps have no way to panic.
+//!
+//! [`sinew_step`] and [`sinew_offset_step`] are all that is exported. If a panic (or an allocation)
+//! can be reached from them, the linked object refers to [`sinew_panicked`] (or
+//! [`sinew_allocated`]), which nobody defines; `.ci/no_std` looks for these names.
+
+#![no_std]
+
+extern crate alloc;
+
+use core::alloc::{GlobalAlloc, Layout};
+use sinew_model::arm::{Arm, ArmWorkspace};
+use sinew_model::observer::MomentumObserver;
+use sinew_model::offset::{OffsetObserver, Sample};
+
+unsafe extern "C" {
+    /// Defined nowhere: a program in which a panic can be reached does not link.
+    fn sinew_panicked() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    // SAFETY: never defined, so never called.
+    unsafe { sinew_panicked() }
+}
+
+/// Memory there is none: a step must not want any.
+struct NoMemory;
+
+unsafe extern "C" {
+    /// Defined nowhere: a program in which an allocation can be reached does not link.
+    fn sinew_allocated() -> *mut u8;
+}
+
+// SAFETY: never hands out memory; `sinew_allocated` is never defined, so never called.
+unsafe impl GlobalAlloc for NoMemory {
+    unsafe fn alloc(&self, _: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        unsafe { sinew_allocated() }
+    }
+
+    unsafe fn dealloc(&self, _: *mut u8, _: Layout) {
+        // SAFETY: as above.
+        unsafe { sinew_allocated() };
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: NoMemory = NoMemory;
+
+/// Momentum pass and observer step on arm, workspace and observer that exist already.
+///
+/// Returns 0 when the step was taken. Slices are given as pointer and length of any size: wrong
+/// lengths and NaN must be refused without a panic too.
+///
+/// # Safety
+/// Pointers are valid for the lengths given and nobody else uses what is behind them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_step(
+    arm: &Arm,
+    ws: &mut ArmWorkspace,
+    observer: &mut MomentumObserver,
+    dt_s: f64,
+    q: *const f64,
+    q_len: usize,
+    dq: *const f64,
+    dq_len: usize,
+    alpha: *mut f64,
+    alpha_len: usize,
+) -> i32 {
+    // SAFETY: the caller's promise.
+    let (q, dq, alpha) = unsafe {
+        (
+            core::slice::from_raw_parts(q, q_len),
+            core::slice::from_raw_parts(dq, dq_len),
+            core::slice::from_raw_parts_mut(alpha, alpha_len),
+        )
+    };
+    let Ok(terms) = arm.momentum(ws, q, dq) else {
+        return 1;
+    };
+    for (alpha, (c, g)) in alpha.iter_mut().zip(terms.ct_dq.iter().zip(terms.g)) {
+        *alpha = c - g;
+    }
+    match observer.step(dt_s, terms.p, alpha, None) {
+        Ok(()) => 0,
+        Err(_) => 2,
+    }
+}
+
+/// Full offset step, as [`sinew_step`].
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offset_step(
+    offset: &mut OffsetObserver,
+    dt_s: f64,
+    sample: &Sample<'_>,
+) -> i32 {
+    i32::from(offset.step(dt_s, sample).is_err())
+}
