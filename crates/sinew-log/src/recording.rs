@@ -36,6 +36,7 @@ pub struct Progress {
     pub bytes_total: u64,
 }
 
+#[expect(clippy::large_enum_variant, reason = "there is one per recording")]
 enum Backend {
     Mcap(McapReader),
     Csv(CsvReader),
@@ -352,7 +353,7 @@ fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
         ("reorder_s", options.reorder_s),
         ("interpolate_s", options.interpolate_s),
     ] {
-        if !(value >= 0.0) {
+        if value.is_nan() || value < 0.0 {
             return request(format!("option {what} is {value} s; it cannot be negative"));
         }
     }

@@ -59,7 +59,8 @@ fn every_prefix_is_read_up_to_its_end_or_refused() {
         let mut best = 0;
         let mut refused = 0;
         // Every length near both ends, every 23rd between.
-        let near = |length: usize| length < 700 || length + 700 > bytes.len() || length % 23 == 0;
+        let near =
+            |length: usize| length < 700 || length + 700 > bytes.len() || length.is_multiple_of(23);
         for length in (0..bytes.len()).filter(|length| near(*length)) {
             match read_any(&bytes[..length]) {
                 None => refused = length,

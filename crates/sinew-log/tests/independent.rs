@@ -13,8 +13,11 @@ fn data(name: &str) -> PathBuf {
         .join(name)
 }
 
+/// A time, ns, and the values of the columns.
+type Row = (i64, Vec<Option<f64>>);
+
 /// What the generator says it wrote: per time the values of `header`.
-fn truth() -> (Vec<String>, Vec<(i64, Vec<Option<f64>>)>) {
+fn truth() -> (Vec<String>, Vec<Row>) {
     let text = std::fs::read_to_string(data("rosbags.csv")).unwrap();
     let mut lines = text.lines();
     let header = lines

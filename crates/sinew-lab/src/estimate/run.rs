@@ -7,7 +7,7 @@ use super::result::{
 };
 use crate::output::AtomicFile;
 use crate::robot_dir::{self, LoadedRobot};
-use sinew_log::{Channels, Health, Recording};
+use sinew_log::{Channels, Format, Health, Recording};
 use sinew_model::offset::{Comparison, OffsetConfig, OffsetObserver, TorqueSource, VelocityFilter};
 use sinew_model::transmission::Transmission;
 use std::fmt::Write as _;
@@ -120,7 +120,12 @@ fn one(
     }
     let info = RecordingInfo {
         path: file,
-        format: format!("{:?}", recording.format()),
+        format: match recording.format() {
+            Format::Mcap => "MCAP",
+            Format::Csv => "CSV",
+            Format::Parquet => "Parquet",
+        }
+        .into(),
         start_time_ns: replay.start_ns(),
         duration_s: replay.duration_s(),
         frames: replay.frames(),
@@ -414,39 +419,45 @@ fn health_warnings(health: &Health, warnings: &mut Vec<String>) {
     }
     if health.gaps > 0 {
         warnings.push(format!(
-            "{} gaps in the recording, the longest {:.1} s; the observer started anew after each",
-            health.gaps, health.longest_gap_s
+            "{} in the recording, the longest {:.1} s; the observer started anew after each",
+            count(health.gaps, "gap"),
+            health.longest_gap_s
         ));
     }
     if health.clock_jumps > 0 {
         warnings.push(format!(
-            "the clock went back {} times; the observer started anew after each",
-            health.clock_jumps
+            "the clock went back {}; the observer started anew after each",
+            count(health.clock_jumps, "time")
         ));
     }
     if health.out_of_order > 0 {
         warnings.push(format!(
-            "{} messages came out of order and were sorted in",
-            health.out_of_order
+            "{} came out of order, sorted in",
+            count(health.out_of_order, "message")
         ));
     }
     for signal in &health.non_finite {
         warnings.push(format!(
-            "{} of '{}' is NaN or infinite in {} samples; they were left out",
+            "{} of '{}' is NaN or infinite in {}, left out",
             signal.quantity.symbol(),
             signal.joint,
-            signal.count
+            count(signal.count, "sample")
         ));
     }
     for signal in &health.unwrapped {
         warnings.push(format!(
-            "{} of '{}' wrapped around {} times and was unwrapped",
+            "{} of '{}' wrapped around {} and was unwrapped",
             signal.quantity.symbol(),
             signal.joint,
-            signal.count
+            count(signal.count, "time")
         ));
     }
     warnings.extend(health.suspicions.iter().cloned());
+}
+
+/// "1 gap", "3 gaps".
+fn count(number: u64, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 fn settings(request: &Request, config: &OffsetConfig) -> Settings {

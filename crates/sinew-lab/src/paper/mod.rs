@@ -4,8 +4,8 @@
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
-//! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6`],
-//! [`fig7`], `page`.
+//! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6()`],
+//! [`fig7()`], `page`.
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection

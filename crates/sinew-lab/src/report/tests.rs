@@ -81,7 +81,7 @@ pub(super) fn made_up() -> Estimate {
         sinew_version: "0.1.0".into(),
         recording: RecordingInfo {
             path: "monday.mcap".into(),
-            format: "Mcap".into(),
+            format: "MCAP".into(),
             start_time_ns: 1_709_210_096_000_000_000,
             duration_s: 40.0,
             frames: 40_000,

@@ -163,7 +163,7 @@ impl Conditioner {
         if !whole[1] && frame.theta.iter().all(|value| value.is_nan()) {
             health.frames_without_motor_side += 1;
         }
-        if health.frames % SLOPE_EVERY == 0 {
+        if health.frames.is_multiple_of(SLOPE_EVERY) {
             self.watch_slopes(frame);
         }
         health.frames += 1;

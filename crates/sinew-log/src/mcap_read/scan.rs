@@ -98,10 +98,10 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
         }
     }
     contents.health = health;
-    if let Some(summary) = summary {
-        if contents.robot_description.is_none() {
-            contents.find_description(container, &summary.chunks)?;
-        }
+    if let Some(summary) = summary
+        && contents.robot_description.is_none()
+    {
+        contents.find_description(container, &summary.chunks)?;
     }
     container.restart(MAGIC_BYTES)?;
     Ok(contents)
