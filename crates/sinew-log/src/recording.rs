@@ -36,11 +36,10 @@ pub struct Progress {
     pub bytes_total: u64,
 }
 
-#[expect(clippy::large_enum_variant, reason = "there is one per recording")]
 enum Backend {
-    Mcap(McapReader),
-    Csv(CsvReader),
-    Parquet(ParquetReader),
+    Mcap(Box<McapReader>),
+    Csv(Box<CsvReader>),
+    Parquet(Box<ParquetReader>),
 }
 
 /// A recording being read: frames in the order of their stamps.
@@ -160,9 +159,9 @@ impl Recording {
         let extension = name.rsplit_once('.').map(|(_, extension)| extension);
         let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
         let mut backend = if magic == mcap::MAGIC {
-            Backend::Mcap(McapReader::open(reader, name, options)?)
+            Backend::Mcap(Box::new(McapReader::open(reader, name, options)?))
         } else if magic.starts_with(b"PAR1") {
-            Backend::Parquet(ParquetReader::open(reader, name, options)?)
+            Backend::Parquet(Box::new(ParquetReader::open(reader, name, options)?))
         } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
             return Err(refuse(
                 "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
@@ -174,7 +173,7 @@ impl Recording {
         } else if let Some(what) = known_stranger(magic) {
             return Err(refuse(what.to_owned()));
         } else {
-            Backend::Csv(CsvReader::open(reader, name, options)?)
+            Backend::Csv(Box::new(CsvReader::open(reader, name, options)?))
         };
         let (joints, channels) = match &mut backend {
             Backend::Mcap(reader) => (reader.joints.clone(), reader.channels.clone()),
@@ -354,7 +353,9 @@ fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
         ("interpolate_s", options.interpolate_s),
     ] {
         if value.is_nan() || value < 0.0 {
-            return request(format!("option {what} is {value} s; it cannot be negative"));
+            return request(format!(
+                "option {what} is {value} s; zero or more is needed"
+            ));
         }
     }
     if options.interpolate_s > options.reorder_s && options.interpolate_s > 0.0 {

@@ -13,10 +13,10 @@ fn data(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// A time, ns, and the values of the columns.
+/// Time and values of one row.
 type Row = (i64, Vec<Option<f64>>);
 
-/// What the generator says it wrote: per time the values of `header`.
+/// What the generator says it wrote: header and rows.
 fn truth() -> (Vec<String>, Vec<Row>) {
     let text = std::fs::read_to_string(data("rosbags.csv")).unwrap();
     let mut lines = text.lines();

@@ -65,8 +65,6 @@ pub(crate) struct Conditioner {
     identity: bool,
     minimum: Vec<f64>,
     maximum: Vec<f64>,
-    /// Frames in which the whole block was finite; `finite` counts the others.
-    whole: [u64; 6],
     finite: Vec<u64>,
     non_finite: Vec<u64>,
     /// Two blocks of `n`: q and theta.
@@ -100,7 +98,6 @@ impl Conditioner {
             identity,
             minimum: vec![f64::INFINITY; 6 * n],
             maximum: vec![f64::NEG_INFINITY; 6 * n],
-            whole: [0; 6],
             finite: vec![0; 6 * n],
             non_finite: vec![0; 6 * n],
             last: vec![f64::NAN; 2 * n],
@@ -125,7 +122,7 @@ impl Conditioner {
         let signal = &self.signals[index];
         let period = signal.period?;
         (self.maximum[index] - self.minimum[index] <= WRAP_SPAN_PERIODS * period
-            || self.finite_count(index) == 0)
+            || self.finite[index] == 0)
             .then_some(period / signal.scale.abs())
     }
 
@@ -143,12 +140,22 @@ impl Conditioner {
         frame.time_ns = time_ns;
         frame.segment = self.segment;
         let n = self.n;
-        let mut whole = [false; 6];
+        let sound = self.identity && self.watch(&raw[..6 * n]);
         for quantity in Quantity::PER_JOINT {
             let block = quantity.index() * n;
+            let raw = &raw[block..block + n];
             let out = frame.get_mut(quantity);
-            whole[quantity.index()] = self.convert(quantity.index(), &raw[block..block + n], out);
+            if sound {
+                out.copy_from_slice(raw);
+            } else {
+                self.convert(block, raw, out);
+            }
         }
+        let mut positions_absent = false;
+        for value in &raw[..2 * n] {
+            positions_absent |= is_absent(*value);
+        }
+        let whole = sound && !positions_absent;
         self.unwrap(new_segment, whole, frame);
         frame.temperature_c = raw[6 * n..]
             .iter()
@@ -157,10 +164,10 @@ impl Conditioner {
             .filter(|value| value.is_finite())
             .unwrap_or(f64::NAN);
 
-        if !whole[0] && frame.q.iter().all(|value| value.is_nan()) {
+        if !whole && frame.q.iter().all(|value| value.is_nan()) {
             health.frames_without_joint_side += 1;
         }
-        if !whole[1] && frame.theta.iter().all(|value| value.is_nan()) {
+        if !whole && frame.theta.iter().all(|value| value.is_nan()) {
             health.frames_without_motor_side += 1;
         }
         if health.frames.is_multiple_of(SLOPE_EVERY) {
@@ -208,37 +215,30 @@ impl Conditioner {
         new_segment
     }
 
-    /// Raw to SI, with the extremes of what was recorded; whether all of it is finite.
-    ///
-    /// The usual block is all finite or all absent; both go without a branch per value.
+    /// The usual row, each value finite or absent: takes its extremes and counts without a
+    /// branch per value. `false` when the row holds anything else; nothing is then counted.
     #[inline]
-    fn convert(&mut self, quantity: usize, raw: &[f64], out: &mut [f64]) -> bool {
-        let n = self.n;
-        let block = quantity * n;
-        if self.identity {
-            let mut finite = true;
-            let mut absent = true;
-            for value in raw {
-                finite &= value.abs() < f64::INFINITY;
-                absent &= is_absent(*value);
-            }
-            if finite {
-                let minimum = &mut self.minimum[block..block + n];
-                let maximum = &mut self.maximum[block..block + n];
-                for ((value, low), high) in raw.iter().zip(minimum).zip(maximum) {
-                    *low = if *value < *low { *value } else { *low };
-                    *high = if *value > *high { *value } else { *high };
-                }
-                out.copy_from_slice(raw);
-                self.whole[quantity] += 1;
-                return true;
-            }
-            if absent {
-                out.fill(f64::NAN);
-                return false;
-            }
+    fn watch(&mut self, row: &[f64]) -> bool {
+        let mut sound = true;
+        for value in row {
+            sound &= (value.abs() < f64::INFINITY) | is_absent(*value);
         }
-        for joint in 0..n {
+        if !sound {
+            return false;
+        }
+        let extremes = self.minimum.iter_mut().zip(&mut self.maximum);
+        for ((value, (low, high)), finite) in row.iter().zip(extremes).zip(&mut self.finite) {
+            // Comparisons with an absent value, a NaN, are false.
+            *low = if *value < *low { *value } else { *low };
+            *high = if *value > *high { *value } else { *high };
+            *finite += u64::from(!is_absent(*value));
+        }
+        true
+    }
+
+    /// Raw to SI, with the extremes of what was recorded; bad samples are counted.
+    fn convert(&mut self, block: usize, raw: &[f64], out: &mut [f64]) {
+        for joint in 0..self.n {
             let index = block + joint;
             let mut value = raw[joint];
             if is_absent(value) {
@@ -259,18 +259,13 @@ impl Conditioner {
                 out[joint] = f64::NAN;
             }
         }
-        false
-    }
-
-    fn finite_count(&self, index: usize) -> u64 {
-        self.finite[index] + self.whole[index / self.n]
     }
 
     /// Removes wrap-around. In the usual frame nothing has ever turned and nothing jumps.
     #[inline]
-    fn unwrap(&mut self, new_segment: bool, whole: [bool; 6], frame: &mut Frame) {
+    fn unwrap(&mut self, new_segment: bool, whole: bool, frame: &mut Frame) {
         let n = self.n;
-        if !new_segment && whole[0] && whole[1] && self.turned == [false; 2] {
+        if !new_segment && whole && self.turned == [false; 2] {
             let mut jumps = false;
             for (values, block) in [(&frame.q, 0), (&frame.theta, n)] {
                 let last = &self.last[block..block + n];
@@ -393,7 +388,7 @@ impl Conditioner {
         let index = quantity.index() * self.n + joint;
         let name = format!("{}.{}", quantity.symbol(), self.joints[joint]);
         let (minimum, maximum) = (self.minimum[index], self.maximum[index]);
-        if self.finite_count(index) == 0 {
+        if self.finite[index] == 0 {
             if self.non_finite[index] > 0 {
                 health.suspicion(format!(
                     "{name} holds no finite value in {} samples",
@@ -407,12 +402,12 @@ impl Conditioner {
             _ => 0.0,
         };
         if minimum == maximum
-            && self.finite_count(index) >= CONSTANT_FRAMES
+            && self.finite[index] >= CONSTANT_FRAMES
             && seconds.abs() >= CONSTANT_SECONDS
         {
             health.suspicion(format!(
                 "{name} is constant at {minimum} over {} samples",
-                self.finite_count(index)
+                self.finite[index]
             ));
         }
         let largest = minimum.abs().max(maximum.abs());

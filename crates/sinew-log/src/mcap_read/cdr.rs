@@ -3,9 +3,9 @@
 //! `cdr-encoding` serialises what Sinew writes and is the oracle in the tests. It
 //! is not used to read messages: through serde it gives values, not their
 //! offsets, and a `JointState` needs a `Vec` of names and three of values per
-//! message. Measured on seven joints (`benches/read.rs`, `decode/*`): a cached
-//! layout over this cursor takes tens of nanoseconds where serde takes most of a
-//! microsecond.
+//! message. Measured on seven joints (`benches/read.rs`, a shared x86 machine):
+//! 0.9 µs per joint state through serde, against 0.10 to 0.15 µs per message for
+//! everything the reader does beyond unpacking, joining and watching included.
 
 /// Bytes of the encapsulation header: representation and options.
 pub(super) const ENCAPSULATION: usize = 4;
