@@ -26,7 +26,7 @@ fn shared() -> Option<PathBuf> {
 
 fn lwr4(injections: Vec<Injection>) -> Option<Estimate> {
     let shared = shared()?;
-    let example = root().join("examples/lwr4");
+    let example = root().join("examples/03-real-arm");
     let robot = tempfile::tempdir().unwrap();
     std::fs::copy(example.join("robot.toml"), robot.path().join("robot.toml")).unwrap();
     std::fs::copy(

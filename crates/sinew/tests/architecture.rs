@@ -1,0 +1,65 @@
+//! ARCHITECTURE.md says what is there, and the walls between the crates stand.
+
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+#[test]
+fn every_crate_is_mentioned_and_every_path_exists() {
+    let page = read("ARCHITECTURE.md");
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            page.contains(&format!("`{name}`")),
+            "{name} is not mentioned"
+        );
+    }
+    // Words in backquotes that look like paths of the repository.
+    let mut paths = 0;
+    for word in page.split('`').skip(1).step_by(2) {
+        let top = word.split('/').next().unwrap_or("");
+        let is_path = word.contains('/')
+            && !word.contains(' ')
+            && [
+                "crates", "robots", "ropes", "examples", "benches", "fuzz", "docs", ".ci",
+            ]
+            .contains(&top);
+        if is_path {
+            assert!(root().join(word).exists(), "{word} is not there");
+            paths += 1;
+        }
+    }
+    assert!(paths >= 5, "{paths} paths found");
+    let lines = page.lines().count();
+    assert!(lines <= 110, "one page, not {lines} lines");
+}
+
+#[test]
+fn crates_see_only_whom_they_may() {
+    let may: [(&str, &[&str]); 4] = [
+        ("sinew-model", &[]),
+        ("sinew-log", &[]),
+        ("sinew-lab", &["sinew-model", "sinew-log"]),
+        ("sinew", &["sinew-model", "sinew-log", "sinew-lab"]),
+    ];
+    for (name, sees) in may {
+        let manifest = read(&format!("crates/{name}/Cargo.toml"));
+        let dependencies = manifest
+            .split("[dependencies]")
+            .nth(1)
+            .and_then(|s| s.split("\n[").next())
+            .unwrap();
+        for (other, _) in may {
+            let named = dependencies
+                .lines()
+                .any(|l| l.split(['.', ' ', '=']).next() == Some(other));
+            assert!(!named || sees.contains(&other), "{name} sees {other}");
+        }
+    }
+}
