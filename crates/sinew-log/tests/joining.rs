@@ -239,6 +239,28 @@ fn wrap_around_is_removed_and_both_sides_land_on_the_same_turn_after_a_gap() {
 }
 
 #[test]
+fn both_sides_start_on_the_same_turn() {
+    let tau = std::f64::consts::TAU;
+    let wrapped = |angle: f64| angle - tau * (angle / tau).round();
+    let mut bag = Bag::new();
+    // The joint just below half a turn, the motor just past it.
+    for step in 0..20_i64 {
+        let q = 3.13 - 0.001 * step as f64;
+        let time = START_NS + 10 * step * MS;
+        bag.joint(time, &[("a", q)]);
+        bag.motor(time, &[("a", wrapped(q + 0.05))]);
+    }
+    let (frames, _) = read_bytes(&bag.bytes(), "a.mcap");
+    assert_eq!(frames.len(), 20);
+    for frame in &frames {
+        assert!(
+            (frame.theta[0] - frame.q[0] - 0.05).abs() < 1e-9,
+            "{frame:?}"
+        );
+    }
+}
+
+#[test]
 fn a_signal_of_several_turns_is_left_alone() {
     let mut bag = Bag::new();
     for step in 0..100_i64 {

@@ -297,7 +297,7 @@ fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
         unit = "K"
         [joints.z]
         q = { column = "deg", unit = "deg", sign = -1.0, offset = 0.5 }
-        theta = { column = "ticks", unit = "count", counts_per_turn = 4096, gear_ratio = 2.0 }
+        theta = { column = "ticks", unit = "count", counts_per_turn = 4096, gear_ratio = 2.0, wrap = false }
         dq = { column = "rpm", unit = "rpm" }
         tau_el = { column = "mnm", unit = "mN·m" }
         [joints.a]

@@ -4,12 +4,15 @@
 //! A value that differs from the previous one of its signal by more than half a
 //! period is taken to the nearest turn. After a gap the same holds, and for the
 //! motor side the turn is chosen so that `theta − q` changes least, so that both
-//! sides land on the same turn. A signal whose raw values span more than one
+//! sides land on the same turn; at the start it is taken to the joint side's. A signal whose raw values span more than one
 //! period does not come from a wrapping encoder and is left as it is.
 
 use crate::frame::{Frame, Quantity, is_absent};
 use crate::health::{EventKind, Health, SignalCount};
 
+/// At the start the motor side is taken to the joint's turn, unless its turn is so short that a
+/// spring's deflection could be half of it, rad.
+const SHORTEST_TURN_RAD: f64 = std::f64::consts::PI;
 /// A raw span larger than this many periods is not a wrapping encoder.
 const WRAP_SPAN_PERIODS: f64 = 1.001;
 /// Frames and seconds from which a signal that never changes is suspicious.
@@ -271,7 +274,8 @@ impl Conditioner {
                 let last = &self.last[block..block + n];
                 let half = &self.half_period[block..block + n];
                 for ((value, last), half) in values.iter().zip(last).zip(half) {
-                    jumps |= (value - last).abs() > *half;
+                    // Nothing before the first frame (NaN): looked at one by one.
+                    jumps |= (value - last).abs() > *half || last.is_nan();
                 }
             }
             if !jumps {
@@ -295,7 +299,9 @@ impl Conditioner {
             let theta = n + joint;
             if let Some(period) = self.signals[theta].period {
                 let mut expected = self.last[theta];
-                if new_segment {
+                if expected.is_nan() && period >= SHORTEST_TURN_RAD {
+                    expected = frame.q[joint];
+                } else if new_segment {
                     let moved = frame.q[joint] - q_before;
                     if moved.is_finite() {
                         expected += moved;
