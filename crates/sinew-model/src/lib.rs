@@ -9,7 +9,8 @@
 //! A stretched tendon shows as `delta_e`; [`offset`] recovers it from encoders alone through the
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
-//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`robot`].
+//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`robot`],
+//! and [`rope`] for how a rope stretches.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -38,6 +39,7 @@
 //! # Features
 //! * `std`: nothing but `std::error::Error` being where std users look for it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
+//! * `catalogue` (default, implies `std`): ropes from catalogue text.
 //!
 //! Without features the crate is `no_std` with `alloc`. Storage is sized at construction; no
 //! step allocates, locks, logs, reads a clock or panics.
@@ -55,6 +57,7 @@ pub mod observer;
 pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
+pub mod rope;
 pub mod transmission;
 pub mod vec3;
 

@@ -1,0 +1,440 @@
+//! One step of the rope law under constant load, solved exactly.
+
+use super::exponential::exp;
+use super::{
+    CELSIUS_ZERO_K, GAS_CONSTANT, LoadError, ParameterError, Parameters, REFERENCE_K, State,
+    Strain, bedding,
+};
+
+/// Heat retraction begins here, K.
+pub(super) const RETRACTION_START_K: f64 = CELSIUS_ZERO_K + 35.0;
+/// Heat retraction is full from here on, K.
+pub(super) const RETRACTION_FULL_K: f64 = CELSIUS_ZERO_K + 60.0;
+/// Temperatures taken, K: −100 to 200 °C. None of the fibres is one beyond.
+const TEMPERATURE_K: core::ops::RangeInclusive<f64> = 173.15..=473.15;
+/// Longest duration of one step, s: 300 years.
+const DURATION_MAX_S: f64 = 1e10;
+
+/// Tension and temperature of one stretch of rope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Tension, N, at least 0.
+    pub tension_n: f64,
+    /// Temperature, K.
+    pub temperature_k: f64,
+}
+
+impl Load {
+    /// A tension at a temperature in °C.
+    #[must_use]
+    pub fn celsius(tension_n: f64, temperature_c: f64) -> Self {
+        Self {
+            tension_n,
+            temperature_k: temperature_c + CELSIUS_ZERO_K,
+        }
+    }
+
+    /// A tension at the reference temperature, 23 °C.
+    #[must_use]
+    pub fn at_reference(tension_n: f64) -> Self {
+        Self {
+            tension_n,
+            temperature_k: REFERENCE_K,
+        }
+    }
+}
+
+/// What the elements head for under one load, and how fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rates {
+    /// `b∞`, %.
+    pub bedding_target_percent: f64,
+    /// `a_b/τ_b`, 1/s.
+    pub bedding_per_s: f64,
+    /// `J(θ) λ`, %.
+    pub delayed_target_percent: f64,
+    /// `a_v`: factor on `1/τ_i`.
+    pub delayed_speed: f64,
+    /// `ḟ`, %/s.
+    pub flow_percent_per_s: f64,
+    /// `S g(θ) exp(−λ/λ_s)`, %.
+    pub retraction_target_percent: f64,
+}
+
+/// The law of one stretch of rope: parameters and how many guiding pulleys pass over it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    pub(super) p: Parameters,
+    guides: f64,
+    /// `B'`, %.
+    bedding_percent: f64,
+    inverse: Inverse,
+}
+
+/// What a step would divide by: a division costs as much as half an exponential.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Inverse {
+    breaking_load_per_n: f64,
+    bedding_load_ratio: f64,
+    bedding_per_s: f64,
+    retraction_per_s: f64,
+    retraction_load_ratio: f64,
+    /// `σ_b/σ₀`.
+    flow_stress_ratio: f64,
+}
+
+impl Law {
+    /// The law of a rope that no guiding pulley passes over.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the first value out of its range.
+    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        parameters.check()?;
+        Ok(Self {
+            p: parameters,
+            guides: 0.0,
+            bedding_percent: parameters.bedding_percent,
+            inverse: Inverse {
+                breaking_load_per_n: 1.0 / parameters.breaking_load_n,
+                bedding_load_ratio: 1.0 / parameters.bedding_load_ratio,
+                bedding_per_s: 1.0 / parameters.bedding_time_s,
+                retraction_per_s: 1.0 / parameters.retraction_time_s,
+                retraction_load_ratio: 1.0 / parameters.retraction_load_ratio,
+                flow_stress_ratio: parameters.breaking_stress_mpa / parameters.flow_stress_mpa,
+            },
+        })
+    }
+
+    /// The same rope where `guides` guiding pulleys pass over it: `B' = B (1 + g_N N^q)`.
+    /// A number that is negative or not finite counts as 0.
+    #[must_use]
+    pub fn passed_by(mut self, guides: f64) -> Self {
+        self.guides = if guides.is_finite() {
+            guides.max(0.0)
+        } else {
+            0.0
+        };
+        let gain = if self.guides > 0.0 {
+            // More pulleys than this can't stand along a rope, and the power stays finite.
+            self.p.pass_gain * libm::pow(self.guides.min(1e6), self.p.pass_exponent)
+        } else {
+            0.0
+        };
+        self.bedding_percent = self.p.bedding_percent * (1.0 + gain);
+        self
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.p
+    }
+
+    /// `N`: guiding pulleys that pass over this stretch.
+    #[must_use]
+    pub fn guides(&self) -> f64 {
+        self.guides
+    }
+
+    /// `B'`: full bedding-in of this stretch, %.
+    #[must_use]
+    pub fn bedding_percent(&self) -> f64 {
+        self.bedding_percent
+    }
+
+    /// `λ`: tension over breaking load.
+    #[must_use]
+    pub fn load_ratio(&self, tension_n: f64) -> f64 {
+        tension_n * self.inverse.breaking_load_per_n
+    }
+
+    /// Holds a load for a duration: every element is solved exactly.
+    ///
+    /// Bedding-in by [`bedding::closed_fraction`], delayed elasticity and retraction as
+    /// exponentials, flow as a straight line. However a duration is cut, the state at its end is
+    /// the same to rounding.
+    ///
+    /// * `duration_s`: 0 to 1e10 s.
+    ///
+    /// # Errors
+    /// [`LoadError`]; the state is unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn hold(&self, state: &mut State, load: Load, duration_s: f64) -> Result<(), LoadError> {
+        self.check(load)?;
+        check_duration(duration_s)?;
+        if !state.is_possible() {
+            return Err(LoadError::State);
+        }
+        let lambda = self.load_ratio(load.tension_n);
+        let heat = Heat::new(load.temperature_k);
+        // Most steps of a long history raise no tension above all before: nothing beds in, and
+        // its rate need not be known.
+        let target = self.bedding_target(lambda);
+        if target > state.bedding_percent {
+            self.bed_in(state, target, self.bedding_per_s(heat), duration_s);
+        }
+        let speed = heat.speed_up(self.p.delayed_energy_j_per_mol);
+        self.delay(
+            state,
+            self.delayed_target(lambda, load.temperature_k),
+            speed,
+            duration_s,
+        );
+        state.flow_percent += self.flow_percent_per_s(lambda, heat) * duration_s;
+        let target = self.retraction_target(lambda, load.temperature_k);
+        self.retract(state, target, duration_s);
+        Ok(())
+    }
+
+    /// What a load drives the elements to. Compute once for many steps of [`Law::advance`].
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn rates(&self, load: Load) -> Result<Rates, LoadError> {
+        self.check(load)?;
+        Ok(self.rates_at(self.load_ratio(load.tension_n), load.temperature_k))
+    }
+
+    /// [`Law::hold`] with rates known already.
+    ///
+    /// # Errors
+    /// [`LoadError::Duration`] and [`LoadError::State`]; the state is unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn advance(
+        &self,
+        state: &mut State,
+        rates: &Rates,
+        duration_s: f64,
+    ) -> Result<(), LoadError> {
+        check_duration(duration_s)?;
+        if !state.is_possible() {
+            return Err(LoadError::State);
+        }
+        let target = rates.bedding_target_percent;
+        self.bed_in(state, target, rates.bedding_per_s, duration_s);
+        self.delay(
+            state,
+            rates.delayed_target_percent,
+            rates.delayed_speed,
+            duration_s,
+        );
+        state.flow_percent += rates.flow_percent_per_s * duration_s;
+        self.retract(state, rates.retraction_target_percent, duration_s);
+        Ok(())
+    }
+
+    /// Strain of a stretch of rope in a state under a load.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn strain(&self, state: &State, load: Load) -> Result<Strain, LoadError> {
+        self.check(load)?;
+        let lambda = self.load_ratio(load.tension_n);
+        Ok(Strain {
+            elastic_percent: 100.0 * lambda / self.p.elastic_k
+                - self.p.toe_percent * libm::expm1(-lambda / self.p.toe_load_ratio),
+            bedding_percent: state.bedding_percent,
+            delayed_percent: state.delayed_percent.iter().sum(),
+            flow_percent: state.flow_percent,
+            retraction_percent: state.retraction_percent,
+            thermal_percent: 100.0 * self.p.expansion_per_k * (load.temperature_k - REFERENCE_K),
+        })
+    }
+
+    /// Slope of the elastic strain, % per N: what a small quick change of tension sees.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn compliance_percent_per_n(&self, load: Load) -> Result<f64, LoadError> {
+        self.check(load)?;
+        let lambda = self.load_ratio(load.tension_n);
+        let toe = self.p.toe_percent / self.p.toe_load_ratio * exp(-lambda / self.p.toe_load_ratio);
+        Ok((100.0 / self.p.elastic_k + toe) / self.p.breaking_load_n)
+    }
+
+    pub(super) fn check(&self, load: Load) -> Result<(), LoadError> {
+        let Load {
+            tension_n,
+            temperature_k,
+        } = load;
+        if !tension_n.is_finite() {
+            return Err(LoadError::TensionNotFinite);
+        }
+        if tension_n < 0.0 {
+            return Err(LoadError::NegativeTension { tension_n });
+        }
+        if tension_n > self.p.breaking_load_n {
+            return Err(LoadError::Broken {
+                tension_n,
+                breaking_load_n: self.p.breaking_load_n,
+            });
+        }
+        if !TEMPERATURE_K.contains(&temperature_k) {
+            return Err(LoadError::Temperature { temperature_k });
+        }
+        Ok(())
+    }
+
+    /// Rates at a checked load ratio and temperature.
+    pub(super) fn rates_at(&self, lambda: f64, temperature_k: f64) -> Rates {
+        let heat = Heat::new(temperature_k);
+        Rates {
+            bedding_target_percent: self.bedding_target(lambda),
+            bedding_per_s: self.bedding_per_s(heat),
+            delayed_target_percent: self.delayed_target(lambda, temperature_k),
+            delayed_speed: heat.speed_up(self.p.delayed_energy_j_per_mol),
+            flow_percent_per_s: self.flow_percent_per_s(lambda, heat),
+            retraction_target_percent: self.retraction_target(lambda, temperature_k),
+        }
+    }
+
+    pub(super) fn bedding_per_s(&self, heat: Heat) -> f64 {
+        heat.speed_up(self.p.bedding_energy_j_per_mol) * self.inverse.bedding_per_s
+    }
+
+    fn flow_percent_per_s(&self, lambda: f64, heat: Heat) -> f64 {
+        let p = &self.p;
+        if p.flow_rate_per_s == 0.0 || lambda == 0.0 {
+            return 0.0;
+        }
+        let x = lambda * self.inverse.flow_stress_ratio;
+        100.0 * p.flow_rate_per_s * heat.speed_up(p.flow_energy_j_per_mol) * sinh(x)
+    }
+
+    pub(super) fn bedding_target(&self, lambda: f64) -> f64 {
+        self.bedding_percent * (1.0 - exp(-lambda * self.inverse.bedding_load_ratio))
+    }
+
+    pub(super) fn delayed_target(&self, lambda: f64, temperature_k: f64) -> f64 {
+        let warm = 1.0 + self.p.delayed_per_k * (temperature_k - REFERENCE_K);
+        self.p.delayed_percent * warm.max(0.0) * lambda
+    }
+
+    pub(super) fn retraction_target(&self, lambda: f64, temperature_k: f64) -> f64 {
+        if self.p.retraction_percent == 0.0 || temperature_k <= RETRACTION_START_K {
+            return 0.0;
+        }
+        const PER_K: f64 = 1.0 / (RETRACTION_FULL_K - RETRACTION_START_K);
+        let g = (temperature_k - RETRACTION_START_K) * PER_K;
+        self.p.retraction_percent * g.min(1.0) * exp(-lambda * self.inverse.retraction_load_ratio)
+    }
+
+    pub(super) fn bed_in(&self, state: &mut State, target: f64, per_s: f64, duration_s: f64) {
+        let gap = target - state.bedding_percent;
+        // Below the last digit of b nothing moves any more.
+        if gap <= 1e-17 * self.bedding_percent {
+            return;
+        }
+        let per_percent = self.p.jamming / self.bedding_percent;
+        let jam = exp(-per_percent * state.bedding_percent);
+        let closed = bedding::closed_fraction(per_percent * gap, per_s * jam * duration_s);
+        let b = state.bedding_percent + gap * closed;
+        state.bedding_percent = b.min(target).max(state.bedding_percent);
+    }
+
+    fn delay(&self, state: &mut State, target: f64, speed: f64, duration_s: f64) {
+        let closed = delayed_fractions(speed * duration_s);
+        for (v, closed) in state.delayed_percent.iter_mut().zip(closed) {
+            *v += (target - *v) * closed;
+        }
+    }
+
+    fn retract(&self, state: &mut State, target: f64, duration_s: f64) {
+        let gap = target - state.retraction_percent;
+        if gap != 0.0 {
+            state.retraction_percent += gap * closed(duration_s * self.inverse.retraction_per_s);
+        }
+    }
+}
+
+/// A temperature as it enters Arrhenius factors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Heat {
+    /// `(1/T_ref − 1/θ)/R`, mol/J.
+    per_energy: f64,
+}
+
+impl Heat {
+    pub(super) fn new(temperature_k: f64) -> Self {
+        Self {
+            per_energy: (1.0 / REFERENCE_K - 1.0 / temperature_k) * (1.0 / GAS_CONSTANT),
+        }
+    }
+
+    /// `exp[E/R (1/T_ref − 1/θ)]`.
+    fn speed_up(self, energy_j_per_mol: f64) -> f64 {
+        let x = energy_j_per_mol * self.per_energy;
+        if x == 0.0 { 1.0 } else { exp(x) }
+    }
+}
+
+pub(super) fn check_duration(duration_s: f64) -> Result<(), LoadError> {
+    if (0.0..=DURATION_MAX_S).contains(&duration_s) {
+        Ok(())
+    } else {
+        Err(LoadError::Duration { duration_s })
+    }
+}
+
+/// `sinh x` for `x ≥ 0`; the series keeps full accuracy where the exponentials would cancel.
+fn sinh(x: f64) -> f64 {
+    if x < 0.3 {
+        let s = x * x;
+        let high = 1.0 / 5040.0 + s * (1.0 / 362_880.0 + s * (1.0 / 39_916_800.0));
+        x * (1.0 + s * (1.0 / 6.0 + s * (1.0 / 120.0 + s * high)))
+    } else {
+        let e = exp(x);
+        0.5 * (e - 1.0 / e)
+    }
+}
+
+/// `1 − exp(−x)` for `x ≥ 0` to a few units in the last place: what a first-order lag has closed.
+///
+/// Below 0.03 a Taylor series (the ninth term is below 1e-17 of the first), because the
+/// difference would cancel; several times faster than a general `expm1`.
+pub(super) fn closed(x: f64) -> f64 {
+    if x < 0.03 {
+        let high = 1.0 / 120.0 - x * (1.0 / 720.0 - x * (1.0 / 5040.0 - x * (1.0 / 40320.0)));
+        x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * high))))
+    } else {
+        1.0 - exp(-x)
+    }
+}
+
+/// `1 − exp(−a_v t/τ_i)` for the five decades.
+///
+/// The times are exact decades, so a factor is the tenth power of the next slower one;
+/// `m ↦ (1 + m)² − 1 = m (2 + m)` keeps full relative accuracy near 0. Three exponentials that
+/// don't wait for each other and two such powers are faster than five exponentials or one.
+pub(super) fn delayed_fractions(speed_times_s: f64) -> [f64; 5] {
+    const PER_S: [f64; 3] = [
+        1.0 / super::DELAY_TIMES_S[0],
+        1.0 / super::DELAY_TIMES_S[2],
+        1.0 / super::DELAY_TIMES_S[4],
+    ];
+    let ten_times = |fraction: f64| {
+        let m = -fraction;
+        let p2 = m * (2.0 + m);
+        let p4 = p2 * (2.0 + p2);
+        let p8 = p4 * (2.0 + p4);
+        -(p8 + p2 + p8 * p2)
+    };
+    let [tens, thousands, slowest] = PER_S.map(|per_s| closed(speed_times_s * per_s));
+    [
+        tens,
+        ten_times(thousands),
+        thousands,
+        ten_times(slowest),
+        slowest,
+    ]
+}

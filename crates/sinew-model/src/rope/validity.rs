@@ -1,0 +1,86 @@
+//! Where the law was never checked.
+
+use super::{CELSIUS_ZERO_K, Law, Load, Polymer};
+use core::fmt;
+
+/// Below this share of the breaking load the braid is slack and its geometry decides.
+pub const LOAD_RATIO_LOW: f64 = 0.01;
+/// Above it creep speeds up towards rupture, which the law doesn't have.
+pub const LOAD_RATIO_HIGH: f64 = 0.40;
+/// Above it HMPE leaves the range its flow was measured in, K (65 °C).
+pub const HMPE_HOT_K: f64 = CELSIUS_ZERO_K + 65.0;
+
+/// Limits a load lies outside of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Outside {
+    /// Tension below [`LOAD_RATIO_LOW`] of the breaking load (and not 0: a slack rope is known).
+    pub low_load: bool,
+    /// Tension above [`LOAD_RATIO_HIGH`] of the breaking load.
+    pub high_load: bool,
+    /// HMPE above [`HMPE_HOT_K`].
+    pub hot: bool,
+}
+
+impl Outside {
+    /// Whether the law holds.
+    #[must_use]
+    pub fn is_inside(self) -> bool {
+        self == Self::default()
+    }
+
+    /// Limits that either lies outside of.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            low_load: self.low_load || other.low_load,
+            high_load: self.high_load || other.high_load,
+            hot: self.hot || other.hot,
+        }
+    }
+
+    /// One sentence per limit.
+    pub fn sentences(self) -> impl Iterator<Item = &'static str> {
+        [
+            (
+                self.low_load,
+                "tension below 1 % of the breaking load: the braid is slack there and the law was \
+                 not made for it",
+            ),
+            (
+                self.high_load,
+                "tension above 40 % of the breaking load: creep rupture is not in the law",
+            ),
+            (
+                self.hot,
+                "HMPE above 65 °C: outside the range its flow was measured in",
+            ),
+        ]
+        .into_iter()
+        .filter_map(|(outside, sentence)| outside.then_some(sentence))
+    }
+}
+
+impl fmt::Display for Outside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, sentence) in self.sentences().enumerate() {
+            if i > 0 {
+                f.write_str("; ")?;
+            }
+            f.write_str(sentence)?;
+        }
+        Ok(())
+    }
+}
+
+impl Law {
+    /// Which limits a load lies outside of; the law still answers, with this as a warning.
+    #[must_use]
+    pub fn outside(&self, load: Load) -> Outside {
+        let lambda = self.load_ratio(load.tension_n);
+        Outside {
+            low_load: lambda > 0.0 && lambda < LOAD_RATIO_LOW,
+            high_load: lambda > LOAD_RATIO_HIGH,
+            hot: self.parameters().polymer == Polymer::Hmpe && load.temperature_k > HMPE_HOT_K,
+        }
+    }
+}
