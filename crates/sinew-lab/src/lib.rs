@@ -6,4 +6,5 @@ pub mod paper;
 pub mod plot;
 pub mod report;
 pub mod robot_dir;
+pub mod rope;
 pub mod simulate;

@@ -36,6 +36,8 @@ enum Command {
     Simulate(commands::simulate::Simulate),
     Paper(commands::paper::Paper),
     #[command(subcommand)]
+    Rope(commands::rope::Rope),
+    #[command(subcommand)]
     Robot(commands::robot::Robot),
     #[command(subcommand)]
     Log(commands::log::Log),
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Estimate(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Paper(command) => command.run(),
+        Command::Rope(command) => command.run(),
         Command::Robot(command) => command.run(),
         Command::Log(command) => command.run(),
     };

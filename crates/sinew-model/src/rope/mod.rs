@@ -28,7 +28,8 @@
 //! ([`Law::ramp`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
-//! over pulleys, [`validity`] says where the law was never checked.
+//! over pulleys, [`validity`] says where the law was never checked, `entry`
+//! reads a catalogue entry (feature `catalogue`).
 //! entry.
 //!
 //! Not modelled: humidity, ultraviolet light, abrasion, creep rupture, knots and splices, shock.
@@ -40,6 +41,8 @@
 
 pub mod bedding;
 pub mod damage;
+#[cfg(feature = "catalogue")]
+pub mod entry;
 
 mod error;
 mod exponential;

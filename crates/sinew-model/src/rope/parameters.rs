@@ -68,6 +68,12 @@ macro_rules! parameters {
         }
 
         impl Parameters {
+            /// All zero: no rope, but something to set parameters of.
+            #[cfg(feature = "catalogue")]
+            pub(super) fn zero(polymer: Polymer) -> Self {
+                Self { polymer, $($field: 0.0,)* }
+            }
+
             /// Value of a parameter.
             #[must_use]
             pub fn get(&self, parameter: Parameter) -> f64 {

@@ -4,4 +4,5 @@ pub(crate) mod estimate;
 pub(crate) mod log;
 pub(crate) mod paper;
 pub(crate) mod robot;
+pub(crate) mod rope;
 pub(crate) mod simulate;

@@ -1,0 +1,427 @@
+//! Options that say what a rope has to do, and where it lies.
+
+use crate::terminal::{Failure, complain};
+use clap::{Args, ValueEnum};
+use sinew_lab::rope::duty::Duty;
+use sinew_lab::rope::predict::{DAY_S, HOUR_S, MONTH_S, Request, Route, TIMES_DEFAULT_S, YEAR_S};
+use sinew_lab::rope::recording::{self, Strand};
+use sinew_lab::{estimate, robot_dir};
+use sinew_model::rope::Load;
+use sinew_model::rope::routing::Pulley;
+use sinew_model::transmission::Tendon;
+use std::path::PathBuf;
+
+fn number(text: &str, unit: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .trim()
+        .parse()
+        .map_err(|_| format!("'{text}' is not a number ({unit})"))?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} {unit} is not a finite number"))
+    }
+}
+
+fn at_least_zero(text: &str, unit: &str) -> Result<f64, String> {
+    match number(text, unit)? {
+        v if v >= 0.0 => Ok(v),
+        v => Err(format!("{v} {unit} must be at least 0")),
+    }
+}
+
+fn above_zero(text: &str, unit: &str) -> Result<f64, String> {
+    match number(text, unit)? {
+        v if v > 0.0 => Ok(v),
+        v => Err(format!("{v} {unit} must be above 0")),
+    }
+}
+
+pub(super) fn newtons(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "N")
+}
+
+pub(super) fn newtons_above_zero(text: &str) -> Result<f64, String> {
+    above_zero(text, "N")
+}
+
+pub(super) fn millimetres(text: &str) -> Result<f64, String> {
+    above_zero(text, "mm")
+}
+
+fn millimetres_or_none(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "mm")
+}
+
+fn per_hour(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "1/h")
+}
+
+pub(super) fn ratio(text: &str) -> Result<f64, String> {
+    above_zero(text, "(a ratio)")
+}
+
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    match number(text, "(a share)")? {
+        v if v > 0.0 && v < 1.0 => Ok(v),
+        v => Err(format!("{v} must lie between 0 and 1")),
+    }
+}
+
+pub(super) fn celsius(text: &str) -> Result<f64, String> {
+    match number(text, "°C")? {
+        v if (-100.0..=200.0).contains(&v) => Ok(v),
+        v => Err(format!("{v} °C must be -100 to 200 °C")),
+    }
+}
+
+/// `30min`, `8h`, `2d`, `3month`, `1year`; a bare number is seconds.
+pub(super) fn duration(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let end = text
+        .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E')
+        .unwrap_or(text.len());
+    let (value, unit) = text.split_at(end);
+    let unit_s = match unit.trim() {
+        "" | "s" => 1.0,
+        "min" => 60.0,
+        "h" => HOUR_S,
+        "d" => DAY_S,
+        "month" | "months" => MONTH_S,
+        "y" | "year" | "years" => YEAR_S,
+        other => {
+            return Err(format!(
+                "'{other}' is no unit of time; write such as 30min, 8h, 2d, 3month, 1year"
+            ));
+        }
+    };
+    match number(value, "a duration")? * unit_s {
+        s if s > 0.0 && s <= 100.0 * YEAR_S => Ok(s),
+        s => Err(format!("{s} s must be above 0 and at most 100 years")),
+    }
+}
+
+/// A duration as a person says it.
+pub(super) fn spoken(s: f64) -> String {
+    let whole = |v: f64, unit: &str| {
+        let rounded = (10.0 * v).round() / 10.0;
+        let plural = if rounded == 1.0 || unit.len() < 4 {
+            ""
+        } else {
+            "s"
+        };
+        format!("{rounded} {unit}{plural}")
+    };
+    if s < 90.0 {
+        whole(s, "s")
+    } else if s < 0.99 * HOUR_S {
+        whole(s / 60.0, "min")
+    } else if s < 0.99 * DAY_S {
+        whole(s / HOUR_S, "h")
+    } else if s < 0.99 * MONTH_S {
+        whole(s / DAY_S, "day")
+    } else if s < 0.99 * YEAR_S {
+        whole(s / MONTH_S, "month")
+    } else {
+        whole(s / YEAR_S, "year")
+    }
+}
+
+/// A guiding pulley.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Guide {
+    wrap_deg: f64,
+    radius_mm: f64,
+    friction: Option<f64>,
+    at_mm: Option<f64>,
+}
+
+/// `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`
+fn guide(text: &str) -> Result<Guide, String> {
+    let form = "write WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM], such as 90:8 or 60:8:0.05@250";
+    let (rest, at) = match text.split_once('@') {
+        Some((rest, at)) => (rest, Some(at)),
+        None => (text, None),
+    };
+    let parts: Vec<&str> = rest.split(':').collect();
+    let (wrap, radius, friction) = match parts[..] {
+        [wrap, radius] => (wrap, radius, None),
+        [wrap, radius, friction] => (wrap, radius, Some(friction)),
+        _ => return Err(form.into()),
+    };
+    Ok(Guide {
+        wrap_deg: at_least_zero(wrap, "°")?,
+        radius_mm: above_zero(radius, "mm")?,
+        friction: friction
+            .map(|f| at_least_zero(f, "(friction)"))
+            .transpose()?,
+        at_mm: at.map(|a| at_least_zero(a, "mm")).transpose()?,
+    })
+}
+
+/// Which strand of a recording.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum StrandArg {
+    /// The one that pulls when the torque is positive
+    Positive,
+    /// The one that pulls when the torque is negative
+    Negative,
+}
+
+/// What the rope has to do.
+#[derive(Debug, Args)]
+pub(super) struct Asked {
+    /// Constant tension, N
+    #[arg(long, value_name = "N", value_parser = newtons, help_heading = "Duty")]
+    tension: Option<f64>,
+    /// Temperature, °C (also of a recording)
+    #[arg(long, value_name = "C", default_value = "23", value_parser = celsius, allow_negative_numbers = true, help_heading = "Duty")]
+    temperature: f64,
+    /// Table of blocks, TOML or CSV, repeated over and over: duration_s|min|h|d, tension_n,
+    /// tension_to_n, temperature_c, temperature_to_c
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["tension", "recording"], help_heading = "Duty")]
+    duty: Option<PathBuf>,
+    /// Recording whose torques become tension, repeated over and over; needs --joint
+    #[arg(
+        long,
+        value_name = "LOG",
+        requires = "joint",
+        conflicts_with = "tension",
+        help_heading = "Duty"
+    )]
+    recording: Option<PathBuf>,
+    /// Strand of the joint that is meant
+    #[arg(long, value_enum, default_value = "positive", help_heading = "Duty")]
+    strand: StrandArg,
+    /// Robot's folder: length, guides and pretension of the joint's tendon
+    #[arg(long, value_name = "DIR", requires = "joint", help_heading = "Route")]
+    robot: Option<PathBuf>,
+    /// Joint whose tendon it is
+    #[arg(long, value_name = "NAME", help_heading = "Route")]
+    joint: Option<String>,
+    /// Length of the strand, mm [default: the tendon's, else 1000]
+    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Route")]
+    length: Option<f64>,
+    /// Guiding pulley WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]; as often as there are. Without a
+    /// place they stand evenly along the strand
+    #[arg(long, value_name = "GUIDE", value_parser = guide, help_heading = "Route")]
+    guide: Vec<Guide>,
+    /// How far the rope moves back and forth over its guides, mm
+    #[arg(long, value_name = "MM", default_value = "0", value_parser = millimetres_or_none, help_heading = "Route")]
+    stroke: f64,
+    /// Strokes per hour, to count bending damage
+    #[arg(long, value_name = "1/H", default_value = "0", value_parser = per_hour, help_heading = "Route")]
+    strokes_per_hour: f64,
+    /// Times to read at, such as 8h,30d,1year [default: 1h,1d,1month,1year]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
+    at: Vec<f64>,
+    /// Draws of the rope's parameters for the intervals
+    #[arg(long, value_name = "N", default_value_t = sinew_lab::rope::draws::DRAWS_DEFAULT as u32, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    draws: u32,
+    /// Seed of the draws
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// What follows from the options: the request, and the tendon's own rope.
+pub(super) struct Understood {
+    pub(super) request: Request,
+    pub(super) rope: Option<String>,
+}
+
+impl Asked {
+    pub(super) fn understand(&self, quiet: bool) -> Result<Understood, Failure> {
+        let tendon = self.tendon()?;
+        let duty = self.understand_duty(tendon.as_ref(), quiet)?;
+        let mut times_s = if self.at.is_empty() {
+            TIMES_DEFAULT_S.to_vec()
+        } else {
+            self.at.clone()
+        };
+        times_s.sort_unstable_by(f64::total_cmp);
+        Ok(Understood {
+            request: Request {
+                duty,
+                route: self.route(tendon.as_ref()),
+                times_s,
+                read_at: None,
+                draws: self.draws as usize,
+                seed: self.seed,
+            },
+            rope: tendon.and_then(|t| t.rope),
+        })
+    }
+
+    fn tendon(&self) -> Result<Option<Tendon>, Failure> {
+        let Some(joint) = &self.joint else {
+            return Ok(None);
+        };
+        let place = match (&self.robot, &self.recording) {
+            (Some(place), _) => place.clone(),
+            (None, Some(log)) => robot_dir::find(log)?,
+            (None, None) => {
+                return Err(Failure::Refused(
+                    "--joint needs --robot DIR, which has the joint's tendon".into(),
+                ));
+            }
+        };
+        let loaded = robot_dir::load(&place, None)?;
+        let names = loaded.robot.joint_names();
+        let Some(i) = names.iter().position(|n| n == joint) else {
+            let hint = crate::nearest::nearest(joint, names)
+                .map(|n| format!("; did you mean '{n}'?"))
+                .unwrap_or_default();
+            return Err(Failure::Refused(format!(
+                "{}: no joint '{joint}'; it has {}{hint}",
+                loaded.file.display(),
+                names.join(", ")
+            )));
+        };
+        let tendon = loaded.robot.transmissions[i]
+            .as_ref()
+            .and_then(|t| t.tendon.clone());
+        match tendon {
+            Some(tendon) => Ok(Some(tendon)),
+            None => Err(Failure::Refused(format!(
+                "{}: joint '{joint}' has no tendon; add [joints.{joint}.tendon]",
+                loaded.file.display()
+            ))),
+        }
+    }
+
+    fn understand_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Duty, Failure> {
+        if let Some(file) = &self.duty {
+            return Ok(Duty::open(file)?);
+        }
+        if let Some(log) = &self.recording {
+            let Some(tendon) = tendon else {
+                return Err(Failure::Refused("--recording needs --joint NAME".into()));
+            };
+            return self.recorded(log.clone(), tendon, quiet);
+        }
+        match self.tension.or(tendon.and_then(|t| t.pretension_n)) {
+            Some(tension_n) => Ok(Duty::constant(tension_n, self.temperature)),
+            None => Err(Failure::Refused(
+                "what has the rope to do? give --tension N, --duty FILE or --recording LOG".into(),
+            )),
+        }
+    }
+
+    fn recorded(&self, log: PathBuf, tendon: &Tendon, quiet: bool) -> Result<Duty, Failure> {
+        let joint_name = self.joint.clone().unwrap_or_default();
+        let mut request = estimate::Request::new(log);
+        request.robot = self.robot.clone();
+        let bar = crate::terminal::Bar::new("torques", quiet);
+        let found = estimate::run(&request, &mut |p| {
+            bar.set(p.bytes_done as f64, p.bytes_total as f64)
+        })?;
+        drop(bar);
+        let joint = found.joints.iter().find(|j| j.name == joint_name);
+        let pretension_n = tendon.pretension_n.unwrap_or(0.0);
+        if tendon.pretension_n.is_none() && !quiet {
+            complain(
+                "warning",
+                "the tendon has no pretension_n; it counts as 0 N",
+            );
+        }
+        let strand = match self.strand {
+            StrandArg::Positive => Strand::Positive,
+            StrandArg::Negative => Strand::Negative,
+        };
+        joint
+            .and_then(|j| recording::duty(j, tendon, pretension_n, self.temperature, strand))
+            .ok_or_else(|| {
+                Failure::Refused(format!(
+                    "{}: no torque of joint '{joint_name}' could be made out",
+                    request.log.display()
+                ))
+            })
+    }
+
+    fn route(&self, tendon: Option<&Tendon>) -> Route {
+        const M_PER_MM: f64 = 1e-3;
+        let length_m = self
+            .length
+            .map(|mm| M_PER_MM * mm)
+            .or(tendon.map(|t| t.length_m))
+            .unwrap_or(1.0);
+        let evenly = |i: usize, of: usize| length_m * (i + 1) as f64 / (of + 1) as f64;
+        let pulleys: Vec<Pulley> = if self.guide.is_empty() {
+            let guides = tendon.map_or(&[][..], |t| &t.guides);
+            guides
+                .iter()
+                .enumerate()
+                .map(|(i, g)| Pulley {
+                    at_m: evenly(i, guides.len()),
+                    radius_m: g.radius_m,
+                    wrap_rad: g.wrap_rad,
+                    friction: (g.friction > 0.0).then_some(g.friction),
+                })
+                .collect()
+        } else {
+            self.guide
+                .iter()
+                .enumerate()
+                .map(|(i, g)| Pulley {
+                    at_m: g
+                        .at_mm
+                        .map_or_else(|| evenly(i, self.guide.len()), |mm| M_PER_MM * mm),
+                    radius_m: M_PER_MM * g.radius_mm,
+                    wrap_rad: g.wrap_deg.to_radians(),
+                    friction: g.friction,
+                })
+                .collect()
+        };
+        Route {
+            length_m,
+            stroke_m: M_PER_MM * self.stroke,
+            pulleys,
+            strokes_per_hour: self.strokes_per_hour,
+        }
+    }
+
+    /// Constant tension and temperature, where nothing else was asked.
+    pub(super) fn read_at(load: Option<f64>, temperature_c: f64) -> Option<Load> {
+        load.map(|n| Load::celsius(n, temperature_c))
+    }
+
+    pub(super) fn temperature(&self) -> f64 {
+        self.temperature
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_are_read_and_spoken() {
+        for (text, s, words) in [
+            ("45", 45.0, "45 s"),
+            ("30min", 1800.0, "30 min"),
+            ("8h", 28_800.0, "8 h"),
+            ("1e3 s", 1000.0, "16.7 min"),
+            ("2 d", 172_800.0, "2 days"),
+            ("1month", MONTH_S, "1 month"),
+            ("10years", 10.0 * YEAR_S, "10 years"),
+        ] {
+            assert_eq!(duration(text), Ok(s), "{text}");
+            assert_eq!(spoken(s), words);
+        }
+        for text in ["", "h", "-1h", "3 weeks", "nan", "1000year"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn guides_are_read() {
+        let g = guide("60:8:0.05@250").expect("a guide");
+        assert_eq!((g.wrap_deg, g.radius_mm), (60.0, 8.0));
+        assert_eq!((g.friction, g.at_mm), (Some(0.05), Some(250.0)));
+        let g = guide("180:10").expect("a guide");
+        assert_eq!((g.friction, g.at_mm), (None, None));
+        for text in ["60", "60:0", "a:8", "60:8:1:2", "60:8@", "-5:8"] {
+            assert!(guide(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! `sinew rope`: the catalogue, and what a duty does to its ropes.
+
+mod asked;
+mod list;
+mod predict;
+mod pretension;
+mod select;
+mod show;
+
+use crate::terminal::{Failure, Finish};
+use clap::{Args, Subcommand};
+use sinew_lab::rope::{Catalogue, CatalogueError, CatalogueRope};
+use std::path::{Path, PathBuf};
+
+/// Choose a rope, predict how far it stretches, plan its pretension
+#[derive(Debug, Subcommand)]
+pub(crate) enum Rope {
+    List(list::List),
+    Show(show::Show),
+    Predict(Box<predict::Predict>),
+    Select(Box<select::Select>),
+    Pretension(pretension::Pretension),
+}
+
+impl Rope {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        match self {
+            Self::List(command) => command.run(),
+            Self::Show(command) => command.run(),
+            Self::Predict(command) => command.run(),
+            Self::Select(command) => command.run(),
+            Self::Pretension(command) => command.run(),
+        }
+    }
+}
+
+/// Where ropes come from.
+#[derive(Debug, Args)]
+struct Ropes {
+    /// Folder with your own ropes (*.toml); ./ropes is read too where it is there
+    #[arg(long = "ropes", value_name = "DIR")]
+    folders: Vec<PathBuf>,
+}
+
+impl Ropes {
+    fn catalogue(&self) -> Result<Catalogue, CatalogueError> {
+        let here = Path::new("ropes");
+        let mut folders: Vec<&Path> = Vec::new();
+        if here.is_dir() {
+            folders.push(here);
+        }
+        folders.extend(self.folders.iter().map(PathBuf::as_path));
+        Catalogue::with_folders(&folders)
+    }
+}
+
+/// A rope by name, with the name somebody may have meant.
+fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
+    catalogue.find(name).map_err(|error| {
+        let names = catalogue.names();
+        let hint = crate::nearest::nearest(name, &names)
+            .map(|n| format!("; did you mean '{n}'?"))
+            .unwrap_or_default();
+        Failure::Refused(format!("{error}{hint}"))
+    })
+}

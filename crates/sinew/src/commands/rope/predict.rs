@@ -1,0 +1,142 @@
+//! `sinew rope predict`.
+
+use super::asked::{Asked, newtons, spoken};
+use super::{Ropes, find};
+use crate::terminal::{Failure, Finish, answer};
+use crate::text::{paragraph, plain, table};
+use clap::Args;
+use sinew_lab::report::rounded;
+use sinew_lab::rope::Interval;
+use sinew_lab::rope::predict::{self, Prediction};
+
+/// How far a rope stretches under a duty: after an hour, a day, a month, a year
+///
+/// "since tensioned" counts from a minute after the first loading: what is left to re-tension.
+/// "from slack" counts from the new, slack rope. Brackets are 95 % intervals from draws of the
+/// rope's parameters within their stated uncertainty.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  sinew rope predict liros-dc000-0301 --tension 60 --length 700\n  \
+    sinew rope predict --robot robots/biorob-like --joint elbow --stroke 80\n  \
+    sinew rope predict --recording monday.mcap --robot robots/biorob-like --joint elbow"
+)]
+pub(crate) struct Predict {
+    /// Rope [default: the one of the joint's tendon]
+    name: Option<String>,
+    #[command(flatten)]
+    asked: Asked,
+    /// Tension the readings refer to, N [default: mean of the duty]
+    #[arg(long, value_name = "N", value_parser = newtons)]
+    read_at: Option<f64>,
+    #[command(flatten)]
+    ropes: Ropes,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Nothing on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Predict {
+    pub(super) fn run(&self) -> Result<Finish, Failure> {
+        let catalogue = self.ropes.catalogue()?;
+        let mut understood = self.asked.understand(self.quiet)?;
+        let Some(name) = self.name.as_ref().or(understood.rope.as_ref()) else {
+            return Err(Failure::Refused(
+                "which rope? name it; sinew rope list shows all".into(),
+            ));
+        };
+        let rope = find(&catalogue, name)?;
+        understood.request.read_at = Asked::read_at(self.read_at, self.asked.temperature());
+        let found = predict::predict(rope, &understood.request)?;
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;
+        } else {
+            answer(&told(&found))?;
+        }
+        Ok(Finish::Complete)
+    }
+}
+
+/// `0.42 (0.31 to 0.58)`
+pub(super) fn bracketed(i: Interval, digits: u8) -> String {
+    format!(
+        "{} ({} to {})",
+        rounded(i.value, digits),
+        rounded(i.low, digits),
+        rounded(i.high, digits)
+    )
+}
+
+fn told(p: &Prediction) -> String {
+    let mut out = paragraph(&plain(&format!("{}: {}", p.rope, p.duty)), 2);
+    let s = &p.summary;
+    if s.tension_min_n != s.tension_max_n || s.temperature_min_c != s.temperature_max_c {
+        let text = format!(
+            "one cycle of {}: {} to {} N, mean {} N; {} to {} °C",
+            spoken(s.duration_s),
+            rounded(s.tension_min_n, 3),
+            rounded(s.tension_max_n, 3),
+            rounded(s.tension_mean_n, 3),
+            rounded(s.temperature_min_c, 3),
+            rounded(s.temperature_max_c, 3)
+        );
+        out.push_str(&paragraph(&text, 2));
+    }
+    let text = format!(
+        "strand of {} mm, read at {} N and {} °C\n",
+        rounded(p.length_mm, 4),
+        rounded(p.read_at_n, 3),
+        rounded(p.read_at_c, 3)
+    );
+    out.push_str(&paragraph(&text, 2));
+    out.push('\n');
+    let head = [
+        "after",
+        "since tensioned\nmm",
+        "from slack\nmm",
+        "from slack\n%",
+        "stays, mm",
+    ];
+    let rows = p
+        .readings
+        .iter()
+        .map(|r| {
+            vec![
+                spoken(r.time_s),
+                bracketed(r.since_tensioned_mm, 2),
+                bracketed(r.elongation_mm, 2),
+                rounded(r.strain_percent.value, 2),
+                rounded(r.irreversible_mm.value, 2),
+            ]
+        })
+        .collect();
+    out.push_str(&table(&head, rows, 1));
+    if let Some(left) = p.strength_left {
+        let text = format!(
+            "strength left after bending: {} % of new ({} to {} %)",
+            rounded(100.0 * left.value, 2),
+            rounded(100.0 * left.low, 2),
+            rounded(100.0 * left.high, 2)
+        );
+        out.push_str(&paragraph(&text, 2));
+    }
+    if p.broken_share > 0.0 {
+        let text = format!(
+            "the rope breaks in {} % of the draws, which are left out above",
+            rounded(100.0 * p.broken_share, 2)
+        );
+        out.push_str(&paragraph(&text, 2));
+    }
+    out.push('\n');
+    let text = format!(
+        "95 % intervals from {} draws (seed {}); {} of {} parameters are starting guesses",
+        p.draws, p.seed, p.starting_guesses, p.parameters
+    );
+    out.push_str(&paragraph(&text, 2));
+    for warning in &p.warnings {
+        out.push_str(&paragraph(&plain(&format!("warning: {warning}")), 2));
+    }
+    out
+}

@@ -1,0 +1,177 @@
+//! `sinew rope select`.
+
+use super::Ropes;
+use super::asked::{Asked, millimetres, ratio, spoken};
+use super::predict::bracketed;
+use crate::files::check_outputs;
+use crate::terminal::{Failure, Finish, answer};
+use crate::text::{indented, paragraph, plain, table};
+use clap::Args;
+use sinew_lab::output::write_file;
+use sinew_lab::report::rounded;
+use sinew_lab::rope::select::{self, Constraints, Selection};
+use std::path::PathBuf;
+
+/// Which ropes meet the constraints, ranked by elongation, and why the others don't
+///
+/// Elongation counts from a minute after tensioning to the last time of --at. A constraint on
+/// something a rope's maker does not publish rejects it: it can't be shown to meet it. Exit code 3
+/// when no rope is left.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  sinew rope select --tension 60 --length 700 --at 1year --max-diameter 1.8 \\\n      --pulley-diameter 16 --min-bend-ratio 8 --min-safety-factor 20 --plot choice.png"
+)]
+pub(crate) struct Select {
+    #[command(flatten)]
+    asked: Asked,
+    /// Largest diameter, mm
+    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Constraints")]
+    max_diameter: Option<f64>,
+    /// Smallest diameter, mm
+    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Constraints")]
+    min_diameter: Option<f64>,
+    /// Diameter of the smallest pulley, mm
+    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Constraints")]
+    pulley_diameter: Option<f64>,
+    /// Smallest pulley diameter over rope diameter (D/d)
+    #[arg(long, value_name = "RATIO", value_parser = ratio, requires = "pulley_diameter", help_heading = "Constraints")]
+    min_bend_ratio: Option<f64>,
+    /// Smallest breaking load over largest tension
+    #[arg(long, value_name = "RATIO", value_parser = ratio, help_heading = "Constraints")]
+    min_safety_factor: Option<f64>,
+    /// Largest elongation, mm, held against the upper end of the interval
+    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Constraints")]
+    max_elongation: Option<f64>,
+    /// Smallest stiffness of the strand, N/mm
+    #[arg(long, value_name = "N/MM", value_parser = ratio, help_heading = "Constraints")]
+    min_stiffness: Option<f64>,
+    /// Largest weight, g/m
+    #[arg(long, value_name = "G/M", value_parser = ratio, help_heading = "Constraints")]
+    max_weight: Option<f64>,
+    /// Pareto plot, .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    ropes: Ropes,
+    /// Print one JSON document instead of the tables
+    #[arg(long)]
+    json: bool,
+    /// Nothing on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Select {
+    pub(super) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(plot) = &self.plot {
+            check_outputs(&[("--plot", plot)], &[])?;
+        }
+        let catalogue = self.ropes.catalogue()?;
+        let request = self.asked.understand(self.quiet)?.request;
+        let constraints = Constraints {
+            diameter_max_mm: self.max_diameter,
+            diameter_min_mm: self.min_diameter,
+            bend_ratio_min: self.min_bend_ratio,
+            pulley_diameter_mm: self.pulley_diameter,
+            safety_factor_min: self.min_safety_factor,
+            elongation_max_mm: self.max_elongation,
+            stiffness_min_n_per_mm: self.min_stiffness,
+            weight_max_g_per_m: self.max_weight,
+        };
+        let found = select::select(&catalogue, &request, &constraints)?;
+        if let Some(plot) = &self.plot {
+            let figure = found.figure(&spoken(found.time_s));
+            let png = plot.extension().is_some_and(|e| e == "png");
+            let bytes = if png {
+                figure.png(2.0)?
+            } else {
+                figure.svg().into_bytes()
+            };
+            write_file(plot, &bytes)?;
+        }
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;
+        } else {
+            answer(&told(&found))?;
+        }
+        Ok(Finish::lossy(found.candidates.is_empty()))
+    }
+}
+
+fn told(s: &Selection) -> String {
+    let mut out = paragraph(
+        &plain(&format!(
+            "{}; elongation from a minute after tensioning to {}",
+            s.duty,
+            spoken(s.time_s)
+        )),
+        2,
+    );
+    out.push('\n');
+    let none = || "–".to_string();
+    let head = [
+        "rope",
+        "elongation\nmm",
+        "least",
+        "N/mm",
+        "d\nmm",
+        "g/m",
+        "load",
+    ];
+    let rows = s
+        .candidates
+        .iter()
+        .map(|c| {
+            let mark = if c.pareto { " *" } else { "" };
+            vec![
+                plain(&format!("{}{mark}", c.rope)),
+                bracketed(c.elongation_mm, 2).replace(" to ", "–"),
+                format!("{:.0} %", 100.0 * c.least_share),
+                rounded(c.stiffness_n_per_mm.value, 2),
+                c.diameter_mm.map_or_else(none, |v| rounded(v, 3)),
+                c.weight_g_per_m.map_or_else(none, |v| rounded(v, 3)),
+                c.safety_factor.map_or_else(none, |v| rounded(v, 2)),
+            ]
+        })
+        .collect();
+    if s.candidates.is_empty() {
+        out.push_str("no rope meets every constraint\n");
+    } else {
+        out.push_str(&table(&head, rows, 1));
+        out.push_str(&paragraph(
+            "* no rope is both thinner and stretches less. least: share of the draws in \
+             which it stretches least of these; N/mm: stiffness; load: breaking load over \
+             largest tension.",
+            2,
+        ));
+    }
+    if !s.rejected.is_empty() {
+        out.push_str("\nfell out\n");
+        for r in &s.rejected {
+            let text = format!("{}: {}", r.rope, r.reasons.join("; "));
+            out.push_str(&indented(&plain(&text), 2, 4));
+        }
+    }
+    // The same caution for several ropes is one caution.
+    let mut warnings: Vec<(&str, Vec<&str>)> = Vec::new();
+    for c in &s.candidates {
+        for w in &c.warnings {
+            match warnings.iter_mut().find(|(text, _)| text == w) {
+                Some((_, ropes)) => ropes.push(&c.rope),
+                None => warnings.push((w, vec![&c.rope])),
+            }
+        }
+    }
+    if !warnings.is_empty() {
+        out.push('\n');
+    }
+    for (text, ropes) in warnings {
+        let text = if ropes.len() == s.candidates.len() {
+            format!("warning: {text}")
+        } else {
+            format!("warning: {}: {text}", ropes.join(", "))
+        };
+        out.push_str(&indented(&plain(&text), 2, 4));
+    }
+    out
+}
