@@ -347,9 +347,8 @@ fn schedule(
         .flatten()
         .collect();
     let never = drawn.iter().filter(|d| d.0.is_empty()).count();
-    let collect = |f: &dyn Fn(&(Vec<f64>, f64, Option<f64>)) -> f64| -> Vec<f64> {
-        drawn.iter().map(f).collect()
-    };
+    type Drawn = (Vec<f64>, f64, Option<f64>);
+    let collect = |f: &dyn Fn(&Drawn) -> f64| -> Vec<f64> { drawn.iter().map(f).collect() };
     let first = |events: &[f64]| events.first().copied().unwrap_or(f64::INFINITY);
     let finite = |i: Interval| {
         let nan = |v: f64| if v.is_finite() { v } else { f64::NAN };

@@ -244,7 +244,7 @@ fn judge(
         .last()
         .map_or(stiffness, |r| r.since_tensioned_mm);
     if let Some(limit) = constraints.elongation_max_mm
-        && !(elongation_mm.high <= limit)
+        && (elongation_mm.high.is_nan() || elongation_mm.high > limit)
     {
         reasons.push(format!(
             "elongation may reach {} mm (95 %), above {limit} mm",
@@ -252,7 +252,7 @@ fn judge(
         ));
     }
     if let Some(limit) = constraints.stiffness_min_n_per_mm
-        && !(stiffness.value >= limit)
+        && (stiffness.value.is_nan() || stiffness.value < limit)
     {
         reasons.push(format!(
             "stiffness {} N/mm is below {limit} N/mm",

@@ -66,7 +66,7 @@ pub(crate) struct LinkFrame {
     pub(crate) pose: Pose,
 }
 
-/// A fixed-base arm of `n` joints. Immutable; see [`ArmBuilder`] and [`urdf`](crate::arm::urdf).
+/// A fixed-base arm of `n` joints. Immutable; see [`ArmBuilder`] and the module `urdf`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     pub(crate) joints: Vec<Joint>,

@@ -558,7 +558,7 @@ fn cholesky(m: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
             let rest = m[i][j] - sum;
             if i == j {
                 // A matrix rounded to some digits may miss 0 by as much.
-                if !(rest > -1e-6) {
+                if rest.is_nan() || rest <= -1e-6 {
                     return None;
                 }
                 l[i][i] = libm::sqrt(rest.max(1e-12));

@@ -202,7 +202,7 @@ pub(super) struct Asked {
     /// Length of the strand, mm [default: the tendon's, else 1000]
     #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Route")]
     length: Option<f64>,
-    /// Guiding pulley WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]; as often as there are. Without a
+    /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`; as often as there are. Without a
     /// place they stand evenly along the strand
     #[arg(long, value_name = "GUIDE", value_parser = guide, help_heading = "Route")]
     guide: Vec<Guide>,
