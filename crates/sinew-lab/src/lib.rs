@@ -1,5 +1,6 @@
 //! The workshop of Sinew: replay and estimation, simulation, the paper's figures, plots, reports.
 
+pub mod camera;
 pub mod estimate;
 pub mod output;
 pub mod paper;

@@ -32,6 +32,7 @@ mod png;
 
 pub(crate) use label::escape_xml;
 pub use png::PngError;
+pub(crate) use png::render as png_of;
 
 /// A figure: one or more panels under a title.
 #[derive(Debug, Clone, PartialEq)]

@@ -41,7 +41,7 @@ fn fonts() -> Arc<usvg::fontdb::Database> {
         .clone()
 }
 
-pub(super) fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
+pub(crate) fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
     let options = usvg::Options {
         font_family: "Roboto".to_string(),
         fontdb: fonts(),

@@ -1,0 +1,326 @@
+//! From pixels to the phase of the graduation in small blocks.
+//!
+//! Rows are summed in strips a few pixels high, which takes most of the noise out and leaves a
+//! thousandth of the work. Each strip is then compared with one period of the graduation in
+//! windows of eight graduations that overlap by half. Under a Hann window, longer lines (at ½, ¹⁄₁₀
+//! and ¹⁄₂₀ of the frequency), uneven light and numbers hardly reach the graduation's own bin.
+
+use super::picture::{Levels, Picture};
+use std::f64::consts::TAU;
+
+/// A rectangle of a picture, px.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Region {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl Region {
+    pub(crate) fn whole(picture: &Picture) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width: picture.width(),
+            height: picture.height(),
+        }
+    }
+
+    pub(crate) fn transposed(self) -> Self {
+        Self {
+            x: self.y,
+            y: self.x,
+            width: self.height,
+            height: self.width,
+        }
+    }
+}
+
+/// Mean grey levels of strips of rows, 0 to 1.
+#[derive(Debug, Clone)]
+pub(crate) struct Strips {
+    pub(crate) region: Region,
+    /// Rows in a strip.
+    pub(crate) rows: usize,
+    /// Strips.
+    pub(crate) count: usize,
+    levels: Vec<f32>,
+    /// Share of pixels at the white end.
+    pub(crate) white: f64,
+}
+
+impl Strips {
+    /// Sums the rows of `region` that fill whole strips.
+    pub(crate) fn of(picture: &Picture, region: Region, rows: usize) -> Self {
+        let count = region.height / rows;
+        let mut levels = Vec::with_capacity(count * region.width);
+        let mut sums = vec![0_u32; region.width];
+        let mut narrow = vec![0_u16; region.width];
+        let (mut white, mut seen) = (0_usize, 0_usize);
+        for strip in 0..count {
+            let first = region.y + strip * rows;
+            let factor = match picture.levels() {
+                Levels::Eight(v) => {
+                    // At most 16 rows of 255 fit into 16 bits, which doubles the lanes.
+                    narrow.fill(0);
+                    for y in first..first + rows {
+                        let row = &v[y * picture.width() + region.x..][..region.width];
+                        for (sum, level) in narrow.iter_mut().zip(row) {
+                            *sum += u16::from(*level);
+                        }
+                    }
+                    let row = &v[first * picture.width() + region.x..][..region.width];
+                    white += row.iter().filter(|v| **v >= 254).count();
+                    for (sum, narrow) in sums.iter_mut().zip(&narrow) {
+                        *sum = u32::from(*narrow);
+                    }
+                    1.0 / (255.0 * rows as f32)
+                }
+                Levels::Sixteen(v) => {
+                    sums.fill(0);
+                    for y in first..first + rows {
+                        let row = &v[y * picture.width() + region.x..][..region.width];
+                        for (sum, level) in sums.iter_mut().zip(row) {
+                            *sum += u32::from(*level);
+                        }
+                    }
+                    let row = &v[first * picture.width() + region.x..][..region.width];
+                    white += row.iter().filter(|v| **v >= 65_279).count();
+                    1.0 / (65_535.0 * rows as f32)
+                }
+            };
+            seen += region.width;
+            levels.extend(sums.iter().map(|sum| *sum as f32 * factor));
+        }
+        Self {
+            region,
+            rows,
+            count,
+            levels,
+            white: white as f64 / seen.max(1) as f64,
+        }
+    }
+
+    /// Levels of a strip, column by column from `region.x`.
+    pub(crate) fn strip(&self, i: usize) -> &[f32] {
+        &self.levels[i * self.region.width..][..self.region.width]
+    }
+
+    /// Row of the middle of a strip in the picture, px.
+    pub(crate) fn y(&self, i: usize) -> f64 {
+        self.region.y as f64 + (i as f64 + 0.5) * self.rows as f64 - 0.5
+    }
+
+    /// Mean level of the whole.
+    pub(crate) fn mean(&self) -> f64 {
+        let sum: f64 = self.levels.iter().map(|v| f64::from(*v)).sum();
+        sum / self.levels.len().max(1) as f64
+    }
+}
+
+/// Phase and amplitude of the graduation in a block of a strip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Block {
+    /// Middle, px.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    /// `A e^{2πi·s}` with `s` the scale's coordinate in graduations, whole on a dark line; `A` in
+    /// grey levels.
+    pub(crate) re: f64,
+    pub(crate) im: f64,
+    /// Mean grey level.
+    pub(crate) level: f64,
+}
+
+impl Block {
+    pub(crate) fn amplitude(&self) -> f64 {
+        self.re.hypot(self.im)
+    }
+
+    /// Amplitude relative to the light: what uneven light leaves alone.
+    pub(crate) fn contrast(&self) -> f64 {
+        self.amplitude() / self.level.max(0.5 / 255.0)
+    }
+}
+
+/// All blocks: strips from the top, windows from the left.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Blocks {
+    pub(crate) strips: usize,
+    pub(crate) windows: usize,
+    pub(crate) all: Vec<Block>,
+}
+
+impl Blocks {
+    pub(crate) fn at(&self, strip: usize, window: usize) -> &Block {
+        &self.all[strip * self.windows + window]
+    }
+}
+
+/// The matched filter: one Hann-windowed period of a known frequency, without response to
+/// constant light.
+#[derive(Debug, Clone)]
+pub(crate) struct Demodulator {
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    hann: Vec<f32>,
+    hop: usize,
+}
+
+/// Graduations in a window. Eight keep the lines of double distance four bins away, twice the
+/// Hann window's half width, and follow a pitch that changes by a tenth over the picture.
+pub(crate) const WINDOW_PERIODS: f64 = 8.0;
+/// Fewest graduations in a window of a narrow region.
+const WINDOW_PERIODS_LEAST: f64 = 4.0;
+
+impl Demodulator {
+    /// For `frequency` in graduations per pixel and a region `width` px wide.
+    pub(crate) fn new(frequency: f64, width: usize) -> Self {
+        let periods = (width as f64 * frequency / 2.0).clamp(WINDOW_PERIODS_LEAST, WINDOW_PERIODS);
+        let length = ((periods / frequency).round() as usize).max(8);
+        let middle = (length as f64 - 1.0) / 2.0;
+        let hann: Vec<f64> = (0..length)
+            .map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / length as f64).cos())
+            .collect();
+        let total: f64 = hann.iter().sum();
+        let mut cos: Vec<f64> = Vec::with_capacity(length);
+        let mut sin = Vec::with_capacity(length);
+        for (i, h) in hann.iter().enumerate() {
+            let phase = TAU * frequency * (i as f64 - middle);
+            // Darkness, so that lines stand at whole numbers.
+            cos.push(-2.0 * h * phase.cos() / total);
+            sin.push(2.0 * h * phase.sin() / total);
+        }
+        // The sine part is odd and has no mean; the cosine's is taken out.
+        let mean: f64 = cos.iter().sum::<f64>() / total;
+        for (c, h) in cos.iter_mut().zip(&hann) {
+            *c -= mean * h;
+        }
+        let narrow = |v: Vec<f64>| v.into_iter().map(|v| v as f32).collect();
+        Self {
+            cos: narrow(cos),
+            sin: narrow(sin),
+            hann: hann.iter().map(|h| (h / total) as f32).collect(),
+            hop: (length / 2).max(1),
+        }
+    }
+
+    /// Pixels in a window.
+    pub(crate) fn length(&self) -> usize {
+        self.cos.len()
+    }
+
+    /// Compares every strip with the graduation.
+    pub(crate) fn blocks(&self, strips: &Strips) -> Blocks {
+        let length = self.length();
+        let width = strips.region.width;
+        let windows = if width < length {
+            0
+        } else {
+            (width - length) / self.hop + 1
+        };
+        let mut all = Vec::with_capacity(strips.count * windows);
+        for strip in 0..strips.count {
+            let (levels, y) = (strips.strip(strip), strips.y(strip));
+            for window in 0..windows {
+                let start = window * self.hop;
+                let part = &levels[start..start + length];
+                let (re, im, level) = dot3(part, &self.cos, &self.sin, &self.hann);
+                all.push(Block {
+                    x: (strips.region.x + start) as f64 + (length as f64 - 1.0) / 2.0,
+                    y,
+                    re: f64::from(re),
+                    im: f64::from(im),
+                    level: f64::from(level),
+                });
+            }
+        }
+        Blocks {
+            strips: strips.count,
+            windows,
+            all,
+        }
+    }
+}
+
+/// Three dot products in one pass. Sums are kept in eight lanes because the order of a sum of
+/// floats is fixed by the language: only so can the compiler use vector registers.
+fn dot3(v: &[f32], a: &[f32], b: &[f32], c: &[f32]) -> (f32, f32, f32) {
+    const LANES: usize = 8;
+    let (mut sa, mut sb, mut sc) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
+    let whole = v.len() / LANES * LANES;
+    for (((v, a), b), c) in v
+        .chunks_exact(LANES)
+        .zip(a.chunks_exact(LANES))
+        .zip(b.chunks_exact(LANES))
+        .zip(c.chunks_exact(LANES))
+    {
+        for i in 0..LANES {
+            sa[i] += v[i] * a[i];
+            sb[i] += v[i] * b[i];
+            sc[i] += v[i] * c[i];
+        }
+    }
+    for i in whole..v.len() {
+        sa[0] += v[i] * a[i];
+        sb[0] += v[i] * b[i];
+        sc[0] += v[i] * c[i];
+    }
+    let sum = |s: [f32; LANES]| s.iter().sum::<f32>();
+    (sum(sa), sum(sb), sum(sc))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Thin dark lines at `offset + k * pitch`, each pixel with the share of its width they cover.
+    fn comb(width: usize, height: usize, pitch: f64, offset: f64) -> Picture {
+        let levels = (0..width * height)
+            .map(|i| {
+                let x = (i % width) as f64;
+                let covered: f64 = (-2..width as i64)
+                    .map(|k| {
+                        let line = offset + k as f64 * pitch;
+                        let (from, to) = (line - 1.0, line + 1.0);
+                        ((x + 0.5).min(to) - (x - 0.5).max(from)).max(0.0)
+                    })
+                    .sum();
+                (52_000.0 - 40_000.0 * covered) as u16
+            })
+            .collect();
+        Picture::from_luma16(width, height, levels).unwrap()
+    }
+
+    #[test]
+    fn the_phase_is_the_scales_coordinate() {
+        let (pitch, offset) = (10.37, 3.2);
+        let picture = comb(300, 16, pitch, offset);
+        let strips = Strips::of(&picture, Region::whole(&picture), 8);
+        let blocks = Demodulator::new(1.0 / pitch, 300).blocks(&strips);
+        assert_eq!((blocks.strips, blocks.windows), (2, 6));
+        for block in &blocks.all {
+            let want = (block.x - offset) / pitch;
+            let found = block.im.atan2(block.re) / TAU;
+            let apart = want - found - (want - found).round();
+            // What is left is the ninth and eleventh harmonic folded onto the first by the
+            // pixels (10.37 px is nearly 10) and the Hann window's side lobes.
+            assert!(apart.abs() < 2e-3, "{apart} graduations at {}", block.x);
+        }
+    }
+
+    #[test]
+    fn light_without_lines_has_no_phase() {
+        let levels = (0..200 * 8).map(|i| (i % 200) as u8 / 2 + 60).collect();
+        let picture = Picture::from_luma8(200, 8, levels).unwrap();
+        let strips = Strips::of(&picture, Region::whole(&picture), 8);
+        for block in &Demodulator::new(0.1, 200).blocks(&strips).all {
+            assert!(block.contrast() < 5e-3, "{block:?}");
+        }
+    }
+}

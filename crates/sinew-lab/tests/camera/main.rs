@@ -1,0 +1,7 @@
+//! Reading a scale by camera, against drawn pictures whose truth is known.
+
+mod accuracy;
+mod counting;
+mod rejections;
+mod scale_picture;
+mod series;
