@@ -96,6 +96,8 @@ mod mcap_read;
 mod table;
 mod write;
 
+mod test_file;
+
 mod error;
 
 pub use error::{LogError, Place};
@@ -104,4 +106,8 @@ pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
 pub use mapping::Mapping;
 pub use options::{JointEffort, OpenOptions};
 pub use recording::{Format, Progress, ReadSeek, Recording, open};
+pub use test_file::{
+    ColumnChoice, ColumnUse, Specimen, TestFile, TestFormat, TestOptions, TestQuantity, read_test,
+    read_test_bytes,
+};
 pub use write::{Compression, CsvWriter, FrameWriter, McapOptions, McapWriter};

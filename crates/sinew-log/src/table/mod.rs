@@ -6,4 +6,5 @@ mod decimal;
 mod parquet_read;
 
 pub(crate) use csv_read::CsvReader;
+pub(crate) use decimal::parse_cell;
 pub(crate) use parquet_read::ParquetReader;

@@ -1,0 +1,117 @@
+//! A record as a fit takes it: strain over time and the history of the load.
+
+/// Points beyond which readings are averaged: more don't change a fit, only its time.
+const POINTS: usize = 240;
+
+/// Strain over time under a history of loads.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curve {
+    /// Name.
+    pub name: String,
+    /// Rising, s; 0 is the first step of the load.
+    pub time_s: Vec<f64>,
+    /// Strain, m/m.
+    pub strain: Vec<f64>,
+    /// Readings averaged into each point.
+    pub count: Vec<f64>,
+    /// Load from a time on, as a multiple of the reference load.
+    pub steps: Vec<(f64, f64)>,
+    /// Temperature, °C, where known.
+    pub temperature_c: Option<f64>,
+}
+
+impl Curve {
+    /// A curve under the reference load from time 0 on.
+    pub fn constant_load(name: impl Into<String>, time_s: Vec<f64>, strain: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            count: vec![1.0; time_s.len()],
+            time_s,
+            strain,
+            steps: vec![(0.0, 1.0)],
+            temperature_c: None,
+        }
+    }
+
+    /// Whether the load falls somewhere.
+    pub fn unloads(&self) -> bool {
+        self.steps.windows(2).any(|pair| pair[1].1 < pair[0].1)
+    }
+
+    /// The stretch before and the stretch after `time_s`, both under the whole load history.
+    #[must_use]
+    pub fn split(&self, time_s: f64) -> (Curve, Curve) {
+        let at = self.time_s.partition_point(|t| *t <= time_s);
+        let part = |range: std::ops::Range<usize>| Curve {
+            name: self.name.clone(),
+            time_s: self.time_s[range.clone()].to_vec(),
+            strain: self.strain[range.clone()].to_vec(),
+            count: self.count[range].to_vec(),
+            steps: self.steps.clone(),
+            temperature_c: self.temperature_c,
+        };
+        (part(0..at), part(at..self.time_s.len()))
+    }
+
+    /// The same curve with at most a few hundred points: means over bins that are even in the
+    /// logarithm of the time since the last step of the load.
+    #[must_use]
+    pub fn thinned(&self) -> Curve {
+        if self.time_s.len() <= POINTS {
+            return self.clone();
+        }
+        // Small steps follow a drift of the load and don't start a stage.
+        let mut stages = Vec::new();
+        let mut level = 0.0;
+        for &(start, load) in &self.steps {
+            if (load - level).abs() > 0.05 {
+                stages.push(start);
+                level = load;
+            }
+        }
+        let stage = |t: f64| stages.iter().rposition(|start| *start <= t).unwrap_or(0);
+        let count = self
+            .time_s
+            .iter()
+            .map(|t| stage(*t))
+            .collect::<std::collections::BTreeSet<_>>()
+            .len()
+            .max(1);
+        let per_stage = (POINTS / count).max(20) as f64;
+        let mut thin = Curve {
+            time_s: Vec::new(),
+            strain: Vec::new(),
+            count: Vec::new(),
+            ..self.clone()
+        };
+        let mut from = 0;
+        while from < self.time_s.len() {
+            let here = stage(self.time_s[from]);
+            let start = stages.get(here).copied().unwrap_or(0.0);
+            let to = from + self.time_s[from..].partition_point(|t| stage(*t) == here);
+            let end = self.time_s[to - 1];
+            // Even in ln(t + d): bins near the step hold single readings.
+            let d = (end - start) / per_stage;
+            let place = |t: f64| ((t - start) / d).ln_1p();
+            let width = place(end) / per_stage;
+            let mut i = from;
+            while i < to {
+                let bin = (place(self.time_s[i]) / width).floor();
+                let mut j = i;
+                let (mut t, mut e, mut c) = (0.0, 0.0, 0.0);
+                while j < to && (j == i || (place(self.time_s[j]) / width).floor() <= bin) {
+                    t += self.count[j] * self.time_s[j];
+                    e += self.count[j] * self.strain[j];
+                    c += self.count[j];
+                    j += 1;
+                }
+                thin.time_s.push(t / c);
+                thin.strain.push(e / c);
+                thin.count.push(c);
+                i = j;
+            }
+            from = to;
+        }
+        thin
+    }
+}

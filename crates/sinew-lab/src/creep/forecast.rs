@@ -1,0 +1,170 @@
+//! What a fitted law says about later times, with an interval for the next reading.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::fit::{Draw, Fit};
+use super::noise::Filter;
+use super::sample::quantile;
+
+/// Strain at given times, m/m.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Forecast {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Median of the law's strain.
+    pub strain: Vec<f64>,
+    /// Lower end of the interval of the law's strain.
+    pub low: Vec<f64>,
+    /// Upper end.
+    pub high: Vec<f64>,
+    /// Lower end of the interval in which a reading lies: law, slow part and reading error.
+    pub reading_low: Vec<f64>,
+    /// Upper end.
+    pub reading_high: Vec<f64>,
+}
+
+/// Draws of strain at times: of the law, and of a reading.
+pub(super) struct Paths {
+    pub(super) law: Vec<Vec<f64>>,
+    pub(super) reading: Vec<Vec<f64>>,
+}
+
+impl Fit {
+    /// Strain of the largest likelihood, m/m, of the curve with index `curve`.
+    pub fn strain(&self, curve: usize, time_s: &[f64]) -> Vec<f64> {
+        self.strain_of(&self.best, curve, time_s)
+    }
+
+    fn strain_of(&self, draw: &Draw, curve: usize, time_s: &[f64]) -> Vec<f64> {
+        let Some((block, place)) = self.model.blocks.iter().enumerate().find_map(|(b, block)| {
+            let place = block.members.iter().position(|m| *m == curve)?;
+            Some((b, place))
+        }) else {
+            return vec![f64::NAN; time_s.len()];
+        };
+        let beta = &draw.beta[block];
+        let shared = beta.len() - self.model.blocks[block].members.len();
+        let mut row = [0.0; 8];
+        time_s
+            .iter()
+            .map(|&t| {
+                let member = &self.model.curves[curve];
+                self.model.row(&draw.values, member, t, &mut row[..shared]);
+                let sum: f64 = row[..shared].iter().zip(beta).map(|(r, b)| r * b).sum();
+                (sum + beta[shared + place]) * self.model.scale
+            })
+            .collect()
+    }
+
+    /// Strain of the curve with index `curve` at rising times after its last reading.
+    pub fn forecast(&self, curve: usize, time_s: &[f64]) -> Forecast {
+        let paths = self.paths(curve, time_s);
+        Forecast::from_paths(time_s, &paths, self.level)
+    }
+
+    pub(super) fn paths(&self, curve: usize, time_s: &[f64]) -> Paths {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5eed);
+        let member = &self.model.curves[curve];
+        let end = member.time_s.last().copied().unwrap_or(0.0);
+        let mut filter = Filter::default();
+        let mut paths = Paths {
+            law: Vec::with_capacity(self.draws.len()),
+            reading: Vec::with_capacity(self.draws.len()),
+        };
+        for draw in &self.draws {
+            let law = self.strain_of(draw, curve, time_s);
+            // The slow part where the record ends, given this draw's law.
+            filter.prepare(&member.time_s, &member.count, draw.noise);
+            let mut left: Vec<f64> = self
+                .strain_of(draw, curve, &member.time_s)
+                .iter()
+                .zip(&member.strain)
+                .map(|(fitted, seen)| (seen - fitted) / self.model.scale)
+                .collect();
+            let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+            let mut slow =
+                filter.whiten(&mut left) + draw.sigma * filter.state_variance.sqrt() * normal();
+            let mut before = end;
+            let share = draw.noise.share;
+            let reading = law
+                .iter()
+                .zip(time_s)
+                .map(|(law, &t)| {
+                    let decay = (-(t - before).max(0.0) / draw.noise.memory_s).exp();
+                    before = t;
+                    slow = decay * slow
+                        + draw.sigma * (share * (1.0 - decay * decay)).sqrt() * normal();
+                    let own = draw.sigma * (1.0 - share).sqrt() * normal();
+                    law + (slow + own) * self.model.scale
+                })
+                .collect();
+            paths.law.push(law);
+            paths.reading.push(reading);
+        }
+        paths
+    }
+}
+
+impl Forecast {
+    pub(super) fn from_paths(time_s: &[f64], paths: &Paths, level: f64) -> Forecast {
+        let tail = 0.5 * (1.0 - level);
+        let at = |list: &[Vec<f64>], i: usize| {
+            let mut values: Vec<f64> = list.iter().map(|p| p[i]).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let mut forecast = Forecast {
+            time_s: time_s.to_vec(),
+            strain: Vec::new(),
+            low: Vec::new(),
+            high: Vec::new(),
+            reading_low: Vec::new(),
+            reading_high: Vec::new(),
+        };
+        for i in 0..time_s.len() {
+            let law = at(&paths.law, i);
+            let reading = at(&paths.reading, i);
+            forecast.strain.push(quantile(&law, 0.5));
+            forecast.low.push(quantile(&law, tail));
+            forecast.high.push(quantile(&law, 1.0 - tail));
+            forecast.reading_low.push(quantile(&reading, tail));
+            forecast.reading_high.push(quantile(&reading, 1.0 - tail));
+        }
+        forecast
+    }
+}
+
+/// Weights of fits of the same readings by Akaike's criterion; they sum to one.
+pub fn akaike_weights(fits: &[Fit]) -> Vec<f64> {
+    let least = fits.iter().map(|f| f.aicc).fold(f64::INFINITY, f64::min);
+    let raw: Vec<f64> = fits
+        .iter()
+        .map(|f| (-0.5 * (f.aicc - least)).exp())
+        .collect();
+    let sum: f64 = raw.iter().sum();
+    raw.iter().map(|w| w / sum).collect()
+}
+
+/// The forecasts of several laws as one, each with its Akaike weight: which law is right is then
+/// part of the interval.
+pub fn combined_forecast(fits: &[Fit], curve: usize, time_s: &[f64]) -> Forecast {
+    let weights = akaike_weights(fits);
+    let level = fits.first().map_or(0.95, |fit| fit.level);
+    let total = fits.iter().map(|f| f.draws.len()).max().unwrap_or(0);
+    let mut paths = Paths {
+        law: Vec::new(),
+        reading: Vec::new(),
+    };
+    for (fit, weight) in fits.iter().zip(weights) {
+        let take = (weight * total as f64).round() as usize;
+        if take == 0 {
+            continue;
+        }
+        let own = fit.paths(curve, time_s);
+        paths.law.extend(own.law.into_iter().take(take));
+        paths.reading.extend(own.reading.into_iter().take(take));
+    }
+    Forecast::from_paths(time_s, &paths, level)
+}

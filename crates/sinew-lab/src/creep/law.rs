@@ -1,0 +1,219 @@
+//! The laws a laboratory fits to creep: strain after one step of load, linear in all parameters
+//! but one or two.
+//!
+//! Every law gives functions of the time `t` since a step; the strain of a record is
+//! `ε(t) = ε₀ + Σ_k [f(F_k) − f(F_{k−1})] (J₀ + Σ_j c_j φ_j((t − t_k) a_T))`
+//! (Boltzmann's superposition; `f(F) = (F/F_ref)^p`, `a_T` the temperature's shift of time).
+
+use super::CreepError;
+
+/// Reference time of amplitudes that need one: one hour.
+pub const REFERENCE_S: f64 = 3600.0;
+
+/// A law of creep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// `b ln(1 + t/τ)`: every decade of time adds the same.
+    LogTime,
+    /// `m (t/1 h)^n`: Findley's power law.
+    Findley,
+    /// `ε̇ t + c (1 − exp(−t/τ))`: Maxwell and Kelvin elements in series; flow without end.
+    Burgers,
+    /// `Σ c_i (1 − exp(−t/τ_i))`, two elements: delayed elasticity that saturates.
+    KelvinVoigt,
+    /// `c (1 − exp(−(t/τ)^β))`: a continuous spectrum that saturates.
+    Stretched,
+    /// `s t`: a straight line, as the paper's `m_E`.
+    Line,
+}
+
+/// A parameter that enters nonlinearly, searched on a logarithmic or linear scale.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Symbol.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Searched by its logarithm.
+    pub logarithmic: bool,
+    /// Lower bound.
+    pub lower: f64,
+    /// Upper bound.
+    pub upper: f64,
+}
+
+impl Shape {
+    /// The value at a place between 0 and 1.
+    pub fn value(&self, place: f64) -> f64 {
+        if self.logarithmic {
+            (self.lower.ln() + place * (self.upper / self.lower).ln()).exp()
+        } else {
+            self.lower + place * (self.upper - self.lower)
+        }
+    }
+}
+
+/// Symbol, unit and sign of a coefficient that enters linearly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// Symbol.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Factor from strain as a ratio to that unit.
+    pub factor: f64,
+    /// May not be negative: a rope under load doesn't shorten by creep.
+    pub positive: bool,
+}
+
+const fn term(name: &'static str, unit: &'static str, factor: f64) -> Term {
+    Term {
+        name,
+        unit,
+        factor,
+        positive: true,
+    }
+}
+
+impl Law {
+    /// The laws of `creep fit`, in the order of its tables.
+    pub const ALL: [Law; 5] = [
+        Law::LogTime,
+        Law::Findley,
+        Law::Burgers,
+        Law::KelvinVoigt,
+        Law::Stretched,
+    ];
+
+    /// Name in options and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Law::LogTime => "log-time",
+            Law::Findley => "findley",
+            Law::Burgers => "burgers",
+            Law::KelvinVoigt => "kelvin-voigt",
+            Law::Stretched => "stretched",
+            Law::Line => "line",
+        }
+    }
+
+    /// Its equation.
+    pub fn equation(self) -> &'static str {
+        match self {
+            Law::LogTime => "ε₀ + b ln(1 + t/τ)",
+            Law::Findley => "ε₀ + m (t/1 h)^n",
+            Law::Burgers => "ε₀ + s t + c (1 − exp(−t/τ))",
+            Law::KelvinVoigt => "ε₀ + c₁ (1 − exp(−t/τ₁)) + c₂ (1 − exp(−t/τ₂))",
+            Law::Stretched => "ε₀ + c (1 − exp(−(t/τ)^β))",
+            Law::Line => "ε₀ + s t",
+        }
+    }
+
+    /// Whether some part of the strain stays when the load is taken away for ever.
+    pub fn flows(self) -> bool {
+        matches!(self, Law::Burgers | Law::Line)
+    }
+
+    /// Shape parameters with bounds that a record between `short_s` and `long_s` can speak about.
+    pub fn shapes(self, short_s: f64, long_s: f64) -> Vec<Shape> {
+        let time = |name, lower, upper| Shape {
+            name,
+            unit: "s",
+            logarithmic: true,
+            lower,
+            upper,
+        };
+        let number = |name, lower, upper| Shape {
+            name,
+            unit: "",
+            logarithmic: false,
+            lower,
+            upper,
+        };
+        match self {
+            // Below a tenth of the first reading τ only shifts ε₀, above the record it is a line.
+            Law::LogTime => vec![time("tau", 0.1 * short_s, 10.0 * long_s)],
+            Law::Findley => vec![number("n", 0.01, 1.0)],
+            Law::Burgers => vec![time("tau", 0.3 * short_s, 3.0 * long_s)],
+            Law::KelvinVoigt => vec![
+                time("tau_1", 0.3 * short_s, long_s),
+                // τ₂ as a multiple of τ₁, so that the two can't change places.
+                Shape {
+                    name: "tau_2/tau_1",
+                    unit: "",
+                    logarithmic: true,
+                    lower: 3.0,
+                    upper: 1000.0,
+                },
+            ],
+            Law::Stretched => vec![
+                time("tau", 0.3 * short_s, 1000.0 * long_s),
+                number("beta", 0.05, 1.0),
+            ],
+            Law::Line => Vec::new(),
+        }
+    }
+
+    /// Coefficients of a step of the reference load.
+    pub fn terms(self) -> &'static [Term] {
+        const LOG_TIME: &[Term] = &[term("b", "%", 100.0)];
+        const FINDLEY: &[Term] = &[term("m", "%", 100.0)];
+        const BURGERS: &[Term] = &[term("s", "%/h", 100.0), term("c", "%", 100.0)];
+        const KELVIN: &[Term] = &[term("c_1", "%", 100.0), term("c_2", "%", 100.0)];
+        const STRETCHED: &[Term] = &[term("c", "%", 100.0)];
+        const LINE: &[Term] = &[Term {
+            name: "s",
+            unit: "%/h",
+            factor: 100.0,
+            positive: false,
+        }];
+        match self {
+            Law::LogTime => LOG_TIME,
+            Law::Findley => FINDLEY,
+            Law::Burgers => BURGERS,
+            Law::KelvinVoigt => KELVIN,
+            Law::Stretched => STRETCHED,
+            Law::Line => LINE,
+        }
+    }
+
+    /// Functions `φ_j(t)` of the terms; zero before the step.
+    pub fn respond(self, shape: &[f64], t: f64, out: &mut [f64]) {
+        if t <= 0.0 {
+            out.fill(0.0);
+            return;
+        }
+        match self {
+            Law::LogTime => out[0] = (t / shape[0]).ln_1p(),
+            Law::Findley => out[0] = (t / REFERENCE_S).powf(shape[0]),
+            Law::Burgers => {
+                out[0] = t / REFERENCE_S;
+                out[1] = -(-t / shape[0]).exp_m1();
+            }
+            Law::KelvinVoigt => {
+                out[0] = -(-t / shape[0]).exp_m1();
+                out[1] = -(-t / (shape[0] * shape[1])).exp_m1();
+            }
+            Law::Stretched => out[0] = -(-(t / shape[0]).powf(shape[1])).exp_m1(),
+            Law::Line => out[0] = t / REFERENCE_S,
+        }
+    }
+}
+
+impl std::str::FromStr for Law {
+    type Err = CreepError;
+
+    fn from_str(text: &str) -> Result<Self, CreepError> {
+        Law::ALL
+            .into_iter()
+            .find(|law| law.name() == text)
+            .ok_or_else(|| {
+                let known: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
+                CreepError::Request(format!(
+                    "unknown law '{text}'; known are {}",
+                    known.join(", ")
+                ))
+            })
+    }
+}

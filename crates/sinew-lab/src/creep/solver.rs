@@ -1,0 +1,139 @@
+//! Least squares within bounds, behind a trait so that the library can be changed.
+
+use std::convert::Infallible;
+
+use basin::{
+    BoxBounds, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, Jacobian,
+    Residual, TerminationCode, TrustRegionReflective,
+};
+
+/// Residuals of a model whose parameters lie between 0 and 1.
+pub trait Residuals {
+    /// Number of parameters.
+    fn parameters(&self) -> usize;
+    /// Residuals at `x`; their number doesn't change.
+    fn residuals(&self, x: &[f64]) -> Vec<f64>;
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimum {
+    /// Parameters, each between 0 and 1.
+    pub x: Vec<f64>,
+    /// Half the sum of squares.
+    pub cost: f64,
+    /// Whether the search ended by its own criterion and not by its budget.
+    pub converged: bool,
+}
+
+/// A search for the least squares within the unit box.
+pub trait LeastSquares {
+    /// Searches from `start`.
+    fn minimum(&self, problem: &dyn Residuals, start: &[f64]) -> Minimum;
+}
+
+/// Trust region reflective (Branch, Coleman and Li, SIAM J. Sci. Comput. 21, 1999), from `basin`.
+#[derive(Debug, Clone, Copy)]
+pub struct TrustRegion {
+    /// Most steps.
+    pub steps: u64,
+}
+
+impl Default for TrustRegion {
+    fn default() -> Self {
+        Self { steps: 60 }
+    }
+}
+
+struct Adapter<'a> {
+    problem: &'a dyn Residuals,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+}
+
+impl Constraints for Adapter<'_> {
+    type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
+
+    fn constraints(&self) -> <Self::Set as ConstraintDescription>::Borrowed<'_> {
+        ConstraintSet::new().with_bounds(BoxBounds::new(Some(&self.lower), Some(&self.upper)))
+    }
+}
+
+impl Residual for Adapter<'_> {
+    type Param = Vec<f64>;
+    type Output = Vec<f64>;
+    type Error = Infallible;
+
+    fn residual(&self, x: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
+        Ok(self.problem.residuals(x))
+    }
+}
+
+impl Jacobian for Adapter<'_> {
+    type Jacobian = DenseMatrix;
+
+    fn jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
+        /// Step of the differences: the cube root of the rounding error balances truncation.
+        const STEP: f64 = 6e-6;
+        let n = x.len();
+        let mut at = x.clone();
+        let columns: Vec<Vec<f64>> = (0..n)
+            .map(|j| {
+                let (low, high) = ((x[j] - STEP).max(0.0), (x[j] + STEP).min(1.0));
+                at[j] = high;
+                let up = self.problem.residuals(&at);
+                at[j] = low;
+                let down = self.problem.residuals(&at);
+                at[j] = x[j];
+                up.iter()
+                    .zip(&down)
+                    .map(|(u, d)| (u - d) / (high - low))
+                    .collect()
+            })
+            .collect();
+        let rows = columns.first().map_or(0, Vec::len);
+        let mut flat = Vec::with_capacity(rows * n);
+        for i in 0..rows {
+            flat.extend(columns.iter().map(|column| column[i]));
+        }
+        Ok(DenseMatrix::from_row_slice(rows, n, &flat))
+    }
+}
+
+impl LeastSquares for TrustRegion {
+    fn minimum(&self, problem: &dyn Residuals, start: &[f64]) -> Minimum {
+        let n = start.len();
+        let cost = |x: &[f64]| 0.5 * problem.residuals(x).iter().map(|r| r * r).sum::<f64>();
+        if n == 0 {
+            return Minimum {
+                x: Vec::new(),
+                cost: cost(&[]),
+                converged: true,
+            };
+        }
+        let adapter = Adapter {
+            problem,
+            lower: vec![0.0; n],
+            upper: vec![1.0; n],
+        };
+        let solver = TrustRegionReflective::new()
+            .with_relative_cost_change_tolerance(1e-10)
+            .with_relative_step_tolerance(1e-8);
+        let run = Executor::from_start(adapter, solver, start.to_vec())
+            .max_iter(self.steps)
+            .run();
+        let Ok(result) = run else {
+            return Minimum {
+                x: start.to_vec(),
+                cost: cost(start),
+                converged: false,
+            };
+        };
+        let code = result.report.code();
+        Minimum {
+            x: result.param().clone(),
+            cost: result.cost(),
+            converged: code != TerminationCode::SolverFailed && code != TerminationCode::MaxIter,
+        }
+    }
+}

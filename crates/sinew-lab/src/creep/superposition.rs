@@ -1,0 +1,241 @@
+//! Time–temperature superposition: curves at several temperatures, shifted along the logarithm
+//! of time until they lie on one another.
+
+use super::CreepError;
+
+/// A property over time at one temperature.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Isotherm {
+    /// Temperature, °C.
+    pub temperature_c: f64,
+    /// Times, s, positive.
+    pub time_s: Vec<f64>,
+    /// Strain, compliance or modulus, positive.
+    pub value: Vec<f64>,
+}
+
+/// The shift of one isotherm.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Shift {
+    /// Temperature, °C.
+    pub temperature_c: f64,
+    /// Decadic logarithm of a_T: time at the reference is time here divided by a_T.
+    pub log10_a_t: f64,
+    /// Standard error from the mismatch of the overlap, decades; grows along the chain.
+    pub std_error: f64,
+    /// Decades of the property's logarithm in common with the neighbour nearer the reference,
+    /// as a share of this isotherm's own range; without overlap the shift is a guess.
+    pub overlap: f64,
+}
+
+/// Shift factors and what they follow.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Superposition {
+    /// Temperature that isn't shifted, °C.
+    pub reference_c: f64,
+    /// Shifts by rising temperature.
+    pub shifts: Vec<Shift>,
+    /// Activation energy of an Arrhenius line, kJ/mol, and its RMS misfit in decades.
+    pub arrhenius: Option<(f64, f64)>,
+    /// C₁ and C₂ (K) of Williams, Landel and Ferry over temperatures from the reference up, and
+    /// the RMS misfit in decades.
+    pub wlf: Option<(f64, f64, f64)>,
+}
+
+/// Shifts isotherms onto the one nearest to `reference_c`, neighbour by neighbour.
+///
+/// The shift between neighbours is the mean horizontal distance of their curves over the values
+/// they have in common, both drawn as straight lines through the readings on double logarithmic
+/// axes. Where they have nothing in common their ends are continued by the slope of the last
+/// third.
+///
+/// # Errors
+/// [`CreepError::Request`] with fewer than two temperatures or a reading that isn't positive.
+pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superposition, CreepError> {
+    let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for isotherm in isotherms {
+        let points: Vec<(f64, f64)> = isotherm
+            .time_s
+            .iter()
+            .zip(&isotherm.value)
+            .map(|(t, v)| (t.log10(), v.log10()))
+            .collect();
+        if points.len() < 3 || points.iter().any(|(t, v)| !t.is_finite() || !v.is_finite()) {
+            return Err(CreepError::Request(format!(
+                "the isotherm at {:.1} °C needs at least three readings with positive time and value",
+                isotherm.temperature_c
+            )));
+        }
+        let mut points = points;
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curves.push((isotherm.temperature_c, points));
+    }
+    curves.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if curves.len() < 2 || curves[curves.len() - 1].0 - curves[0].0 < 1.0 {
+        return Err(CreepError::Request(
+            "superposition needs at least two temperatures more than 1 K apart".to_owned(),
+        ));
+    }
+    // Does the property fall (modulus) or rise (strain) with time? All curves vote.
+    let rise: f64 = curves.iter().map(|(_, p)| p[p.len() - 1].1 - p[0].1).sum();
+    let sign = if rise < 0.0 { -1.0 } else { 1.0 };
+    let rising: Vec<Vec<(f64, f64)>> = curves
+        .iter()
+        .map(|(_, p)| monotone(&p.iter().map(|(t, v)| (*t, sign * v)).collect::<Vec<_>>()))
+        .collect();
+    let reference = (0..curves.len())
+        .min_by(|a, b| {
+            let apart = |i: usize| (curves[i].0 - reference_c).abs();
+            apart(*a).total_cmp(&apart(*b))
+        })
+        .unwrap_or(0);
+    let mut shifts: Vec<Shift> = curves
+        .iter()
+        .map(|(temperature_c, _)| Shift {
+            temperature_c: *temperature_c,
+            log10_a_t: 0.0,
+            std_error: 0.0,
+            overlap: 1.0,
+        })
+        .collect();
+    let chain = (reference + 1..curves.len())
+        .map(|i| (i - 1, i))
+        .chain((0..reference).rev().map(|i| (i + 1, i)));
+    for (near, far) in chain {
+        let (distance, error, overlap) = distance(&rising[near], &rising[far]);
+        // A curve that reaches the same value earlier by d decades has log a_T smaller by d.
+        shifts[far].log10_a_t = shifts[near].log10_a_t + distance;
+        shifts[far].std_error = shifts[near].std_error.hypot(error);
+        shifts[far].overlap = overlap;
+    }
+    let reference_c = curves[reference].0;
+    Ok(Superposition {
+        reference_c,
+        arrhenius: arrhenius(&shifts, reference_c),
+        wlf: wlf(&shifts, reference_c),
+        shifts,
+    })
+}
+
+/// Pools neighbours until values rise with time (isotonic regression): noise has no inverse.
+fn monotone(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut pools: Vec<(f64, f64, f64)> = Vec::new();
+    for &(t, v) in points {
+        pools.push((t, v, 1.0));
+        while pools.len() > 1 {
+            let (b, a) = (pools[pools.len() - 1], pools[pools.len() - 2]);
+            if b.1 > a.1 {
+                break;
+            }
+            let w = a.2 + b.2;
+            pools.pop();
+            pools.pop();
+            pools.push(((a.0 * a.2 + b.0 * b.2) / w, (a.1 * a.2 + b.1 * b.2) / w, w));
+        }
+    }
+    pools.into_iter().map(|(t, v, _)| (t, v)).collect()
+}
+
+/// Time at which a rising curve has a value, continued by its slope at the ends.
+fn inverse(points: &[(f64, f64)], v: f64) -> f64 {
+    let n = points.len();
+    if n < 2 {
+        return points[0].0;
+    }
+    let third = (n / 3).max(1);
+    let (a, b) = if v <= points[0].1 {
+        (points[0], points[third])
+    } else if v >= points[n - 1].1 {
+        (points[n - 1 - third], points[n - 1])
+    } else {
+        let i = points.partition_point(|p| p.1 < v).max(1);
+        (points[i - 1], points[i])
+    };
+    a.0 + (v - a.1) * (b.0 - a.0) / (b.1 - a.1).max(1e-12)
+}
+
+/// Mean of t_far(v) − t_near(v) over common values, its standard error, and the overlap.
+fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
+    /// Places at which the curves are compared.
+    const PLACES: usize = 41;
+    let low = near[0].1.max(far[0].1);
+    let high = near[near.len() - 1].1.min(far[far.len() - 1].1);
+    let own = (far[far.len() - 1].1 - far[0].1).max(1e-12);
+    let overlap = ((high - low) / own).clamp(0.0, 1.0);
+    let (low, high) = if high > low { (low, high) } else { (high, low) };
+    let gaps: Vec<f64> = (0..PLACES)
+        .map(|i| {
+            let v = low + (high - low) * (i as f64 + 0.5) / PLACES as f64;
+            inverse(far, v) - inverse(near, v)
+        })
+        .collect();
+    let mean = gaps.iter().sum::<f64>() / PLACES as f64;
+    let variance = gaps.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (PLACES - 1) as f64;
+    // As many independent comparisons as the shorter curve has readings in common.
+    let inside = far
+        .iter()
+        .filter(|p| p.1 >= low && p.1 <= high)
+        .count()
+        .max(1);
+    (mean, (variance / inside as f64).sqrt(), overlap)
+}
+
+fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64)> {
+    /// R ln 10 / 1000: kJ/(mol K) per decade.
+    const GAS_DECADE: f64 = 8.314_462_618e-3 * std::f64::consts::LN_10;
+    let x = |t: f64| (1.0 / (t + 273.15) - 1.0 / (reference_c + 273.15)) / GAS_DECADE;
+    let xx: f64 = shifts.iter().map(|s| x(s.temperature_c).powi(2)).sum();
+    let xy: f64 = shifts
+        .iter()
+        .map(|s| x(s.temperature_c) * s.log10_a_t)
+        .sum();
+    let energy = xy / xx;
+    let rms = (shifts
+        .iter()
+        .map(|s| (s.log10_a_t - energy * x(s.temperature_c)).powi(2))
+        .sum::<f64>()
+        / shifts.len() as f64)
+        .sqrt();
+    energy.is_finite().then_some((energy, rms))
+}
+
+/// `log a_T = −C₁ ΔT/(C₂ + ΔT)`: for every C₂ the best C₁ is linear; C₂ by golden section.
+fn wlf(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64, f64)> {
+    let above: Vec<(f64, f64)> = shifts
+        .iter()
+        .map(|s| (s.temperature_c - reference_c, s.log10_a_t))
+        .filter(|(d, _)| *d >= 0.0)
+        .collect();
+    if above.len() < 4 {
+        return None;
+    }
+    let solve = |log_c2: f64| {
+        let c2 = log_c2.exp();
+        let (mut xx, mut xy) = (0.0, 0.0);
+        for (d, a) in &above {
+            let x = -d / (c2 + d);
+            xx += x * x;
+            xy += x * a;
+        }
+        let c1 = xy / xx;
+        let left: f64 = above
+            .iter()
+            .map(|(d, a)| (a + c1 * d / (c2 + d)).powi(2))
+            .sum();
+        (c1, (left / above.len() as f64).sqrt())
+    };
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (1.0_f64.ln(), 1000.0_f64.ln());
+    for _ in 0..80 {
+        let a = high - golden * (high - low);
+        let b = low + golden * (high - low);
+        if solve(a).1 < solve(b).1 {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let place = 0.5 * (low + high);
+    let (c1, rms) = solve(place);
+    c1.is_finite().then_some((c1, place.exp(), rms))
+}

@@ -1,0 +1,39 @@
+//! A table before anybody knows what its columns mean.
+
+/// A cell as found.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cell {
+    Empty,
+    Number(f64),
+    Text(String),
+}
+
+impl Cell {
+    pub(super) fn is_text(&self) -> bool {
+        matches!(self, Cell::Text(_))
+    }
+
+    pub(super) fn is_number(&self) -> bool {
+        matches!(self, Cell::Number(_))
+    }
+
+    pub(super) fn text(&self) -> String {
+        match self {
+            Cell::Empty => String::new(),
+            Cell::Number(value) => format!("{value}"),
+            Cell::Text(text) => text.trim().to_owned(),
+        }
+    }
+}
+
+/// Rows of cells, each with its place for messages.
+#[derive(Debug, Default)]
+pub(super) struct Table {
+    /// Sheet, or empty.
+    pub(super) title: String,
+    pub(super) rows: Vec<Vec<Cell>>,
+    /// Line (text), row (workbook, from one) of each row.
+    pub(super) places: Vec<u64>,
+    /// What was repaired while reading.
+    pub(super) notes: Vec<String>,
+}

@@ -1,0 +1,67 @@
+//! Parquet as cells: names in the first row.
+
+use bytes::Bytes;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+
+use super::cells::{Cell, Table};
+use crate::error::LogError;
+
+pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Vec<Table>, LogError> {
+    let refuse = |reason: String| LogError::NotARecording {
+        file: file.to_owned(),
+        reason,
+    };
+    // The library's decoders may panic on damaged pages.
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes)))
+        .map_err(|_| refuse("its pages are damaged".to_owned()))?
+        .map(|table| vec![table])
+        .map_err(|error| refuse(format!("not readable as Parquet: {error}")))
+}
+
+fn cells(bytes: Vec<u8>) -> Result<Table, ParquetError> {
+    let reader = SerializedFileReader::new(Bytes::from(bytes))?;
+    let names: Vec<Cell> = reader
+        .metadata()
+        .file_metadata()
+        .schema()
+        .get_fields()
+        .iter()
+        .map(|field| Cell::Text(field.name().to_owned()))
+        .collect();
+    let mut table = Table {
+        rows: vec![names],
+        places: vec![0],
+        ..Table::default()
+    };
+    for (index, row) in reader.get_row_iter(None)?.enumerate() {
+        table.rows.push(
+            row?.get_column_iter()
+                .map(|(_, field)| cell(field))
+                .collect(),
+        );
+        table.places.push(index as u64 + 1);
+    }
+    Ok(table)
+}
+
+fn cell(field: &Field) -> Cell {
+    match field {
+        Field::Null => Cell::Empty,
+        Field::Byte(value) => Cell::Number(f64::from(*value)),
+        Field::Short(value) => Cell::Number(f64::from(*value)),
+        Field::Int(value) => Cell::Number(f64::from(*value)),
+        Field::Long(value) => Cell::Number(*value as f64),
+        Field::UByte(value) => Cell::Number(f64::from(*value)),
+        Field::UShort(value) => Cell::Number(f64::from(*value)),
+        Field::UInt(value) => Cell::Number(f64::from(*value)),
+        Field::ULong(value) => Cell::Number(*value as f64),
+        Field::Float(value) => Cell::Number(f64::from(*value)),
+        Field::Double(value) => Cell::Number(*value),
+        Field::TimestampMillis(value) => Cell::Number(*value as f64 * 1e-3),
+        Field::TimestampMicros(value) => Cell::Number(*value as f64 * 1e-6),
+        Field::Str(text) => Cell::Text(text.clone()),
+        other => Cell::Text(other.to_string()),
+    }
+}

@@ -1,0 +1,152 @@
+//! Test files: dialects that laboratories write, and what is refused.
+
+use sinew_log::{LogError, TestOptions, TestQuantity, read_test, read_test_bytes};
+use std::path::Path;
+
+fn read(text: &str) -> Result<sinew_log::TestFile, LogError> {
+    read_test_bytes(text.as_bytes().to_vec(), "t.csv", &TestOptions::default())
+}
+
+fn refusal(text: &str) -> String {
+    match read(text) {
+        Ok(file) => panic!("read as {:?}", file.columns),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn a_german_export_with_its_head_and_units_below_reads_in_si() {
+    let text = "Prüfung;Zugkriechversuch\nL0 (mm);350,0\nSeil;DC000-0301\n\nPrüfzeit;Standardkraft;Standardweg\ns;N;mm\n0,0;1,5;0,000\n1,5;60,0;0,700\n";
+    let file = read(text).unwrap();
+    assert_eq!(file.specimens.len(), 1);
+    let s = &file.specimens[0];
+    assert_eq!(s.name, "t");
+    assert_eq!(s.column(TestQuantity::Time), Some(&[0.0, 1.5][..]));
+    assert_eq!(s.column(TestQuantity::Force), Some(&[1.5, 60.0][..]));
+    let elongation = s.column(TestQuantity::Elongation).unwrap();
+    assert!((elongation[1] - 0.7e-3).abs() < 1e-18);
+    let length = s.constant(TestQuantity::GaugeLength).unwrap();
+    assert!((length - 0.35).abs() < 1e-15);
+    assert_eq!(s.attribute("Seil"), Some("DC000-0301"));
+}
+
+#[test]
+fn units_are_read_in_every_customary_place() {
+    for header in [
+        "time_min,force_daN,strain_percent",
+        "Time (min),Force [daN],Strain (%)",
+        "t / min,F / daN,epsilon / %",
+        "\"Time, min\",\"Load, daN\",\"Strain, %\"",
+    ] {
+        let file = read(&format!("{header}\n0,0,0\n2,6,0.5\n")).unwrap();
+        let s = &file.specimens[0];
+        assert_eq!(s.column(TestQuantity::Time).unwrap()[1], 120.0, "{header}");
+        assert_eq!(s.column(TestQuantity::Force).unwrap()[1], 60.0, "{header}");
+        let strain = s.column(TestQuantity::Strain).unwrap()[1];
+        assert!((strain - 0.005).abs() < 1e-17, "{header}");
+    }
+}
+
+#[test]
+fn specimens_are_told_apart_by_name_and_by_a_clock_that_starts_anew() {
+    let file = read(
+        "time_s,strain_1,rope,no\n0,0,a,1\n9,1e-3,a,1\n0,0,b,1\n9,2e-3,b,1\n0,0,b,1\n9,3e-3,b,1\n",
+    )
+    .unwrap();
+    let names: Vec<&str> = file.specimens.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "b #2"]);
+    assert_eq!(file.specimens[2].attribute("no"), Some("1"));
+    // Latest first is one specimen too.
+    let file = read("time_s,strain_1\n9,3e-3\n5,2e-3\n1,1e-3\n").unwrap();
+    assert_eq!(file.specimens.len(), 1);
+    // A small step back is the recording's fault and stays in the specimen.
+    let file = read("time_s,strain_1\n0,0\n9,1e-3\n8,1e-3\n10,1e-3\n").unwrap();
+    assert_eq!(file.specimens.len(), 1);
+}
+
+#[test]
+fn a_unit_is_never_guessed_where_it_changes_the_numbers() {
+    assert!(refusal("time_s,force,strain_1\n0,0,0\n1,1,1\n").contains("force=force:N"));
+    assert!(refusal("time,force_N,strain_1\n0,0,0\n1,1,1\n").contains("time=time:s"));
+    assert!(refusal("time_s,force (mm),strain_1\n0,0,0\n1,1,1\n").contains("can't be one"));
+    assert!(
+        refusal("time_s,force (stone),strain_1\n0,0,0\n1,1,1\n").contains("unknown unit 'stone'")
+    );
+    let file = read("time_s,strain\n0,0\n1,1e-3\n").unwrap();
+    assert!(
+        file.notes[0].contains("taken as a ratio"),
+        "{:?}",
+        file.notes
+    );
+}
+
+#[test]
+fn what_is_no_test_is_refused_with_its_place() {
+    assert!(refusal("a_s,b\n0,0\n1,1\n").contains("no column is a time"));
+    assert!(refusal("time_s,force_N\n0,0\n1,1\n").contains("no column is an elongation"));
+    assert!(refusal("time_s,strain_1\n0,0\n1,oops\n2,0\n").contains("line 3, column 'strain_1'"));
+    assert!(refusal("1,2\n3,4\n").contains("no header"));
+    assert!(refusal("").contains("empty"));
+    assert!(read("time_s,strain_1\n0,0\n1,1e-3\n2,oops").unwrap().notes[0].contains("cut off"));
+    let old = read_test_bytes(
+        b"\xd0\xcf\x11\xe0aaaaaaaa".to_vec(),
+        "a.xls",
+        &TestOptions::default(),
+    );
+    assert!(old.unwrap_err().to_string().contains(".xlsx"));
+    for damaged in [&b"PK\x03\x04rubbish"[..], b"PAR1rubbishPAR1", b"\0\0\0"] {
+        assert!(read_test_bytes(damaged.to_vec(), "x", &TestOptions::default()).is_err());
+    }
+}
+
+#[test]
+fn choices_win_over_headers_and_wrong_ones_name_the_nearest() {
+    let mut options = TestOptions {
+        columns: vec![
+            "time=clock:min".parse().unwrap(),
+            "strain=gauge_a:%".parse().unwrap(),
+        ],
+        ..TestOptions::default()
+    };
+    let text = b"clock,gauge_a,strain_1\n0,0,7\n1,2,7\n".to_vec();
+    let file = read_test_bytes(text.clone(), "t.csv", &options).unwrap();
+    assert_eq!(
+        file.specimens[0].column(TestQuantity::Time).unwrap()[1],
+        60.0
+    );
+    assert_eq!(
+        file.specimens[0].column(TestQuantity::Strain).unwrap()[1],
+        0.02
+    );
+    options.columns[0].column = "clok".to_owned();
+    let error = read_test_bytes(text, "t.csv", &options)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("did you mean 'clock'"), "{error}");
+    assert!("force=a:stone".parse::<sinew_log::ColumnChoice>().is_err());
+    assert!("weight=a".parse::<sinew_log::ColumnChoice>().is_err());
+}
+
+#[test]
+fn all_204_spruce_tests_are_told_apart() {
+    let shared = std::env::var_os("SINEW_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        Into::into,
+    );
+    let path = shared.join("data/creep/ferrara_wittel_spruce_creep/ve_creep_all.csv");
+    if !path.exists() {
+        eprintln!("SKIPPED: {} is not there", path.display());
+        return;
+    }
+    let file = read_test(&path, &TestOptions::default()).unwrap();
+    assert_eq!(file.specimens.len(), 204);
+    assert_eq!(
+        file.specimens.iter().map(|s| s.lines.len()).sum::<usize>(),
+        4713
+    );
+    let first = &file.specimens[0];
+    assert_eq!(first.constant(TestQuantity::Force), Some(133.0));
+    assert_eq!(first.constant(TestQuantity::Humidity), Some(30.0));
+    let hour = first.column(TestQuantity::Time).unwrap()[1] / 3600.0;
+    assert!((hour - 0.008_333_333_3).abs() < 1e-15);
+}
