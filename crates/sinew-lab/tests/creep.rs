@@ -116,7 +116,7 @@ fn criteria_choose_the_law_that_made_the_data_and_its_forecast_covers_the_next_d
             2e-3 + 3e-4 * t / 3600.0 + 8e-4 * (1.0 - (-t / 300.0_f64).exp())
         }),
     ];
-    const DRAWS: u64 = 40;
+    const DRAWS: u64 = 100;
     let time = times(60, 5100.0);
     let later: Vec<f64> = (1..=10).map(|i| 5100.0 * f64::from(i)).collect();
     for (maker, truth) in makers {
@@ -149,13 +149,14 @@ fn criteria_choose_the_law_that_made_the_data_and_its_forecast_covers_the_next_d
                     forecast.low[i] <= truth(later[i]) && truth(later[i]) <= forecast.high[i]
                 })
                 .count();
-            (best.law == maker, covered == later.len() || covered >= 9)
+            (best.law == maker, covered as f64 / later.len() as f64)
         });
         let chosen = outcome.iter().filter(|o| o.0).count();
-        let covered = outcome.iter().filter(|o| o.1).count();
+        let covered = outcome.iter().map(|o| o.1).sum::<f64>() / DRAWS as f64;
         println!(
-            "{}: chosen {chosen}/{DRAWS}, next decade covered {covered}/{DRAWS}",
-            maker.name()
+            "{}: chosen {chosen}/{DRAWS}, next decade covered {:.1} %",
+            maker.name(),
+            100.0 * covered
         );
         // AICc keeps a needless parameter in about one case of ten.
         assert!(
@@ -163,8 +164,8 @@ fn criteria_choose_the_law_that_made_the_data_and_its_forecast_covers_the_next_d
             "{} chosen {chosen}",
             maker.name()
         );
-        // A 95 % interval that held in fewer than 34 of 40 would be wrong at a level of 0.3 %.
-        assert!(covered >= 34, "{} covered {covered}", maker.name());
+        // Points of one forecast stand and fall together: the error of 100 draws is 2.2 %.
+        assert!(covered >= 0.885, "{} covered {covered}", maker.name());
     }
 }
 
@@ -473,16 +474,23 @@ fn published_shift_factors_are_met() {
         });
         let apart = shift.log10_a_t - near.unwrap().1;
         println!(
-            "{:7.1} °C  {:8.3}  published {:8.3}  apart {apart:+.3}  overlap {:.2}",
+            "{:7.1} °C  {:8.3} ± {:.3}  published {:8.3}  apart {apart:+.3}  overlap {:.2}",
             shift.temperature_c,
             shift.log10_a_t,
             near.unwrap().1,
             shift.overlap
         );
-        worst = worst.max(apart.abs());
+        // In the glass below −45 °C the modulus changes by a hundredth per decade and a shift is
+        // hardly told: there its own error, 0.3 decades, is the measure.
+        if shift.temperature_c > -45.0 {
+            worst = worst.max(apart.abs());
+        } else {
+            assert!(apart.abs() < 4.0 * shift.std_error, "{shift:?}");
+        }
     }
-    // Over 29 decades; the other program minimises a different distance, 21 links of a chain.
-    assert!(worst < 0.6, "{worst}");
+    // Of 28.6 decades: half a decade over the 20 links of a chain that the other program joined
+    // by another criterion (power laws over the overlap).
+    assert!(worst < 0.5, "{worst}");
 }
 
 #[test]

@@ -38,6 +38,8 @@ enum Command {
     #[command(subcommand)]
     Rope(commands::rope::Rope),
     #[command(subcommand)]
+    Creep(commands::creep::Creep),
+    #[command(subcommand)]
     Robot(commands::robot::Robot),
     #[command(subcommand)]
     Log(commands::log::Log),
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Simulate(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Rope(command) => command.run(),
+        Command::Creep(command) => command.run(),
         Command::Robot(command) => command.run(),
         Command::Log(command) => command.run(),
     };

@@ -537,7 +537,8 @@ fn steps(
         let mut steps: Vec<(f64, f64)> = Vec::new();
         let mut level = 0.0;
         for i in 0..time.len() {
-            let now = (force[i] - preload) / reference;
+            // The strain counts from the preload, so the load does too.
+            let now = (force[i] - preload) / (reference - preload);
             if (now - level).abs() > band {
                 // A change between two readings happened half way.
                 let at = if i > 0 {

@@ -15,7 +15,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) const FULL: Plan = Plan {
         burn_in: 100,
-        rounds: 120,
+        rounds: 180,
         thinning: 6,
     };
 }
@@ -33,7 +33,7 @@ pub(super) fn ensemble(
     if d == 0 {
         return vec![Vec::new()];
     }
-    let walkers = (6 * d).max(16).next_multiple_of(2);
+    let walkers = (6 * d).max(24).next_multiple_of(2);
     // Half of the walkers start near the optimum, half anywhere in the box: an optimum on a bound
     // or a second one is then not missed.
     let mut places: Vec<Vec<f64>> = (0..walkers)

@@ -2,6 +2,7 @@
 //! of time until they lie on one another.
 
 use super::CreepError;
+use super::linear;
 
 /// A property over time at one temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,10 +45,8 @@ pub struct Superposition {
 
 /// Shifts isotherms onto the one nearest to `reference_c`, neighbour by neighbour.
 ///
-/// The shift between neighbours is the mean horizontal distance of their curves over the values
-/// they have in common, both drawn as straight lines through the readings on double logarithmic
-/// axes. Where they have nothing in common their ends are continued by the slope of the last
-/// third.
+/// The shift between neighbours is the one at which a single parabola, on double logarithmic
+/// axes, fits both best.
 ///
 /// # Errors
 /// [`CreepError::Request`] with fewer than two temperatures or a reading that isn't positive.
@@ -81,7 +80,7 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     let sign = if rise < 0.0 { -1.0 } else { 1.0 };
     let rising: Vec<Vec<(f64, f64)>> = curves
         .iter()
-        .map(|(_, p)| monotone(&p.iter().map(|(t, v)| (*t, sign * v)).collect::<Vec<_>>()))
+        .map(|(_, p)| p.iter().map(|(t, v)| (*t, sign * v)).collect())
         .collect();
     let reference = (0..curves.len())
         .min_by(|a, b| {
@@ -117,67 +116,53 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     })
 }
 
-/// Pools neighbours until values rise with time (isotonic regression): noise has no inverse.
-fn monotone(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut pools: Vec<(f64, f64, f64)> = Vec::new();
-    for &(t, v) in points {
-        pools.push((t, v, 1.0));
-        while pools.len() > 1 {
-            let (b, a) = (pools[pools.len() - 1], pools[pools.len() - 2]);
-            if b.1 > a.1 {
-                break;
-            }
-            let w = a.2 + b.2;
-            pools.pop();
-            pools.pop();
-            pools.push(((a.0 * a.2 + b.0 * b.2) / w, (a.1 * a.2 + b.1 * b.2) / w, w));
-        }
-    }
-    pools.into_iter().map(|(t, v, _)| (t, v)).collect()
-}
-
-/// Time at which a rising curve has a value, continued by its slope at the ends.
-fn inverse(points: &[(f64, f64)], v: f64) -> f64 {
-    let n = points.len();
-    if n < 2 {
-        return points[0].0;
-    }
-    let third = (n / 3).max(1);
-    let (a, b) = if v <= points[0].1 {
-        (points[0], points[third])
-    } else if v >= points[n - 1].1 {
-        (points[n - 1 - third], points[n - 1])
-    } else {
-        let i = points.partition_point(|p| p.1 < v).max(1);
-        (points[i - 1], points[i])
-    };
-    a.0 + (v - a.1) * (b.0 - a.0) / (b.1 - a.1).max(1e-12)
-}
-
-/// Mean of t_far(v) − t_near(v) over common values, its standard error, and the overlap.
+/// Shift of `far` against `near` in decades, its standard error, and how far values overlap.
+///
+/// The shift at which one parabola, on double logarithmic axes, goes through both best. All
+/// readings count at every shift, so a short overlap is not preferred; the error follows from how
+/// sharply the misfit rises.
 fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
-    /// Places at which the curves are compared.
-    const PLACES: usize = 41;
+    /// Neighbours farther apart have no place in one chain.
+    const MOST_DECADES: f64 = 8.0;
+    const STEPS: i32 = 800;
     let low = near[0].1.max(far[0].1);
     let high = near[near.len() - 1].1.min(far[far.len() - 1].1);
     let own = (far[far.len() - 1].1 - far[0].1).max(1e-12);
     let overlap = ((high - low) / own).clamp(0.0, 1.0);
-    let (low, high) = if high > low { (low, high) } else { (high, low) };
-    let gaps: Vec<f64> = (0..PLACES)
-        .map(|i| {
-            let v = low + (high - low) * (i as f64 + 0.5) / PLACES as f64;
-            inverse(far, v) - inverse(near, v)
-        })
-        .collect();
-    let mean = gaps.iter().sum::<f64>() / PLACES as f64;
-    let variance = gaps.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (PLACES - 1) as f64;
-    // As many independent comparisons as the shorter curve has readings in common.
-    let inside = far
-        .iter()
-        .filter(|p| p.1 >= low && p.1 <= high)
-        .count()
-        .max(1);
-    (mean, (variance / inside as f64).sqrt(), overlap)
+    let misfit = |d: f64| {
+        let n = near.len() + far.len();
+        let (x, mut y): (Vec<f64>, Vec<f64>) = near
+            .iter()
+            .copied()
+            .chain(far.iter().map(|(t, v)| (t - d, *v)))
+            .unzip();
+        let mut columns = vec![1.0; n];
+        columns.extend(&x);
+        columns.extend(x.iter().map(|x| x * x));
+        linear::solve(&mut columns, &mut y, &[false; 3]).squares
+    };
+    let step = MOST_DECADES / f64::from(STEPS);
+    let best = (-STEPS..=STEPS)
+        .map(|i| step * f64::from(i))
+        .min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)))
+        .unwrap_or(0.0);
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut from, mut to) = (best - step, best + step);
+    for _ in 0..60 {
+        let a = to - golden * (to - from);
+        let b = from + golden * (to - from);
+        if misfit(a) < misfit(b) {
+            to = b;
+        } else {
+            from = a;
+        }
+    }
+    let d = 0.5 * (from + to);
+    let bend = (misfit(d + step) - 2.0 * misfit(d) + misfit(d - step)) / (step * step);
+    // Three coefficients and the shift are fitted.
+    let free = (near.len() + far.len()).saturating_sub(4).max(1) as f64;
+    let error = (2.0 * misfit(d) / free / bend.max(1e-300)).sqrt();
+    (d, error, overlap)
 }
 
 fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64)> {

@@ -97,31 +97,14 @@ pub struct Coverage {
     pub end_half_width_percent: f64,
 }
 
-/// Withholds from many curves, on all processors, and counts per law.
-pub fn withhold_all(curves: &[Curve], share: f64, options: &FitOptions) -> Vec<Coverage> {
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let mut rows: Vec<_> = std::thread::scope(|scope| {
-        let handles: Vec<_> = (0..workers)
-            .map(|_| {
-                scope.spawn(|| {
-                    let mut done = Vec::new();
-                    loop {
-                        let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                        let Some(curve) = curves.get(index) else {
-                            return done;
-                        };
-                        done.push((index, withhold(curve, share, options)));
-                    }
-                })
-            })
-            .collect();
-        handles
-            .into_iter()
-            .flat_map(|handle| handle.join().unwrap_or_default())
-            .collect()
-    });
-    rows.sort_by_key(|row| row.0);
+/// Withholds from many curves, on all processors, and counts per law; `done` is told how many.
+pub fn withhold_all(
+    curves: &[Curve],
+    share: f64,
+    options: &FitOptions,
+    done: impl Fn(usize) + Sync,
+) -> Vec<Coverage> {
+    let rows = super::parallel::each(curves, |curve| withhold(curve, share, options), done);
     Law::ALL
         .iter()
         .map(|law| law.name())
@@ -129,12 +112,12 @@ pub fn withhold_all(curves: &[Curve], share: f64, options: &FitOptions) -> Vec<C
         .map(|name| {
             let done: Vec<&Withheld> = rows
                 .iter()
-                .flat_map(|(_, row)| row.iter().filter_map(|r| r.as_ref().ok()))
+                .flat_map(|row| row.iter().filter_map(|r| r.as_ref().ok()))
                 .filter(|w| w.law == name)
                 .collect();
             let failed = rows
                 .iter()
-                .flat_map(|(_, row)| row.iter().filter_map(|r| r.as_ref().err()))
+                .flat_map(|row| row.iter().filter_map(|r| r.as_ref().err()))
                 .filter(|(law, _)| law == name)
                 .count();
             let median = |pick: &dyn Fn(&Withheld) -> f64| {

@@ -1,0 +1,216 @@
+//! The example of creep tests, and what is refused, through the program.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn sinew(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .current_dir(root().join("examples/creep"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    let output = sinew(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+const ROPES: [&str; 3] = ["rope-A.csv", "rope-B.csv", "rope-C.csv"];
+
+#[test]
+fn the_example_finds_what_was_put_in() {
+    let report = json(&[
+        "creep", "analyze", ROPES[0], ROPES[1], ROPES[2], "--json", "--quiet",
+    ]);
+    let specimens = report["specimens"].as_array().unwrap();
+    assert_eq!(specimens.len(), 3);
+    // Made with b = 0.030, 0.018 and 0.041 %: the mean slope between 20 and 85 min is
+    // b ln(5132.5/1232.5) / 1.083 h, and the wave of 0.0004 % tilts it by 0.0008 %/h at most.
+    for (specimen, b) in specimens.iter().zip([0.030, 0.018, 0.041]) {
+        let slope = &specimen["slope_percent_per_h"];
+        let truth = b * (5132.5_f64 / 1232.5).ln() / (3900.0 / 3600.0);
+        // A straight line weighs the middle: 8 % off the mean slope of a logarithm.
+        let value = slope["value"].as_f64().unwrap();
+        assert!((value / truth - 1.0).abs() < 0.12, "{specimen}");
+        assert!(slope["low"].as_f64().unwrap() < value && value < slope["high"].as_f64().unwrap());
+        assert_eq!(specimen["recovery"].as_array().unwrap().len(), 1);
+        assert!((specimen["force_n"].as_f64().unwrap() - 60.0).abs() < 0.1);
+        assert!((specimen["preload_n"].as_f64().unwrap() - 2.0).abs() < 0.1);
+    }
+    let kinds = |i: usize| -> Vec<String> {
+        let faults = specimens[i]["faults"].as_array().unwrap();
+        faults
+            .iter()
+            .map(|f| f["kind"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert!(!kinds(0).contains(&"slip".to_owned()), "{:?}", kinds(0));
+    assert!(kinds(2).contains(&"slip".to_owned()), "{:?}", kinds(2));
+}
+
+#[test]
+fn the_fit_chooses_the_law_the_example_was_made_with() {
+    let report = json(&["creep", "fit", "rope-A.csv", "--json", "--quiet"]);
+    let best = &report["fits"][0]["laws"][0];
+    assert_eq!(best["law"], "log-time", "{best}");
+    let b = best["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|p| p["name"] == "b")
+        .unwrap();
+    let of = |key: &str| b[key].as_f64().unwrap();
+    assert!(of("low") < 0.030 && 0.030 < of("high"), "{b}");
+}
+
+#[test]
+fn the_comparison_ranks_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plot, page) = (
+        folder.path().join("ropes.png"),
+        folder.path().join("ropes.html"),
+    );
+    let report = json(&[
+        "creep",
+        "compare",
+        ROPES[0],
+        ROPES[1],
+        ROPES[2],
+        "--json",
+        "--quiet",
+        "--plot",
+        plot.to_str().unwrap(),
+        "--report",
+        page.to_str().unwrap(),
+        "--preconditioning",
+        "none",
+    ]);
+    let order: Vec<&str> = report["ranks"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| r["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(order, ["rope-B", "rope-C", "rope-A"]);
+    assert!(std::fs::read(plot).unwrap().starts_with(b"\x89PNG"));
+    let page = std::fs::read_to_string(page).unwrap();
+    for wanted in ["ISO 899-1", "SHA-256", "Preconditioning", "grip slip"] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+}
+
+#[test]
+fn tables_stay_within_80_columns() {
+    for arguments in [
+        &["creep", "analyze", "rope-A.csv", "--quiet"][..],
+        &[
+            "creep",
+            "fit",
+            "rope-A.csv",
+            "--quiet",
+            "--law",
+            "log-time",
+            "--law",
+            "findley",
+            "--forecast-h",
+            "100",
+        ],
+        &["creep", "compare", "rope-A.csv", "rope-B.csv", "--quiet"],
+        &[
+            "creep",
+            "fit",
+            "rope-A.csv",
+            "rope-B.csv",
+            "--quiet",
+            "--withhold",
+            "0.33",
+        ],
+    ] {
+        let output = sinew(arguments);
+        let text = String::from_utf8(output.stdout).unwrap();
+        println!("{text}");
+        assert!(
+            !text.is_empty(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        for line in text.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+    }
+}
+
+#[test]
+fn refusals_say_what_to_do_and_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let page = page.to_str().unwrap();
+    for (arguments, wanted) in [
+        (
+            &["creep", "analyze", "none.csv", "--report", page][..],
+            "none.csv",
+        ),
+        (&["creep", "analyze", "make.py", "--report", page], "header"),
+        (
+            &[
+                "creep",
+                "analyze",
+                "rope-A.csv",
+                "--column",
+                "strain=elongation_mm:1",
+                "--report",
+                page,
+            ],
+            "m/m",
+        ),
+        (
+            &[
+                "creep",
+                "analyze",
+                "rope-A.csv",
+                "--group",
+                "colour",
+                "--report",
+                page,
+            ],
+            "colour",
+        ),
+        (
+            &[
+                "creep",
+                "fit",
+                "rope-A.csv",
+                "--withhold",
+                "2",
+                "--report",
+                page,
+            ],
+            "between",
+        ),
+        (
+            &[
+                "creep",
+                "analyze",
+                "rope-A.csv",
+                "--level",
+                "95",
+                "--report",
+                page,
+            ],
+            "--level",
+        ),
+    ] {
+        let output = sinew(arguments);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+        assert!(errors.contains(wanted), "{arguments:?}: {errors}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
