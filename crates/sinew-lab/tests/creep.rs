@@ -477,6 +477,7 @@ fn published_shift_factors_are_met() {
             "{:7.1} °C  {:8.3} ± {:.3}  published {:8.3}  apart {apart:+.3}  overlap {:.2}",
             shift.temperature_c,
             shift.log10_a_t,
+            shift.std_error,
             near.unwrap().1,
             shift.overlap
         );

@@ -72,7 +72,12 @@ pub fn page(contents: Contents<'_>) -> Page {
     } = contents;
     let stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".to_owned());
     let mut page = Page::new(title);
-    page.subtitle = format!("{} specimens from {} files", analyses.len(), sources.len());
+    let plural = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    page.subtitle = format!(
+        "{} from {}",
+        plural(analyses.len(), "specimen"),
+        plural(sources.len(), "file")
+    );
     page.footer = format!("Sinew {}", env!("CARGO_PKG_VERSION"));
     let lengths = analyses.iter().map(|a| a.duration_s / 3600.0);
     let forces: Vec<f64> = analyses.iter().filter_map(|a| a.force_n).collect();
