@@ -120,7 +120,9 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
 }
 
 fn figure(outcome: &Outcome) -> Figure {
-    let all: Vec<(f64, f64, f64, f64)> = outcome
+    /// Time, elongation, its standard deviation, quality.
+    type Row = (f64, f64, f64, f64);
+    let all: Vec<Row> = outcome
         .used()
         .map(|(_, frame, reading)| {
             let (elongation, std) = outcome.elongation_mm(reading);
@@ -130,8 +132,7 @@ fn figure(outcome: &Outcome) -> Figure {
     let every = all.len().div_ceil(POINTS).max(1);
     let all: Vec<_> = all.into_iter().step_by(every).collect();
     let time: Vec<f64> = all.iter().map(|v| v.0).collect();
-    let column =
-        |of: &dyn Fn(&(f64, f64, f64, f64)) -> f64| all.iter().map(of).collect::<Vec<f64>>();
+    let column = |of: &dyn Fn(&Row) -> f64| all.iter().map(of).collect::<Vec<f64>>();
     Figure::new("")
         .size(720.0, 420.0)
         .panel(

@@ -82,7 +82,7 @@ pub(super) fn find(table: &Table) -> Result<Head, String> {
 fn is_names(row: &[Cell]) -> bool {
     row.iter().filter(|cell| cell.is_text()).count() >= 2
         && !row.iter().any(Cell::is_number)
-        && !row.first().is_some_and(|cell| cell.text() == "#")
+        && row.first().is_none_or(|cell| cell.text() != "#")
 }
 
 fn holds_numbers(row: &[Cell], columns: usize) -> bool {
