@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod creep;
+pub mod absolute;
 pub mod estimate;
 pub mod output;
 pub mod paper;

@@ -61,5 +61,6 @@ pub mod rope;
 pub mod transmission;
 pub mod vec3;
 
+mod cholesky;
 mod error;
 pub use error::StepError;

@@ -1,9 +1,10 @@
 //! Inverse and forward dynamics.
 
-use super::mass_matrix::{cholesky, cholesky_solve, wrench_in_parent};
+use super::mass_matrix::wrench_in_parent;
 use super::momentum::turn_back;
 use super::{Arm, ArmWorkspace, JointKind};
 use crate::StepError;
+use crate::cholesky;
 use crate::vec3::{Vec3, add, cross, rotate, rotate_back, scale, sub};
 
 impl Arm {
@@ -91,12 +92,12 @@ impl Arm {
         }
         self.mass_matrix(ws, q)?;
         self.bias_torque(ws, q, dq)?;
-        cholesky(&ws.mass_matrix, &mut ws.factor, n)
+        cholesky::factorise(&ws.mass_matrix, &mut ws.factor, n)
             .map_err(|joint| StepError::NotPositiveDefinite { joint })?;
         for ((out, tau), bias) in ddq.iter_mut().zip(tau).zip(&ws.tau) {
             *out = tau - bias;
         }
-        cholesky_solve(&ws.factor, n, ddq);
+        cholesky::solve(&ws.factor, n, ddq);
         Ok(())
     }
 

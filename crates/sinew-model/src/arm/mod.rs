@@ -14,11 +14,13 @@ mod energy;
 mod mass_matrix;
 mod momentum;
 mod point;
+mod regressor;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 
 pub use build::{ArmBuilder, ArmError, BodyInertia, BodySpec, Pose};
 pub use momentum::Momentum;
+pub use regressor::{MomentumRegressor, PARAMETERS_PER_BODY};
 
 use crate::vec3::{Mat3, Vec3};
 use alloc::string::String;

@@ -299,6 +299,18 @@ struct Component {
 }
 
 impl Moving {
+    /// Angular velocity, velocity and gravity in body axes, after a pass.
+    pub(super) fn velocities(&self) -> (Vec3, Vec3, Vec3) {
+        let motion = self.motion();
+        (motion.omega, motion.v, motion.gamma)
+    }
+
+    /// `parent_from_joint`, after a pass: rotation and origin.
+    pub(super) fn placement(&self) -> (Mat3, Vec3) {
+        let frame = self.frame();
+        (frame.rotation, frame.translation)
+    }
+
     #[inline(always)]
     fn set_frame(&mut self, frame: &Frame) {
         for (k, slot) in self.0.iter_mut().enumerate() {

@@ -1,0 +1,18 @@
+//! Absolute offsets: calibrate after tensioning, then watch.
+//!
+//! [`learn`] takes a recording made right after tensioning, whose offsets are zero by definition,
+//! and learns what disguises itself as an offset: stiffness, masses, friction, encoder errors. The
+//! [`Baseline`] it returns is a small file. [`watch`] takes a later recording and that file, and
+//! gives each tendon's offset since then with a 95 % interval, an unknown payload estimated along,
+//! contacts left out, slips found. Without a baseline the data-sheet priors stand in, and the
+//! interval is as wide as that makes it.
+//!
+//! The estimator is [`sinew_model::offset::MapEstimator`].
+
+mod blocks;
+mod file;
+mod watch;
+
+pub use blocks::{AbsoluteError, Recorded, Window};
+pub use file::Baseline;
+pub use watch::{Absolute, AbsoluteJoint, LeftOut, Step, learn, watch};
