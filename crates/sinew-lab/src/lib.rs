@@ -1,8 +1,8 @@
 //! The workshop of Sinew: replay and estimation, simulation, the paper's figures, plots, reports.
 
+pub mod absolute;
 pub mod camera;
 pub mod creep;
-pub mod absolute;
 pub mod estimate;
 pub mod output;
 pub mod paper;

@@ -188,9 +188,7 @@ fn a_standing_arm_says_that_it_cannot_tell() {
     let estimate = spoiled(|_, rows| {
         let still = rows[0].clone();
         for row in rows.iter_mut() {
-            for column in 1..4 {
-                row[column] = still[column].clone();
-            }
+            row[1..4].clone_from_slice(&still[1..4]);
         }
     })
     .unwrap();

@@ -33,6 +33,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Estimate(Box<commands::estimate::Estimate>),
+    Baseline(Box<commands::baseline::Baseline>),
     Simulate(commands::simulate::Simulate),
     Paper(commands::paper::Paper),
     #[command(subcommand)]
@@ -48,6 +49,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Estimate(command) => command.run(),
+        Command::Baseline(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Rope(command) => command.run(),

@@ -6,6 +6,7 @@ use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_lab::absolute::{self, Absolute};
 use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Request};
 use sinew_lab::{output, report, robot_dir};
 use sinew_model::offset::VelocityFilter;
@@ -29,6 +30,15 @@ pub(crate) struct Estimate {
     /// Earlier recording of the same robot: report what changed since
     #[arg(long, value_name = "LOG2")]
     reference: Option<PathBuf>,
+    /// Baseline made by `sinew baseline`: absolute offsets since then, with an interval
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// With --baseline: the gripper holds nothing (otherwise a payload is estimated along)
+    #[arg(long, requires = "baseline")]
+    empty: bool,
+    /// With --baseline: which part of the recording it judges
+    #[command(flatten)]
+    part: super::baseline::Part,
 
     /// Where the elastic torque comes from
     #[arg(long, value_enum, default_value = "observer", help_heading = "Method")]
@@ -105,12 +115,49 @@ impl Estimate {
                 complain("warning", &plain(warning));
             }
         }
+        let absolute = self.absolute(&request)?;
         if self.json {
-            answer(&(serde_json::to_string_pretty(&result)? + "\n"))?;
+            let mut document = serde_json::to_value(&result)?;
+            if let (Some(absolute), Some(object)) = (&absolute, document.as_object_mut()) {
+                object.insert("absolute".into(), serde_json::to_value(absolute)?);
+            }
+            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
         } else {
-            answer(&told(&result))?;
+            let mut text = told(&result);
+            if let Some(absolute) = &absolute {
+                text.push_str("\nAbsolute, all joints together, since the baseline:\n");
+                text.push_str(&super::baseline::told(absolute));
+            }
+            answer(&text)?;
         }
         Ok(Finish::lossy(result.damaged))
+    }
+
+    /// `--baseline`: the offsets since then.
+    fn absolute(&self, request: &Request) -> Result<Option<Absolute>, Failure> {
+        let Some(path) = &self.baseline else {
+            return Ok(None);
+        };
+        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
+        let window = self.part.window()?;
+        let baseline = absolute::Baseline::read(path).map_err(refused)?;
+        let name = path.display().to_string();
+        let bar = Bar::new("watching", self.quiet);
+        let watched = absolute::watch(
+            request,
+            window,
+            Some((&baseline, &name)),
+            !self.empty,
+            &mut |at| bar.set(at.bytes_done as f64, at.bytes_total as f64),
+        );
+        drop(bar);
+        let watched = watched.map_err(refused)?;
+        if !self.quiet && !self.json {
+            for warning in &watched.warnings {
+                complain("warning", &plain(warning));
+            }
+        }
+        Ok(Some(watched))
     }
 
     fn check_files(&self) -> Result<(), Failure> {
@@ -121,6 +168,7 @@ impl Estimate {
         let inputs: Vec<_> = [
             ("the recording", Some(self.log.as_path())),
             ("the reference", self.reference.as_deref()),
+            ("the baseline", self.baseline.as_deref()),
             ("the mapping file", self.opening.mapping()),
         ]
         .into_iter()
