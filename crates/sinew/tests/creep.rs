@@ -9,7 +9,7 @@ fn root() -> PathBuf {
 
 fn sinew(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sinew"))
-        .current_dir(root().join("examples/creep"))
+        .current_dir(root().join("examples/06-creep-test"))
         .args(arguments)
         .output()
         .unwrap()

@@ -131,7 +131,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     let curves: Vec<Curve> = curves.iter().map(Curve::thinned).collect();
     for curve in &curves {
         let (low, high) = extremes(&curve.strain);
-        if !(low < high) {
+        if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
             return Err(CreepError::Flat(curve.name.clone()));
         }
     }

@@ -236,7 +236,7 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
             .ok_or_else(|| {
                 refuse("an elongation needs the gauge length: say it (--gauge-length-mm) or write 'L0 (mm)' above the header")
             })?;
-        if !(length > 0.0) {
+        if length <= 0.0 || length.is_nan() {
             return Err(refuse(&format!(
                 "gauge length {length} m; it must be positive"
             )));
@@ -377,7 +377,7 @@ impl Load {
         };
         let smooth = smoothed(force);
         let largest = smooth.iter().copied().fold(0.0, f64::max);
-        if !(largest > 0.0) {
+        if largest <= 0.0 {
             return Err(refuse(
                 "the force never rises above zero: is its sign right?".to_owned(),
             ));

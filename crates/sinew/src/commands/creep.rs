@@ -10,7 +10,7 @@ use clap::Subcommand;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Creep {
     Analyze(Analyze),
-    Fit(Fit),
+    Fit(Box<Fit>),
     Compare(Compare),
 }
 
