@@ -1,6 +1,7 @@
 //! The workshop of Sinew: replay and estimation, simulation, the paper's figures, plots, reports.
 
 pub mod absolute;
+pub mod bench;
 pub mod camera;
 pub mod creep;
 pub mod estimate;

@@ -37,6 +37,8 @@ enum Command {
     Simulate(commands::simulate::Simulate),
     Paper(commands::paper::Paper),
     #[command(subcommand)]
+    Bench(commands::bench::BenchCommand),
+    #[command(subcommand)]
     Rope(commands::rope::Rope),
     #[command(subcommand)]
     Creep(commands::creep::Creep),
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Baseline(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Paper(command) => command.run(),
+        Command::Bench(command) => command.run(),
         Command::Rope(command) => command.run(),
         Command::Creep(command) => command.run(),
         Command::Robot(command) => command.run(),

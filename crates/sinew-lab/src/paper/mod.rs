@@ -1,25 +1,34 @@
-//! The paper's evaluation, done again: `fig6` in simulation, `fig7` on a simulated "real" elbow.
+//! The paper's evaluation, done again: its creep tests and bending bench with virtual ropes
+//! (`fig1`, `fig2`, `fig4`, `fig5`, `table1`), `fig6` in simulation, `fig7` on a simulated "real"
+//! elbow.
 //!
 //! Each figure carries its data, its drawing, and the paper's sentences judged from the data by a
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
 //! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6()`],
-//! [`fig7()`], `page`.
+//! [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4`], [`fig5`], [`table1()`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
-//! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, section V.
+//! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, sections III and V.
 
+mod bending;
+mod creep;
 mod fig6;
 mod fig7;
+mod judge;
 mod page;
 pub mod staircase;
+mod table1;
 mod trial;
 
+pub use bending::{fig4, fig5};
+pub use creep::{fig1, fig2};
 pub use fig6::fig6;
 pub use fig7::fig7;
 pub use page::{Written, write};
+pub use table1::table1;
 
 use crate::plot::Figure;
 use crate::simulate::SimulateError;
@@ -31,7 +40,7 @@ use sinew_model::offset::OffsetConfigError;
 /// A figure of the paper, done again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperFigure {
-    /// `fig6` or `fig7`: how its files are called.
+    /// `fig1` … `table1`: how its files are called.
     pub name: &'static str,
     /// One line.
     pub title: String,
@@ -56,15 +65,19 @@ pub struct PanelData {
     pub series: Vec<SeriesData>,
 }
 
-/// One curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// One curve, in one of the units.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SeriesData {
     /// What it is.
     pub name: String,
     /// Time, s.
     pub time_s: Vec<f64>,
-    /// Value, mrad.
+    /// Value, mrad; empty where the curve is a strain.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub value_mrad: Vec<f64>,
+    /// Value, %; empty where the curve is an offset.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub value_percent: Vec<f64>,
 }
 
 /// A sentence judged from the data.
@@ -138,6 +151,15 @@ pub enum PaperError {
         /// Joints there are.
         known: String,
     },
+    /// The catalogue was refused.
+    #[error(transparent)]
+    Catalogue(#[from] crate::rope::CatalogueError),
+    /// A rope or case the figure is about isn't there.
+    #[error("'{0}', which the figure is about, is not there")]
+    Rope(String),
+    /// A virtual rope refused its load.
+    #[error("a virtual rope refused its load: {0}")]
+    Load(#[from] sinew_model::rope::LoadError),
     /// The simulation was refused.
     #[error(transparent)]
     Simulate(#[from] SimulateError),

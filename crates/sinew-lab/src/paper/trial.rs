@@ -64,6 +64,7 @@ impl Trial {
             name: name.into(),
             time_s: picked.clone().map(|k| self.time_s(k)).collect(),
             value_mrad: picked.map(|k| 1e3 * curve[k]).collect(),
+            ..SeriesData::default()
         }
     }
 }

@@ -10,7 +10,7 @@ use super::duty::Stretch;
 use sinew_model::rope::{Law, LoadError, State};
 
 /// Stretches run one by one before the slow equation takes over.
-const EXACT_STRETCHES: f64 = 4_000.0;
+const EXACT_STRETCHES: f64 = 1_000.0;
 /// At least this many cycles are run one by one.
 const EXACT_CYCLES: f64 = 30.0;
 /// Relative error of one step of the slow equation.
@@ -280,7 +280,8 @@ mod tests {
             once.at(200_000.0).expect("load"),
             often.at(200_000.0).expect("load"),
         );
-        assert!((a.bedding_percent - b.bedding_percent).abs() < 1e-12);
+        // Leaps of other lengths: the tolerance of the slow equation, some steps of it.
+        assert!((a.bedding_percent - b.bedding_percent).abs() < 1e-5);
         assert!((a.delayed_percent[3] - b.delayed_percent[3]).abs() < 1e-12);
     }
 

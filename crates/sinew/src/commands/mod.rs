@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub(crate) mod baseline;
+pub(crate) mod bench;
 pub(crate) mod creep;
 pub(crate) mod estimate;
 pub(crate) mod log;

@@ -4,8 +4,9 @@ use crate::terminal::{Failure, Finish, answer, complain};
 use crate::text::{indented, paragraph};
 use clap::{Args, ValueEnum};
 use sinew_lab::paper::{self, PaperFigure, Written};
+use sinew_lab::rope::Catalogue;
 use sinew_lab::{report, robot_dir};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Reproduce a figure of the paper beside its sentences, judged from the data
 ///
@@ -19,6 +20,9 @@ pub(crate) struct Paper {
     /// Robot's folder
     #[arg(long, value_name = "DIR", default_value = "robots/biorob-like")]
     robot: PathBuf,
+    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5 and table1
+    #[arg(long = "ropes", value_name = "DIR")]
+    ropes: Vec<PathBuf>,
     /// Folder for the files; made if it isn't there
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
@@ -32,6 +36,16 @@ pub(crate) struct Paper {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Which {
+    /// Creep of nine ropes at 23 °C
+    Fig1,
+    /// Creep of four ropes at 60 °C
+    Fig2,
+    /// A rope over guiding pulleys, routings A to D
+    Fig4,
+    /// A rope under changing force, E and F
+    Fig5,
+    /// The ropes as published, with their simulated creep test
+    Table1,
     /// Simulation: no model error; K + 20 %; M, C, g - 10 %; offsets of 0.010 and 0.015 rad
     Fig6,
     /// A simulated "real" elbow: injected offset, difference, rope relaxed and re-tensioned
@@ -39,15 +53,26 @@ enum Which {
 }
 
 impl Paper {
+    fn folders(&self) -> Vec<&Path> {
+        self.ropes.iter().map(PathBuf::as_path).collect()
+    }
+
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let loaded = robot_dir::load(&self.robot, None)?;
+        // Ropes need no robot, robots no ropes.
+        let robot = || robot_dir::load(&self.robot, None);
+        let catalogue = || Catalogue::with_folders(&self.folders());
         std::fs::create_dir_all(&self.out).map_err(|e| {
             Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
         })?;
         let figure = match self.figure {
-            Which::Fig6 => paper::fig6(&loaded.robot)?,
-            Which::Fig7 => paper::fig7(&loaded.robot)?,
+            Which::Fig1 => paper::fig1(&catalogue()?)?,
+            Which::Fig2 => paper::fig2(&catalogue()?)?,
+            Which::Fig4 => paper::fig4(&catalogue()?)?,
+            Which::Fig5 => paper::fig5(&catalogue()?)?,
+            Which::Table1 => paper::table1(&catalogue()?)?,
+            Which::Fig6 => paper::fig6(&robot()?.robot)?,
+            Which::Fig7 => paper::fig7(&robot()?.robot)?,
         };
         let written = paper::write(&figure, &self.out)?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();

@@ -1,0 +1,122 @@
+//! Table I: the ropes as published, and what their laws make of them.
+
+use super::creep::{LOAD_N, MINUTES, Test, test};
+use super::judge::assumptions;
+use super::{PaperError, PaperFigure, Sentence};
+use crate::plot::{Colour, Figure, Line, Panel};
+use crate::rope::draws::Interval;
+use crate::rope::{Catalogue, CatalogueRope};
+
+/// Table I with the simulated creep test of every rope.
+///
+/// # Errors
+/// [`PaperError`].
+pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
+    let shipped = Catalogue::shipped()?;
+    let mut rows = Vec::new();
+    let mut tests = Vec::new();
+    for rope in shipped.ropes() {
+        let t = test(catalogue, &rope.entry.name, 23.0)?;
+        rows.push(row(rope, &t));
+        tests.push(t);
+    }
+    let count =
+        |f: &dyn Fn(&CatalogueRope) -> bool| shipped.ropes().iter().filter(|r| f(r)).count() as f64;
+    let known = |text: &str, found: f64, printed: f64| Sentence {
+        text: text.into(),
+        criterion: format!("{printed} in the printed table; a test holds every value against it"),
+        value: found,
+        unit: "ropes",
+        holds: found == printed,
+    };
+    let sentences = vec![
+        known("nine ropes", count(&|_| true), 9.0),
+        known(
+            "with a breaking load",
+            count(&|r| r.entry.breaking_load_n.is_some()),
+            7.0,
+        ),
+        known(
+            "with a weight",
+            count(&|r| r.entry.weight_g_per_m.is_some()),
+            5.0,
+        ),
+        known("with a plait", count(&|r| r.entry.plait.is_some()), 5.0),
+    ];
+    Ok(PaperFigure {
+        name: "table1",
+        title: "Table I: the ropes, and their simulated creep test".into(),
+        about: rows,
+        panels: Vec::new(),
+        figure: figure(&tests),
+        sentences,
+        assumptions: assumptions(),
+    })
+}
+
+fn row(rope: &CatalogueRope, t: &Test) -> String {
+    let e = &rope.entry;
+    let number = |v: &Option<sinew_model::rope::entry::Value>, unit: &str, digits: usize| {
+        v.as_ref().map_or_else(
+            || format!("– {unit}"),
+            |v| format!("{:.digits$} {unit}", v.value),
+        )
+    };
+    let end = Interval::of(t.end[0], &t.end[1..]);
+    let slope = Interval::of(t.slope[0], &t.slope[1..]);
+    format!(
+        "{} {} ({}, {}): {}, {}, {}, {}. Simulated at {LOAD_N} N, 23 °C, {MINUTES} min: {:.2} % ({:.2} to {:.2}), m_E {:.3} %/h ({:.3} to {:.3}).",
+        e.manufacturer,
+        e.product,
+        e.fibre,
+        e.material.name(),
+        number(&e.diameter_mm, "mm", 2),
+        number(&e.breaking_load_n, "N", 0),
+        e.plait.as_deref().unwrap_or("plait –"),
+        number(&e.weight_g_per_m, "g/m", 2),
+        end.value,
+        end.low,
+        end.high,
+        slope.value,
+        slope.low,
+        slope.high
+    )
+}
+
+/// Final strain and slope of every rope with their intervals.
+fn figure(tests: &[Test]) -> Figure {
+    let panel = |label: &str, of: &dyn Fn(&Test) -> Interval| {
+        let mut panel = Panel::new("", label, "row of Table I");
+        let mut right = 0.0f64;
+        for (i, t) in tests.iter().enumerate() {
+            let (y, v) = (i as f64 + 1.0, of(t));
+            right = right.max(v.high);
+            panel = panel
+                .line(
+                    Line::new("", vec![v.low, v.high], vec![y, y])
+                        .colour(Colour::Blue)
+                        .width(1.2),
+                )
+                .line(
+                    Line::new("", vec![v.value, v.value], vec![y - 0.2, y + 0.2])
+                        .colour(Colour::Blue)
+                        .width(4.0),
+                )
+                .note(v.high, y, format!(" {}", t.product));
+        }
+        // Room for the names to the right of the bars.
+        panel
+            .x_range(0.0, 1.75 * right)
+            .y_range(0.3, tests.len() as f64 + 0.7)
+    };
+    let end = |t: &Test| Interval::of(t.end[0], &t.end[1..]);
+    let slope = |t: &Test| Interval::of(t.slope[0], &t.slope[1..]);
+    Figure::new("The ropes of Table I in a simulated creep test")
+        .subtitle(format!(
+            "{LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws"
+        ))
+        .size(1100.0, 440.0)
+        .columns(2)
+        .panel(panel("strain at the end (%)", &end))
+        .panel(panel("slope m_{E} (%/h)", &slope))
+}

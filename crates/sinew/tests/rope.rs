@@ -1,0 +1,331 @@
+//! `sinew rope` and `sinew bench` as a user meets them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn sinew(args: &[&str], dir: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(args)
+        .current_dir(dir)
+        .output()
+        .expect("the program starts")
+}
+
+/// Stdout of a command that must succeed.
+#[track_caller]
+fn told(args: &[&str], dir: &Path) -> String {
+    let output = sinew(args, dir);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {errors}");
+    let text = String::from_utf8(output.stdout).expect("stdout is UTF-8");
+    for line in text.lines() {
+        assert!(
+            line.chars().count() <= 80 || args.contains(&"--json"),
+            "{line}"
+        );
+    }
+    text
+}
+
+#[track_caller]
+fn refused(args: &[&str], dir: &Path, exit: i32, words: &[&str]) {
+    let output = sinew(args, dir);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(exit), "{args:?}: {message}");
+    assert!(output.stdout.is_empty(), "{args:?}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{args:?}: '{word}' is not in: {message}"
+        );
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+fn empty() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn robot() -> String {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
+    path.display().to_string()
+}
+
+#[track_caller]
+fn json(args: &[&str], dir: &Path) -> serde_json::Value {
+    serde_json::from_str(&told(args, dir)).expect("JSON")
+}
+
+#[test]
+fn the_catalogue_is_there_without_any_file() {
+    let dir = empty();
+    let list = told(&["rope", "list"], dir.path());
+    assert_eq!(list.matches("/26").count(), 9, "{list}");
+    let show = told(&["rope", "show", "tu-chemnitz-vectran"], dir.path());
+    assert!(
+        show.contains("not published: breaking_load_n, weight_g_per_m"),
+        "{show}"
+    );
+    assert!(show.contains("starting-guess"));
+    let words = [
+        "no rope 'liros-dc000-301'",
+        "did you mean 'liros-dc000-0301'",
+    ];
+    refused(&["rope", "show", "liros-dc000-301"], dir.path(), 1, &words);
+}
+
+#[test]
+fn a_users_rope_begins_with_a_shipped_one() {
+    let dir = empty();
+    std::fs::create_dir(dir.path().join("ropes")).expect("made");
+    let text = told(&["rope", "show", "liros-dc000-0301", "--toml"], dir.path());
+    let own = text.replace("name = \"liros-dc000-0301\"", "name = \"mine\"");
+    std::fs::write(dir.path().join("ropes/mine.toml"), &own).expect("written");
+    assert!(told(&["rope", "list"], dir.path()).contains("\nmine "));
+    let bad = own.replace(
+        "toe_percent = { value = 0.2",
+        "toe_percent = { value = -0.2",
+    );
+    std::fs::write(dir.path().join("ropes/bad.toml"), bad).expect("written");
+    refused(
+        &["rope", "list"],
+        dir.path(),
+        1,
+        &["bad.toml, line", "law.toe_percent = -0.2"],
+    );
+}
+
+#[test]
+fn predictions_grow_with_time_and_hold_their_value() {
+    let dir = empty();
+    let args = [
+        "rope",
+        "predict",
+        "liros-dc000-0301",
+        "--tension",
+        "60",
+        "--length",
+        "700",
+        "--json",
+    ];
+    let found = json(&args, dir.path());
+    let readings = found["readings"].as_array().expect("readings");
+    assert_eq!(readings.len(), 4);
+    let mut last = 0.0;
+    for r in readings {
+        let i = &r["since_tensioned_mm"];
+        let number = |k: &str| i[k].as_f64().expect("a number");
+        assert!(number("low") < number("value") && number("value") < number("high"));
+        assert!(number("value") >= last);
+        last = number("value");
+    }
+    assert_eq!(
+        json(&args, dir.path()),
+        found,
+        "the same seed gives the same answer"
+    );
+    let joint = [
+        "rope",
+        "predict",
+        "--robot",
+        &robot(),
+        "--joint",
+        "elbow",
+        "--stroke",
+        "80",
+    ];
+    assert!(told(&joint, dir.path()).contains("liros-dc000-0301"));
+}
+
+#[test]
+fn duties_come_from_tables_and_warn() {
+    let dir = empty();
+    let duty = dir.path().join("duty.toml");
+    std::fs::write(
+        &duty,
+        "[[block]]\nduration_h = 8\ntension_n = 2000\ntemperature_c = 70\n[[block]]\nduration_h = 16\ntension_n = 20\n",
+    )
+    .expect("written");
+    let args = [
+        "rope",
+        "predict",
+        "liros-dc000-0301",
+        "--duty",
+        "duty.toml",
+        "--draws",
+        "20",
+    ];
+    let text = told(&args, dir.path());
+    for words in [
+        "40 % of the breaking load",
+        "1 % of the breaking load",
+        "above 65 °C",
+    ] {
+        assert!(text.contains(words), "{words} is not in {text}");
+    }
+    std::fs::write(&duty, "[[block]]\nduration_h = 8\ntension_n = -1\n").expect("written");
+    refused(
+        &args,
+        dir.path(),
+        1,
+        &["duty.toml", "tension_n = -1", "at least 0 N"],
+    );
+    let args = ["rope", "predict", "liros-dc000-0301"];
+    refused(
+        &args,
+        dir.path(),
+        1,
+        &["--tension N, --duty FILE or --recording LOG"],
+    );
+    let args = ["rope", "predict", "liros-dc000-0301", "--tension", "5000"];
+    refused(&args, dir.path(), 1, &["breaks a rope of 4450 N"]);
+}
+
+#[test]
+fn a_recordings_torques_become_a_duty() {
+    let dir = empty();
+    let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01-stretched-arm");
+    let log = std::fs::read_dir(log)
+        .expect("the example")
+        .filter_map(|e| Some(e.ok()?.path()))
+        .find(|p| {
+            p.extension()
+                .is_some_and(|e| e == "mcap" || e == "csv" || e == "parquet")
+        });
+    let Some(log) = log else {
+        println!("SKIPPED: the example has no recording");
+        return;
+    };
+    let log = log.display().to_string();
+    let robot = robot();
+    let args = [
+        "rope",
+        "predict",
+        "--recording",
+        &log,
+        "--robot",
+        &robot,
+        "--joint",
+        "elbow",
+        "--draws",
+        "20",
+        "--json",
+    ];
+    let found = json(&args, dir.path());
+    let summary = &found["summary"];
+    let number = |k: &str| summary[k].as_f64().expect("a number");
+    // Pretension 60 N, and the elbow's torque on top of it, both ways or not.
+    assert!(
+        number("tension_min_n") >= 0.0 && number("tension_max_n") > 60.0,
+        "{summary}"
+    );
+    assert!(number("tension_max_n") < 1000.0, "{summary}");
+    assert_eq!(found["rope"], "liros-dc000-0301");
+}
+
+#[test]
+fn selection_ranks_and_gives_reasons() {
+    let dir = empty();
+    let args = [
+        "rope",
+        "select",
+        "--tension",
+        "60",
+        "--length",
+        "700",
+        "--max-diameter",
+        "1.9",
+        "--pulley-diameter",
+        "16",
+        "--min-bend-ratio",
+        "8",
+        "--draws",
+        "50",
+        "--plot",
+        "choice.svg",
+    ];
+    let text = told(&args, dir.path());
+    assert!(text.contains("diameter 2.00 mm is above 1.9 mm"), "{text}");
+    let plot = std::fs::read_to_string(dir.path().join("choice.svg")).expect("a plot");
+    assert!(plot.starts_with("<svg") && plot.contains("ockert-climax-combat"));
+    let none = [
+        "rope",
+        "select",
+        "--tension",
+        "60",
+        "--max-diameter",
+        "0.5",
+        "--draws",
+        "20",
+    ];
+    let output = sinew(&none, dir.path());
+    assert_eq!(output.status.code(), Some(3), "no rope is left");
+}
+
+#[test]
+fn pretension_plans_a_procedure_and_a_schedule() {
+    let dir = empty();
+    let args = [
+        "rope",
+        "pretension",
+        "liros-dc000-0301",
+        "--tension",
+        "60",
+        "--draws",
+        "20",
+    ];
+    let text = told(&args, dir.path());
+    assert!(
+        text.contains("* the gentlest that does") && text.contains("bedded in:"),
+        "{text}"
+    );
+    let odd = [
+        "rope",
+        "pretension",
+        "liros-dc000-0301",
+        "--tension",
+        "60",
+        "--lowest",
+        "70",
+    ];
+    refused(&odd, dir.path(), 1, &["--lowest 70 N must be below"]);
+    refused(&args[..3], dir.path(), 2, &["--tension"]);
+}
+
+#[test]
+fn the_bench_runs_the_papers_cases_and_ones_own() {
+    let dir = empty();
+    let end = |case: &str| {
+        let found = json(
+            &["bench", "simulate", case, "--draws", "20", "--json"],
+            dir.path(),
+        );
+        let strain = found["readings"]["strain_percent"]
+            .as_array()
+            .expect("readings")
+            .clone();
+        strain
+            .last()
+            .and_then(serde_json::Value::as_f64)
+            .expect("a number")
+    };
+    assert!(end("A") < end("C") && end("C") < end("D") && end("D") < end("B"));
+    let bench = "strand_mm = 600\nstroke_mm = 100\nperiod_s = 10\n[[phase]]\nforce_n = 200\nduration_min = 240\n";
+    std::fs::write(dir.path().join("own.toml"), bench).expect("written");
+    assert_eq!(end("own.toml"), end("A"));
+    let csv = ["bench", "simulate", "E", "--draws", "20", "--csv", "e.csv"];
+    told(&csv, dir.path());
+    let csv = std::fs::read_to_string(dir.path().join("e.csv")).expect("written");
+    assert!(csv.starts_with("time_s,force_n,elongation_mm,strain_percent"));
+    let bad =
+        bench.to_string() + "[[guide]]\nstrand = 1\nat_mm = 900\nradius_mm = 8\nwrap_deg = 20\n";
+    std::fs::write(dir.path().join("own.toml"), bad).expect("written");
+    let words = ["own.toml, strand 1", "does not fit"];
+    refused(&["bench", "simulate", "own.toml"], dir.path(), 1, &words);
+    refused(
+        &["bench", "simulate", "Z"],
+        dir.path(),
+        1,
+        &["'Z' is neither one of A, B"],
+    );
+}
