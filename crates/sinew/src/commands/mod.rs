@@ -3,6 +3,10 @@
 pub(crate) mod baseline;
 pub(crate) mod bench;
 pub(crate) mod creep;
+mod creep_analyze;
+mod creep_compare;
+mod creep_files;
+mod creep_fit;
 pub(crate) mod estimate;
 pub(crate) mod log;
 pub(crate) mod paper;
