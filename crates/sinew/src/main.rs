@@ -41,7 +41,7 @@ enum Command {
     #[command(subcommand)]
     Rope(commands::rope::Rope),
     #[command(subcommand)]
-    Creep(commands::creep::Creep),
+    Creep(Box<commands::creep::Creep>),
     #[command(subcommand)]
     Robot(commands::robot::Robot),
     #[command(subcommand)]

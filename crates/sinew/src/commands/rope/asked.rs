@@ -105,7 +105,8 @@ pub(super) fn duration(text: &str) -> Result<f64, String> {
 pub(super) fn spoken(s: f64) -> String {
     let whole = |v: f64, unit: &str| {
         let rounded = (10.0 * v).round() / 10.0;
-        let plural = if rounded == 1.0 || unit.len() < 4 {
+        // Abbreviations have no plural.
+        let plural = if rounded == 1.0 || ["s", "min", "h"].contains(&unit) {
             ""
         } else {
             "s"

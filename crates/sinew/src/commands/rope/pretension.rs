@@ -141,7 +141,7 @@ fn told(p: &Plan, remove: f64) -> String {
         2,
     ));
     out.push_str(&format!(
-        "\nat constant length (nothing else in the machine gives), tensioned again at {} N\n",
+        "\nat constant length (nothing else in the machine gives),\ntensioned again at {} N\n",
         rounded(p.lowest_n, 3)
     ));
     for (word, s) in [
