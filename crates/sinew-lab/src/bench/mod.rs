@@ -2,7 +2,7 @@
 //! pulleys in between, a force that pulls the carriage, and a motor that unrolls rope back and
 //! forth.
 //!
-//! Reading order: [`setup`] (what stands where), [`routings`] (the paper's A to F), [`simulate`].
+//! Reading order: [`setup`] (what stands where), [`routings`] (the paper's A to F), [`simulate()`].
 
 pub mod routings;
 pub mod setup;
