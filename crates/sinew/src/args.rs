@@ -35,6 +35,11 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     positive(text, "s")
 }
 
+/// A length.
+pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
+    positive(text, "mm")
+}
+
 /// `recorded`, or a cut-off.
 pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
     if text.eq_ignore_ascii_case("recorded") {

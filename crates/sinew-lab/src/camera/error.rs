@@ -1,6 +1,6 @@
 //! What stops the reading of a whole series.
 
-use super::reader::WrongPitch;
+use super::rejection::WrongPitch;
 use crate::output::OutputError;
 use std::path::PathBuf;
 

@@ -113,7 +113,7 @@ fn by_name(folder: &Path, names: Vec<String>, list: &mut FrameList) -> Result<()
     let mut frames: Vec<(i128, FrameFile)> = names
         .into_iter()
         .zip(times)
-        .map(|(name, t)| (t, frame(folder, name, (t - zero) as f64 * 1e-9)))
+        .map(|(name, t)| (t, frame(folder, name, (t - zero) as f64 / 1e9)))
         .collect();
     frames.sort_by_key(|(t, _)| *t);
     list.frames = frames.into_iter().map(|(_, frame)| frame).collect();

@@ -164,7 +164,8 @@ fn with_caption(image: &RgbImage, caption: &Caption<'_>) -> Result<Vec<u8>, Stri
             s.pitch_px,
             s.pitch_px / s.pitch_mm,
             s.tilt_deg,
-            s.pitch_change_percent,
+            // No minus before a zero.
+            s.pitch_change_percent.abs(),
             s.longer_every
                 .map_or("none found".into(), |n| format!("every {n}")),
         ),

@@ -119,9 +119,10 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     .html()
 }
 
+/// Time, elongation, its deviation, quality.
+type Row = (f64, f64, f64, f64);
+
 fn figure(outcome: &Outcome) -> Figure {
-    /// Time, elongation, its standard deviation, quality.
-    type Row = (f64, f64, f64, f64);
     let all: Vec<Row> = outcome
         .used()
         .map(|(_, frame, reading)| {

@@ -122,7 +122,8 @@ fn solve(mut m: [[f64; TERMS + 2]; TERMS], terms: usize) -> Option<[(f64, f64); 
             (column..terms).max_by(|a, b| m[*a][column].abs().total_cmp(&m[*b][column].abs()))?;
         m.swap(column, pivot);
         // Terms are scaled to about 1: a pivot this small means that they can't be told apart.
-        if !(m[column][column].abs() > 1e-9 * largest) {
+        let size = m[column][column].abs();
+        if size.is_nan() || size <= 1e-9 * largest {
             return None;
         }
         for row in 0..terms {

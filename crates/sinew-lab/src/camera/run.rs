@@ -4,7 +4,8 @@ use super::error::CameraError;
 use super::frames::{self, Times};
 use super::overlay;
 use super::picture::Picture;
-use super::reader::{ReadOptions, Reading, Rejection, Scale, ScaleReader, stretched};
+use super::reader::{ReadOptions, Reading, Scale, ScaleReader, stretched};
+use super::rejection::Rejection;
 use super::video::{Video, VideoTools};
 use crate::output::write_file;
 use std::path::{Path, PathBuf};
@@ -194,7 +195,7 @@ fn check(request: &Request) -> Result<(), CameraError> {
             "an elongation of {ratio} mm per mm of movement can't be; say a number that is not 0"
         ));
     }
-    if !(request.read.std_most_mm > 0.0) {
+    if request.read.std_most_mm.is_nan() || request.read.std_most_mm <= 0.0 {
         return refuse(format!(
             "a largest deviation of {} mm can't be; above 0",
             request.read.std_most_mm

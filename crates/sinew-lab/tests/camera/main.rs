@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod counting;
+mod example;
 mod rejections;
 mod scale_picture;
 mod series;

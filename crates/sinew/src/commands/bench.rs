@@ -1,5 +1,6 @@
 //! `sinew bench`: the paper's bending bench.
 
+use super::bench_read_camera::ReadCamera;
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
     Simulate(Simulate),
+    ReadCamera(Box<ReadCamera>),
 }
 
 impl BenchCommand {
@@ -23,6 +25,7 @@ impl BenchCommand {
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         match self {
             Self::Simulate(command) => command.run(),
+            Self::ReadCamera(command) => command.run(),
         }
     }
 }

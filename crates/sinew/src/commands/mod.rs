@@ -2,6 +2,7 @@
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
+mod bench_read_camera;
 pub(crate) mod creep;
 mod creep_analyze;
 mod creep_compare;

@@ -1,0 +1,291 @@
+//! `sinew bench read-camera`: elongation from pictures of a graduated scale.
+
+use crate::args;
+use crate::files::check_outputs;
+use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::text::{paragraph, plain, table};
+use clap::Args;
+use sinew_lab::camera::{self, Conditions, Outcome, ReadOptions, Region, Request, Summary, Times};
+use sinew_lab::output::write_file;
+use std::path::{Path, PathBuf};
+
+/// Read the carriage's position from pictures of a half-millimetre scale
+///
+/// The scale is found by itself, and its graduation is the measure: no calibration is needed.
+/// The first frame with a scale is the zero. Frames that can't be used (dark, blurred, covered,
+/// ambiguous, damaged) are left out and named; the exit code is then 3.
+///
+/// The recording (--out) has one row per frame used, with the columns time_s, elongation_mm,
+/// elongation_std_mm, quality, contrast, in_sight, residual_mm, lines, frame; creep analysis reads
+/// it. Look at the overlay before you trust a series.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Times from file names: a number with a unit at the end (frame_12.5s.png; \
+    also ms, us, ns), a date with time of day (20261121_143000_250.png, \
+    2026-11-21T14-30-00.25.png), or s, ms, us, ns since 1970 (1795271400250.png).\n\n\
+    Steps between frames may be 2.5 mm where lines of 1, 5 and 10 mm are longer, and must stay \
+    below 0.2 mm where all lines look alike.\n\n\
+    Example:\n  sinew bench read-camera frames --frame-rate 0.5 --out creep.csv --overlay check.png"
+)]
+pub(crate) struct ReadCamera {
+    /// Folder of PNG or JPEG frames, or a video (needs ffmpeg)
+    input: PathBuf,
+    /// Frames per second, in the order of the names
+    #[arg(
+        long,
+        value_name = "HZ",
+        conflicts_with = "times",
+        allow_negative_numbers = true
+    )]
+    frame_rate: Option<f64>,
+    /// CSV with the columns file,time_s
+    #[arg(long, value_name = "FILE")]
+    times: Option<PathBuf>,
+    /// Recording to write, CSV
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Every frame with its reading or the reason why there is none, CSV
+    #[arg(long, value_name = "FILE")]
+    frames: Option<PathBuf>,
+    /// Picture of the first frame used with what was found drawn on it, PNG
+    #[arg(long, value_name = "FILE")]
+    overlay: Option<PathBuf>,
+    /// Another frame for the overlay
+    #[arg(long, value_name = "NAME", requires = "overlay")]
+    overlay_frame: Option<String>,
+    /// HTML report
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print one JSON document instead of a table
+    #[arg(long)]
+    json: bool,
+    /// No progress and no notes on stderr
+    #[arg(long)]
+    quiet: bool,
+    #[command(flatten)]
+    scale: ScaleOptions,
+    #[command(flatten)]
+    test: TestOptions,
+}
+
+/// The scale and how it is seen.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The scale")]
+struct ScaleOptions {
+    /// Distance from line to line, mm [default: 0.5, refused where the longer
+    /// lines say otherwise]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pitch_mm: Option<f64>,
+    /// Part of the picture to look at, px: left,top,width,height
+    #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
+    region: Option<Region>,
+    /// The scale runs from top to bottom [default: found out]
+    #[arg(long, conflicts_with = "lying")]
+    upright: bool,
+    /// The scale runs from left to right [default: found out]
+    #[arg(long)]
+    lying: bool,
+    /// Largest standard deviation of a frame that is used, mm
+    #[arg(long, value_name = "MM", default_value = "0.02", value_parser = args::length_mm,
+          allow_negative_numbers = true)]
+    std_most_mm: f64,
+}
+
+/// What was tested.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The test")]
+struct TestOptions {
+    /// Elongation per movement of the scale; negative where the rope stretches
+    /// while the scale moves left or up
+    #[arg(
+        long,
+        value_name = "MM/MM",
+        default_value = "1",
+        allow_negative_numbers = true
+    )]
+    elongation_per_movement: f64,
+    /// Tension of the rope, N; becomes a column of the recording
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    force_n: Option<f64>,
+    /// Length of rope that stretches, mm; becomes a column of the recording
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    gauge_length_mm: Option<f64>,
+    /// Temperature, °C; becomes a column of the recording
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    temperature_c: Option<f64>,
+}
+
+/// `X,Y,W,H`.
+fn region(text: &str) -> Result<Region, String> {
+    let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok([x, y, width, height]) if *width > 0 && *height > 0 => Ok(Region {
+            x: *x,
+            y: *y,
+            width: *width,
+            height: *height,
+        }),
+        _ => Err("write left,top,width,height in whole px, such as 0,400,1920,200".into()),
+    }
+}
+
+impl ReadCamera {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        let outputs: Vec<(&str, &Path)> = [
+            ("--out", &self.out),
+            ("--frames", &self.frames),
+            ("--overlay", &self.overlay),
+            ("--report", &self.report),
+        ]
+        .into_iter()
+        .filter_map(|(option, path)| Some((option, path.as_deref()?)))
+        .collect();
+        let mut inputs = vec![("the input", self.input.as_path())];
+        if let Some(times) = &self.times {
+            inputs.push(("the table of times", times));
+        }
+        check_outputs(&outputs, &inputs)?;
+        let bar = Bar::new("reading", self.quiet);
+        let outcome = camera::run(&self.request(), &mut |at| {
+            bar.set(at.done as f64, at.total as f64);
+        });
+        drop(bar);
+        let outcome = outcome?;
+        if let Some(path) = &self.out {
+            outcome.write_recording(path)?;
+        }
+        if let Some(path) = &self.frames {
+            outcome.write_frames(path)?;
+        }
+        if let Some(path) = &self.report {
+            let name = self.input.file_name().unwrap_or(self.input.as_os_str());
+            let title = format!("Camera reading of {}", name.to_string_lossy());
+            let page = camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"));
+            write_file(path, page.as_bytes())?;
+        }
+        let summary = Summary::of(&outcome);
+        if !self.quiet {
+            for note in &summary.notes {
+                complain("note", &plain(note));
+            }
+        }
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&summary)? + "\n"))?;
+        } else {
+            answer(&self.text(&outcome, &summary))?;
+        }
+        Ok(Finish::lossy(summary.frames_used < summary.frames))
+    }
+
+    fn request(&self) -> Request {
+        let mut request = Request::new(&self.input);
+        request.times = match (&self.times, self.frame_rate) {
+            (Some(path), _) => Times::Table(path.clone()),
+            (None, Some(rate)) => Times::Rate(rate),
+            (None, None) => Times::Names,
+        };
+        request.read = ReadOptions {
+            pitch_mm: self.scale.pitch_mm,
+            region: self.scale.region,
+            upright: match (self.scale.upright, self.scale.lying) {
+                (true, _) => Some(true),
+                (_, true) => Some(false),
+                _ => None,
+            },
+            std_most_mm: self.scale.std_most_mm,
+        };
+        request.elongation_per_movement = self.test.elongation_per_movement;
+        request.conditions = Conditions {
+            force_n: self.test.force_n,
+            gauge_length_mm: self.test.gauge_length_mm,
+            temperature_c: self.test.temperature_c,
+        };
+        request.overlay.clone_from(&self.overlay);
+        request.overlay_frame.clone_from(&self.overlay_frame);
+        request
+    }
+
+    fn text(&self, outcome: &Outcome, s: &Summary) -> String {
+        let mut out = paragraph(
+            &format!(
+                "{} of {} frames used, {} to {} s; zero is {}",
+                s.frames_used,
+                s.frames,
+                s.time_from_s,
+                s.time_to_s,
+                plain(&s.reference_frame)
+            ),
+            0,
+        );
+        out += &paragraph(
+            &format!(
+                "scale: {}, a line every {} mm = {:.3} px, tilt {:.2}°, {} lines, {}",
+                if s.scale.upright { "upright" } else { "lying" },
+                s.scale.pitch_mm,
+                s.scale.pitch_px,
+                s.scale.tilt_deg,
+                s.scale.lines,
+                s.scale
+                    .longer_every
+                    .map_or("all alike".into(), |n| format!("every {n} longer")),
+            ),
+            7,
+        );
+        // A handful of readings shows the course; the recording has them all.
+        const ROWS: usize = 12;
+        let used: Vec<_> = outcome.used().collect();
+        let every = used.len().div_ceil(ROWS).max(1);
+        let rows = used
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| i % every == 0 || i + 1 == used.len())
+            .map(|(_, (_, frame, reading))| {
+                let (elongation, std) = outcome.elongation_mm(reading);
+                vec![
+                    plain(&frame.name),
+                    format!("{}", (frame.time_s * 1e3).round() / 1e3),
+                    format!("{elongation:.4}"),
+                    format!("{std:.4}"),
+                    format!("{:.2}", reading.quality),
+                ]
+            })
+            .collect();
+        out += &table(
+            &["frame", "time, s", "elongation, mm", "± std, mm", "quality"],
+            rows,
+            1,
+        );
+        for rejected in &s.rejected {
+            out += &paragraph(
+                &format!(
+                    "not used: {} {}, first {}",
+                    rejected.frames,
+                    rejected.reason,
+                    plain(&rejected.first)
+                ),
+                4,
+            );
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_are_four_whole_numbers() {
+        let want = Region {
+            x: 0,
+            y: 400,
+            width: 1920,
+            height: 200,
+        };
+        assert_eq!(region("0, 400,1920,200"), Ok(want));
+        for bad in ["", "1,2,3", "0,0,-5,9", "0,0,0,9", "a,b,c,d", "1,2,3,4,5"] {
+            assert!(region(bad).unwrap_err().contains("whole px"), "{bad}");
+        }
+    }
+}
