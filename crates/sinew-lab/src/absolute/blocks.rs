@@ -2,7 +2,9 @@
 
 use crate::estimate::{EstimateError, Progress, Request};
 use crate::robot_dir::{self, LoadedRobot};
+use sinew_log::Frame;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, MapError};
+use sinew_model::robot::Robot;
 
 /// Which part of a recording is used, s from its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,11 +49,9 @@ pub enum AbsoluteError {
     },
 }
 
-/// A recording's features and the robot they were made with.
-#[derive(Debug)]
+/// A recording, or a part of it, as features.
+#[derive(Debug, Clone, Default)]
 pub struct Recorded {
-    /// The robot.
-    pub loaded: LoadedRobot,
     /// Blocks in the order of time.
     pub blocks: Vec<Block>,
     /// Length of the part used, s.
@@ -62,13 +62,83 @@ pub struct Recorded {
     pub damaged: bool,
 }
 
+/// Turns frames into blocks of features, from a file, a simulation or a live source.
+#[derive(Debug, Clone)]
+pub struct Recorder {
+    features: FeatureObserver,
+    elastic: Vec<bool>,
+    theta: Vec<f64>,
+    block_s: f64,
+    gap_ns: i64,
+    last_ns: Option<i64>,
+    segment: u32,
+    out: Recorded,
+}
+
+impl Recorder {
+    /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew.
+    pub fn new(robot: &Robot, config: &FeatureConfig, gap_s: f64) -> Self {
+        Self {
+            features: FeatureObserver::new(&robot.arm, *config),
+            elastic: robot.transmissions.iter().map(Option::is_some).collect(),
+            theta: vec![0.0; robot.arm.dof()],
+            block_s: config.block_s,
+            gap_ns: (gap_s * 1e9) as i64,
+            last_ns: None,
+            segment: 0,
+            out: Recorded::default(),
+        }
+    }
+
+    /// Takes the frame at `time_s` of the recording.
+    pub fn push(&mut self, frame: &Frame, time_s: f64) {
+        // A rigid joint's motor doesn't matter; it may be missing.
+        for (i, slot) in self.theta.iter_mut().enumerate() {
+            *slot = if self.elastic[i] {
+                frame.theta[i]
+            } else {
+                frame.q[i]
+            };
+        }
+        if frame.q.iter().chain(&self.theta).any(|x| !x.is_finite()) {
+            self.out.frames_missing += 1;
+            return;
+        }
+        let gap = self
+            .last_ns
+            .is_some_and(|l| frame.time_ns - l > self.gap_ns);
+        if frame.segment != self.segment || gap {
+            self.features.reset();
+            self.segment = frame.segment;
+        }
+        let dt = self
+            .last_ns
+            .map_or(0.0, |l| (frame.time_ns - l) as f64 * 1e-9);
+        self.last_ns = Some(frame.time_ns);
+        let complete = self
+            .features
+            .step(dt, &frame.q, &self.theta, frame.temperature_c);
+        if matches!(complete, Ok(true)) {
+            let mut block = self.features.block().clone();
+            // On the recording's clock, gaps and all.
+            block.time_s = time_s - 0.5 * self.block_s;
+            self.out.blocks.push(block);
+        }
+    }
+
+    /// What was recorded.
+    pub fn finish(self) -> Recorded {
+        self.out
+    }
+}
+
 /// Reads the blocks of a recording.
 pub(super) fn read(
     request: &Request,
     window: Window,
     config: &FeatureConfig,
     progress: &mut dyn FnMut(Progress),
-) -> Result<Recorded, AbsoluteError> {
+) -> Result<(LoadedRobot, Recorded), AbsoluteError> {
     let mut recording =
         sinew_log::open(&request.log, &request.open).map_err(EstimateError::from)?;
     let place = match &request.robot {
@@ -97,17 +167,9 @@ pub(super) fn read(
             )));
         }
     }
-    let mut features = FeatureObserver::new(&robot.arm, *config);
-    let mut theta = vec![0.0; names.len()];
-    let mut out = Recorded {
-        blocks: Vec::new(),
-        duration_s: 0.0,
-        frames_missing: 0,
-        damaged: false,
-        loaded: loaded.clone(),
-    };
-    let (mut start_ns, mut last_ns, mut segment) = (None, None, 0);
-    let mut frames = 0u64;
+    let mut recorder = Recorder::new(robot, config, request.open.gap_s);
+    let mut start_ns = None;
+    let (mut frames, mut duration_s) = (0u64, 0.0);
     while let Some(frame) = recording.next_frame().map_err(EstimateError::from)? {
         let start: i64 = *start_ns.get_or_insert(frame.time_ns);
         let t = (frame.time_ns - start) as f64 * 1e-9;
@@ -118,36 +180,8 @@ pub(super) fn read(
             break;
         }
         frames += 1;
-        // A rigid joint's motor doesn't matter; it may be missing.
-        for (i, slot) in theta.iter_mut().enumerate() {
-            *slot = if robot.transmissions[i].is_some() {
-                frame.theta[i]
-            } else {
-                frame.q[i]
-            };
-        }
-        if frame.q.iter().chain(&theta).any(|x| !x.is_finite()) {
-            out.frames_missing += 1;
-            continue;
-        }
-        let gap =
-            last_ns.is_some_and(|l: i64| frame.time_ns - l > (request.open.gap_s * 1e9) as i64);
-        if frame.segment != segment || gap {
-            features.reset();
-            segment = frame.segment;
-        }
-        let dt = last_ns.map_or(0.0, |l: i64| (frame.time_ns - l) as f64 * 1e-9);
-        last_ns = Some(frame.time_ns);
-        if matches!(
-            features.step(dt, &frame.q, &theta, frame.temperature_c),
-            Ok(true)
-        ) {
-            let mut block = features.block().clone();
-            // On the recording's clock, gaps and all.
-            block.time_s = t - 0.5 * config.block_s;
-            out.blocks.push(block);
-        }
-        out.duration_s = t - window.from_s;
+        recorder.push(frame, t);
+        duration_s = t - window.from_s;
         if frames.is_multiple_of(8192) {
             let at = recording.progress();
             progress(Progress {
@@ -158,6 +192,8 @@ pub(super) fn read(
             });
         }
     }
+    let mut out = recorder.finish();
+    out.duration_s = duration_s;
     out.damaged = recording.health().is_damaged();
     if out.blocks.is_empty() {
         return Err(mismatch(format!(
@@ -167,5 +203,5 @@ pub(super) fn read(
             window.to_s
         )));
     }
-    Ok(out)
+    Ok((loaded, out))
 }

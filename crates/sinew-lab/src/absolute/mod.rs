@@ -13,6 +13,8 @@ mod blocks;
 mod file;
 mod watch;
 
-pub use blocks::{AbsoluteError, Recorded, Window};
+pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
-pub use watch::{Absolute, AbsoluteJoint, LeftOut, Step, learn, watch};
+pub use watch::{
+    Absolute, AbsoluteJoint, LeftOut, Step, learn, learn_recorded, watch, watch_recorded,
+};

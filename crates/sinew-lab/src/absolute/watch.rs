@@ -96,22 +96,32 @@ pub fn learn(
     window: Window,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
-    let config = FeatureConfig::default();
-    let recorded = read(request, window, &config, progress)?;
-    let robot = &recorded.loaded.robot;
-    let estimator = estimator(robot, &config);
+    let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
+    let file = request.log.display().to_string();
+    learn_recorded(&loaded.robot, &recorded, &file)
+}
+
+/// [`learn`] from blocks; `name` of the recording for the answer and errors.
+///
+/// # Errors
+/// [`AbsoluteError`].
+pub fn learn_recorded(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+) -> Result<(Baseline, Absolute), AbsoluteError> {
+    let estimator = estimator(robot, &FeatureConfig::default());
     let mut start = estimator.prior().nuisance(false);
     start.temperature_c = mean_temperature(&recorded.blocks);
     let spans = spans(robot, TENSIONED_RAD);
-    let file = request.log.display().to_string();
     let map = estimator
         .solve(&start, &spans, &recorded.blocks)
         .map_err(|error| AbsoluteError::Map {
-            file: file.clone(),
+            file: name.into(),
             error,
         })?;
-    let baseline = Baseline::new(robot, file.clone(), &map.nuisance);
-    let mut said = said(&estimator, &recorded, &spans, &map, file, None);
+    let baseline = Baseline::new(robot, name.into(), &map.nuisance);
+    let mut said = said(&estimator, robot, recorded, &spans, &map, name.into(), None);
     if said.poses < 6 {
         said.warnings.push(format!(
             "only {} distinct poses: a baseline of few poses spoils what is compared with it; move every joint through its range in a dozen poses",
@@ -132,11 +142,24 @@ pub fn watch(
     payload: bool,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Absolute, AbsoluteError> {
-    let config = FeatureConfig::default();
-    let recorded = read(request, window, &config, progress)?;
-    let robot = &recorded.loaded.robot;
-    let estimator = estimator(robot, &config);
+    let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
     let file = request.log.display().to_string();
+    watch_recorded(&loaded.robot, &recorded, &file, baseline, payload)
+}
+
+/// [`watch`] from blocks; `name` of the recording for the answer and errors.
+///
+/// # Errors
+/// [`AbsoluteError`].
+pub fn watch_recorded(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: Option<(&Baseline, &str)>,
+    payload: bool,
+) -> Result<Absolute, AbsoluteError> {
+    let estimator = estimator(robot, &FeatureConfig::default());
+    let file = name.to_string();
     let mut start = match baseline {
         Some((baseline, name)) => baseline.nuisance(robot, estimator.prior().dimension(), name)?,
         None => {
@@ -201,7 +224,8 @@ pub fn watch(
     }
     Ok(said(
         &estimator,
-        &recorded,
+        robot,
+        recorded,
         &spans,
         &map,
         file,
@@ -248,13 +272,13 @@ fn mean_temperature(blocks: &[Block]) -> f64 {
 /// The posterior in words and units.
 fn said(
     estimator: &MapEstimator,
+    robot: &Robot,
     recorded: &Recorded,
     spans: &[OffsetSpan],
     map: &MapEstimate,
     recording: String,
     baseline: Option<String>,
 ) -> Absolute {
-    let robot = &recorded.loaded.robot;
     let poses = distinct_poses(&recorded.blocks);
     let mut joints = Vec::new();
     for (joint, name) in robot.joint_names().iter().enumerate() {
