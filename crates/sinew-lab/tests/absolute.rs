@@ -4,7 +4,7 @@
 //! `SINEW_SEEDS=200 cargo test -p sinew-lab --test absolute -- --nocapture` prints the statistics
 //! of as many recordings; the ordinary run makes do with a few.
 
-use sinew_lab::absolute::{self, Window};
+use sinew_lab::absolute::{self, WatchOptions, Window};
 use sinew_lab::estimate::Request;
 use sinew_lab::robot_dir;
 use sinew_lab::simulate::{self, Scenario, SimulateOptions};
@@ -38,11 +38,11 @@ fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
         request.robot = Some(place.clone());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
         let (baseline, _) = absolute::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
-        let watched = absolute::watch(
+        let (watched, _) = absolute::watch(
             &request,
             window(60.0, 120.0),
             Some((&baseline, "baseline")),
-            true,
+            &WatchOptions::default(),
             &mut |_| {},
         )
         .unwrap();

@@ -1,7 +1,7 @@
 //! Absolute offsets on the independent simulator's recordings: session A of each teaches the
 //! baseline, B and C are watched.
 
-use sinew_lab::absolute::{self, Window};
+use sinew_lab::absolute::{self, WatchOptions, Window};
 use sinew_lab::estimate::Request;
 use std::path::{Path, PathBuf};
 
@@ -39,11 +39,11 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
             Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like"));
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
         let (baseline, _) = absolute::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
-        let watched = absolute::watch(
+        let (watched, _) = absolute::watch(
             &request,
             window(60.0, 120.0),
             Some((&baseline, "baseline")),
-            true,
+            &WatchOptions::default(),
             &mut |_| {},
         )
         .unwrap();
@@ -75,11 +75,11 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         }
         // The slips of session C, in the recordings without contacts.
         if ["S5", "S6"].contains(&scenario) {
-            let late = absolute::watch(
+            let (late, _) = absolute::watch(
                 &request,
                 window(60.0, 180.0),
                 Some((&baseline, "baseline")),
-                true,
+                &WatchOptions::default(),
                 &mut |_| {},
             )
             .unwrap();

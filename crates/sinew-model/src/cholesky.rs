@@ -37,3 +37,35 @@ pub(crate) fn solve(l: &[f64], n: usize, x: &mut [f64]) {
         x[i] /= l[i * n + i];
     }
 }
+
+/// Inverse of a symmetric positive definite matrix, scaled to unit diagonal first: the
+/// parameters' units span fifteen orders of magnitude.
+pub(crate) fn inverse(a: &[f64], n: usize) -> Result<alloc::vec::Vec<f64>, usize> {
+    let mut scale = alloc::vec![0.0; n];
+    for i in 0..n {
+        let diagonal = a[i * n + i];
+        if !(diagonal > 0.0 && diagonal.is_finite()) {
+            return Err(i);
+        }
+        scale[i] = 1.0 / libm::sqrt(diagonal);
+    }
+    let mut scaled = alloc::vec![0.0; n * n];
+    for i in 0..n {
+        for k in 0..n {
+            scaled[i * n + k] = a[i * n + k] * scale[i] * scale[k];
+        }
+    }
+    let mut l = alloc::vec![0.0; n * n];
+    factorise(&scaled, &mut l, n)?;
+    let mut out = alloc::vec![0.0; n * n];
+    let mut column = alloc::vec![0.0; n];
+    for k in 0..n {
+        column.fill(0.0);
+        column[k] = 1.0;
+        solve(&l, n, &mut column);
+        for i in 0..n {
+            out[i * n + k] = column[i] * scale[i] * scale[k];
+        }
+    }
+    Ok(out)
+}

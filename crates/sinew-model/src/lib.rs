@@ -58,6 +58,7 @@ pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod rope;
+pub mod tolerances;
 pub mod transmission;
 pub mod vec3;
 

@@ -14,14 +14,18 @@
 //! [joints.shoulder.tendon]             # optional: without it no elongation in mm, no strain
 //! length_mm = 700.0
 //! joint_pulley_radius_mm = 25.0
+//! antagonistic = true                  # optional: a second rope pulls the other way
 //! [joints.gripper]
 //! locked_at_rad = 0.0                  # welded: needs no column in a recording
 //! [joints.track]
 //! rigid = true                         # moves, but has no elastic transmission to estimate
+//! [tolerances]                         # optional: how far the robot may be from this file
+//! stiffness_percent = 12.0             # standard deviations; see [`Tolerances`]
 //! ```
 
 use crate::arm::urdf::{self, JointLimits, UrdfArm, UrdfError};
 use crate::arm::{Arm, GRAVITY_M_S2};
+use crate::tolerances::Tolerances;
 use crate::transmission::{Friction, Guide, Tendon, Transmission};
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -41,6 +45,8 @@ pub struct Robot {
     pub transmissions: Vec<Option<Transmission>>,
     /// One entry per joint, as the URDF states them.
     pub limits: Vec<JointLimits>,
+    /// How far it may be from its description.
+    pub tolerances: Tolerances,
     /// What was odd in the description, in sentences.
     pub warnings: Vec<String>,
 }
@@ -138,6 +144,8 @@ struct RawRobot {
     base_rpy_rad: Option<[Spanned<f64>; 3]>,
     #[serde(default)]
     joints: BTreeMap<Spanned<String>, RawJoint>,
+    #[serde(default)]
+    tolerances: BTreeMap<Spanned<String>, Spanned<f64>>,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -167,6 +175,8 @@ struct RawTendon {
     length_mm: Spanned<f64>,
     joint_pulley_radius_mm: Spanned<f64>,
     pretension_n: Option<Spanned<f64>>,
+    #[serde(default)]
+    antagonistic: bool,
     #[serde(default)]
     guides: Vec<RawGuide>,
     retension_at_mm: Option<Spanned<f64>>,
@@ -267,6 +277,7 @@ impl RobotFile {
             arm,
             transmissions,
             limits,
+            tolerances: check.tolerances(&self.raw.tolerances)?,
             warnings,
         })
     }
@@ -351,6 +362,28 @@ impl Check<'_> {
         check: impl Fn(&Self, &str, &Spanned<f64>) -> Result<f64, RobotError>,
     ) -> Result<Option<f64>, RobotError> {
         value.as_ref().map(|v| check(self, key, v)).transpose()
+    }
+
+    fn tolerances(
+        &self,
+        raw: &BTreeMap<Spanned<String>, Spanned<f64>>,
+    ) -> Result<Tolerances, RobotError> {
+        let mut out = Tolerances::default();
+        for (key, value) in raw {
+            let full = format!("tolerances.{}", key.as_ref());
+            let Some((slot, unit)) = out.slot(key.as_ref()) else {
+                return Err(RobotError::Toml {
+                    file: self.file.to_string(),
+                    message: format!(
+                        "line {}: unknown key {full}; there are {}",
+                        self.line(key.span().start),
+                        Tolerances::KEYS.join(", ")
+                    ),
+                });
+            };
+            *slot = unit * self.not_negative(&full, value)?;
+        }
+        Ok(out)
     }
 
     fn transmission(
@@ -447,6 +480,7 @@ impl Check<'_> {
                 &raw.pretension_n,
                 Self::not_negative,
             )?,
+            antagonistic: raw.antagonistic,
             guides,
             retension_at_m: self
                 .optional(&at("retension_at_mm"), &raw.retension_at_mm, Self::positive)?

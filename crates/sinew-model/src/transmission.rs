@@ -53,6 +53,8 @@ pub struct Tendon {
     pub joint_pulley_radius_m: f64,
     /// Pretension, N.
     pub pretension_n: Option<f64>,
+    /// Whether a second rope pulls the other way: stretched ropes are a dead zone then.
+    pub antagonistic: bool,
     /// Guiding pulleys from motor to joint.
     pub guides: Vec<Guide>,
     /// Elongation at which the owner wants to tension again, m.

@@ -56,10 +56,23 @@ pub struct Recorded {
     pub blocks: Vec<Block>,
     /// Length of the part used, s.
     pub duration_s: f64,
+    /// When the part used began, ns on the recording's clock.
+    pub start_time_ns: i64,
+    /// When it ended.
+    pub end_time_ns: i64,
+    /// Joints with an elastic transmission.
+    pub elastic: Vec<usize>,
     /// Frames left out because a position was missing.
     pub frames_missing: u64,
     /// Whether the file was damaged.
     pub damaged: bool,
+}
+
+impl Recorded {
+    /// Time of the last block, s of the recording.
+    pub(super) fn end_s(&self) -> f64 {
+        self.blocks.last().map_or(0.0, |b| b.time_s)
+    }
 }
 
 /// Turns frames into blocks of features, from a file, a simulation or a live source.
@@ -72,6 +85,7 @@ pub struct Recorder {
     gap_ns: i64,
     last_ns: Option<i64>,
     segment: u32,
+    first_s: Option<f64>,
     out: Recorded,
 }
 
@@ -86,12 +100,24 @@ impl Recorder {
             gap_ns: (gap_s * 1e9) as i64,
             last_ns: None,
             segment: 0,
-            out: Recorded::default(),
+            first_s: None,
+            out: Recorded {
+                elastic: (0..robot.arm.dof())
+                    .filter(|&i| robot.transmissions[i].is_some())
+                    .collect(),
+                ..Recorded::default()
+            },
         }
     }
 
     /// Takes the frame at `time_s` of the recording.
     pub fn push(&mut self, frame: &Frame, time_s: f64) {
+        let first_s = *self.first_s.get_or_insert_with(|| {
+            self.out.start_time_ns = frame.time_ns;
+            time_s
+        });
+        self.out.end_time_ns = frame.time_ns;
+        self.out.duration_s = time_s - first_s;
         // A rigid joint's motor doesn't matter; it may be missing.
         for (i, slot) in self.theta.iter_mut().enumerate() {
             *slot = if self.elastic[i] {
@@ -115,9 +141,9 @@ impl Recorder {
             .last_ns
             .map_or(0.0, |l| (frame.time_ns - l) as f64 * 1e-9);
         self.last_ns = Some(frame.time_ns);
-        let complete = self
-            .features
-            .step(dt, &frame.q, &self.theta, frame.temperature_c);
+        let complete =
+            self.features
+                .step(dt, &frame.q, &self.theta, &frame.tau_m, frame.temperature_c);
         if matches!(complete, Ok(true)) {
             let mut block = self.features.block().clone();
             // On the recording's clock, gaps and all.
@@ -169,7 +195,7 @@ pub(super) fn read(
     }
     let mut recorder = Recorder::new(robot, config, request.open.gap_s);
     let mut start_ns = None;
-    let (mut frames, mut duration_s) = (0u64, 0.0);
+    let mut frames = 0u64;
     while let Some(frame) = recording.next_frame().map_err(EstimateError::from)? {
         let start: i64 = *start_ns.get_or_insert(frame.time_ns);
         let t = (frame.time_ns - start) as f64 * 1e-9;
@@ -181,7 +207,6 @@ pub(super) fn read(
         }
         frames += 1;
         recorder.push(frame, t);
-        duration_s = t - window.from_s;
         if frames.is_multiple_of(8192) {
             let at = recording.progress();
             progress(Progress {
@@ -193,7 +218,6 @@ pub(super) fn read(
         }
     }
     let mut out = recorder.finish();
-    out.duration_s = duration_s;
     out.damaged = recording.health().is_damaged();
     if out.blocks.is_empty() {
         return Err(mismatch(format!(

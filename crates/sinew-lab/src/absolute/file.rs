@@ -1,12 +1,17 @@
-//! The baseline file.
+//! The baseline file: what recordings have taught about a robot.
 
 use super::blocks::AbsoluteError;
 use crate::output::{OutputError, write_file};
 use serde::{Deserialize, Serialize};
-use sinew_model::offset::Nuisance;
+use sinew_model::offset::{Belief, Prior};
+use sinew_model::robot::Robot;
 use std::path::Path;
 
-/// What a recording after tensioning taught: JSON, versioned, a few hundred kilobytes.
+/// What recordings since tensioning taught: JSON, versioned, a few hundred kilobytes.
+///
+/// The first is `sinew baseline`'s; `sinew estimate --save` writes the next of the chain. It holds
+/// the posterior of the whole state, offsets and payload at the end of the last recording included,
+/// so that a recording that goes on where the last one ended is estimated as if it were one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
@@ -20,11 +25,13 @@ pub struct Baseline {
     pub joints: Vec<String>,
     /// Nominal stiffness the baseline was learned with, N·m/rad; 0 for rigid joints.
     pub stiffness_nm_per_rad: Vec<f64>,
-    /// Recording it was learned from.
-    pub recording: String,
+    /// Recordings it was learned from, the first right after tensioning.
+    pub recordings: Vec<String>,
+    /// When the last recording ended, ns on its own clock.
+    pub end_time_ns: i64,
     /// Temperature the offsets refer to, °C.
     pub temperature_c: Option<f64>,
-    /// Means of the nuisance parameters.
+    /// Means of the state.
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
     pub covariance_lower: Vec<f64>,
@@ -32,16 +39,17 @@ pub struct Baseline {
 
 impl Baseline {
     const FORMAT: &'static str = "sinew-baseline";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     pub(super) fn new(
-        robot: &sinew_model::robot::Robot,
-        recording: String,
-        nuisance: &Nuisance,
+        robot: &Robot,
+        recordings: Vec<String>,
+        end_time_ns: i64,
+        belief: &Belief,
     ) -> Self {
-        let d = nuisance.mean.len();
+        let d = belief.mean.len();
         let lower = (0..d)
-            .flat_map(|i| nuisance.covariance[i * d..=i * d + i].iter().copied())
+            .flat_map(|i| belief.covariance[i * d..=i * d + i].iter().copied())
             .collect();
         Self {
             format: Self::FORMAT.into(),
@@ -49,12 +57,13 @@ impl Baseline {
             robot: robot.name.clone(),
             joints: robot.joint_names().to_vec(),
             stiffness_nm_per_rad: stiffness(robot),
-            recording,
-            temperature_c: nuisance
+            recordings,
+            end_time_ns,
+            temperature_c: belief
                 .temperature_c
                 .is_finite()
-                .then_some(nuisance.temperature_c),
-            mean: nuisance.mean.clone(),
+                .then_some(belief.temperature_c),
+            mean: belief.mean.clone(),
             covariance_lower: lower,
         }
     }
@@ -69,30 +78,38 @@ impl Baseline {
         write_file(path, text.as_bytes())
     }
 
-    /// Reads a file and checks that it belongs to `robot`.
+    /// Reads a file.
     ///
     /// # Errors
     /// [`AbsoluteError::Baseline`] with the file and what doesn't fit.
     pub fn read(path: &Path) -> Result<Self, AbsoluteError> {
+        /// Read first: a file of another version has other fields.
+        #[derive(Deserialize)]
+        struct Head {
+            format: String,
+            version: u32,
+        }
         let wrong = |why: String| AbsoluteError::Baseline {
             file: path.display().to_string(),
             why,
         };
         let text = std::fs::read_to_string(path).map_err(|e| wrong(format!("can't read: {e}")))?;
-        let read: Self = serde_json::from_str(&text).map_err(|e| {
+        let not = |e: serde_json::Error| {
             wrong(format!(
                 "not a baseline: {e}; make one with sinew baseline LOG --out FILE"
             ))
-        })?;
-        if read.format != Self::FORMAT || read.version != Self::VERSION {
+        };
+        let head: Head = serde_json::from_str(&text).map_err(not)?;
+        if head.format != Self::FORMAT || head.version != Self::VERSION {
             return Err(wrong(format!(
-                "format '{}' version {}; this program reads '{}' version {}",
-                read.format,
-                read.version,
+                "format '{}' version {}; this program reads '{}' version {}: make it again with sinew baseline LOG --out FILE",
+                head.format,
+                head.version,
                 Self::FORMAT,
                 Self::VERSION
             )));
         }
+        let read: Self = serde_json::from_str(&text).map_err(not)?;
         let d = read.mean.len();
         let numbers = read.mean.iter().chain(&read.covariance_lower);
         if read.covariance_lower.len() != d * (d + 1) / 2 || numbers.clone().any(|x| !x.is_finite())
@@ -102,18 +119,22 @@ impl Baseline {
         Ok(read)
     }
 
-    /// The nuisance parameters, if the file belongs to `robot`.
-    pub(super) fn nuisance(
+    /// What is believed, if the file (`file`, for the message) belongs to `robot`.
+    ///
+    /// # Errors
+    /// [`AbsoluteError::Baseline`] when it is of another robot or stiffness.
+    pub fn belief(
         &self,
-        robot: &sinew_model::robot::Robot,
-        dimension: usize,
+        robot: &Robot,
+        prior: &Prior,
         file: &str,
-    ) -> Result<Nuisance, AbsoluteError> {
+    ) -> Result<Belief, AbsoluteError> {
         let wrong = |why: String| AbsoluteError::Baseline {
             file: file.into(),
             why,
         };
-        if self.joints != robot.joint_names() || self.mean.len() != dimension {
+        let d = prior.dimension();
+        if self.joints != robot.joint_names() || self.mean.len() != d {
             return Err(wrong(format!(
                 "is of robot '{}' with joints {}; this one has {}",
                 self.robot,
@@ -127,7 +148,6 @@ impl Baseline {
                     .into(),
             ));
         }
-        let d = dimension;
         let mut covariance = vec![0.0; d * d];
         let mut entries = self.covariance_lower.iter();
         for i in 0..d {
@@ -137,7 +157,7 @@ impl Baseline {
                 covariance[k * d + i] = value;
             }
         }
-        Ok(Nuisance {
+        Ok(Belief {
             mean: self.mean.clone(),
             covariance,
             temperature_c: self.temperature_c.unwrap_or(f64::NAN),
@@ -145,7 +165,7 @@ impl Baseline {
     }
 }
 
-fn stiffness(robot: &sinew_model::robot::Robot) -> Vec<f64> {
+fn stiffness(robot: &Robot) -> Vec<f64> {
     robot
         .transmissions
         .iter()

@@ -9,12 +9,14 @@
 //!
 //! The estimator is [`sinew_model::offset::MapEstimator`].
 
+mod answer;
 mod blocks;
 mod file;
+mod warnings;
 mod watch;
 
+pub use answer::{Absolute, AbsoluteJoint, LeftOut, Moved, PayloadChange, Step, Stretch};
 pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
-pub use watch::{
-    Absolute, AbsoluteJoint, LeftOut, Step, learn, learn_recorded, watch, watch_recorded,
-};
+pub use sinew_model::offset::Payload;
+pub use watch::{WatchOptions, estimator, learn, learn_recorded, watch, watch_recorded};

@@ -1,90 +1,40 @@
 //! Learning a baseline and watching with it.
 
+use super::answer::{Absolute, AbsoluteJoint, LeftOut, Moved, PayloadChange, Step, Stretch};
 use super::blocks::{AbsoluteError, Recorded, Window, read};
 use super::file::Baseline;
 use crate::estimate::{Progress, Request};
-use serde::Serialize;
 use sinew_model::offset::{
-    Block, FeatureConfig, MapEstimate, MapEstimator, OffsetSpan, Prior, Tolerances, step_candidates,
+    Belief, Block, FeatureConfig, JointParameter, MapError, MapEstimate, MapEstimator, Payload,
+    Prior, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, What,
 };
 use sinew_model::robot::Robot;
 
 /// 97.5 % quantile of the normal distribution.
-const Z95: f64 = 1.96;
-/// Offsets right after tensioning are zero by definition, up to this, rad.
-const TENSIONED_RAD: f64 = 1e-5;
-/// What an offset may be before anything is known, rad (one standard deviation).
-const UNKNOWN_RAD: f64 = 0.03;
+pub(super) const Z95: f64 = 1.96;
 /// An interval wider than this can't tell stretch from nothing, mrad.
 const USELESS_MRAD: f64 = 5.0;
-/// A step is reported when it is this many standard deviations from zero, and not below 1 mrad.
-const STEP_SURE: f64 = 5.0;
-const STEP_LEAST_RAD: f64 = 1e-3;
+/// A recording that begins within this time of the last one's end goes on with it, s.
+const CONTINUES_S: f64 = 60.0;
+/// Long recordings are estimated stretch by stretch, each from the last one's posterior, s.
+const STRETCH_S: f64 = 120.0;
 
-/// Offsets since the baseline.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Absolute {
-    /// The recording.
-    pub recording: String,
-    /// Recording of the baseline; `None`: data-sheet priors only.
-    pub baseline: Option<String>,
-    /// Length of the recording used, s.
-    pub duration_s: f64,
-    /// One entry per elastic joint.
-    pub joints: Vec<AbsoluteJoint>,
-    /// Payload estimated along, kg, and half its 95 % interval.
-    pub payload_kg: [f64; 2],
-    /// Share of the time left out as contact or disturbance.
-    pub left_out_share: f64,
-    /// The longest such stretches.
-    pub left_out: Vec<LeftOut>,
-    /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
-    pub poses: usize,
-    /// Whether part of the file was lost.
-    pub damaged: bool,
-    /// What the reader should know.
-    pub warnings: Vec<String>,
+/// How a recording is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WatchOptions {
+    /// What may be in the gripper.
+    pub payload: Payload,
+    /// Whether a recorded motor torque is used.
+    pub motor_torque: bool,
 }
 
-/// One tendon since its baseline.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AbsoluteJoint {
-    /// Joint.
-    pub name: String,
-    /// Offset at the end of the recording, mrad.
-    pub offset_mrad: f64,
-    /// Half of its 95 % interval, mrad.
-    pub interval_95_mrad: f64,
-    /// Elongation, mm; `None` without tendon geometry.
-    pub elongation_mm: Option<f64>,
-    /// Half of its 95 % interval, mm.
-    pub interval_95_mm: Option<f64>,
-    /// "longer", "shorter", "unchanged" or "can't tell".
-    pub verdict: String,
-    /// Sudden changes within the recording.
-    pub steps: Vec<Step>,
-    /// Stiffness as the recording sees it over nominal, % and half its 95 % interval.
-    pub stiffness_change_percent: [f64; 2],
-}
-
-/// A sudden change of an offset.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Step {
-    /// When, s from the start of the recording, to about 2 s.
-    pub time_s: f64,
-    /// By how much, mrad.
-    pub size_mrad: f64,
-    /// Half of its 95 % interval, mrad.
-    pub interval_95_mrad: f64,
-}
-
-/// A stretch that was left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LeftOut {
-    /// From, s.
-    pub from_s: f64,
-    /// To, s.
-    pub to_s: f64,
+impl Default for WatchOptions {
+    fn default() -> Self {
+        Self {
+            payload: Payload::Unknown,
+            motor_torque: true,
+        }
+    }
 }
 
 /// Learns a baseline from a recording taken right after tensioning, the gripper empty.
@@ -110,18 +60,28 @@ pub fn learn_recorded(
     recorded: &Recorded,
     name: &str,
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
-    let estimator = estimator(robot, &FeatureConfig::default());
-    let mut start = estimator.prior().nuisance(false);
+    let options = WatchOptions {
+        payload: Payload::Empty,
+        ..WatchOptions::default()
+    };
+    let estimator = estimator(robot, &options);
+    let mut start = estimator
+        .prior()
+        .belief(Payload::Empty, TENSIONED_OFFSET_RAD);
     start.temperature_c = mean_temperature(&recorded.blocks);
-    let spans = spans(robot, TENSIONED_RAD);
-    let map = estimator
-        .solve(&start, &spans, &recorded.blocks)
-        .map_err(|error| AbsoluteError::Map {
-            file: name.into(),
-            error,
-        })?;
-    let baseline = Baseline::new(robot, name.into(), &map.nuisance);
-    let mut said = said(&estimator, robot, recorded, &spans, &map, name.into(), None);
+    let nothing = Seek {
+        offsets: false,
+        payload: false,
+        continues: false,
+    };
+    let watched = stretches(&estimator, start, recorded, &options, nothing, name)?;
+    let baseline = Baseline::new(
+        robot,
+        vec![name.into()],
+        recorded.end_time_ns,
+        &watched.belief,
+    );
+    let mut said = said(&estimator, robot, recorded, &watched, name, None);
     if said.poses < 6 {
         said.warnings.push(format!(
             "only {} distinct poses: a baseline of few poses spoils what is compared with it; move every joint through its range in a dozen poses",
@@ -131,7 +91,9 @@ pub fn learn_recorded(
     Ok((baseline, said))
 }
 
-/// Offsets of a recording since `baseline`; `payload`: whether the gripper may hold something.
+/// Offsets of a recording since `baseline` (with the file's name), or against the encoders' zero.
+///
+/// The second answer is the chain's next file: what the baseline knew and this recording taught.
 ///
 /// # Errors
 /// [`AbsoluteError`].
@@ -139,12 +101,12 @@ pub fn watch(
     request: &Request,
     window: Window,
     baseline: Option<(&Baseline, &str)>,
-    payload: bool,
+    options: &WatchOptions,
     progress: &mut dyn FnMut(Progress),
-) -> Result<Absolute, AbsoluteError> {
+) -> Result<(Absolute, Baseline), AbsoluteError> {
     let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
     let file = request.log.display().to_string();
-    watch_recorded(&loaded.robot, &recorded, &file, baseline, payload)
+    watch_recorded(&loaded.robot, &recorded, &file, baseline, options)
 }
 
 /// [`watch`] from blocks; `name` of the recording for the answer and errors.
@@ -156,113 +118,112 @@ pub fn watch_recorded(
     recorded: &Recorded,
     name: &str,
     baseline: Option<(&Baseline, &str)>,
-    payload: bool,
-) -> Result<Absolute, AbsoluteError> {
-    let estimator = estimator(robot, &FeatureConfig::default());
-    let file = name.to_string();
-    let mut start = match baseline {
-        Some((baseline, name)) => baseline.nuisance(robot, estimator.prior().dimension(), name)?,
+    options: &WatchOptions,
+) -> Result<(Absolute, Baseline), AbsoluteError> {
+    let estimator = estimator(robot, options);
+    let prior = estimator.prior();
+    let mut continues = false;
+    let start = match baseline {
+        Some((baseline, file)) => {
+            let mut belief = baseline.belief(robot, prior, file)?;
+            let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
+            // A baseline's own offsets are zero by definition: what follows it is opened anew.
+            continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
+            if !continues {
+                prior.age(&mut belief);
+                prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
+                prior.open_payload(&mut belief, options.payload);
+            }
+            belief
+        }
         None => {
-            let mut fresh = estimator.prior().nuisance(false);
+            let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
             fresh.temperature_c = mean_temperature(&recorded.blocks);
             fresh
         }
     };
-    estimator.prior().reopen_payload(&mut start, payload);
-    let solve = |spans: &[OffsetSpan]| {
-        estimator
-            .solve(&start, spans, &recorded.blocks)
-            .map_err(|error| AbsoluteError::Map {
-                file: file.clone(),
-                error,
-            })
+    let everything = Seek {
+        offsets: true,
+        payload: true,
+        continues,
     };
-    let mut spans = spans(robot, UNKNOWN_RAD);
-    let plain = spans.len();
-    let mut map = solve(&spans)?;
-    // Slips: candidates of all joints are tried together, and those that aren't sure go again.
-    const ROUNDS: usize = 3;
-    for _ in 0..ROUNDS {
-        let before = spans.len();
-        for candidate in step_candidates(&recorded.blocks, &map.residuals_rad, &map.noise_rad) {
-            const WORTH_TRYING: f64 = 2.0;
-            let known = spans[plain..]
-                .iter()
-                .any(|s| s.joint == candidate.joint && (s.from_s - candidate.time_s).abs() < 5.0);
-            if candidate.strength > WORTH_TRYING
-                && candidate.size_rad.abs() > STEP_LEAST_RAD
-                && robot.transmissions[candidate.joint].is_some()
-                && !known
-            {
-                spans.push(OffsetSpan {
-                    joint: candidate.joint,
-                    from_s: candidate.time_s,
-                    to_s: f64::INFINITY,
-                    mean_rad: 0.0,
-                    deviation_rad: UNKNOWN_RAD,
-                });
-            }
+    let watched = stretches(&estimator, start, recorded, options, everything, name)?;
+    let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
+    let first = recordings.first().cloned();
+    recordings.push(name.into());
+    let next = Baseline::new(robot, recordings, recorded.end_time_ns, &watched.belief);
+    let said = said(&estimator, robot, recorded, &watched, name, first);
+    Ok((said, next))
+}
+
+/// A recording estimated stretch by stretch.
+struct Watched {
+    /// Before the first stretch.
+    before: Belief,
+    /// After the last.
+    belief: Belief,
+    /// Estimate of every stretch, with the index of its first block.
+    stretches: Vec<(usize, MapEstimate)>,
+}
+
+/// Estimates stretch by stretch, each from what the last one left.
+fn stretches(
+    estimator: &MapEstimator,
+    start: Belief,
+    recorded: &Recorded,
+    options: &WatchOptions,
+    seek: Seek,
+    name: &str,
+) -> Result<Watched, AbsoluteError> {
+    let failed = |error: MapError| AbsoluteError::Map {
+        file: name.into(),
+        error,
+    };
+    let blocks = &recorded.blocks;
+    let mut belief = start.clone();
+    let mut out = Vec::new();
+    let mut from = 0;
+    while from < blocks.len() {
+        // The last stretch is never a short one: what is left over joins the one before.
+        let end_s = blocks[from].time_s + STRETCH_S;
+        let mut to = from + blocks[from..].partition_point(|b| b.time_s < end_s);
+        if blocks
+            .last()
+            .is_some_and(|b| b.time_s < end_s + 0.5 * STRETCH_S)
+        {
+            to = blocks.len();
         }
-        if spans.len() == before {
-            break;
-        }
-        map = solve(&spans)?;
-        let kept: Vec<OffsetSpan> = spans
-            .iter()
-            .enumerate()
-            .filter(|&(k, _)| {
-                k < plain
-                    || (map.offsets_rad[k].abs() > STEP_SURE * map.deviations_rad[k]
-                        && map.offsets_rad[k].abs() > STEP_LEAST_RAD)
-            })
-            .map(|(_, s)| *s)
-            .collect();
-        if kept.len() < spans.len() {
-            spans = kept;
-            map = solve(&spans)?;
-        }
+        let seek = Seek {
+            continues: seek.continues || from > 0,
+            ..seek
+        };
+        let map = estimator
+            .watch(&belief, &blocks[from..to], options.payload, seek)
+            .map_err(failed)?;
+        belief = map.belief(estimator.prior());
+        out.push((from, map));
+        from = to;
     }
-    Ok(said(
-        &estimator,
-        robot,
-        recorded,
-        &spans,
-        &map,
-        file,
-        baseline.map(|(b, _)| b.recording.clone()),
-    ))
+    if out.is_empty() {
+        return Err(failed(MapError::NoData));
+    }
+    Ok(Watched {
+        before: start,
+        belief,
+        stretches: out,
+    })
 }
 
 /// The estimator of a robot. The payload is expected half as far again from the last joint as that
 /// body's own centre of mass, where a gripper holds things.
-fn estimator(robot: &Robot, config: &FeatureConfig) -> MapEstimator {
+pub fn estimator(robot: &Robot, options: &WatchOptions) -> MapEstimator {
     let last = robot.arm.dof().saturating_sub(1);
     let at = robot
         .arm
         .body(last)
         .map_or([0.0; 3], |b| b.com.map(|c| 1.5 * c));
-    let prior = Prior::new(
-        &robot.arm,
-        &robot.transmissions,
-        last,
-        at,
-        Tolerances::default(),
-    );
-    MapEstimator::new(prior, config)
-}
-
-/// One span per elastic joint over the whole recording.
-fn spans(robot: &Robot, deviation_rad: f64) -> Vec<OffsetSpan> {
-    (0..robot.arm.dof())
-        .filter(|&joint| robot.transmissions[joint].is_some())
-        .map(|joint| OffsetSpan {
-            joint,
-            from_s: f64::NEG_INFINITY,
-            to_s: f64::INFINITY,
-            mean_rad: 0.0,
-            deviation_rad,
-        })
-        .collect()
+    let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, robot.tolerances);
+    MapEstimator::new(prior, &FeatureConfig::default()).with_motor_torque(options.motor_torque)
 }
 
 fn mean_temperature(blocks: &[Block]) -> f64 {
@@ -274,100 +235,215 @@ fn said(
     estimator: &MapEstimator,
     robot: &Robot,
     recorded: &Recorded,
-    spans: &[OffsetSpan],
-    map: &MapEstimate,
-    recording: String,
+    watched: &Watched,
+    recording: &str,
     baseline: Option<String>,
 ) -> Absolute {
+    let prior = estimator.prior();
     let poses = distinct_poses(&recorded.blocks);
-    let mut joints = Vec::new();
-    for (joint, name) in robot.joint_names().iter().enumerate() {
-        let Some(transmission) = &robot.transmissions[joint] else {
-            continue;
-        };
-        // The offset at the end: the whole-recording span and every step of this joint. Variances
-        // add; that they are correlated negatively makes this an upper bound.
-        let (mut offset, mut variance) = (0.0, 0.0);
-        let mut steps = Vec::new();
-        for (k, span) in spans.iter().enumerate().filter(|(_, s)| s.joint == joint) {
-            offset += map.offsets_rad[k];
-            variance += map.deviations_rad[k].powi(2);
-            if span.from_s.is_finite() {
-                steps.push(Step {
-                    time_s: span.from_s,
-                    size_mrad: 1e3 * map.offsets_rad[k],
-                    interval_95_mrad: 1e3 * Z95 * map.deviations_rad[k],
+    let weights: Vec<f64> = watched
+        .stretches
+        .iter()
+        .flat_map(|(_, map)| map.weights.iter().copied())
+        .collect();
+    let elastic: Vec<usize> = (0..robot.arm.dof())
+        .filter(|&i| prior.is_elastic(i))
+        .collect();
+    let joints: Vec<AbsoluteJoint> = elastic
+        .iter()
+        .map(|&i| said_of_joint(prior, robot, recorded, watched, i))
+        .collect();
+    let offsets_at = |belief: &Belief| -> (Vec<f64>, Vec<f64>) {
+        elastic
+            .iter()
+            .map(|&i| {
+                let [mean, deviation] = belief.entry(prior.place(i, JointParameter::Offset));
+                (1e3 * mean, 1e3 * Z95 * deviation)
+            })
+            .unzip()
+    };
+    let series = watched
+        .stretches
+        .iter()
+        .map(|(from, map)| {
+            let (offset_mrad, interval_95_mrad) = offsets_at(&map.belief(prior));
+            Stretch {
+                from_s: recorded.blocks[*from].time_s,
+                to_s: recorded.blocks[from + map.weights.len() - 1].time_s,
+                offset_mrad,
+                interval_95_mrad,
+            }
+        })
+        .collect();
+    let mut payload_changes = Vec::new();
+    for (_, map) in &watched.stretches {
+        for (k, change) in map.changes.iter().enumerate() {
+            if change.what == What::Payload {
+                let [size, deviation] = map.change(prior, k);
+                payload_changes.push(PayloadChange {
+                    time_s: change.at_s,
+                    change_kg: size,
+                    interval_95_kg: Z95 * deviation,
                 });
             }
         }
-        let interval = Z95 * variance.sqrt();
-        let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
-        let verdict = if interval_95_mrad > USELESS_MRAD {
-            "can't tell"
-        } else if offset_mrad.abs() <= interval_95_mrad {
-            "unchanged"
-        } else if offset_mrad > 0.0 {
-            "longer"
-        } else {
-            "shorter"
-        };
-        let tendon = transmission.tendon.as_ref();
-        let [compliance, deviation] = estimator.prior().compliance(&map.nuisance, joint);
-        joints.push(AbsoluteJoint {
-            name: name.clone(),
-            offset_mrad,
-            interval_95_mrad,
-            elongation_mm: tendon.map(|t| 1e3 * t.elongation_m(offset)),
-            interval_95_mm: tendon.map(|t| 1e3 * t.elongation_m(interval)),
-            verdict: verdict.into(),
-            steps,
-            stiffness_change_percent: [
-                100.0 * (1.0 / (1.0 + compliance) - 1.0),
-                100.0 * Z95 * deviation,
-            ],
-        });
     }
-    let mut warnings = Vec::new();
-    if poses < 3 {
-        warnings.push(format!(
-            "only {poses} distinct pose(s): a payload or a wrong mass can't be told from stretch; three or four poses that change every joint's torque would help"
-        ));
-    }
-    if baseline.is_none() {
-        warnings.push(
-            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances"
-                .into(),
-        );
-    }
-    if recorded.frames_missing > 0 {
-        warnings.push(format!(
-            "{} frames without every position were left out",
-            recorded.frames_missing
-        ));
-    }
-    let left_out = stretches(&recorded.blocks, &map.weights);
-    let blocks = recorded.blocks.len().max(1) as f64;
-    let out = map.weights.iter().filter(|w| **w < HALF).count() as f64;
-    let [mass, mass_deviation] = estimator.prior().payload_kg(&map.nuisance);
-    Absolute {
-        recording,
+    let motor_torque = estimator.uses_motor_torque()
+        && recorded
+            .blocks
+            .iter()
+            .any(|b| b.motor_torque.iter().any(|t| t.is_finite()));
+    let [mass, mass_deviation] = watched.belief.entry(prior.payload_place());
+    let out = weights.iter().filter(|w| **w < HALF).count() as f64;
+    let temperature = mean_temperature(&recorded.blocks);
+    /// Clocks before the year 2000 don't tell the date.
+    const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
+    let mut said = Absolute {
+        robot: robot.name.clone(),
+        recording: recording.into(),
         baseline,
+        start_time_utc_s: (recorded.start_time_ns > YEAR_2000_NS)
+            .then_some(recorded.start_time_ns as f64 * 1e-9),
         duration_s: recorded.duration_s,
+        temperature_c: temperature.is_finite().then_some(temperature),
+        reference_temperature_c: watched
+            .before
+            .temperature_c
+            .is_finite()
+            .then_some(watched.before.temperature_c),
         joints,
+        series,
         payload_kg: [mass, Z95 * mass_deviation],
-        left_out_share: out / blocks,
-        left_out,
+        payload_changes,
+        motor_torque,
+        left_out_share: out / weights.len().max(1) as f64,
+        left_out: left_out(&recorded.blocks, &weights),
         poses,
+        nuisance: nuisance(prior, robot, watched),
         damaged: recorded.damaged,
-        warnings,
+        warnings: Vec::new(),
+    };
+    said.warnings = super::warnings::warnings(&said, recorded);
+    said
+}
+
+fn said_of_joint(
+    prior: &Prior,
+    robot: &Robot,
+    recorded: &Recorded,
+    watched: &Watched,
+    joint: usize,
+) -> AbsoluteJoint {
+    let at = |p: JointParameter| watched.belief.entry(prior.place(joint, p));
+    let [offset, deviation] = at(JointParameter::Offset);
+    let interval = Z95 * deviation;
+    let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
+    let verdict = if !(interval_95_mrad <= USELESS_MRAD) {
+        "can't tell"
+    } else if offset_mrad.abs() <= interval_95_mrad {
+        "unchanged"
+    } else if offset_mrad > 0.0 {
+        "longer"
+    } else {
+        "shorter"
+    };
+    let mut steps = Vec::new();
+    for (_, map) in &watched.stretches {
+        for (k, change) in map.changes.iter().enumerate() {
+            if change.what == What::Offset(joint) {
+                steps.push(step(prior, map, k));
+            }
+        }
     }
+    let transmission = robot.transmissions[joint].as_ref();
+    let tendon = transmission.and_then(|t| t.tendon.as_ref());
+    let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
+    let [compliance, compliance_deviation] = at(JointParameter::Compliance);
+    let slack = prior.is_antagonistic(joint).then(|| {
+        let [mean, deviation] = at(JointParameter::Slack);
+        [1e3 * mean, 1e3 * Z95 * deviation]
+    });
+    // The spring's deflection, up to the offset that is estimated.
+    let torques = recorded
+        .blocks
+        .iter()
+        .map(|b| stiffness / (1.0 + compliance) * (b.y[joint] - offset));
+    let (least, most) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
+        (a.min(t), b.max(t))
+    });
+    AbsoluteJoint {
+        name: robot.joint_names()[joint].clone(),
+        offset_mrad,
+        interval_95_mrad,
+        elongation_mm: tendon.map(|t| 1e3 * t.elongation_m(offset)),
+        interval_95_mm: tendon.map(|t| 1e3 * t.elongation_m(interval)),
+        verdict: verdict.into(),
+        steps,
+        stiffness_change_percent: [
+            100.0 * (1.0 / (1.0 + compliance) - 1.0),
+            100.0 * Z95 * compliance_deviation,
+        ],
+        slack_mrad: slack,
+        torque_range_nm: [least, most],
+    }
+}
+
+/// A step and what happened to the stiffness with it.
+fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+    let [size, deviation] = map.change(prior, k);
+    let change = map.changes[k];
+    let softer = map.changes.iter().position(|c| {
+        matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b)
+            && c.at_s == change.at_s
+    });
+    let [softer, unsure] = softer.map_or([0.0, 0.0], |k| map.change(prior, k));
+    Step {
+        time_s: change.at_s,
+        size_mrad: 1e3 * size,
+        interval_95_mrad: 1e3 * Z95 * deviation,
+        stiffness_change_percent: [-100.0 * softer, 100.0 * Z95 * unsure],
+        kind: if softer > Z95 * unsure && unsure > 0.0 {
+            "strand failure"
+        } else {
+            "slip"
+        }
+        .into(),
+    }
+}
+
+/// Everything estimated along, before and after.
+fn nuisance(prior: &Prior, robot: &Robot, watched: &Watched) -> Vec<Moved> {
+    /// What is held fixed isn't estimated.
+    const FIXED: f64 = 1e-8;
+    let names = robot.joint_names();
+    (0..prior.dimension())
+        .filter_map(|k| {
+            let entry = prior.describe(k)?;
+            let before = watched.before.entry(k);
+            let after = watched.belief.entry(k);
+            let offset = entry.joint.is_some_and(|i| {
+                prior.is_elastic(i) && k == prior.place(i, JointParameter::Offset)
+            });
+            if offset || before[1] < FIXED {
+                return None;
+            }
+            Some(Moved {
+                joint: entry.joint.map_or_else(String::new, |i| names[i].clone()),
+                name: entry.name.into(),
+                unit: entry.unit.into(),
+                prior: before,
+                posterior: after,
+                moved: after[1] < 0.8 * before[1] || (after[0] - before[0]).abs() > before[1],
+            })
+        })
+        .collect()
 }
 
 /// A block of less weight counts as left out.
 const HALF: f64 = 0.5;
 
 /// Stretches of at least a second that were mostly left out, the longest first, at most 20.
-fn stretches(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
+fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
     let mut found: Vec<LeftOut> = Vec::new();
     for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < HALF) {
         match found.last_mut() {

@@ -8,6 +8,15 @@
 //! `Φ` is the momentum-filtered torque regressor: what the observer does to `p` and `α`, done to
 //! the columns of their regressors, so no acceleration is needed and the lag of `Φ` is that of
 //! `y`. Everything is averaged over blocks of a fifth of a second.
+//!
+//! Where the motor's torque `u` is recorded there is a second equation per joint,
+//!
+//! ```text
+//! LP[u] = (1 + k)(τ + J LP[ddtheta] + F_m LP[z_m] + F_vm LP[dtheta] + μ_m LP[z_m |τ|]) + b
+//! LP[ddtheta] = K_I (dtheta − LP[dtheta])
+//! ```
+//!
+//! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
@@ -63,10 +72,66 @@ pub struct Block {
     pub encoder: Vec<f64>,
     /// Temperature, °C; NaN where not recorded.
     pub temperature_c: f64,
+    /// Filtered motor torque, `n`, N·m; NaN where not recorded.
+    pub motor_torque: Vec<f64>,
+    /// Filtered motor acceleration, `n`, rad/s².
+    pub motor_acceleration: Vec<f64>,
+    /// Motor velocity, `n`, rad/s.
+    pub motor_velocity: Vec<f64>,
+    /// Friction state of the drive, −1…1, `n`.
+    pub motor_z: Vec<f64>,
+    /// Friction state of the drive times the size of the spring's torque over its stiffness,
+    /// `n`, rad.
+    pub motor_z_load: Vec<f64>,
+    /// Share of the time the motor stood, 0…1, `n`: its friction is unknown then.
+    pub motor_stood: Vec<f64>,
+}
+
+impl Block {
+    fn zero(n: usize, columns: usize) -> Self {
+        let zero = || alloc::vec![0.0; n];
+        Self {
+            time_s: 0.0,
+            q: zero(),
+            y: zero(),
+            phi: alloc::vec![0.0; n * columns],
+            z: zero(),
+            dq: zero(),
+            z_load: zero(),
+            encoder: alloc::vec![0.0; n * ENCODER],
+            temperature_c: 0.0,
+            motor_torque: zero(),
+            motor_acceleration: zero(),
+            motor_velocity: zero(),
+            motor_z: zero(),
+            motor_z_load: zero(),
+            motor_stood: zero(),
+        }
+    }
+
+    /// What is averaged over a block.
+    fn sums(&mut self) -> [&mut Vec<f64>; 12] {
+        [
+            &mut self.y,
+            &mut self.phi,
+            &mut self.z,
+            &mut self.dq,
+            &mut self.z_load,
+            &mut self.encoder,
+            &mut self.motor_torque,
+            &mut self.motor_acceleration,
+            &mut self.motor_velocity,
+            &mut self.motor_z,
+            &mut self.motor_z_load,
+            &mut self.motor_stood,
+        ]
+    }
 }
 
 /// Number of encoder columns per joint.
 pub(super) const ENCODER: usize = 4;
+/// Signals that are low-passed per joint.
+const LAGS: usize = 9 + ENCODER;
 
 /// Makes blocks from samples.
 #[derive(Debug, Clone)]
@@ -80,10 +145,13 @@ pub struct FeatureObserver {
     theta: Vec<StateVariableFilter>,
     z: Vec<f64>,
     q_at_z: Vec<f64>,
+    torque: Vec<StateVariableFilter>,
+    motor_z: Vec<f64>,
+    theta_at_z: Vec<f64>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// Low-passed: y, z, dq, z_load, encoder columns, one set per joint.
-    lags: Vec<[FirstOrder; 4 + ENCODER]>,
+    /// Low-passed, in the order of [`FeatureObserver::lag_inputs`], one set per joint.
+    lags: Vec<[FirstOrder; LAGS]>,
     phi: Vec<f64>,
     sum: Block,
     count: u32,
@@ -109,21 +177,14 @@ impl FeatureObserver {
             theta: alloc::vec![StateVariableFilter::default(); n],
             z: alloc::vec![0.0; n],
             q_at_z: alloc::vec![0.0; n],
+            torque: alloc::vec![StateVariableFilter::default(); n],
+            motor_z: alloc::vec![0.0; n],
+            theta_at_z: alloc::vec![0.0; n],
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
-            lags: alloc::vec![[FirstOrder::default(); 4 + ENCODER]; n],
+            lags: alloc::vec![[FirstOrder::default(); LAGS]; n],
             phi: alloc::vec![0.0; n * columns],
-            sum: Block {
-                time_s: 0.0,
-                q: alloc::vec![0.0; n],
-                y: alloc::vec![0.0; n],
-                phi: alloc::vec![0.0; n * columns],
-                z: alloc::vec![0.0; n],
-                dq: alloc::vec![0.0; n],
-                z_load: alloc::vec![0.0; n],
-                encoder: alloc::vec![0.0; n * ENCODER],
-                temperature_c: 0.0,
-            },
+            sum: Block::zero(n, columns),
             count: 0,
             since_start_s: 0.0,
             since_regressor_s: 0.0,
@@ -148,6 +209,7 @@ impl FeatureObserver {
     /// Takes a sample; returns whether a block is complete (see [`FeatureObserver::block`]).
     ///
     /// * `q`, `theta_measured`: `n`, rad; `temperature_c` may be NaN.
+    /// * `motor_torque`: `n`, N·m, reflected to the joint; NaN where it isn't recorded.
     ///
     /// # Errors
     /// [`StepError`]; the state is then unchanged.
@@ -159,17 +221,18 @@ impl FeatureObserver {
         dt_s: f64,
         q: &[f64],
         theta_measured: &[f64],
+        motor_torque: &[f64],
         temperature_c: f64,
     ) -> Result<bool, StepError> {
         let n = self.arm.dof();
-        if q.len() != n || theta_measured.len() != n {
+        if q.len() != n || theta_measured.len() != n || motor_torque.len() != n {
             return Err(StepError::Length);
         }
         if q.iter().chain(theta_measured).any(|x| !is_input(*x)) {
             return Err(StepError::NotFinite);
         }
         if !self.started {
-            return self.start(q, theta_measured).map(|()| false);
+            return self.start(q, theta_measured, motor_torque).map(|()| false);
         }
         if !is_time_step(dt_s) {
             return Err(StepError::TimeStep);
@@ -181,6 +244,14 @@ impl FeatureObserver {
         }
         for (filter, x) in self.theta.iter_mut().zip(theta_measured) {
             filter.step(w, dt_s, decay, *x);
+        }
+        for (filter, x) in self.torque.iter_mut().zip(motor_torque) {
+            // A torque that comes back after a gap starts its filter anew.
+            if filter.value().is_finite() {
+                filter.step(w, dt_s, decay, *x);
+            } else {
+                *filter = StateVariableFilter::settled_at(*x);
+            }
         }
         self.since_start_s += dt_s;
         self.since_regressor_s += dt_s;
@@ -207,7 +278,7 @@ impl FeatureObserver {
         7.0 / self.config.gain_per_s + 9.0 / self.config.cutoff_rad_per_s
     }
 
-    fn start(&mut self, q: &[f64], theta: &[f64]) -> Result<(), StepError> {
+    fn start(&mut self, q: &[f64], theta: &[f64], torque: &[f64]) -> Result<(), StepError> {
         self.velocities.fill(0.0);
         self.arm
             .momentum_regressor(&mut self.ws, q, &self.velocities, &mut self.now)?;
@@ -217,15 +288,20 @@ impl FeatureObserver {
         for (filter, x) in self.theta.iter_mut().zip(theta) {
             *filter = StateVariableFilter::settled_at(*x);
         }
+        for (filter, x) in self.torque.iter_mut().zip(torque) {
+            *filter = StateVariableFilter::settled_at(*x);
+        }
         self.z.fill(0.0);
         self.q_at_z.copy_from_slice(q);
+        self.motor_z.fill(0.0);
+        self.theta_at_z.copy_from_slice(theta);
         for (phi, a) in self.phi.iter_mut().zip(&self.now.a) {
             *phi = -a;
         }
         core::mem::swap(&mut self.now, &mut self.before);
-        for (i, lags) in self.lags.iter_mut().enumerate() {
-            let inputs = lag_inputs(&self.q[i], &self.theta[i], 0.0);
-            for (lag, u) in lags.iter_mut().zip(inputs) {
+        for i in 0..self.lags.len() {
+            let inputs = self.lag_inputs(i);
+            for (lag, u) in self.lags[i].iter_mut().zip(inputs) {
                 *lag = FirstOrder::settled_at(u);
             }
         }
@@ -257,13 +333,23 @@ impl FeatureObserver {
             *phi = pole.a * *phi + rate * (p1 - p0) - pole.w0 * a0 - pole.w1 * a1;
         }
         core::mem::swap(&mut self.now, &mut self.before);
-        for (i, lags) in self.lags.iter_mut().enumerate() {
+        let stroke = self.config.presliding_rad;
+        for i in 0..self.lags.len() {
             let moved = self.positions[i] - self.q_at_z[i];
             self.q_at_z[i] = self.positions[i];
-            self.z[i] = (self.z[i] + moved / self.config.presliding_rad).clamp(-1.0, 1.0);
-            let inputs = lag_inputs(&self.q[i], &self.theta[i], self.z[i]);
-            for (lag, u) in lags.iter_mut().zip(inputs) {
-                lag.step(&pole, u);
+            self.z[i] = (self.z[i] + moved / stroke).clamp(-1.0, 1.0);
+            let theta = self.theta[i].value();
+            let turned = theta - self.theta_at_z[i];
+            self.theta_at_z[i] = theta;
+            self.motor_z[i] = (self.motor_z[i] + turned / stroke).clamp(-1.0, 1.0);
+            let inputs = self.lag_inputs(i);
+            for (lag, u) in self.lags[i].iter_mut().zip(inputs) {
+                // Not a number is "not recorded"; it must not stay in the lag for ever.
+                if lag.output().is_finite() {
+                    lag.step(&pole, u);
+                } else {
+                    *lag = FirstOrder::settled_at(u);
+                }
             }
         }
         Ok(())
@@ -272,14 +358,7 @@ impl FeatureObserver {
     fn clear_sums(&mut self) {
         let s = &mut self.sum;
         s.time_s = self.since_start_s;
-        for column in [
-            &mut s.y,
-            &mut s.phi,
-            &mut s.z,
-            &mut s.dq,
-            &mut s.z_load,
-            &mut s.encoder,
-        ] {
+        for column in s.sums() {
             column.fill(0.0);
         }
         s.temperature_c = 0.0;
@@ -294,14 +373,32 @@ impl FeatureObserver {
         for (sum, phi) in s.phi.iter_mut().zip(&self.phi) {
             *sum += phi;
         }
+        let gain = self.config.gain_per_s;
         for (i, lags) in self.lags.iter().enumerate() {
-            let at = |k: usize| lags.get(k).map_or(0.0, FirstOrder::output);
-            s.y[i] += at(0);
-            s.z[i] += at(1);
-            s.dq[i] += at(2);
-            s.z_load[i] += at(3);
-            for k in 0..ENCODER {
-                s.encoder[i * ENCODER + k] += at(4 + k);
+            let [
+                y,
+                z,
+                dq,
+                z_load,
+                torque,
+                velocity,
+                motor_z,
+                motor_z_load,
+                stood,
+                encoder @ ..,
+            ] = lags.each_ref().map(FirstOrder::output);
+            s.y[i] += y;
+            s.z[i] += z;
+            s.dq[i] += dq;
+            s.z_load[i] += z_load;
+            s.motor_torque[i] += torque;
+            s.motor_acceleration[i] += gain * (self.theta[i].rate() - velocity);
+            s.motor_velocity[i] += velocity;
+            s.motor_z[i] += motor_z;
+            s.motor_z_load[i] += motor_z_load;
+            s.motor_stood[i] += stood;
+            for (sum, e) in s.encoder[i * ENCODER..].iter_mut().zip(encoder) {
+                *sum += e;
             }
         }
         s.temperature_c += temperature_c;
@@ -311,14 +408,7 @@ impl FeatureObserver {
     fn average(&mut self) {
         let scale = 1.0 / f64::from(self.count.max(1));
         let s = &mut self.sum;
-        for column in [
-            &mut s.y,
-            &mut s.phi,
-            &mut s.z,
-            &mut s.dq,
-            &mut s.z_load,
-            &mut s.encoder,
-        ] {
+        for column in s.sums() {
             for x in column.iter_mut() {
                 *x *= scale;
             }
@@ -333,21 +423,30 @@ impl FeatureObserver {
     pub fn block(&self) -> &Block {
         &self.sum
     }
-}
 
-/// What is low-passed for one joint, in the order of the lags.
-fn lag_inputs(q: &StateVariableFilter, theta: &StateVariableFilter, z: f64) -> [f64; 4 + ENCODER] {
-    let deflection = theta.value() - q.value();
-    let (s1, c1) = libm::sincos(q.value());
-    let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
-    [
-        deflection,
-        z,
-        q.rate(),
-        z * deflection.abs(),
-        s1,
-        c1,
-        s2,
-        c2,
-    ]
+    /// What is low-passed for joint `i`.
+    fn lag_inputs(&self, i: usize) -> [f64; LAGS] {
+        /// Below this speed a drive's friction may point either way, rad/s.
+        const STANDS_RAD_PER_S: f64 = 0.05;
+        let (q, theta) = (&self.q[i], &self.theta[i]);
+        let deflection = theta.value() - q.value();
+        let (s1, c1) = libm::sincos(q.value());
+        let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
+        let stands = theta.rate().abs() < STANDS_RAD_PER_S;
+        [
+            deflection,
+            self.z[i],
+            q.rate(),
+            self.z[i] * deflection.abs(),
+            self.torque[i].value(),
+            theta.rate(),
+            self.motor_z[i],
+            self.motor_z[i] * deflection.abs(),
+            if stands { 1.0 } else { 0.0 },
+            s1,
+            c1,
+            s2,
+            c2,
+        ]
+    }
 }

@@ -1,16 +1,23 @@
-//! The offset of the motor position: the paper's eq. (5)–(6) on a running robot.
+//! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute
+//! offset estimated with everything that disguises itself as one.
 
+mod changes;
+mod equation;
 mod features;
 mod map;
 mod observer;
-mod steps;
+mod prior;
+mod recursive;
 
+pub use changes::{Change, Seek, What};
 pub use features::{Block, FeatureConfig, FeatureObserver};
-pub use map::{
-    JointPrior, MapError, MapEstimate, MapEstimator, Nuisance, OffsetSpan, Prior, Tolerances,
-};
+pub use map::{MapError, MapEstimate, MapEstimator};
 pub use observer::{
     Comparison, OffsetConfig, OffsetConfigError, OffsetObserver, Sample, TorqueSource,
     VelocityFilter,
 };
-pub use steps::{StepCandidate, step_candidates};
+pub use prior::{
+    Belief, Entry, JointParameter, JointPrior, Payload, Prior, TENSIONED_OFFSET_RAD,
+    UNKNOWN_OFFSET_RAD,
+};
+pub use recursive::RecursiveOffsets;

@@ -5,7 +5,7 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::absolute::{self, Absolute, Window};
+use sinew_lab::absolute;
 use sinew_lab::estimate::Request;
 use sinew_lab::report;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub(crate) struct Baseline {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
-    window: Part,
+    window: super::absolute::Part,
     #[command(flatten)]
     opening: Opening,
     /// Print one JSON document instead of the table (no value: null)
@@ -37,34 +37,6 @@ pub(crate) struct Baseline {
     /// No progress and no warnings on stderr
     #[arg(long, help_heading = "Output")]
     quiet: bool,
-}
-
-/// Which part of the recording.
-#[derive(Debug, Clone, Copy, Args)]
-pub(crate) struct Part {
-    /// Use the recording from here on, s
-    #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
-    from_s: f64,
-    /// Use the recording up to here, s
-    #[arg(long = "to", value_name = "S")]
-    to_s: Option<f64>,
-}
-
-impl Part {
-    /// The window, if it has a length.
-    pub(crate) fn window(self) -> Result<Window, Failure> {
-        let window = Window {
-            from_s: self.from_s,
-            to_s: self.to_s.unwrap_or(f64::INFINITY),
-        };
-        if window.from_s >= 0.0 && window.from_s < window.to_s {
-            return Ok(window);
-        }
-        Err(Failure::Refused(format!(
-            "--from {} s --to {} s: the part must start at 0 s or later and end after its start",
-            window.from_s, window.to_s
-        )))
-    }
 }
 
 impl Baseline {
@@ -129,58 +101,4 @@ impl Baseline {
         answer(&text)?;
         Ok(Finish::lossy(said.damaged))
     }
-}
-
-/// Offsets since a baseline as text of at most 80 columns.
-pub(crate) fn told(said: &Absolute) -> String {
-    let head = [
-        "joint",
-        "since baseline\nmrad",
-        "± (95 %)\nmrad",
-        "stretch\nmm",
-        "± (95 %)\nmm",
-        "verdict",
-    ];
-    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| report::rounded(v, 2));
-    let rows = said
-        .joints
-        .iter()
-        .map(|j| {
-            vec![
-                plain(&j.name),
-                report::rounded(j.offset_mrad, 3),
-                report::rounded(j.interval_95_mrad, 2),
-                optional(j.elongation_mm),
-                optional(j.interval_95_mm),
-                j.verdict.clone(),
-            ]
-        })
-        .collect();
-    let mut text = table(&head, rows, 1);
-    text.push('\n');
-    for joint in &said.joints {
-        for step in &joint.steps {
-            text.push_str(&paragraph(
-                &plain(&format!(
-                    "{}: a sudden change of {} ± {} mrad at {:.0} s",
-                    joint.name,
-                    report::rounded(step.size_mrad, 3),
-                    report::rounded(step.interval_95_mrad, 2),
-                    step.time_s
-                )),
-                2,
-            ));
-        }
-    }
-    text.push_str(&paragraph(
-        &format!(
-            "payload {} ± {} kg; {:.0} % of the time left out as contact or disturbance; {} poses",
-            report::rounded(said.payload_kg[0], 2),
-            report::rounded(said.payload_kg[1], 2),
-            100.0 * said.left_out_share,
-            said.poses
-        ),
-        2,
-    ));
-    text
 }

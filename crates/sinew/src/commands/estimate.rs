@@ -6,7 +6,7 @@ use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::absolute::{self, Absolute};
+use sinew_lab::absolute::Absolute;
 use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Request};
 use sinew_lab::{output, report, robot_dir};
 use sinew_model::offset::VelocityFilter;
@@ -33,12 +33,11 @@ pub(crate) struct Estimate {
     /// Baseline made by `sinew baseline`: absolute offsets since then, with an interval
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// With --baseline: the gripper holds nothing (otherwise a payload is estimated along)
-    #[arg(long, requires = "baseline")]
-    empty: bool,
-    /// With --baseline: which part of the recording it judges
+    /// Absolute offsets without a baseline: against the encoders' zero, with a wider interval
+    #[arg(long, conflicts_with = "baseline")]
+    absolute: bool,
     #[command(flatten)]
-    part: super::baseline::Part,
+    watching: super::absolute::Watching,
 
     /// Where the elastic torque comes from
     #[arg(long, value_enum, default_value = "observer", help_heading = "Method")]
@@ -125,33 +124,20 @@ impl Estimate {
         } else {
             let mut text = told(&result);
             if let Some(absolute) = &absolute {
-                text.push_str("\nAbsolute, all joints together, since the baseline:\n");
-                text.push_str(&super::baseline::told(absolute));
+                text.push_str(&super::absolute::told(absolute, self.watching.nuisance));
             }
             answer(&text)?;
         }
         Ok(Finish::lossy(result.damaged))
     }
 
-    /// `--baseline`: the offsets since then.
+    /// `--baseline` or `--absolute`: the joint estimate.
     fn absolute(&self, request: &Request) -> Result<Option<Absolute>, Failure> {
-        let Some(path) = &self.baseline else {
+        if self.baseline.is_none() && !self.absolute {
             return Ok(None);
-        };
-        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
-        let window = self.part.window()?;
-        let baseline = absolute::Baseline::read(path).map_err(refused)?;
-        let name = path.display().to_string();
-        let bar = Bar::new("watching", self.quiet);
-        let watched = absolute::watch(
-            request,
-            window,
-            Some((&baseline, &name)),
-            !self.empty,
-            &mut |at| bar.set(at.bytes_done as f64, at.bytes_total as f64),
-        );
-        drop(bar);
-        let watched = watched.map_err(refused)?;
+        }
+        let baseline = self.baseline.as_deref();
+        let watched = self.watching.watch(request, baseline, self.quiet)?;
         if !self.quiet && !self.json {
             for warning in &watched.warnings {
                 complain("warning", &plain(warning));
@@ -161,10 +147,14 @@ impl Estimate {
     }
 
     fn check_files(&self) -> Result<(), Failure> {
-        let outputs: Vec<_> = [("--csv", &self.csv), ("--report", &self.report)]
-            .into_iter()
-            .filter_map(|(option, path)| Some((option, path.as_deref()?)))
-            .collect();
+        let outputs: Vec<_> = [
+            ("--csv", &self.csv),
+            ("--report", &self.report),
+            ("--save", &self.watching.save),
+        ]
+        .into_iter()
+        .filter_map(|(option, path)| Some((option, path.as_deref()?)))
+        .collect();
         let inputs: Vec<_> = [
             ("the recording", Some(self.log.as_path())),
             ("the reference", self.reference.as_deref()),

@@ -1,5 +1,6 @@
 //! One file per command.
 
+pub(crate) mod absolute;
 pub(crate) mod baseline;
 pub(crate) mod bench;
 mod bench_read_camera;

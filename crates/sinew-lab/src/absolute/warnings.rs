@@ -1,0 +1,96 @@
+//! What the reader of an answer should know.
+
+use super::answer::Absolute;
+use super::blocks::Recorded;
+
+/// A contact longer than this looks like something that happened for good, s.
+const LASTING_S: f64 = 8.0;
+/// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, mrad.
+const POOR_MRAD: f64 = 10.0;
+/// A share left out above this makes what is left suspect.
+const MUCH: f64 = 0.35;
+
+/// Warnings for an answer.
+pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
+    let mut out = Vec::new();
+    if said.poses < 3 {
+        out.push(format!(
+            "only {} distinct pose(s): a payload or a wrong mass can't be told from stretch; three or four poses that change every joint's torque would help",
+            said.poses
+        ));
+    }
+    for (joint, range) in said.joints.iter().zip(deflections(said, recorded)) {
+        if joint.verdict == "can't tell" && range < POOR_MRAD {
+            out.push(format!(
+                "{}: its torque hardly changed ({:.2} to {:.2} N·m), so stretch can't be told from a wrong stiffness or payload; poses that load it differently would help",
+                joint.name, joint.torque_range_nm[0], joint.torque_range_nm[1]
+            ));
+        }
+        let lost = joint.steps.iter().filter(|s| s.kind == "slip");
+        for step in lost {
+            if recorded.duration_s > 0.0 && recorded.end_s() - step.time_s < LASTING_S {
+                out.push(format!(
+                    "{}: the change at {:.0} s came {:.0} s before the end; a contact that lasts looks the same",
+                    joint.name,
+                    step.time_s,
+                    recorded.end_s() - step.time_s
+                ));
+            }
+        }
+    }
+    for left in said
+        .left_out
+        .iter()
+        .filter(|l| l.to_s - l.from_s > LASTING_S)
+    {
+        out.push(format!(
+            "from {:.0} to {:.0} s nothing fits: a contact that lasts, or a change this method doesn't know; nothing was learned there",
+            left.from_s, left.to_s
+        ));
+    }
+    if said.left_out_share > MUCH {
+        out.push(format!(
+            "{:.0} % of the time was left out as disturbed: the robot may differ from its description in a way no tolerance covers",
+            100.0 * said.left_out_share
+        ));
+    }
+    if said.baseline.is_none() {
+        out.push(
+            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances"
+                .into(),
+        );
+    }
+    for moved in &said.nuisance {
+        let [before, deviation] = moved.prior;
+        let off = (moved.posterior[0] - before).abs() / deviation;
+        if off > 3.5 {
+            out.push(format!(
+                "{} {}: {:.2} standard deviations from what was believed; check robot.toml or its tolerance",
+                moved.joint, moved.name, off
+            ));
+        }
+    }
+    if recorded.frames_missing > 0 {
+        out.push(format!(
+            "{} frames without every position were left out",
+            recorded.frames_missing
+        ));
+    }
+    out
+}
+
+/// Range of every elastic joint's deflection, mrad.
+fn deflections(said: &Absolute, recorded: &Recorded) -> Vec<f64> {
+    let elastic = &recorded.elastic;
+    debug_assert_eq!(elastic.len(), said.joints.len());
+    elastic
+        .iter()
+        .map(|&i| {
+            let y = recorded.blocks.iter().map(|b| b.y[i]);
+            let (least, most) = y.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| {
+                (a.min(y), b.max(y))
+            });
+            1e3 * (most - least)
+        })
+        .collect()
+}

@@ -1,0 +1,254 @@
+//! What happens within and between recordings: loads, cuts, chains, the recursive form.
+
+use sinew_lab::absolute::{self, Payload, Recorded, Recorder, WatchOptions};
+use sinew_lab::robot_dir;
+use sinew_lab::simulate::{Scenario, Simulation};
+use sinew_model::offset::{FeatureConfig, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
+use sinew_model::robot::Robot;
+use std::path::Path;
+
+const PITCH: usize = 1;
+const ELBOW: usize = 2;
+
+fn robot() -> Robot {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
+    robot_dir::load(&place, None).unwrap().robot
+}
+
+/// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at
+/// 120 s, mrad.
+fn session(
+    robot: &Robot,
+    seed: u64,
+    edit: impl Fn(String) -> String,
+    cuts_s: &[f64],
+) -> (Vec<Recorded>, Vec<f64>) {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let mut scenario = Scenario::from_toml(&edit(text), "work-session.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let mut parts = vec![recorder()];
+    let mut cuts = cuts_s.iter().copied().peekable();
+    let mut truth = Vec::new();
+    let mut frame_at = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        if cuts.next_if(|cut| frame_at >= *cut).is_some() {
+            parts.push(recorder());
+        }
+        parts.last_mut().unwrap().push(frame, frame_at);
+        frame_at += 1.0 / 250.0;
+        if frame_at < 120.0 {
+            truth = simulation
+                .true_state()
+                .delta_e
+                .iter()
+                .map(|x| 1e3 * x)
+                .collect();
+        }
+    }
+    (parts.into_iter().map(Recorder::finish).collect(), truth)
+}
+
+/// How many recordings are simulated: `SINEW_SEEDS`, or a few.
+fn seeds(ordinary: u64) -> u64 {
+    let asked = std::env::var("SINEW_SEEDS").ok();
+    asked.and_then(|s| s.parse().ok()).unwrap_or(ordinary)
+}
+
+fn no_contact(text: String) -> String {
+    text.replace("fraction = 0.1\n", "fraction = 0.0\n")
+}
+
+#[test]
+fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
+    let robot = robot();
+    let load = |text: String| {
+        no_contact(text)
+            .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4")
+            .replace("attach_s = 60.0", "attach_s = 91.0")
+    };
+    let (parts, truth) = session(&robot, 11, load, &[60.0, 120.0]);
+    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (said, _) = absolute::watch_recorded(
+        &robot,
+        &parts[1],
+        "B",
+        Some((&baseline, "baseline")),
+        &WatchOptions::default(),
+    )
+    .unwrap();
+    println!("{:?} {:?}", said.payload_changes, said.payload_kg);
+    assert_eq!(said.payload_changes.len(), 1, "{:?}", said.payload_changes);
+    let change = &said.payload_changes[0];
+    assert!((change.time_s - 91.0).abs() < 1.5, "{change:?}");
+    assert!((change.change_kg - 0.4).abs() < 0.1, "{change:?}");
+    for joint in [PITCH, ELBOW] {
+        let found = &said.joints[joint];
+        let error = found.offset_mrad - truth[joint];
+        println!("{} {error:+.2} ± {:.2}", found.name, found.interval_95_mrad);
+        assert!(
+            error.abs() < found.interval_95_mrad && error.abs() < 1.0,
+            "{error}"
+        );
+        assert!(found.steps.is_empty(), "{:?}", found.steps);
+    }
+    // Nothing in the gripper is something else: told so, the same load reads as stretch or as
+    // disturbance, and the answer says that much did not fit.
+    let empty = WatchOptions {
+        payload: Payload::Empty,
+        ..WatchOptions::default()
+    };
+    let (said, _) = absolute::watch_recorded(
+        &robot,
+        &parts[1],
+        "B",
+        Some((&baseline, "baseline")),
+        &empty,
+    )
+    .unwrap();
+    assert!(
+        said.left_out_share > 0.3 && !said.warnings.is_empty(),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
+    let robot = robot();
+    let options = WatchOptions::default();
+    let (whole, _) = session(&robot, 12, no_contact, &[60.0]);
+    let (cut, truth) = session(&robot, 12, no_contact, &[60.0, 118.0]);
+    let (baseline, _) = absolute::learn_recorded(&robot, &whole[0], "A").unwrap();
+    let (once, _) = absolute::watch_recorded(
+        &robot,
+        &whole[1],
+        "BC",
+        Some((&baseline, "baseline")),
+        &options,
+    )
+    .unwrap();
+    let (first, next) = absolute::watch_recorded(
+        &robot,
+        &cut[1],
+        "B",
+        Some((&baseline, "baseline")),
+        &options,
+    )
+    .unwrap();
+    let (second, last) =
+        absolute::watch_recorded(&robot, &cut[2], "C", Some((&next, "next")), &options).unwrap();
+    assert_eq!(last.recordings, ["A", "B", "C"]);
+    for (a, b) in once.joints.iter().zip(&second.joints) {
+        let apart = (a.offset_mrad - b.offset_mrad).abs();
+        println!(
+            "{}: {:.3} ± {:.2} at once, {:.3} ± {:.2} in two",
+            a.name, a.offset_mrad, a.interval_95_mrad, b.offset_mrad, b.interval_95_mrad
+        );
+        assert!(apart < 0.35 * a.interval_95_mrad, "{apart}");
+        assert!(b.interval_95_mrad < 1.6 * a.interval_95_mrad);
+        assert_eq!(a.steps.len(), b.steps.len(), "{:?} {:?}", a.steps, b.steps);
+    }
+    for (joint, at_s) in [(PITCH, 130.0), (ELBOW, 150.0)] {
+        let step = &second.joints[joint].steps[0];
+        assert!((step.time_s - at_s).abs() < 2.0, "{step:?}");
+        assert!(
+            (step.size_mrad - 5.0).abs() < step.interval_95_mrad,
+            "{step:?}"
+        );
+        let error = first.joints[joint].offset_mrad - truth[joint];
+        assert!(error.abs() < first.joints[joint].interval_95_mrad);
+    }
+}
+
+#[test]
+fn without_a_baseline_the_answer_is_wider_and_still_right() {
+    let robot = robot();
+    let (mut inside, mut all) = (0, 0);
+    for seed in 0..seeds(2) {
+        let (parts, truth) = session(&robot, 13 + seed, no_contact, &[60.0, 120.0]);
+        for motor_torque in [false, true] {
+            let options = WatchOptions {
+                motor_torque,
+                ..WatchOptions::default()
+            };
+            let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+            let with = Some((&baseline, "baseline"));
+            let (sure, _) =
+                absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+            let (said, _) =
+                absolute::watch_recorded(&robot, &parts[1], "B", None, &options).unwrap();
+            print!("seed {seed}, motor torque {motor_torque}:");
+            for (joint, (with, without)) in sure.joints.iter().zip(&said.joints).enumerate() {
+                let error = without.offset_mrad - truth[joint];
+                print!(
+                    " {} {error:+.2} ± {:.2}",
+                    without.name, without.interval_95_mrad
+                );
+                all += 1;
+                inside += usize::from(error.abs() < without.interval_95_mrad);
+                assert!(without.interval_95_mrad > with.interval_95_mrad);
+            }
+            println!();
+            assert!(
+                said.warnings
+                    .iter()
+                    .any(|w| w.contains("without a baseline"))
+            );
+            assert!(
+                said.nuisance.iter().any(|m| m.moved) && said.nuisance.iter().any(|m| !m.moved)
+            );
+        }
+    }
+    println!("{inside} of {all} inside");
+    // At 95 % each, fewer than 13 of 16 has a chance of 1 %.
+    assert!(16 * inside >= 13 * all, "{inside} of {all}");
+}
+
+#[test]
+fn block_by_block_gives_what_all_at_once_gives() {
+    let robot = robot();
+    let options = WatchOptions::default();
+    for seed in 0..seeds(3) {
+        let (parts, truth) = session(&robot, 40 + seed, |t| t, &[60.0, 120.0]);
+        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let with = Some((&baseline, "baseline"));
+        let (batch, _) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+        let estimator = absolute::estimator(&robot, &options);
+        let mut belief = baseline
+            .belief(&robot, estimator.prior(), "baseline")
+            .unwrap();
+        estimator.prior().age(&mut belief);
+        estimator
+            .prior()
+            .open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
+        estimator.prior().open_payload(&mut belief, options.payload);
+        let mut filter = RecursiveOffsets::new(estimator, belief).unwrap();
+        let mut weights = 0.0;
+        for block in &parts[1].blocks {
+            weights += filter.step(block).unwrap();
+        }
+        print!(
+            "seed {seed}: mean weight {:.2}",
+            weights / parts[1].blocks.len() as f64
+        );
+        for (joint, said) in batch.joints.iter().enumerate() {
+            let [offset, deviation] = filter.offset(joint);
+            let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
+            print!(
+                ", {}: {:+.2} ± {:.2} batch, {:+.2} ± {interval:.2} recursive",
+                said.name,
+                said.offset_mrad - truth[joint],
+                said.interval_95_mrad,
+                offset - truth[joint]
+            );
+            assert!(
+                (offset - truth[joint]).abs() < interval.max(said.interval_95_mrad),
+                "{offset}"
+            );
+            assert!(interval < 2.0 * said.interval_95_mrad);
+        }
+        println!();
+    }
+}

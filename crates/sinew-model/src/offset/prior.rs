@@ -1,0 +1,496 @@
+//! What is unknown about a robot, with what is believed of it before a recording.
+
+use super::features::ENCODER;
+use crate::arm::{Arm, PARAMETERS_PER_BODY};
+use crate::tolerances::Tolerances;
+use crate::transmission::Transmission;
+use alloc::vec::Vec;
+
+/// Nominal values of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointPrior {
+    /// Nominal stiffness, N·m/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Reflected motor inertia, kg·m²; `None`: the motor's torque is no witness.
+    pub motor_inertia_kg_m2: Option<f64>,
+    /// Nominal Coulomb friction, N·m.
+    pub coulomb_nm: f64,
+    /// Nominal viscous friction, N·m·s/rad.
+    pub viscous_nm_s_per_rad: f64,
+    /// Nominal Coulomb friction of the drive, N·m.
+    pub motor_coulomb_nm: f64,
+    /// Nominal viscous friction of the drive, N·m·s/rad.
+    pub motor_viscous_nm_s_per_rad: f64,
+    /// Whether two ropes pull against each other: one that stretched is a dead zone then.
+    pub antagonistic: bool,
+}
+
+/// What a joint's parameters are, in their order in the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum JointParameter {
+    /// Offset `delta_e`, rad.
+    Offset,
+    /// Compliance over nominal, less one.
+    Compliance,
+    /// Cubic stiffening `η`, 1/rad².
+    Stiffening,
+    /// Coulomb friction of the joint, N·m.
+    Coulomb,
+    /// Viscous friction of the joint, N·m·s/rad.
+    Viscous,
+    /// Torque-proportional friction of the joint.
+    LoadFriction,
+    /// Drift of the zero with temperature, rad/K.
+    Drift,
+    /// Compliance change with temperature, 1/K.
+    Thermal,
+    /// First of the encoder's sine and cosine once and twice per turn, rad.
+    Encoder,
+    /// Scale error of the motor torque.
+    MotorScale = Self::Encoder as usize + ENCODER,
+    /// Offset of the motor torque, N·m.
+    MotorBias,
+    /// Coulomb friction of the drive, N·m.
+    MotorCoulomb,
+    /// Viscous friction of the drive, N·m·s/rad.
+    MotorViscous,
+    /// Torque-proportional friction of the drive.
+    MotorLoadFriction,
+    /// Half the dead zone of a slack antagonistic pair, rad.
+    Slack,
+}
+
+/// Entries per joint.
+pub(super) const PER_JOINT: usize = JointParameter::Slack as usize + 1;
+/// Payload: mass, and three first moments beside where it is expected.
+pub(super) const PAYLOAD: usize = 4;
+
+/// What an offset may be before anything is known, rad.
+pub const UNKNOWN_OFFSET_RAD: f64 = 0.03;
+/// Offsets right after tensioning are zero by definition, up to this, rad.
+pub const TENSIONED_OFFSET_RAD: f64 = 1e-5;
+/// What half a dead zone may be before anything is known, rad.
+const UNKNOWN_SLACK_RAD: f64 = 0.01;
+/// Standard deviation of what is held fixed, in its own unit.
+const FIXED: f64 = 1e-9;
+
+/// Mean and covariance of the state, and what the offsets refer to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// Means, `d`.
+    pub mean: Vec<f64>,
+    /// Covariance, row-major `d × d`.
+    pub covariance: Vec<f64>,
+    /// Temperature the offsets refer to, °C; NaN where unknown.
+    pub temperature_c: f64,
+}
+
+impl Belief {
+    /// Mean and standard deviation of entry `k`; NaN where there is none.
+    pub fn entry(&self, k: usize) -> [f64; 2] {
+        let d = self.mean.len();
+        let at = |x: &[f64], k: usize| x.get(k).copied().unwrap_or(f64::NAN);
+        [
+            at(&self.mean, k),
+            libm::sqrt(at(&self.covariance, k * d + k)),
+        ]
+    }
+
+    /// Forgets entry `k`: believed to be `mean ± deviation`, unrelated to the rest.
+    pub fn open(&mut self, k: usize, mean: f64, deviation: f64) {
+        let d = self.mean.len();
+        if k >= d || self.covariance.len() != d * d {
+            return;
+        }
+        self.mean[k] = mean;
+        for m in 0..d {
+            self.covariance[k * d + m] = 0.0;
+            self.covariance[m * d + k] = 0.0;
+        }
+        self.covariance[k * d + k] = deviation * deviation;
+    }
+}
+
+/// What may be in the gripper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Payload {
+    /// Nothing.
+    Empty,
+    /// Something unknown, as the tolerances say.
+    Unknown,
+    /// A mass known to a standard deviation, kg, near where it is expected.
+    Known {
+        /// Mass, kg.
+        mass_kg: f64,
+        /// Its standard deviation, kg.
+        deviation_kg: f64,
+    },
+}
+
+/// One entry of the state in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Joint or body it belongs to; `None` for the payload.
+    pub joint: Option<usize>,
+    /// What it is.
+    pub name: &'static str,
+    /// Its unit; empty for a ratio.
+    pub unit: &'static str,
+}
+
+/// The model whose parameters are estimated, with its priors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    pub(super) joints: Vec<Option<JointPrior>>,
+    /// Nominal inertial parameters, `10 n`.
+    pub(super) inertial: Vec<f64>,
+    /// Body the payload hangs on, and where in its frame it is expected, m.
+    pub(super) payload_body: usize,
+    pub(super) payload_at: [f64; 3],
+    tolerances: Tolerances,
+}
+
+impl Prior {
+    /// Priors for a robot; `payload_at` in the re-based frame of body `payload_body`.
+    pub fn new(
+        arm: &Arm,
+        transmissions: &[Option<Transmission>],
+        payload_body: usize,
+        payload_at: [f64; 3],
+        tolerances: Tolerances,
+    ) -> Self {
+        Self {
+            joints: transmissions
+                .iter()
+                .map(|t| {
+                    t.as_ref().map(|t| JointPrior {
+                        stiffness_nm_per_rad: t.stiffness_nm_per_rad,
+                        motor_inertia_kg_m2: t.motor_inertia_kg_m2,
+                        coulomb_nm: t.joint_friction.coulomb_nm,
+                        viscous_nm_s_per_rad: t.joint_friction.viscous_nm_s_per_rad,
+                        motor_coulomb_nm: t.motor_friction.coulomb_nm,
+                        motor_viscous_nm_s_per_rad: t.motor_friction.viscous_nm_s_per_rad,
+                        antagonistic: t.tendon.as_ref().is_some_and(|t| t.antagonistic),
+                    })
+                })
+                .collect(),
+            inertial: arm.inertial_parameters(),
+            payload_body: payload_body.min(arm.dof().saturating_sub(1)),
+            payload_at,
+            tolerances,
+        }
+    }
+
+    /// Joints of the arm.
+    pub fn joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Whether two ropes of joint `i` pull against each other.
+    pub fn is_antagonistic(&self, i: usize) -> bool {
+        let joint = self.joints.get(i).and_then(Option::as_ref);
+        joint.is_some_and(|j| j.antagonistic)
+    }
+
+    /// Whether joint `i` is elastic.
+    pub fn is_elastic(&self, i: usize) -> bool {
+        self.joints.get(i).is_some_and(Option::is_some)
+    }
+
+    /// Length of the state.
+    pub fn dimension(&self) -> usize {
+        self.joints.len() * (PER_JOINT + PARAMETERS_PER_BODY) + PAYLOAD
+    }
+
+    /// Place of a joint's parameter in the state.
+    pub fn place(&self, joint: usize, parameter: JointParameter) -> usize {
+        joint * PER_JOINT + parameter as usize
+    }
+
+    pub(super) fn body_start(&self) -> usize {
+        self.joints.len() * PER_JOINT
+    }
+
+    /// Place of the payload's mass in the state.
+    pub fn payload_place(&self) -> usize {
+        self.joints.len() * (PER_JOINT + PARAMETERS_PER_BODY)
+    }
+
+    /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.
+    pub fn belief(&self, payload: Payload, offset_deviation_rad: f64) -> Belief {
+        let d = self.dimension();
+        let (mut mean, mut deviation) = (alloc::vec![0.0; d], alloc::vec![FIXED; d]);
+        for (i, joint) in self.joints.iter().enumerate() {
+            if let Some(joint) = joint {
+                let at = i * PER_JOINT..(i + 1) * PER_JOINT;
+                self.joint_belief(joint, &mut mean[at.clone()], &mut deviation[at]);
+                deviation[self.place(i, JointParameter::Offset)] = offset_deviation_rad;
+                let slack = &mut deviation[self.place(i, JointParameter::Slack)];
+                *slack = slack.min(offset_deviation_rad);
+            }
+        }
+        for b in 0..self.joints.len() {
+            let at = self.body_start() + b * PARAMETERS_PER_BODY;
+            let pi = &self.inertial[b * PARAMETERS_PER_BODY..(b + 1) * PARAMETERS_PER_BODY];
+            self.body_belief(pi, &mut deviation[at..at + PARAMETERS_PER_BODY]);
+        }
+        let mut covariance = alloc::vec![0.0; d * d];
+        for (k, s) in deviation.iter().enumerate() {
+            covariance[k * d + k] = s * s;
+        }
+        let mut belief = Belief {
+            mean,
+            covariance,
+            temperature_c: f64::NAN,
+        };
+        self.open_payload(&mut belief, payload);
+        belief
+    }
+
+    fn joint_belief(&self, joint: &JointPrior, mean: &mut [f64], deviation: &mut [f64]) {
+        use JointParameter as P;
+        let t = &self.tolerances;
+        let mut set = |p: P, m: f64, s: f64| {
+            mean[p as usize] = m;
+            deviation[p as usize] = s.max(FIXED);
+        };
+        set(P::Compliance, 0.0, t.stiffness);
+        set(
+            P::Stiffening,
+            t.stiffening_per_rad2[0],
+            t.stiffening_per_rad2[1],
+        );
+        set(P::Coulomb, joint.coulomb_nm, t.friction * joint.coulomb_nm);
+        set(
+            P::Viscous,
+            joint.viscous_nm_s_per_rad,
+            t.friction * joint.viscous_nm_s_per_rad,
+        );
+        set(P::LoadFriction, t.load_friction[0], t.load_friction[1]);
+        set(P::Drift, 0.0, t.drift_rad_per_k);
+        set(P::Thermal, t.stiffness_per_k[0], t.stiffness_per_k[1]);
+        set(P::MotorScale, 0.0, t.motor_torque);
+        let drive = joint.motor_coulomb_nm;
+        set(
+            P::MotorBias,
+            0.0,
+            // A torque's zero is good to a small part of what the drive's friction is.
+            (0.1 * drive).max(t.motor_torque * 0.02 * joint.stiffness_nm_per_rad),
+        );
+        set(P::MotorCoulomb, drive, t.friction * drive);
+        set(
+            P::MotorViscous,
+            joint.motor_viscous_nm_s_per_rad,
+            t.friction * joint.motor_viscous_nm_s_per_rad.max(0.1 * drive),
+        );
+        set(
+            P::MotorLoadFriction,
+            t.drive_load_friction[0],
+            t.drive_load_friction[1],
+        );
+        if joint.antagonistic {
+            deviation[P::Slack as usize] = UNKNOWN_SLACK_RAD;
+        }
+        for k in 0..ENCODER {
+            deviation[P::Encoder as usize + k] = t.encoder_rad.max(FIXED);
+        }
+    }
+
+    fn body_belief(&self, pi: &[f64], deviation: &mut [f64]) {
+        let t = &self.tolerances;
+        let h = libm::sqrt(pi[1] * pi[1] + pi[2] * pi[2] + pi[3] * pi[3]);
+        // A body whose centre sits on its joint still may sit 1 cm off.
+        let across = (t.first_moment_across * h).max(0.01 * t.mass * pi[0]);
+        let trace = pi[4] + pi[7] + pi[9];
+        deviation[0] = t.mass * pi[0];
+        for k in 1..4 {
+            deviation[k] = libm::hypot(t.first_moment * pi[k], across);
+        }
+        for k in 4..PARAMETERS_PER_BODY {
+            let diagonal = matches!(k, 4 | 7 | 9);
+            deviation[k] = if diagonal {
+                t.inertia * pi[k] + 0.01 * t.inertia * trace
+            } else {
+                0.2 * t.inertia * trace
+            };
+        }
+        for x in deviation {
+            *x = x.max(1e-12);
+        }
+    }
+
+    /// The payload's mass and moments before a recording: `(mean, deviation)` of each.
+    pub(super) fn payload_belief(&self, payload: Payload) -> [(f64, f64); PAYLOAD] {
+        let [mean, deviation] = match payload {
+            Payload::Empty => return [(0.0, FIXED); PAYLOAD],
+            Payload::Unknown => self.tolerances.payload_kg,
+            Payload::Known {
+                mass_kg,
+                deviation_kg,
+            } => [mass_kg, deviation_kg.max(FIXED)],
+        };
+        let moment = mean.abs().max(deviation) * self.tolerances.payload_reach_m;
+        [
+            (mean, deviation),
+            (0.0, moment),
+            (0.0, moment),
+            (0.0, moment),
+        ]
+    }
+
+    /// Whatever the gripper held is forgotten.
+    pub fn open_payload(&self, belief: &mut Belief, payload: Payload) {
+        for (k, (mean, deviation)) in self.payload_belief(payload).into_iter().enumerate() {
+            belief.open(self.payload_place() + k, mean, deviation);
+        }
+    }
+
+    /// Offsets are forgotten: each `0 ± deviation_rad`; so is the slack of antagonistic pairs.
+    pub fn open_offsets(&self, belief: &mut Belief, deviation_rad: f64) {
+        for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
+            belief.open(self.place(i, JointParameter::Offset), 0.0, deviation_rad);
+            if self.is_antagonistic(i) {
+                let slack = deviation_rad.min(UNKNOWN_SLACK_RAD);
+                belief.open(self.place(i, JointParameter::Slack), 0.0, slack);
+            }
+        }
+    }
+
+    /// What changes from one day to the next is believed a little less: friction by a tenth of
+    /// its tolerance, everything else but offsets and payload by a thirtieth.
+    ///
+    /// Variances add and stop at the prior's: a chain of recordings can't become surer of
+    /// friction than friction is constant.
+    pub fn age(&self, belief: &mut Belief) {
+        use JointParameter as P;
+        const FRICTION: f64 = 0.1;
+        const OTHER: f64 = 1.0 / 30.0;
+        let d = self.dimension();
+        if belief.covariance.len() != d * d {
+            return;
+        }
+        let fresh = self.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+        for k in 0..self.payload_place() {
+            let within = k % PER_JOINT;
+            let in_joint = k < self.body_start();
+            if in_joint && (within == P::Offset as usize || within == P::Slack as usize) {
+                continue;
+            }
+            let friction = in_joint
+                && (within == P::Coulomb as usize
+                    || within == P::Viscous as usize
+                    || within == P::LoadFriction as usize
+                    || (P::MotorBias as usize..P::Slack as usize).contains(&within));
+            let share = if friction { FRICTION } else { OTHER };
+            let prior = fresh.covariance[k * d + k];
+            let room = (prior - belief.covariance[k * d + k]).max(0.0);
+            belief.covariance[k * d + k] += (share * share * prior).min(room);
+        }
+    }
+
+    /// What entry `k` of the state is.
+    pub fn describe(&self, k: usize) -> Option<Entry> {
+        const JOINT: [(&str, &str); PER_JOINT] = [
+            ("offset", "rad"),
+            ("compliance over nominal", ""),
+            ("stiffening", "1/rad²"),
+            ("Coulomb friction", "N·m"),
+            ("viscous friction", "N·m·s/rad"),
+            ("load-dependent friction", ""),
+            ("zero drift", "rad/K"),
+            ("compliance per kelvin", "1/K"),
+            ("encoder error, sine once", "rad"),
+            ("encoder error, cosine once", "rad"),
+            ("encoder error, sine twice", "rad"),
+            ("encoder error, cosine twice", "rad"),
+            ("motor torque scale", ""),
+            ("motor torque zero", "N·m"),
+            ("drive Coulomb friction", "N·m"),
+            ("drive viscous friction", "N·m·s/rad"),
+            ("drive load-dependent friction", ""),
+            ("slack, half the dead zone", "rad"),
+        ];
+        const BODY: [(&str, &str); PARAMETERS_PER_BODY] = [
+            ("mass error", "kg"),
+            ("first moment error x", "kg·m"),
+            ("first moment error y", "kg·m"),
+            ("first moment error z", "kg·m"),
+            ("inertia error xx", "kg·m²"),
+            ("inertia error xy", "kg·m²"),
+            ("inertia error xz", "kg·m²"),
+            ("inertia error yy", "kg·m²"),
+            ("inertia error yz", "kg·m²"),
+            ("inertia error zz", "kg·m²"),
+        ];
+        const LOAD: [(&str, &str); PAYLOAD] = [
+            ("payload mass", "kg"),
+            ("payload moment x", "kg·m"),
+            ("payload moment y", "kg·m"),
+            ("payload moment z", "kg·m"),
+        ];
+        let entry =
+            |joint, (name, unit): (&'static str, &'static str)| Some(Entry { joint, name, unit });
+        if k < self.body_start() {
+            entry(Some(k / PER_JOINT), JOINT[k % PER_JOINT])
+        } else if k < self.payload_place() {
+            let b = k - self.body_start();
+            entry(Some(b / PARAMETERS_PER_BODY), BODY[b % PARAMETERS_PER_BODY])
+        } else {
+            LOAD.get(k - self.payload_place())
+                .and_then(|e| entry(None, *e))
+        }
+    }
+
+    /// What `a` and `b` learned apart from `common`, which both started from, put together.
+    ///
+    /// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once.
+    /// Offsets and payload belong to a recording, not to the robot: they are opened in the
+    /// result, as in `common`.
+    ///
+    /// # Errors
+    /// [`super::MapError`] when lengths or covariances are no beliefs of this robot.
+    pub fn merge(
+        &self,
+        common: &Belief,
+        a: &Belief,
+        b: &Belief,
+    ) -> Result<Belief, super::MapError> {
+        let d = self.dimension();
+        let mut inputs = [common.clone(), a.clone(), b.clone()];
+        for belief in &mut inputs {
+            if belief.mean.len() != d || belief.covariance.len() != d * d {
+                return Err(super::MapError::Dimension {
+                    expected: d,
+                    found: belief.mean.len(),
+                });
+            }
+            self.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+            self.open_payload(belief, Payload::Unknown);
+        }
+        let (mut information, mut vector) = (alloc::vec![0.0; d * d], alloc::vec![0.0; d]);
+        for (belief, sign) in inputs.iter().zip([-1.0, 1.0, 1.0]) {
+            let part =
+                crate::cholesky::inverse(&belief.covariance, d).map_err(super::MapError::Prior)?;
+            for i in 0..d {
+                for k in 0..d {
+                    information[i * d + k] += sign * part[i * d + k];
+                    vector[i] += sign * part[i * d + k] * (belief.mean[k] - common.mean[k]);
+                }
+            }
+        }
+        let covariance =
+            crate::cholesky::inverse(&information, d).map_err(super::MapError::Prior)?;
+        let mut mean = inputs[0].mean.clone();
+        for i in 0..d {
+            for k in 0..d {
+                mean[i] += covariance[i * d + k] * vector[k];
+            }
+        }
+        Ok(Belief {
+            mean,
+            covariance,
+            temperature_c: common.temperature_c,
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! How far a robot may be from its description: tolerances of a data sheet.
+
+/// Tolerances, as standard deviations unless stated. `robot.toml` sets them under `[tolerances]`.
+///
+/// The defaults are starting guesses for light rope-driven arms, not measurements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Stiffness, relative.
+    pub stiffness: f64,
+    /// Link mass, relative.
+    pub mass: f64,
+    /// First mass moment, relative to its size, along itself.
+    pub first_moment: f64,
+    /// First mass moment across, relative to its size.
+    pub first_moment_across: f64,
+    /// Inertia, relative.
+    pub inertia: f64,
+    /// Friction of joints and drives, relative to its nominal value.
+    pub friction: f64,
+    /// Torque-proportional joint friction: mean and standard deviation.
+    pub load_friction: [f64; 2],
+    /// Torque-proportional drive friction: mean and standard deviation.
+    pub drive_load_friction: [f64; 2],
+    /// Cubic stiffening `η`, 1/rad²: mean and standard deviation.
+    pub stiffening_per_rad2: [f64; 2],
+    /// Encoder error, once and twice per turn, rad per component.
+    pub encoder_rad: f64,
+    /// Drift of the zero with temperature, rad/K.
+    pub drift_rad_per_k: f64,
+    /// Compliance change with temperature, 1/K: mean and standard deviation.
+    pub stiffness_per_k: [f64; 2],
+    /// Payload mass: mean and standard deviation, kg.
+    pub payload_kg: [f64; 2],
+    /// How far the payload's centre may be from where it is expected, m.
+    pub payload_reach_m: f64,
+    /// Scale of the motor torque, relative.
+    pub motor_torque: f64,
+}
+
+impl Default for Tolerances {
+    fn default() -> Self {
+        Self {
+            stiffness: 0.12,
+            mass: 0.06,
+            first_moment: 0.065,
+            first_moment_across: 0.03,
+            inertia: 0.15,
+            friction: 0.5,
+            load_friction: [0.02, 0.01],
+            drive_load_friction: [0.1, 0.05],
+            stiffening_per_rad2: [1.0, 0.7],
+            encoder_rad: 0.25e-3,
+            drift_rad_per_k: 0.1e-3,
+            stiffness_per_k: [0.002, 0.001],
+            payload_kg: [0.25, 0.25],
+            payload_reach_m: 0.05,
+            motor_torque: 0.03,
+        }
+    }
+}
+
+impl Tolerances {
+    /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
+    pub const KEYS: [&'static str; 18] = [
+        "stiffness_percent",
+        "mass_percent",
+        "first_moment_percent",
+        "first_moment_across_percent",
+        "inertia_percent",
+        "friction_percent",
+        "load_friction_mean_percent",
+        "load_friction_percent",
+        "drive_load_friction_mean_percent",
+        "drive_load_friction_percent",
+        "stiffening_mean_per_rad2",
+        "stiffening_per_rad2",
+        "encoder_mrad",
+        "drift_mrad_per_k",
+        "payload_mean_kg",
+        "payload_kg",
+        "payload_reach_mm",
+        "motor_torque_percent",
+    ];
+
+    /// Where a key's value goes, and its unit.
+    pub(crate) fn slot(&mut self, key: &str) -> Option<(&mut f64, f64)> {
+        const PERCENT: f64 = 0.01;
+        const MILLI: f64 = 1e-3;
+        Some(match key {
+            "stiffness_percent" => (&mut self.stiffness, PERCENT),
+            "mass_percent" => (&mut self.mass, PERCENT),
+            "first_moment_percent" => (&mut self.first_moment, PERCENT),
+            "first_moment_across_percent" => (&mut self.first_moment_across, PERCENT),
+            "inertia_percent" => (&mut self.inertia, PERCENT),
+            "friction_percent" => (&mut self.friction, PERCENT),
+            "load_friction_mean_percent" => (&mut self.load_friction[0], PERCENT),
+            "load_friction_percent" => (&mut self.load_friction[1], PERCENT),
+            "drive_load_friction_mean_percent" => (&mut self.drive_load_friction[0], PERCENT),
+            "drive_load_friction_percent" => (&mut self.drive_load_friction[1], PERCENT),
+            "stiffening_mean_per_rad2" => (&mut self.stiffening_per_rad2[0], 1.0),
+            "stiffening_per_rad2" => (&mut self.stiffening_per_rad2[1], 1.0),
+            "encoder_mrad" => (&mut self.encoder_rad, MILLI),
+            "drift_mrad_per_k" => (&mut self.drift_rad_per_k, MILLI),
+            "payload_mean_kg" => (&mut self.payload_kg[0], 1.0),
+            "payload_kg" => (&mut self.payload_kg[1], 1.0),
+            "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
+            "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,261 @@
+//! What `sinew baseline` and `sinew estimate --baseline` share: options and the answer as text.
+
+use crate::terminal::{Bar, Failure};
+use crate::text::{paragraph, plain, table};
+use clap::Args;
+use sinew_lab::absolute::{self, Absolute, Baseline, Payload, WatchOptions, Window};
+use sinew_lab::estimate::Request;
+use sinew_lab::report;
+use std::path::{Path, PathBuf};
+
+/// Which part of the recording.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct Part {
+    /// With a baseline: use the recording from here on, s
+    #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
+    from_s: f64,
+    /// With a baseline: use the recording up to here, s
+    #[arg(long = "to", value_name = "S")]
+    to_s: Option<f64>,
+}
+
+impl Part {
+    /// The window, if it has a length.
+    pub(crate) fn window(self) -> Result<Window, Failure> {
+        let window = Window {
+            from_s: self.from_s,
+            to_s: self.to_s.unwrap_or(f64::INFINITY),
+        };
+        if window.from_s >= 0.0 && window.from_s < window.to_s {
+            return Ok(window);
+        }
+        Err(Failure::Refused(format!(
+            "--from {} s --to {} s: the part must start at 0 s or later and end after its start",
+            window.from_s, window.to_s
+        )))
+    }
+}
+
+/// Options of the absolute estimate.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Absolute estimate")]
+pub(crate) struct Watching {
+    /// The gripper holds nothing (otherwise a payload is estimated along)
+    #[arg(long, conflicts_with = "payload_kg")]
+    empty: bool,
+    /// The gripper holds this, kg, known to 2 % or as stated
+    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload)]
+    payload_kg: Option<Payload>,
+    /// Leave a recorded motor torque out
+    #[arg(long)]
+    no_motor_torque: bool,
+    /// Write what is known after this recording: the --baseline of the next one
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save: Option<PathBuf>,
+    /// List everything estimated along, believed before and after
+    #[arg(long)]
+    pub(crate) nuisance: bool,
+    #[command(flatten)]
+    part: Part,
+}
+
+/// `0.5`, `0.5±0.02` or `0.5+-0.02`.
+fn known_payload(text: &str) -> Result<Payload, String> {
+    let (mass, deviation) = match text.split_once('±').or_else(|| text.split_once("+-")) {
+        Some((mass, deviation)) => (mass, Some(deviation)),
+        None => (text, None),
+    };
+    let number = |what: &str, text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|v| v.is_finite() && *v >= 0.0)
+            .ok_or_else(|| {
+                format!("{what} '{text}' is no mass in kg of at least 0, as in 0.5±0.02")
+            })
+    };
+    let mass_kg = number("the payload", mass)?;
+    let deviation_kg = match deviation {
+        Some(text) => number("its deviation", text)?,
+        None => 0.02 * mass_kg,
+    };
+    Ok(Payload::Known {
+        mass_kg,
+        deviation_kg,
+    })
+}
+
+impl Watching {
+    /// Watches a recording, and saves what it taught where asked to.
+    pub(crate) fn watch(
+        &self,
+        request: &Request,
+        baseline: Option<&Path>,
+        quiet: bool,
+    ) -> Result<Absolute, Failure> {
+        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
+        let window = self.part.window()?;
+        let options = WatchOptions {
+            payload: match (self.empty, self.payload_kg) {
+                (true, _) => Payload::Empty,
+                (false, Some(known)) => known,
+                (false, None) => Payload::Unknown,
+            },
+            motor_torque: !self.no_motor_torque,
+        };
+        let read = baseline
+            .map(|path| Ok((Baseline::read(path)?, path.display().to_string())))
+            .transpose()
+            .map_err(refused)?;
+        let bar = Bar::new("watching", quiet);
+        let watched = absolute::watch(
+            request,
+            window,
+            read.as_ref().map(|(b, name)| (b, name.as_str())),
+            &options,
+            &mut |at| bar.set(at.bytes_done as f64, at.bytes_total as f64),
+        );
+        drop(bar);
+        let (watched, next) = watched.map_err(refused)?;
+        if let Some(path) = &self.save {
+            next.write(path)?;
+        }
+        Ok(watched)
+    }
+}
+
+/// An absolute estimate as text of at most 80 columns.
+pub(crate) fn told(said: &Absolute, nuisance: bool) -> String {
+    let since = if said.baseline.is_some() {
+        "since the baseline"
+    } else {
+        "against the encoders' zero, without a baseline"
+    };
+    let mut text = format!("\nAbsolute, all joints together, {since}:\n");
+    let head = [
+        "joint",
+        "offset\nmrad",
+        "± (95 %)\nmrad",
+        "stretch\nmm",
+        "± (95 %)\nmm",
+        "verdict",
+    ];
+    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| report::rounded(v, 2));
+    let rows = said
+        .joints
+        .iter()
+        .map(|j| {
+            vec![
+                plain(&j.name),
+                report::rounded(j.offset_mrad, 3),
+                report::rounded(j.interval_95_mrad, 2),
+                optional(j.elongation_mm),
+                optional(j.interval_95_mm),
+                j.verdict.clone(),
+            ]
+        })
+        .collect();
+    text.push_str(&table(&head, rows, 1));
+    text.push('\n');
+    for line in events(said) {
+        text.push_str(&paragraph(&plain(&line), 2));
+    }
+    if nuisance {
+        text.push('\n');
+        text.push_str(&nuisance_table(said));
+    }
+    text
+}
+
+/// What happened, a sentence each.
+fn events(said: &Absolute) -> Vec<String> {
+    let mut out = Vec::new();
+    for joint in &said.joints {
+        for step in &joint.steps {
+            let [stiffness, unsure] = step.stiffness_change_percent;
+            out.push(format!(
+                "{}: a sudden change of {} ± {} mrad at {:.1} s, stiffness {} ± {} %: {}",
+                joint.name,
+                report::rounded(step.size_mrad, 3),
+                report::rounded(step.interval_95_mrad, 2),
+                step.time_s,
+                report::rounded(stiffness, 2),
+                report::rounded(unsure, 2),
+                if step.kind == "slip" {
+                    "a slip of the rope or of an encoder"
+                } else {
+                    "a strand has failed"
+                }
+            ));
+        }
+        if let Some([slack, unsure]) = joint.slack_mrad {
+            out.push(format!(
+                "{}: dead zone of ± {} mrad (± {} at 95 %); near zero torque its position is unknown by that",
+                joint.name,
+                report::rounded(slack, 2),
+                report::rounded(unsure, 2)
+            ));
+        }
+    }
+    for change in &said.payload_changes {
+        out.push(format!(
+            "payload changed by {} ± {} kg at {:.1} s",
+            report::rounded(change.change_kg, 2),
+            report::rounded(change.interval_95_kg, 2),
+            change.time_s
+        ));
+    }
+    out.push(format!(
+        "payload {} ± {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
+        report::rounded(said.payload_kg[0], 2),
+        report::rounded(said.payload_kg[1], 2),
+        if said.payload_changes.is_empty() {
+            ""
+        } else {
+            " at the end"
+        },
+        100.0 * said.left_out_share,
+        said.poses,
+        if said.motor_torque {
+            "; motor torque used"
+        } else {
+            ""
+        }
+    ));
+    out
+}
+
+/// Everything estimated along.
+fn nuisance_table(said: &Absolute) -> String {
+    let shown = |[mean, deviation]: [f64; 2]| {
+        format!(
+            "{} ± {}",
+            report::rounded(mean, 2),
+            report::rounded(deviation, 2)
+        )
+    };
+    let rows = said
+        .nuisance
+        .iter()
+        .map(|m| {
+            vec![
+                plain(&m.joint),
+                format!("{} {}", m.name, m.unit).trim_end().to_string(),
+                shown(m.prior),
+                shown(m.posterior),
+                if m.moved { "yes" } else { "no" }.into(),
+            ]
+        })
+        .collect();
+    table(
+        &[
+            "joint",
+            "parameter",
+            "before\n± 1 sd",
+            "after\n± 1 sd",
+            "moved",
+        ],
+        rows,
+        2,
+    )
+}
