@@ -11,4 +11,5 @@ pub mod plot;
 pub mod report;
 pub mod robot_dir;
 pub mod rope;
+pub mod scenarios;
 pub mod simulate;

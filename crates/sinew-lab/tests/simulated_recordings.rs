@@ -46,6 +46,7 @@ fn estimated(log: &Path, reference: Option<&Path>, source: TorqueSource) -> Esti
 
 fn offset(joint: &str, rad: f64) -> Offset {
     Offset {
+        later_s: Draw::Fixed(0.0),
         joint: joint.into(),
         line: 0,
         kind: OffsetKind::Physical,

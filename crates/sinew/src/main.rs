@@ -35,6 +35,8 @@ enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Simulate(commands::simulate::Simulate),
+    #[command(subcommand)]
+    Scenarios(commands::scenarios::Scenarios),
     Paper(commands::paper::Paper),
     #[command(subcommand)]
     Bench(commands::bench::BenchCommand),
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Command::Estimate(command) => command.run(),
         Command::Baseline(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Scenarios(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::Rope(command) => command.run(),

@@ -92,6 +92,7 @@ fn scenario(robot: &Robot, day: &Day) -> Scenario {
             ..Temperature::default()
         },
         offsets: vec![Offset {
+            later_s: Draw::Fixed(0.0),
             joint: JOINT.into(),
             line: 0,
             kind: OffsetKind::Physical,

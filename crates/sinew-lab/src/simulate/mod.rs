@@ -22,6 +22,7 @@ mod tests;
 
 pub use error::SimulateError;
 pub use faults::FaultCounts;
+pub(crate) use faults::FaultyLine;
 pub use run::{Progress, SimulateOptions, Summary, run, truth_path};
 pub use scenario::Scenario;
 pub use sensors::injected;

@@ -28,7 +28,7 @@ enum Source {
     /// Nothing more comes.
     Rest,
     List {
-        segments: Vec<(Vec<f64>, f64, f64)>,
+        segments: Vec<(Vec<f64>, Draw, Draw)>,
         next: usize,
         repeat: bool,
     },
@@ -65,7 +65,7 @@ impl Trajectory {
                     at = w.pose_rad.sample(names, &at, &mut rng);
                     segments.push((at.clone(), w.move_s, w.pause_s));
                 }
-                (start, list(segments, *repeat))
+                (start, list(segments, *repeat, &mut rng))
             }
             Motion::Random {
                 range_rad,
@@ -101,7 +101,7 @@ impl Trajectory {
                 let mut at = pose_rad.sample(names, &zero, &mut rng);
                 at[climbing] = *from_rad;
                 let start = at.clone();
-                first_rest = *pause_s;
+                first_rest = least(*pause_s);
                 let up = 1..=*steps;
                 let down = (0..*steps).rev();
                 let course: Vec<usize> = if *there_and_back {
@@ -117,7 +117,7 @@ impl Trajectory {
                         (at.clone(), *move_s, *pause_s)
                     })
                     .collect();
-                (start, list(segments, *repeat))
+                (start, list(segments, *repeat, &mut rng))
             }
         };
         Ok(Self {
@@ -140,7 +140,10 @@ impl Trajectory {
                 segments,
                 repeat: false,
                 ..
-            } => Some(self.now.end_s + segments.iter().map(|(_, m, p)| m + p).sum::<f64>()),
+            } => {
+                let length = |(_, m, p): &(Vec<f64>, Draw, Draw)| least(*m) + least(*p);
+                Some(self.now.end_s + segments.iter().map(length).sum::<f64>())
+            }
             _ => None,
         }
     }
@@ -189,7 +192,12 @@ impl Trajectory {
                 if *repeat && *next == segments.len() {
                     *next = 0;
                 }
-                segment.clone()
+                let (to, move_s, pause_s) = segment;
+                (
+                    to.clone(),
+                    move_s.sample(&mut self.rng),
+                    pause_s.sample(&mut self.rng),
+                )
             }
             Source::Random {
                 ranges,
@@ -213,11 +221,28 @@ impl Trajectory {
     }
 }
 
-fn list(segments: Vec<(Vec<f64>, f64, f64)>, repeat: bool) -> Source {
+/// A motion that ends draws its times at once: its length must be known.
+fn list(mut segments: Vec<(Vec<f64>, Draw, Draw)>, repeat: bool, rng: &mut ChaCha8Rng) -> Source {
+    if !repeat {
+        for (_, move_s, pause_s) in &mut segments {
+            for draw in [move_s, pause_s] {
+                if !matches!(draw, Draw::Fixed(_)) {
+                    *draw = Draw::Fixed(draw.sample(rng));
+                }
+            }
+        }
+    }
     Source::List {
         segments,
         next: 0,
         repeat,
+    }
+}
+
+/// The least a draw may give; the mean of a normal one.
+fn least(draw: Draw) -> f64 {
+    match draw {
+        Draw::Fixed(v) | Draw::Uniform { min: v, .. } | Draw::Normal { mean: v, .. } => v,
     }
 }
 

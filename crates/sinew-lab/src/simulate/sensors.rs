@@ -75,6 +75,7 @@ pub(crate) struct Sensors {
     joint_noise: f64,
     motor_step: f64,
     motor_noise: f64,
+    motor_scale: Vec<f64>,
     velocity_noise: f64,
     pub(crate) motor_torque: TorqueSensor,
     pub(crate) torque_sensor: TorqueSensor,
@@ -87,6 +88,7 @@ impl Sensors {
         scenario: &Scenario,
         names: &[String],
         truth: &mut ChaCha8Rng,
+        later: &mut ChaCha8Rng,
         rng: ChaCha8Rng,
     ) -> Self {
         let zero = vec![0.0; names.len()];
@@ -100,6 +102,7 @@ impl Sensors {
             joint_noise: e.joint_noise_rad,
             motor_step: e.motor_resolution_rad,
             motor_noise: e.motor_noise_rad,
+            motor_scale: e.motor_scale_error.sample(names, &zero, later),
             velocity_noise: scenario.velocity_noise_rad_per_s,
             motor_torque: TorqueSensor::new(&scenario.motor_torque, names, truth),
             torque_sensor: TorqueSensor::new(&scenario.torque_sensor, names, truth),
@@ -131,8 +134,9 @@ impl Sensors {
     }
 
     /// Motor position with an offset injected and a drift of its zero, rad.
-    pub(crate) fn motor(&mut self, theta: f64, offset: f64, drift: f64) -> f64 {
-        let seen = injected(theta, offset) + drift + self.noise(self.motor_noise);
+    pub(crate) fn motor(&mut self, i: usize, theta: f64, offset: f64, drift: f64) -> f64 {
+        let shown = injected(theta, offset) * (1.0 + self.motor_scale[i]);
+        let seen = shown + drift + self.noise(self.motor_noise);
         if self.motor_step > 0.0 {
             (seen / self.motor_step).round() * self.motor_step
         } else {

@@ -17,6 +17,7 @@ use sinew_model::StepError;
 use sinew_model::arm::{Arm, BodyInertia};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
+use std::collections::VecDeque;
 
 /// An offset, drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +38,15 @@ pub(crate) struct DrawnPayload {
     pub(crate) release_s: f64,
 }
 
+/// A joint that sticks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct DrawnJam {
+    joint: usize,
+    torque_nm: f64,
+    from_s: f64,
+    to_s: f64,
+}
+
 /// Temperature and its effects, drawn.
 #[derive(Debug, Clone)]
 pub(crate) struct DrawnTemperature {
@@ -45,6 +55,7 @@ pub(crate) struct DrawnTemperature {
     pub(crate) change_k: f64,
     change_from_to_s: (f64, f64),
     reading_error_k: f64,
+    reading_error_from_s: f64,
     stiffness_per_k: Vec<f64>,
     drift_rad_per_k: Vec<f64>,
 }
@@ -117,6 +128,13 @@ pub struct Simulation {
     payloads: Vec<DrawnPayload>,
     held: Vec<bool>,
     temperature: DrawnTemperature,
+    jams: Vec<DrawnJam>,
+    /// Coulomb friction of each joint without a jam, N·m.
+    joint_coulomb_nm: Vec<f64>,
+    /// Factor on the stiffness of each joint from the scenario's time on.
+    stiffness_later: Vec<f64>,
+    /// Motor positions of the last frames, the newest last, where they are recorded late.
+    shown: VecDeque<Vec<f64>>,
     duration_s: f64,
     control_steps: u64,
     sample_steps: u64,
@@ -181,6 +199,8 @@ impl Simulation {
                 release_s: p.release_s,
             })
             .collect();
+        // What the language learned later is drawn from a stream of its own.
+        let mut later_rng = rng(robot_seed, Stream::Later);
         let offsets: Vec<DrawnOffset> = scenario
             .offsets
             .iter()
@@ -189,7 +209,7 @@ impl Simulation {
                     joint: robot.arm.joint_index(&o.joint)?,
                     kind: o.kind,
                     size_rad: o.size_rad.sample(&mut truth_rng),
-                    shape: o.shape.clone(),
+                    shape: o.shape.later(o.later_s.sample(&mut later_rng)),
                 })
             })
             .collect();
@@ -197,8 +217,26 @@ impl Simulation {
             scenario,
             &names,
             &mut truth_rng,
+            &mut later_rng,
             rng(scenario.seed, Stream::Sensors),
         );
+        let stiffness_later = scenario.truth.stiffness_later_factor.sample(
+            &names,
+            &vec![1.0; names.len()],
+            &mut later_rng,
+        );
+        let jams = scenario
+            .jams
+            .iter()
+            .filter_map(|j| {
+                Some(DrawnJam {
+                    joint: robot.arm.joint_index(&j.joint)?,
+                    torque_nm: j.torque_nm,
+                    from_s: j.from_s,
+                    to_s: j.to_s,
+                })
+            })
+            .collect();
         let controller = Controller::new(
             &robot.arm,
             &transmissions,
@@ -227,6 +265,7 @@ impl Simulation {
             })?;
 
         let n = names.len();
+        let joint_coulomb_nm = drives.iter().map(|d| d.joint_friction.coulomb_nm).collect();
         let zero = vec![0.0; n];
         let start = trajectory.start().to_vec();
         let period_s = control_steps as f64 * scenario.integration_step_s;
@@ -245,6 +284,10 @@ impl Simulation {
             held: vec![false; payloads.len()],
             payloads,
             temperature,
+            joint_coulomb_nm,
+            jams,
+            stiffness_later,
+            shown: VecDeque::new(),
             duration_s,
             control_steps,
             sample_steps,
@@ -429,6 +472,16 @@ impl Simulation {
         {
             *scale = 1.0 + per_k * warmer;
         }
+        if t >= self.scenario.truth.stiffness_later_from_s {
+            for (scale, later) in self.stiffness_scale.iter_mut().zip(&self.stiffness_later) {
+                *scale *= later;
+            }
+        }
+        for jam in &self.jams {
+            let held = (jam.from_s..jam.to_s).contains(&t);
+            self.plant.drives[jam.joint].joint_friction.coulomb_nm =
+                self.joint_coulomb_nm[jam.joint] + if held { jam.torque_nm } else { 0.0 };
+        }
         self.contacts.at(t, &mut self.forces);
     }
 
@@ -488,6 +541,7 @@ impl Simulation {
         let warmer = temperature_c - self.temperature.reference_c;
         let record = self.scenario.record;
         let rate = self.scenario.sample_rate_hz;
+        self.delay_motor(rate);
         self.frame.time_ns =
             self.scenario.start_time_ns + (self.frames as f64 * (1e9 / rate)).round() as i64;
         for i in 0..self.names.len() {
@@ -501,7 +555,8 @@ impl Simulation {
             self.truth.delta_e[i] = physical + super::sensors::injected(theta, injection) - theta;
             let drift = self.temperature.drift_rad_per_k[i] * warmer;
             self.frame.q[i] = self.sensors.joint(i, q);
-            self.frame.theta[i] = self.sensors.motor(theta, injection, drift);
+            let shown = self.shown_theta(i, rate);
+            self.frame.theta[i] = self.sensors.motor(i, shown, injection, drift);
             if record.dq {
                 self.frame.dq[i] = self.sensors.velocity(dq);
             }
@@ -518,9 +573,40 @@ impl Simulation {
             }
         }
         if record.temperature {
-            self.frame.temperature_c = temperature_c + self.temperature.reading_error_k;
+            let error_k = if t >= self.temperature.reading_error_from_s {
+                self.temperature.reading_error_k
+            } else {
+                0.0
+            };
+            self.frame.temperature_c = temperature_c + error_k;
         }
         Ok(())
+    }
+}
+
+impl Simulation {
+    /// Remembers motor positions as long as they are recorded late.
+    fn delay_motor(&mut self, rate_hz: f64) {
+        let delay = self.scenario.encoder.motor_delay_s * rate_hz;
+        if delay > 0.0 {
+            self.shown.push_back(self.plant.state.theta.clone());
+            while self.shown.len() > delay.ceil() as usize + 1 {
+                self.shown.pop_front();
+            }
+        }
+    }
+
+    /// The motor position that reaches the recording now, between frames along a straight line;
+    /// the first one until there are enough.
+    fn shown_theta(&self, i: usize, rate_hz: f64) -> f64 {
+        let delay = self.scenario.encoder.motor_delay_s * rate_hz;
+        let Some(newest) = self.shown.len().checked_sub(1) else {
+            return self.plant.state.theta[i];
+        };
+        let at = |frames: usize| self.shown[newest.saturating_sub(frames)][i];
+        let share = delay - delay.floor();
+        let whole = delay.floor() as usize;
+        at(whole) + share * (at(whole + 1) - at(whole))
     }
 }
 
@@ -720,6 +806,7 @@ fn draw_temperature(
         change_k: t.change_k.sample(rng),
         change_from_to_s: t.change_from_to_s,
         reading_error_k: t.reading_error_k.sample(rng),
+        reading_error_from_s: t.reading_error_from_s,
         stiffness_per_k: t.stiffness_per_k.sample(names, &zero, rng),
         drift_rad_per_k: t.zero_drift_rad_per_k.sample(names, &zero, rng),
     }

@@ -14,4 +14,5 @@ pub(crate) mod log;
 pub(crate) mod paper;
 pub(crate) mod robot;
 pub(crate) mod rope;
+pub(crate) mod scenarios;
 pub(crate) mod simulate;

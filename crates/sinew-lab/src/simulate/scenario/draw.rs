@@ -110,6 +110,8 @@ pub(crate) enum Stream {
     Contacts = 3,
     Sensors = 4,
     Faults = 5,
+    /// Draws that came to the language later: those before them must not move.
+    Later = 6,
 }
 
 /// The stream of a seed.

@@ -75,6 +75,8 @@ pub struct Scenario {
     pub random_contacts: Option<RandomContacts>,
     /// Tendon offsets; several of one joint add up.
     pub offsets: Vec<Offset>,
+    /// Joints that stick.
+    pub jams: Vec<Jam>,
     /// Sessions, for the truth file only.
     pub sessions: Vec<Session>,
     /// What is written.
@@ -131,10 +133,10 @@ pub enum Motion {
         to_rad: f64,
         /// Number of moves.
         steps: usize,
-        /// Length of a move, s.
-        move_s: f64,
-        /// Rest before the first and after each move, s.
-        pause_s: f64,
+        /// Length of a move, s, drawn each time.
+        move_s: Draw,
+        /// Rest after each move, s, drawn each time; before the first, the least of it.
+        pause_s: Draw,
         /// Where the other joints stay, rad.
         pose_rad: PerJoint,
         /// Comes back down again.
@@ -149,10 +151,10 @@ pub enum Motion {
 pub struct Waypoint {
     /// Where to, rad; joints left out stay.
     pub pose_rad: PerJoint,
-    /// Length of the move, s.
-    pub move_s: f64,
-    /// Rest after it, s.
-    pub pause_s: f64,
+    /// Length of the move, s, drawn each time.
+    pub move_s: Draw,
+    /// Rest after it, s, drawn each time.
+    pub pause_s: Draw,
 }
 
 /// How the robot differs from its description. Factors of 1 and shifts of 0 where left out.
@@ -160,6 +162,10 @@ pub struct Waypoint {
 pub struct Truth {
     /// On the stiffness.
     pub stiffness_factor: PerJoint,
+    /// Further factor on the stiffness from a time on, as when strands fail.
+    pub stiffness_later_factor: PerJoint,
+    /// That time, s.
+    pub stiffness_later_from_s: f64,
     /// On mass (and with it first moment and inertia) of the body each joint carries.
     pub mass_factor: PerJoint,
     /// On the distance of the body's centre of mass from its joint.
@@ -206,6 +212,10 @@ pub struct Encoder {
     pub motor_resolution_rad: f64,
     /// White noise, rad.
     pub motor_noise_rad: f64,
+    /// Error of the motor position's scale, as of a wrong gear ratio.
+    pub motor_scale_error: PerJoint,
+    /// The recorded motor position is so much older than the joint's, s.
+    pub motor_delay_s: f64,
 }
 
 /// A recorded torque: `(1 + scale) tau + offset + ripple sin(k theta + φ) + noise`.
@@ -236,6 +246,8 @@ pub struct Temperature {
     pub change_from_to_s: (f64, f64),
     /// Error of the reading, K.
     pub reading_error_k: Draw,
+    /// The reading is right before this time, s: what is known of a change, not of the level.
+    pub reading_error_from_s: f64,
     /// Stiffness change, 1/K.
     pub stiffness_per_k: PerJoint,
     /// Drift of the motor position's zero, rad/K.
@@ -322,6 +334,23 @@ pub struct Offset {
     pub size_rad: Draw,
     /// Its course.
     pub shape: Shape,
+    /// A step comes so much later than its course says, s.
+    pub later_s: Draw,
+}
+
+/// A joint that is held by far more friction than it should have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jam {
+    /// Which joint.
+    pub joint: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Coulomb friction on top of the joint's own, N·m.
+    pub torque_nm: f64,
+    /// From, s.
+    pub from_s: f64,
+    /// Until, s.
+    pub to_s: f64,
 }
 
 /// A named part of the recording.
@@ -394,6 +423,7 @@ impl Default for Scenario {
             contacts: Vec::new(),
             random_contacts: None,
             offsets: Vec::new(),
+            jams: Vec::new(),
             sessions: Vec::new(),
             record: Record::default(),
             faults: Faults::default(),
@@ -409,6 +439,7 @@ impl Default for Temperature {
             change_k: Draw::Fixed(0.0),
             change_from_to_s: (0.0, 0.0),
             reading_error_k: Draw::Fixed(0.0),
+            reading_error_from_s: 0.0,
             stiffness_per_k: PerJoint::default(),
             zero_drift_rad_per_k: PerJoint::default(),
         }

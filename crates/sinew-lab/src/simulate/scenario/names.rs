@@ -35,6 +35,7 @@ impl Scenario {
             &self.controller.stiffness_nm_per_rad,
             &self.controller.damping_nm_s_per_rad,
             &t.stiffness_factor,
+            &t.stiffness_later_factor,
             &t.mass_factor,
             &t.com_factor,
             &t.com_across_fraction,
@@ -45,6 +46,7 @@ impl Scenario {
             &t.viscoelastic_time_s,
             &self.encoder.once_per_turn_rad,
             &self.encoder.twice_per_turn_rad,
+            &self.encoder.motor_scale_error,
             &self.temperature.stiffness_per_k,
             &self.temperature.zero_drift_rad_per_k,
         ];
@@ -76,6 +78,7 @@ impl Scenario {
         }
         names.extend(of.into_iter().flat_map(PerJoint::named));
         names.extend(self.offsets.iter().map(|o| (o.joint.as_str(), o.line)));
+        names.extend(self.jams.iter().map(|j| (j.joint.as_str(), j.line)));
         names
     }
 

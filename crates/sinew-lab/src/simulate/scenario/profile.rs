@@ -64,6 +64,16 @@ impl Shape {
         }
     }
 
+    /// The same course, a step of it so much later, s.
+    pub(crate) fn later(&self, later_s: f64) -> Self {
+        match self {
+            Self::Step { at_s } => Self::Step {
+                at_s: at_s + later_s,
+            },
+            other => other.clone(),
+        }
+    }
+
     /// Where the course has a corner or jumps, s.
     pub(crate) fn corners(&self) -> Vec<f64> {
         match self {

@@ -80,6 +80,7 @@ impl Scenario {
                 Some(s) => Some(random_contacts(&s)?),
             },
             offsets: list(&root, "offsets", offset)?,
+            jams: list(&root, "jams", jam)?,
             sessions: list(&root, "sessions", session)?,
             record: optional(&root, "record", record)?,
             faults: optional(&root, "faults", faults)?,
@@ -154,8 +155,12 @@ fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
             let waypoints = list(s, "waypoints", |w| {
                 Ok(Waypoint {
                     pose_rad: per(w, "pose_rad", ANGLE)?,
-                    move_s: w.need("move_s", Bound::Positive, "the length of the move")?,
-                    pause_s: w.number("pause_s", Bound::NotNegative)?.unwrap_or(0.0),
+                    move_s: w
+                        .draw("move_s", Bound::Positive)?
+                        .ok_or_else(|| w.missing("move_s", "the length of the move"))?,
+                    pause_s: w
+                        .draw("pause_s", Bound::NotNegative)?
+                        .unwrap_or(Draw::Fixed(0.0)),
                 })
             })?;
             if waypoints.is_empty() {
@@ -189,8 +194,12 @@ fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
                 from_rad: s.number("from_rad", ANGLE)?.unwrap_or(0.0),
                 to_rad: s.number("to_rad", ANGLE)?.unwrap_or(PI / 2.0),
                 steps: steps as usize,
-                move_s: s.need("move_s", Bound::Positive, "the length of a move")?,
-                pause_s: s.need("pause_s", Bound::NotNegative, "the rest after a move")?,
+                move_s: s
+                    .draw("move_s", Bound::Positive)?
+                    .ok_or_else(|| s.missing("move_s", "the length of a move"))?,
+                pause_s: s
+                    .draw("pause_s", Bound::NotNegative)?
+                    .ok_or_else(|| s.missing("pause_s", "the rest after a move"))?,
                 pose_rad: per(s, "pose_rad", ANGLE)?,
                 there_and_back: s.flag("there_and_back")?.unwrap_or(false),
                 repeat: s.flag("repeat")?.unwrap_or(false),
@@ -207,6 +216,10 @@ fn truth(s: &Section<'_>) -> Result<Truth, SimulateError> {
     let factor = Bound::Within(0.05, 20.0);
     Ok(Truth {
         stiffness_factor: per(s, "stiffness_factor", factor)?,
+        stiffness_later_factor: per(s, "stiffness_later_factor", factor)?,
+        stiffness_later_from_s: s
+            .number("stiffness_later_from_s", Bound::NotNegative)?
+            .unwrap_or(0.0),
         mass_factor: per(s, "mass_factor", factor)?,
         com_factor: per(s, "com_factor", factor)?,
         com_across_fraction: per(s, "com_across_fraction", Bound::Within(-1.0, 1.0))?,
@@ -243,6 +256,11 @@ fn encoder(s: &Section<'_>) -> Result<Encoder, SimulateError> {
         joint_noise_rad: number("joint_noise_rad")?,
         motor_resolution_rad: number("motor_resolution_rad")?,
         motor_noise_rad: number("motor_noise_rad")?,
+        // Beyond this the drive is another one, not a wrong ratio.
+        motor_scale_error: per(s, "motor_scale_error", Bound::Within(-0.5, 0.5))?,
+        motor_delay_s: s
+            .number("motor_delay_s", Bound::Within(0.0, 10.0))?
+            .unwrap_or(0.0),
     })
 }
 
@@ -279,6 +297,9 @@ fn temperature(s: &Section<'_>) -> Result<Temperature, SimulateError> {
             .unwrap_or(zero),
         change_from_to_s: (from, to),
         reading_error_k: s.draw("reading_error_k", Bound::Any)?.unwrap_or(zero),
+        reading_error_from_s: s
+            .number("reading_error_from_s", Bound::NotNegative)?
+            .unwrap_or(0.0),
         // Beyond this the stiffness could change sign within the temperatures allowed.
         stiffness_per_k: per(s, "stiffness_per_k", Bound::Within(-0.0035, 0.0035))?,
         zero_drift_rad_per_k: per(s, "zero_drift_rad_per_k", Bound::Any)?,
@@ -364,13 +385,21 @@ fn offset(s: &Section<'_>) -> Result<Offset, SimulateError> {
         }
     };
     let time = |key, why| s.need(key, Bound::NotNegative, why);
+    let mut later_s = Draw::Fixed(0.0);
     let mut size = s.draw("rad", Bound::Within(-1.0, 1.0))?;
     let shapes = "\"constant\", \"step\", \"ramp\", \"exponential\" or \"table\"";
     let shape = match s.text("shape")?.as_deref() {
         None | Some("constant") => Shape::Constant,
-        Some("step") => Shape::Step {
-            at_s: time("at_s", "when it slips")?,
-        },
+        Some("step") => {
+            let at = s.draw("at_s", Bound::NotNegative)?;
+            match at.ok_or_else(|| s.missing("at_s", "when it slips"))? {
+                Draw::Fixed(at_s) => Shape::Step { at_s },
+                drawn => {
+                    later_s = drawn;
+                    Shape::Step { at_s: 0.0 }
+                }
+            }
+        }
         Some("ramp") => {
             let from_s = time("from_s", "when it starts")?;
             let to_s = time("to_s", "when it is complete")?;
@@ -400,6 +429,26 @@ fn offset(s: &Section<'_>) -> Result<Offset, SimulateError> {
         kind,
         size_rad: size.ok_or_else(|| s.missing("rad", "the size of the offset"))?,
         shape,
+        later_s,
+    })
+}
+
+fn jam(s: &Section<'_>) -> Result<Jam, SimulateError> {
+    let from_s = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
+    let to_s = s
+        .number("to_s", Bound::NotNegative)?
+        .unwrap_or(f64::INFINITY);
+    if to_s <= from_s {
+        return Err(s.refuse("to_s", "later than from_s"));
+    }
+    Ok(Jam {
+        joint: s
+            .text("joint")?
+            .ok_or_else(|| s.missing("joint", "which joint sticks"))?,
+        line: s.line(),
+        torque_nm: s.need("torque_nm", Bound::NotNegative, "what it takes to move it")?,
+        from_s,
+        to_s,
     })
 }
 

@@ -138,6 +138,7 @@ fn holding(kind: OffsetKind) -> Scenario {
         joint_friction: FrictionSpec::none(),
         motor_friction: FrictionSpec::none(),
         offsets: vec![Offset {
+            later_s: Draw::Fixed(0.0),
             joint: "shoulder_pitch".into(),
             line: 0,
             kind,
@@ -251,6 +252,7 @@ fn a_stiff_controller_on_a_coarse_step_is_told_not_to_be() {
             pose_rad: PerJoint::fixed(0.3),
         },
         offsets: vec![Offset {
+            later_s: Draw::Fixed(0.0),
             joint: "swing".into(),
             line: 0,
             kind: OffsetKind::Physical,

@@ -1,0 +1,314 @@
+//! One recording, simulated and judged.
+
+use super::paper::PaperMeans;
+use super::{Plan, ScenarioError, estimator};
+use crate::absolute::{Absolute, Baseline, Recorded};
+use crate::simulate::{FaultyLine, Simulation};
+use serde::{Deserialize, Serialize};
+use sinew_model::offset::Comparison;
+
+/// How one recording came out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// Scenario.
+    pub scenario: String,
+    /// Seed of everything drawn.
+    pub seed: u64,
+    /// Every elastic joint at the end of session B.
+    pub joints: Vec<JointScore>,
+    /// The slips of session C; empty when it was left out.
+    pub steps: Vec<StepScore>,
+    /// Sudden changes reported where there was none, in B and C.
+    pub false_alarms: u32,
+    /// Time they were looked for, s.
+    pub watched_s: f64,
+    /// Payload estimated less the true one at the end of B, kg.
+    pub payload_error_kg: f64,
+    /// Half of its 95 % interval, kg.
+    pub payload_interval_95_kg: f64,
+    /// Share of B left out as contact or disturbance.
+    pub left_out_share: f64,
+    /// Distinct poses of B.
+    pub poses: usize,
+    /// What baseline and watch warned of.
+    pub warnings: Vec<String>,
+}
+
+/// One joint at the end of session B. Errors are estimate less truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointScore {
+    /// Joint.
+    pub name: String,
+    /// True offset, mrad.
+    pub truth_mrad: f64,
+    /// Error of the absolute estimate, mrad.
+    pub error_mrad: f64,
+    /// Half of its 95 % interval, mrad.
+    pub interval_95_mrad: f64,
+    /// Its verdict in a word.
+    pub verdict: String,
+    /// Error of the paper's mean over B, mrad.
+    pub paper_error_mrad: Option<f64>,
+    /// The same minus its mean over A.
+    pub paper_minus_baseline_error_mrad: Option<f64>,
+    /// Error of the mean over B with matched filters, mrad.
+    pub matched_error_mrad: Option<f64>,
+    /// The same minus its mean over A.
+    pub matched_minus_baseline_error_mrad: Option<f64>,
+    /// Bayesian Cramér–Rao bound at this recording's truth, mrad.
+    pub bound_mrad: Option<f64>,
+}
+
+/// A slip of session C.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepScore {
+    /// Joint.
+    pub joint: String,
+    /// When, s.
+    pub at_s: f64,
+    /// True size, mrad.
+    pub size_mrad: f64,
+    /// Size found with 20 s after it, mrad; none: not found.
+    pub found_mrad: Option<f64>,
+    /// Seconds of recording after the slip from which on it is found.
+    pub delay_s: Option<f64>,
+}
+
+impl StepScore {
+    /// Size found less true size, mrad; a slip not found was taken for none.
+    pub fn error_mrad(&self) -> f64 {
+        self.found_mrad.unwrap_or(0.0) - self.size_mrad
+    }
+}
+
+/// A slip must be found with this much recording after it, s.
+const WITHIN_S: u32 = 20;
+/// A change reported further from a slip than this is another one, s.
+const SAME_S: f64 = 5.0;
+
+/// Blocks of the sessions and the truth behind them.
+struct Simulated {
+    sessions: Vec<Recorded>,
+    truth_mrad: Vec<f64>,
+    /// Joint, time and size (mrad) of every slip after B.
+    slips: Vec<(usize, f64, f64)>,
+    payload_kg: f64,
+    /// With the lag of the paper, and matched.
+    means: [PaperMeans; 2],
+}
+
+/// Simulates `plan` with `seed` and judges the estimate; `steps`: with session C.
+///
+/// # Errors
+/// [`ScenarioError`].
+pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, ScenarioError> {
+    let simulated = simulate(plan, seed, steps)?;
+    let refused = |error| ScenarioError::Absolute {
+        scenario: plan.name.clone(),
+        seed,
+        error,
+    };
+    let payload = !plan.scenario.payloads.is_empty();
+    let robot = &plan.robot;
+    let (baseline, learned) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
+    let watched = estimator::watch(
+        robot,
+        &simulated.sessions[1],
+        "session B",
+        &baseline,
+        payload,
+    )
+    .map_err(refused)?;
+    let mut out = judged(plan, seed, &simulated, &watched);
+    out.warnings.extend(
+        learned
+            .warnings
+            .iter()
+            .filter(|w| !w.starts_with("without a baseline"))
+            .chain(&watched.warnings)
+            .cloned(),
+    );
+    if steps {
+        watch_slips(plan, &simulated, &baseline, payload, &mut out).map_err(refused)?;
+    }
+    Ok(out)
+}
+
+fn simulate(plan: &Plan, seed: u64, steps: bool) -> Result<Simulated, ScenarioError> {
+    let mut scenario = plan.scenario.clone();
+    scenario.seed = seed;
+    let sessions = if steps { 3 } else { 2 };
+    scenario.duration_s = Some(scenario.sessions[sessions - 1].to_s);
+    let spans: Vec<(f64, f64)> = scenario.sessions[..sessions]
+        .iter()
+        .map(|s| (s.from_s, s.to_s))
+        .collect();
+    let mut simulation = Simulation::new(&plan.simulated, &scenario)?;
+    let mut line = FaultyLine::new(&scenario.faults, seed, scenario.start_time_ns);
+    let mut recorders = vec![estimator::recorder(&plan.robot); sessions];
+    let mut means = [
+        PaperMeans::new(&plan.robot, Comparison::Paper, sessions)?,
+        PaperMeans::new(&plan.robot, Comparison::Matched, sessions)?,
+    ];
+    let start_ns = scenario.start_time_ns;
+    let mut take = |frame: &sinew_log::Frame| {
+        let t = (frame.time_ns - start_ns) as f64 * 1e-9;
+        if let Some(k) = spans.iter().position(|s| (s.0..s.1).contains(&t)) {
+            recorders[k].push(frame, t);
+            for mean in &mut means {
+                mean.push(frame, k);
+            }
+        }
+        Ok(())
+    };
+    while let Some(frame) = simulation.next_frame()? {
+        line.pass(frame, &mut take)
+            .map_err(crate::simulate::SimulateError::from)?;
+    }
+    line.flush(&mut take)
+        .map_err(crate::simulate::SimulateError::from)?;
+    let end_s = spans[1].1 - 1.0 / scenario.sample_rate_hz;
+    Ok(Simulated {
+        truth_mrad: (0..plan.robot.arm.dof())
+            .map(|i| {
+                let (physical, injected) = simulation.offset_at(i, end_s);
+                1e3 * (physical + injected)
+            })
+            .collect(),
+        slips: simulation
+            .offsets()
+            .iter()
+            .filter_map(|o| Some((o.joint, o.shape.step_s()?, 1e3 * o.size_rad)))
+            .filter(|slip| slip.1 >= spans[1].1)
+            .collect(),
+        payload_kg: simulation
+            .payloads()
+            .iter()
+            .filter(|p| p.attach_s <= end_s && end_s < p.release_s)
+            .map(|p| p.mass_kg)
+            .sum(),
+        sessions: recorders
+            .into_iter()
+            .zip(&spans)
+            .map(|(recorder, span)| {
+                let mut recorded = recorder.finish();
+                recorded.duration_s = span.1 - span.0;
+                recorded
+            })
+            .collect(),
+        means,
+    })
+}
+
+/// Session B against its truth.
+fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> Recording {
+    let joints = watched
+        .joints
+        .iter()
+        .filter_map(|joint| {
+            let i = plan.robot.arm.joint_index(&joint.name)?;
+            let truth_mrad = simulated.truth_mrad[i];
+            let [lagging, matched] = &simulated.means;
+            let plain = |m: &PaperMeans| Some(m.mean_mrad(1, i)? - truth_mrad);
+            let minus = |m: &PaperMeans| Some(plain(m)? - m.mean_mrad(0, i)?);
+            Some(JointScore {
+                name: joint.name.clone(),
+                truth_mrad,
+                error_mrad: joint.offset_mrad - truth_mrad,
+                interval_95_mrad: joint.interval_95_mrad,
+                verdict: joint.verdict.clone(),
+                paper_error_mrad: plain(lagging),
+                paper_minus_baseline_error_mrad: minus(lagging),
+                matched_error_mrad: plain(matched),
+                matched_minus_baseline_error_mrad: minus(matched),
+                bound_mrad: None,
+            })
+        })
+        .collect();
+    Recording {
+        scenario: plan.name.clone(),
+        seed,
+        joints,
+        steps: Vec::new(),
+        // Nothing slips within B.
+        false_alarms: watched.joints.iter().map(|j| j.steps.len() as u32).sum(),
+        watched_s: simulated.sessions[1].duration_s,
+        payload_error_kg: watched.payload_kg[0] - simulated.payload_kg,
+        payload_interval_95_kg: watched.payload_kg[1],
+        left_out_share: watched.left_out_share,
+        poses: watched.poses,
+        warnings: Vec::new(),
+    }
+}
+
+/// Session C: what is found of the slips, how soon, and what is reported besides.
+fn watch_slips(
+    plan: &Plan,
+    simulated: &Simulated,
+    baseline: &Baseline,
+    payload: bool,
+    out: &mut Recording,
+) -> Result<(), crate::absolute::AbsoluteError> {
+    let whole = &simulated.sessions[2];
+    let names = plan.robot.joint_names();
+    let until = |end_s: f64| -> Result<Absolute, crate::absolute::AbsoluteError> {
+        let part = Recorded {
+            blocks: whole
+                .blocks
+                .iter()
+                .filter(|b| b.time_s <= end_s)
+                .cloned()
+                .collect(),
+            ..whole.clone()
+        };
+        estimator::watch(&plan.robot, &part, "session C", baseline, payload)
+    };
+    let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<f64> {
+        let joint = said.joints.iter().find(|j| j.name == name)?;
+        let step = joint
+            .steps
+            .iter()
+            .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
+        Some(step.size_mrad)
+    };
+    for &(joint, at_s, size_mrad) in &simulated.slips {
+        let name = &names[joint];
+        let found_mrad = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
+        let mut delay_s = None;
+        if found_mrad.is_some() {
+            // Found with `late` seconds, not with `early`: halved to a second, as if what is found
+            // once stayed found.
+            let (mut early, mut late) = (0, WITHIN_S);
+            while late - early > 1 {
+                let middle = (early + late) / 2;
+                match reported(&until(at_s + f64::from(middle))?, name, at_s) {
+                    Some(_) => late = middle,
+                    None => early = middle,
+                }
+            }
+            delay_s = Some(f64::from(late));
+        }
+        out.steps.push(StepScore {
+            joint: name.clone(),
+            at_s,
+            size_mrad,
+            found_mrad,
+            delay_s,
+        });
+    }
+    let said = until(f64::INFINITY)?;
+    for joint in &said.joints {
+        let known = |time_s: f64| {
+            out.steps
+                .iter()
+                .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < SAME_S)
+        };
+        let false_ones = joint.steps.iter().filter(|s| !known(s.time_s)).count();
+        out.false_alarms += false_ones as u32;
+    }
+    out.watched_s += whole.duration_s;
+    Ok(())
+}

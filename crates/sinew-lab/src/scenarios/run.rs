@@ -1,0 +1,112 @@
+//! Many recordings, in parallel, resumable.
+
+use super::journal::{Journal, Settings};
+use super::{Plan, Recording, ScenarioError, Summary, record};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// What to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Names of scenarios.
+    pub scenarios: Vec<String>,
+    /// Recordings per scenario.
+    pub n: u64,
+    /// Seed of the first; the others follow.
+    pub first_seed: u64,
+    /// With session C: slips, delays, false alarms.
+    pub steps: bool,
+    /// Threads.
+    pub jobs: usize,
+    /// Where a line per recording goes, and where a stopped run is taken up again.
+    pub out: Option<PathBuf>,
+}
+
+/// Runs all recordings; `progress` is told how many of how many are done.
+///
+/// # Errors
+/// [`ScenarioError`]; what was finished before is in the file of results.
+pub fn run(
+    options: &Options,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Summary, ScenarioError> {
+    let plans: Vec<Plan> = options
+        .scenarios
+        .iter()
+        .map(|name| Plan::named(name))
+        .collect::<Result<_, _>>()?;
+    let settings = Settings::new(checksum(), options.steps);
+    let (mut journal, done) = match &options.out {
+        Some(path) => {
+            let (journal, done) = Journal::open(path, &settings)?;
+            (Some(journal), done)
+        }
+        None => (None, Vec::new()),
+    };
+    let wanted: Vec<(usize, u64)> = (0..options.n)
+        .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
+        .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
+        .collect();
+    let is = |r: &Recording, (plan, seed): (usize, u64)| {
+        r.seed == seed && r.scenario == plans[plan].name
+    };
+    let mut recordings: Vec<Recording> = done
+        .into_iter()
+        .filter(|r| wanted.iter().any(|&w| is(r, w)))
+        .collect();
+    let missing: Vec<(usize, u64)> = wanted
+        .iter()
+        .copied()
+        .filter(|&w| !recordings.iter().any(|r| is(r, w)))
+        .collect();
+    progress(recordings.len(), wanted.len());
+
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let mut failed = None;
+    std::thread::scope(|scope| {
+        for _ in 0..options.jobs.clamp(1, missing.len().max(1)) {
+            let (sender, next, missing, plans) = (sender.clone(), &next, &missing, &plans);
+            scope.spawn(move || {
+                while let Some(&(plan, seed)) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let result = record(&plans[plan], seed, options.steps);
+                    if sender.send(result).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for result in &receiver {
+            let kept = result.and_then(|recording| {
+                if let Some(journal) = &mut journal {
+                    journal.add(&recording)?;
+                }
+                Ok(recording)
+            });
+            match kept {
+                Ok(recording) => recordings.push(recording),
+                Err(error) => {
+                    // Nobody takes up another recording.
+                    next.store(missing.len(), Ordering::Relaxed);
+                    failed.get_or_insert(error);
+                }
+            }
+            progress(recordings.len(), wanted.len());
+        }
+    });
+    match failed {
+        Some(error) => Err(error),
+        None => Ok(Summary::of(&plans, &recordings, options)),
+    }
+}
+
+/// Tells one set of scenarios and robot from another: FNV-1a, which is stable over versions.
+fn checksum() -> String {
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    for byte in super::catalogue::everything().bytes() {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+    format!("{hash:016x}")
+}
