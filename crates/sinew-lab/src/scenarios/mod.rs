@@ -59,7 +59,7 @@ pub enum ScenarioError {
         /// Its seed.
         seed: u64,
         /// Why.
-        error: AbsoluteError,
+        error: Box<AbsoluteError>,
     },
     /// The file of results can't be used.
     #[error("{file}: {why}")]

@@ -109,7 +109,7 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
     let refused = |error| ScenarioError::Absolute {
         scenario: plan.name.clone(),
         seed,
-        error,
+        error: Box::new(error),
     };
     let payload = !plan.scenario.payloads.is_empty();
     let robot = &plan.robot;
