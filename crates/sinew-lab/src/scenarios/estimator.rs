@@ -1,6 +1,8 @@
 //! The one place where the bench calls the estimator it judges.
 
-use crate::absolute::{self, Absolute, AbsoluteError, Baseline, Recorded, Recorder};
+use crate::absolute::{
+    self, Absolute, AbsoluteError, Baseline, Payload, Recorded, Recorder, WatchOptions,
+};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 
@@ -30,6 +32,14 @@ pub(super) fn watch(
         recorded,
         name,
         Some((baseline, "session A")),
-        payload,
+        &WatchOptions {
+            payload: if payload {
+                Payload::Unknown
+            } else {
+                Payload::Empty
+            },
+            ..WatchOptions::default()
+        },
     )
+    .map(|(said, _)| said)
 }

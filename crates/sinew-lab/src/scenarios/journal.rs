@@ -18,16 +18,19 @@ pub(super) struct Settings {
     pub(super) scenarios: String,
     /// With session C.
     pub(super) steps: bool,
+    /// With the motor's torque.
+    pub(super) motor_torque: bool,
 }
 
 impl Settings {
-    pub(super) fn new(scenarios: String, steps: bool) -> Self {
+    pub(super) fn new(scenarios: String, steps: bool, motor_torque: bool) -> Self {
         Self {
             format: "sinew-scenarios".into(),
             version: 1,
             program: env!("CARGO_PKG_VERSION").into(),
             scenarios,
             steps,
+            motor_torque,
         }
     }
 }
@@ -120,6 +123,8 @@ impl Journal {
 fn difference(found: &Settings, wanted: &Settings) -> String {
     let what = if found.steps != wanted.steps {
         "with and without session C (--no-steps)".to_string()
+    } else if found.motor_torque != wanted.motor_torque {
+        "with and without motor torque (--no-motor-torque)".to_string()
     } else if found.program != wanted.program || found.version != wanted.version {
         format!("of versions {} and {}", found.program, wanted.program)
     } else {

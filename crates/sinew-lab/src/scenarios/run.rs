@@ -17,6 +17,8 @@ pub struct Options {
     pub first_seed: u64,
     /// With session C: slips, delays, false alarms.
     pub steps: bool,
+    /// Whether the motor's torque is recorded.
+    pub motor_torque: bool,
     /// Threads.
     pub jobs: usize,
     /// Where a line per recording goes, and where a stopped run is taken up again.
@@ -31,12 +33,17 @@ pub fn run(
     options: &Options,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Summary, ScenarioError> {
-    let plans: Vec<Plan> = options
+    let mut plans: Vec<Plan> = options
         .scenarios
         .iter()
         .map(|name| Plan::named(name))
         .collect::<Result<_, _>>()?;
-    let settings = Settings::new(checksum(), options.steps);
+    if !options.motor_torque {
+        for plan in &mut plans {
+            plan.scenario.record.tau_m = false;
+        }
+    }
+    let settings = Settings::new(checksum(), options.steps, options.motor_torque);
     let (mut journal, done) = match &options.out {
         Some(path) => {
             let (journal, done) = Journal::open(path, &settings)?;

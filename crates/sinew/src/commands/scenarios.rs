@@ -38,6 +38,9 @@ pub(crate) struct Run {
     /// Without session C: half the time, no slips
     #[arg(long)]
     no_steps: bool,
+    /// Motor and joint positions alone, without the motor's torque
+    #[arg(long)]
+    no_motor_torque: bool,
     /// Threads [default: as many as the machine has]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
@@ -93,6 +96,7 @@ impl Run {
             n: self.n,
             first_seed: self.seed,
             steps: !self.no_steps,
+            motor_torque: !self.no_motor_torque,
             jobs: self.jobs.unwrap_or(cores) as usize,
             out: self.out.clone(),
         };
