@@ -23,6 +23,9 @@ pub struct Absolute {
     pub joints: Vec<AbsoluteJoint>,
     /// Offsets at the end of every stretch of the recording.
     pub series: Vec<Stretch>,
+    /// Block by block, for a plot; not part of the JSON.
+    #[serde(skip)]
+    pub course: Vec<Course>,
     /// Payload at the end, kg, and half its 95 % interval.
     pub payload_kg: [f64; 2],
     /// Loads picked up or put down within the recording.
@@ -58,6 +61,10 @@ pub struct AbsoluteJoint {
     pub interval_95_mm: Option<f64>,
     /// "longer", "shorter", "unchanged" or "can't tell".
     pub verdict: String,
+    /// Elongation at which the owner wants to tension again, mm, where robot.toml says.
+    pub retension_at_mm: Option<f64>,
+    /// Whether it is passed: surely (`true`), surely not (`false`), or can't tell (`None`).
+    pub limit_passed: Option<bool>,
     /// Sudden changes within the recording.
     pub steps: Vec<Step>,
     /// Stiffness as the recording sees it over nominal, % and half its 95 % interval.
@@ -77,8 +84,8 @@ pub struct Step {
     pub size_mrad: f64,
     /// Half of its 95 % interval, mrad.
     pub interval_95_mrad: f64,
-    /// Stiffness lost or gained with it, %, and half its 95 % interval.
-    pub stiffness_change_percent: [f64; 2],
+    /// Stiffness lost or gained with it, %, and half its 95 % interval; `None`: no change seen.
+    pub stiffness_change_percent: Option<[f64; 2]>,
     /// "strand failure" where the stiffness surely fell, else "slip".
     pub kind: String,
 }
@@ -104,6 +111,21 @@ pub struct Stretch {
     /// Offset of every elastic joint at `to_s`, mrad, in the order of `joints`.
     pub offset_mrad: Vec<f64>,
     /// Half of their 95 % intervals, mrad.
+    pub interval_95_mrad: Vec<f64>,
+}
+
+/// One block of 0.2 s; offsets in the order of `joints`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Middle of the block, s.
+    pub time_s: f64,
+    /// Weight, 0 (left out) to 1.
+    pub weight: f64,
+    /// What the block says of the offset once everything else is taken off, mrad.
+    pub block_mrad: Vec<f64>,
+    /// Estimated offset then, mrad.
+    pub offset_mrad: Vec<f64>,
+    /// Half of its 95 % interval, mrad.
     pub interval_95_mrad: Vec<f64>,
 }
 

@@ -15,7 +15,7 @@ mod file;
 mod warnings;
 mod watch;
 
-pub use answer::{Absolute, AbsoluteJoint, LeftOut, Moved, PayloadChange, Step, Stretch};
+pub use answer::{Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch};
 pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
 pub use sinew_model::offset::Payload;

@@ -1,6 +1,8 @@
 //! Learning a baseline and watching with it.
 
-use super::answer::{Absolute, AbsoluteJoint, LeftOut, Moved, PayloadChange, Step, Stretch};
+use super::answer::{
+    Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch,
+};
 use super::blocks::{AbsoluteError, Recorded, Window, read};
 use super::file::Baseline;
 use crate::estimate::{Progress, Request};
@@ -9,6 +11,7 @@ use sinew_model::offset::{
     Prior, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, What,
 };
 use sinew_model::robot::Robot;
+use sinew_model::transmission::Tendon;
 
 /// 97.5 % quantile of the normal distribution.
 pub(super) const Z95: f64 = 1.96;
@@ -313,6 +316,7 @@ fn said(
             .then_some(watched.before.temperature_c),
         joints,
         series,
+        course: course(estimator, recorded, watched, &elastic),
         payload_kg: [mass, Z95 * mass_deviation],
         payload_changes,
         motor_torque,
@@ -378,6 +382,8 @@ fn said_of_joint(
         elongation_mm: tendon.map(|t| 1e3 * t.elongation_m(offset)),
         interval_95_mm: tendon.map(|t| 1e3 * t.elongation_m(interval)),
         verdict: verdict.into(),
+        retension_at_mm: tendon.and_then(|t| t.retension_at_m).map(|m| 1e3 * m),
+        limit_passed: tendon.and_then(|t| passed(t, offset, interval)),
         steps,
         stiffness_change_percent: [
             100.0 * (1.0 / (1.0 + compliance) - 1.0),
@@ -388,6 +394,55 @@ fn said_of_joint(
     }
 }
 
+/// Whether the elongation at which to tension again is passed, as far as the interval tells.
+fn passed(tendon: &Tendon, offset: f64, interval: f64) -> Option<bool> {
+    let limit = tendon.retension_at_m?;
+    let [least, most] = [offset - interval, offset + interval].map(|x| tendon.elongation_m(x));
+    if least > limit {
+        Some(true)
+    } else if most < limit {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// Every block with the estimate at its time.
+fn course(
+    estimator: &MapEstimator,
+    recorded: &Recorded,
+    watched: &Watched,
+    elastic: &[usize],
+) -> Vec<Course> {
+    let prior = estimator.prior();
+    let mut out = Vec::with_capacity(recorded.blocks.len());
+    let mut residuals = vec![0.0; prior.joints()];
+    for (from, map) in &watched.stretches {
+        for (b, weight) in map.weights.iter().enumerate() {
+            let block = &recorded.blocks[from + b];
+            estimator.residuals(map, block, &mut residuals);
+            let (mut offset_mrad, mut interval_95_mrad) = (Vec::new(), Vec::new());
+            for &i in elastic {
+                let [mean, deviation] = map.offset_at(prior, i, block.time_s);
+                offset_mrad.push(1e3 * mean);
+                interval_95_mrad.push(1e3 * Z95 * deviation);
+            }
+            out.push(Course {
+                time_s: block.time_s,
+                weight: *weight,
+                block_mrad: elastic
+                    .iter()
+                    .zip(&offset_mrad)
+                    .map(|(&i, offset)| offset + 1e3 * residuals[i])
+                    .collect(),
+                offset_mrad,
+                interval_95_mrad,
+            });
+        }
+    }
+    out
+}
+
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
     let [size, deviation] = map.change(prior, k);
@@ -396,18 +451,15 @@ fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
         matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b)
             && c.at_s == change.at_s
     });
-    let [softer, unsure] = softer.map_or([0.0, 0.0], |k| map.change(prior, k));
+    let softer = softer.map(|k| map.change(prior, k));
+    let failed = softer.is_some_and(|[softer, unsure]| softer > Z95 * unsure);
     Step {
         time_s: change.at_s,
         size_mrad: 1e3 * size,
         interval_95_mrad: 1e3 * Z95 * deviation,
-        stiffness_change_percent: [-100.0 * softer, 100.0 * Z95 * unsure],
-        kind: if softer > Z95 * unsure && unsure > 0.0 {
-            "strand failure"
-        } else {
-            "slip"
-        }
-        .into(),
+        stiffness_change_percent: softer
+            .map(|[softer, unsure]| [-100.0 * softer, 100.0 * Z95 * unsure]),
+        kind: if failed { "strand failure" } else { "slip" }.into(),
     }
 }
 

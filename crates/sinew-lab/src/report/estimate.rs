@@ -4,6 +4,7 @@ use super::figures;
 use super::number::{count, date_utc, duration, given, rounded, share, with_error};
 use super::page::{Block, Page, Table};
 use super::sentences::{doubt, headline};
+use crate::absolute::Absolute;
 use crate::estimate::{Estimate, JointEstimate, Loss};
 
 /// The estimate as one HTML file that opens offline.
@@ -12,6 +13,11 @@ use crate::estimate::{Estimate, JointEstimate, Loss};
 /// for every joint its figure and its unused frames; recording, robot and settings; what each
 /// number rests on.
 pub fn html(estimate: &Estimate) -> String {
+    html_with(estimate, None)
+}
+
+/// [`html`] with the absolute estimate of the same recording before it.
+pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
     let mut page = Page::new(format!("Tendon stretch of {}", estimate.robot.name));
     page.subtitle = format!(
         "{}, {}, {} frames",
@@ -35,7 +41,13 @@ pub fn html(estimate: &Estimate) -> String {
             .collect(),
     ));
     opening.push(Block::Paragraph(how_sure(estimate)));
-    let mut page = page.section("", opening);
+    let mut page = match absolute {
+        Some(said) => {
+            let page = super::absolute::sections(page, said);
+            page.section("From this recording alone, as in the paper", opening)
+        }
+        None => page.section("", opening),
+    };
 
     let mut numbers = vec![Block::Table(offsets(estimate))];
     if estimate.joints.iter().any(|j| j.difference.is_some()) {

@@ -5,6 +5,7 @@
 //! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
 //! date, no path that wasn't given.
 
+mod absolute;
 mod estimate;
 mod figures;
 mod number;
@@ -13,7 +14,7 @@ mod sentences;
 #[cfg(test)]
 mod tests;
 
-pub use estimate::html;
+pub use estimate::{html, html_with};
 pub use number::{count, rounded, with_error};
 pub use page::{Block, Page, Section, Sentence, Table};
 pub use sentences::headline;

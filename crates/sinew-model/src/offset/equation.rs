@@ -105,7 +105,11 @@ impl Prior {
             tau += c * active.sum(x, self.payload_place() + k);
         }
         let z_load = block.z_load[i] * stiffness;
-        tau += at(P::Coulomb) * block.z[i]
+        // A joint that has not slid since the recording began may be held either way.
+        let held = (at(P::Coulomb) + at(P::LoadFriction) * stiffness * block.y[i].abs())
+            * block.z_unknown[i];
+        tau += at(P::Stuck) * held
+            + at(P::Coulomb) * block.z[i]
             + at(P::Viscous) * block.dq[i]
             + at(P::LoadFriction) * z_load;
 
@@ -158,6 +162,9 @@ impl Prior {
             .push((self.place(i, P::Viscous), per_torque * block.dq[i]));
         out.rows
             .push((self.place(i, P::LoadFriction), per_torque * z_load));
+        if held != 0.0 {
+            out.rows.push((self.place(i, P::Stuck), per_torque * held));
+        }
         for (k, phi) in phi.iter().enumerate() {
             if *phi != 0.0 {
                 out.rows.push((bodies + k, per_torque * phi));

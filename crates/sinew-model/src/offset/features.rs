@@ -62,8 +62,10 @@ pub struct Block {
     pub y: Vec<f64>,
     /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
     pub phi: Vec<f64>,
-    /// Friction state, −1…1, `n`.
+    /// Friction state, −1…1, `n`: the middle of what it may be.
     pub z: Vec<f64>,
+    /// Half of what it may be: 1 until the joint has moved, 0 once it has slid, `n`.
+    pub z_unknown: Vec<f64>,
     /// Joint velocity, `n`, rad/s.
     pub dq: Vec<f64>,
     /// Friction state times the size of the spring's torque over its stiffness, `n`, rad.
@@ -96,6 +98,7 @@ impl Block {
             y: zero(),
             phi: alloc::vec![0.0; n * columns],
             z: zero(),
+            z_unknown: zero(),
             dq: zero(),
             z_load: zero(),
             encoder: alloc::vec![0.0; n * ENCODER],
@@ -110,11 +113,12 @@ impl Block {
     }
 
     /// What is averaged over a block.
-    fn sums(&mut self) -> [&mut Vec<f64>; 12] {
+    fn sums(&mut self) -> [&mut Vec<f64>; 13] {
         [
             &mut self.y,
             &mut self.phi,
             &mut self.z,
+            &mut self.z_unknown,
             &mut self.dq,
             &mut self.z_load,
             &mut self.encoder,
@@ -131,7 +135,7 @@ impl Block {
 /// Number of encoder columns per joint.
 pub(super) const ENCODER: usize = 4;
 /// Signals that are low-passed per joint.
-const LAGS: usize = 9 + ENCODER;
+const LAGS: usize = 10 + ENCODER;
 
 /// Makes blocks from samples.
 #[derive(Debug, Clone)]
@@ -143,7 +147,8 @@ pub struct FeatureObserver {
     before: MomentumRegressor,
     q: Vec<StateVariableFilter>,
     theta: Vec<StateVariableFilter>,
-    z: Vec<f64>,
+    /// Friction state from below and from above: it may be anything when a recording begins.
+    z: Vec<[f64; 2]>,
     q_at_z: Vec<f64>,
     torque: Vec<StateVariableFilter>,
     motor_z: Vec<f64>,
@@ -175,7 +180,7 @@ impl FeatureObserver {
             before: regressor,
             q: alloc::vec![StateVariableFilter::default(); n],
             theta: alloc::vec![StateVariableFilter::default(); n],
-            z: alloc::vec![0.0; n],
+            z: alloc::vec![[-1.0, 1.0]; n],
             q_at_z: alloc::vec![0.0; n],
             torque: alloc::vec![StateVariableFilter::default(); n],
             motor_z: alloc::vec![0.0; n],
@@ -291,7 +296,7 @@ impl FeatureObserver {
         for (filter, x) in self.torque.iter_mut().zip(torque) {
             *filter = StateVariableFilter::settled_at(*x);
         }
-        self.z.fill(0.0);
+        self.z.fill([-1.0, 1.0]);
         self.q_at_z.copy_from_slice(q);
         self.motor_z.fill(0.0);
         self.theta_at_z.copy_from_slice(theta);
@@ -337,7 +342,9 @@ impl FeatureObserver {
         for i in 0..self.lags.len() {
             let moved = self.positions[i] - self.q_at_z[i];
             self.q_at_z[i] = self.positions[i];
-            self.z[i] = (self.z[i] + moved / stroke).clamp(-1.0, 1.0);
+            for z in &mut self.z[i] {
+                *z = (*z + moved / stroke).clamp(-1.0, 1.0);
+            }
             let theta = self.theta[i].value();
             let turned = theta - self.theta_at_z[i];
             self.theta_at_z[i] = theta;
@@ -378,6 +385,7 @@ impl FeatureObserver {
             let [
                 y,
                 z,
+                z_unknown,
                 dq,
                 z_load,
                 torque,
@@ -389,6 +397,7 @@ impl FeatureObserver {
             ] = lags.each_ref().map(FirstOrder::output);
             s.y[i] += y;
             s.z[i] += z;
+            s.z_unknown[i] += z_unknown;
             s.dq[i] += dq;
             s.z_load[i] += z_load;
             s.motor_torque[i] += torque;
@@ -432,12 +441,15 @@ impl FeatureObserver {
         let deflection = theta.value() - q.value();
         let (s1, c1) = libm::sincos(q.value());
         let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
+        let [low, high] = self.z[i];
+        let (z, z_unknown) = (0.5 * (low + high), 0.5 * (high - low));
         let stands = theta.rate().abs() < STANDS_RAD_PER_S;
         [
             deflection,
-            self.z[i],
+            z,
+            z_unknown,
             q.rate(),
-            self.z[i] * deflection.abs(),
+            z * deflection.abs(),
             self.torque[i].value(),
             theta.rate(),
             self.motor_z[i],

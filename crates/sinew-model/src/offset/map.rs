@@ -68,7 +68,12 @@ pub struct MapEstimate {
 impl MapEstimate {
     /// Offset of a joint at the end of the recording and its standard deviation, rad.
     pub fn offset(&self, prior: &Prior, joint: usize) -> [f64; 2] {
-        self.sum(&offset_columns(prior, &self.changes, joint))
+        self.offset_at(prior, joint, f64::INFINITY)
+    }
+
+    /// Offset of a joint at a time, s, and its standard deviation, rad.
+    pub fn offset_at(&self, prior: &Prior, joint: usize, time_s: f64) -> [f64; 2] {
+        self.sum(&offset_columns(prior, &self.changes, joint, time_s))
     }
 
     /// Size of change `k` (of a payload: its mass, kg) and its standard deviation.
@@ -266,6 +271,18 @@ impl MapEstimator {
         at.covariance = cholesky::inverse(&normal.information, total).map_err(MapError::Prior)?;
         at.cost = self.cost(&prior_information, &origin, &at, &at, blocks);
         Ok(at)
+    }
+
+    /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
+    pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
+        let mut equations = Equations::default();
+        self.equations(at, block, &mut equations);
+        out.fill(0.0);
+        for e in equations.list.iter().filter(|e| e.side == Side::Link) {
+            if let Some(slot) = out.get_mut(e.joint) {
+                *slot = e.residual;
+            }
+        }
     }
 
     /// Equations of a block around a state without changes.

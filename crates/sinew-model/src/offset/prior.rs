@@ -59,10 +59,12 @@ pub enum JointParameter {
     MotorLoadFriction,
     /// Half the dead zone of a slack antagonistic pair, rad.
     Slack,
+    /// Where in −1…1 the friction of a joint stood when the recording began.
+    Stuck,
 }
 
 /// Entries per joint.
-pub(super) const PER_JOINT: usize = JointParameter::Slack as usize + 1;
+pub(super) const PER_JOINT: usize = JointParameter::Stuck as usize + 1;
 /// Payload: mass, and three first moments beside where it is expected.
 pub(super) const PAYLOAD: usize = 4;
 
@@ -72,6 +74,8 @@ pub const UNKNOWN_OFFSET_RAD: f64 = 0.03;
 pub const TENSIONED_OFFSET_RAD: f64 = 1e-5;
 /// What half a dead zone may be before anything is known, rad.
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
+/// Standard deviation of what lies anywhere in −1…1.
+const STUCK: f64 = 0.577;
 /// Standard deviation of what is held fixed, in its own unit.
 const FIXED: f64 = 1e-9;
 
@@ -270,6 +274,7 @@ impl Prior {
         set(P::LoadFriction, t.load_friction[0], t.load_friction[1]);
         set(P::Drift, 0.0, t.drift_rad_per_k);
         set(P::Thermal, t.stiffness_per_k[0], t.stiffness_per_k[1]);
+        set(P::Stuck, 0.0, STUCK);
         set(P::MotorScale, 0.0, t.motor_torque);
         let drive = joint.motor_coulomb_nm;
         set(
@@ -346,10 +351,12 @@ impl Prior {
         }
     }
 
-    /// Offsets are forgotten: each `0 ± deviation_rad`; so is the slack of antagonistic pairs.
+    /// Offsets are forgotten: each `0 ± deviation_rad`; so are the slack of antagonistic pairs and
+    /// where friction stood.
     pub fn open_offsets(&self, belief: &mut Belief, deviation_rad: f64) {
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
             belief.open(self.place(i, JointParameter::Offset), 0.0, deviation_rad);
+            belief.open(self.place(i, JointParameter::Stuck), 0.0, STUCK);
             if self.is_antagonistic(i) {
                 let slack = deviation_rad.min(UNKNOWN_SLACK_RAD);
                 belief.open(self.place(i, JointParameter::Slack), 0.0, slack);
@@ -374,7 +381,8 @@ impl Prior {
         for k in 0..self.payload_place() {
             let within = k % PER_JOINT;
             let in_joint = k < self.body_start();
-            if in_joint && (within == P::Offset as usize || within == P::Slack as usize) {
+            let of_recording = [P::Offset, P::Slack, P::Stuck];
+            if in_joint && of_recording.iter().any(|p| within == *p as usize) {
                 continue;
             }
             let friction = in_joint
@@ -410,6 +418,7 @@ impl Prior {
             ("drive viscous friction", "N·m·s/rad"),
             ("drive load-dependent friction", ""),
             ("slack, half the dead zone", "rad"),
+            ("friction at the start, −1…1", ""),
         ];
         const BODY: [(&str, &str); PARAMETERS_PER_BODY] = [
             ("mass error", "kg"),

@@ -171,16 +171,28 @@ pub(crate) fn told(said: &Absolute, nuisance: bool) -> String {
 fn events(said: &Absolute) -> Vec<String> {
     let mut out = Vec::new();
     for joint in &said.joints {
-        for step in &joint.steps {
-            let [stiffness, unsure] = step.stiffness_change_percent;
+        if let (Some(true), Some(limit)) = (joint.limit_passed, joint.retension_at_mm) {
             out.push(format!(
-                "{}: a sudden change of {} ± {} mrad at {:.1} s, stiffness {} ± {} %: {}",
+                "{}: past the {} mm at which to tension again",
+                joint.name,
+                report::rounded(limit, 2)
+            ));
+        }
+        for step in &joint.steps {
+            let stiffness = match step.stiffness_change_percent {
+                Some([change, unsure]) => format!(
+                    "stiffness {} ± {} %",
+                    report::rounded(change, 2),
+                    report::rounded(unsure, 2)
+                ),
+                None => "no loss of stiffness seen".into(),
+            };
+            out.push(format!(
+                "{}: a sudden change of {} ± {} mrad at {:.1} s, {stiffness}: {}",
                 joint.name,
                 report::rounded(step.size_mrad, 3),
                 report::rounded(step.interval_95_mrad, 2),
                 step.time_s,
-                report::rounded(stiffness, 2),
-                report::rounded(unsure, 2),
                 if step.kind == "slip" {
                     "a slip of the rope or of an encoder"
                 } else {

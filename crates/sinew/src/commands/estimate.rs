@@ -106,15 +106,16 @@ impl Estimate {
         drop(bar);
         let result = result.map_err(|error| self.explain(error))?;
 
-        if let Some(path) = &self.report {
-            output::write_file(path, report::html(&result).as_bytes())?;
-        }
         if !self.quiet && !self.json {
             for warning in &result.warnings {
                 complain("warning", &plain(warning));
             }
         }
         let absolute = self.absolute(&request)?;
+        if let Some(path) = &self.report {
+            let page = report::html_with(&result, absolute.as_ref());
+            output::write_file(path, page.as_bytes())?;
+        }
         if self.json {
             let mut document = serde_json::to_value(&result)?;
             if let (Some(absolute), Some(object)) = (&absolute, document.as_object_mut()) {
@@ -128,7 +129,9 @@ impl Estimate {
             }
             answer(&text)?;
         }
-        Ok(Finish::lossy(result.damaged))
+        let passed =
+            absolute.is_some_and(|a| a.joints.iter().any(|j| j.limit_passed == Some(true)));
+        Ok(Finish::lossy(result.damaged || passed))
     }
 
     /// `--baseline` or `--absolute`: the joint estimate.
