@@ -1,13 +1,16 @@
 //! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute
 //! offset estimated with everything that disguises itself as one.
 
+mod chain;
 mod changes;
 mod equation;
 mod features;
 mod map;
+mod normal;
 mod observer;
 mod prior;
 mod recursive;
+mod score;
 
 pub use changes::{Change, Seek, What};
 pub use features::{Block, FeatureConfig, FeatureObserver};

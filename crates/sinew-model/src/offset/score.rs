@@ -1,0 +1,302 @@
+//! How much every possible change at every moment would explain.
+
+use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
+use super::equation::{Equations, Side};
+use super::features::Block;
+use super::map::{MapError, MapEstimate, MapEstimator};
+use super::prior::{Belief, Payload};
+use crate::cholesky;
+use alloc::vec::Vec;
+
+/// A candidate is tried when half its chi-square exceeds this and one per unknown.
+const WORTH_TRYING: f64 = 8.0;
+/// Candidates of each weighing that are put into the estimate per round.
+const TRIALS: usize = 5;
+
+/// A change that may have happened.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    pub(super) change: Change,
+    pub(super) gain: f64,
+    /// Its entries as the score has them.
+    pub(super) size: Vec<f64>,
+}
+
+impl MapEstimator {
+    /// The most telling changes of every kind, by score.
+    pub(super) fn candidates(
+        &self,
+        start: &Belief,
+        known: &MapEstimate,
+        blocks: &[Block],
+        payload: Payload,
+        seek: Seek,
+    ) -> Result<Vec<Candidate>, MapError> {
+        let prior = self.prior();
+        let mut offsets = Vec::new();
+        if seek.offsets {
+            offsets.extend(
+                (0..prior.joints())
+                    .filter(|&i| prior.is_elastic(i))
+                    .map(What::Offset),
+            );
+        }
+        let mut loads = offsets.clone();
+        if seek.payload && payload != Payload::Empty {
+            loads.push(What::Payload);
+        }
+        let mut out = Vec::new();
+        for (kinds, weighing) in [(offsets, Weighing::Cut), (loads, Weighing::Huber)] {
+            if !kinds.is_empty() {
+                let fit = self.fit(start, known, blocks, payload, weighing)?;
+                let mut scored = self.score(known, blocks, payload, seek, &kinds, fit);
+                scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+                out.extend(scored.into_iter().take(TRIALS));
+            }
+        }
+        Ok(out)
+    }
+
+    /// The best moments of every kind of change.
+    pub(super) fn score(
+        &self,
+        known: &MapEstimate,
+        blocks: &[Block],
+        payload: Payload,
+        seek: Seek,
+        kinds: &[What],
+        mut fit: Fit,
+    ) -> Vec<Candidate> {
+        let (Some(first), Some(last)) = (blocks.first(), blocks.last()) else {
+            return Vec::new();
+        };
+        let from = if seek.continues { 0.0 } else { EDGE_S };
+        let span = (first.time_s + from, last.time_s - EDGE_S);
+        let taken = |what: What, at_s: f64| {
+            let mut changes = known.changes.iter();
+            changes.any(|c| c.what == what && (c.at_s - at_s).abs() < SAME_S)
+        };
+        let total = known.state.len();
+        let deviations: Vec<Vec<f64>> = kinds
+            .iter()
+            .map(|k| self.change_deviations(*k, payload))
+            .collect();
+        let mut sums: Vec<Sum> = kinds.iter().map(|k| Sum::new(k.columns(), total)).collect();
+        let mut best: Vec<Vec<Candidate>> = alloc::vec![Vec::new(); kinds.len()];
+        for block in blocks.iter().rev() {
+            let weight = fit.weights.pop().unwrap_or_default();
+            self.equations(known, block, &mut fit.equations);
+            for (sum, what) in sums.iter_mut().zip(kinds) {
+                sum.add(self, &fit.equations, *what, &weight);
+            }
+            if !(span.0..span.1).contains(&block.time_s) {
+                continue;
+            }
+            let at_s = block.time_s - 0.5 * self.block_s();
+            for (k, what) in kinds.iter().enumerate() {
+                let (gain, size) = sums[k].gain(&fit.covariance, &fit.step, &deviations[k]);
+                let worth = WORTH_TRYING + what.columns() as f64;
+                if gain > worth && !taken(*what, at_s) {
+                    keep_best(
+                        &mut best[k],
+                        Candidate {
+                            change: Change { what: *what, at_s },
+                            gain,
+                            size,
+                        },
+                    );
+                }
+            }
+        }
+        best.into_iter().flatten().collect()
+    }
+
+    /// A weighted fit around a known estimate.
+    pub(super) fn fit(
+        &self,
+        start: &Belief,
+        known: &MapEstimate,
+        blocks: &[Block],
+        payload: Payload,
+        weighing: Weighing,
+    ) -> Result<Fit, MapError> {
+        let total = known.state.len();
+        let mut equations = Equations::default();
+        let (mut information, mut gradient) =
+            self.prior_equations(start, &known.changes, payload, &known.state)?;
+        let mut weights = Vec::with_capacity(blocks.len());
+        for (b, block) in blocks.iter().enumerate() {
+            self.equations(known, block, &mut equations);
+            let chi = self.chi(&equations, known);
+            let whole = weighing.weight(chi);
+            let weight: Vec<f64> = equations
+                .list
+                .iter()
+                .map(|e| whole * self.information_of(e, known, b))
+                .collect();
+            for (e, weight) in equations.list.iter().zip(&weight) {
+                let row = &equations.rows[e.from..e.to];
+                for &(i, vi) in row {
+                    gradient[i] += weight * vi * e.residual;
+                    for &(k, vk) in row {
+                        information[i * total + k] += weight * vi * vk;
+                    }
+                }
+            }
+            weights.push(weight);
+        }
+        let covariance = cholesky::inverse(&information, total).map_err(MapError::Prior)?;
+        let step = (0..total)
+            .map(|i| {
+                covariance[i * total..(i + 1) * total]
+                    .iter()
+                    .zip(&gradient)
+                    .map(|(c, g)| c * g)
+                    .sum()
+            })
+            .collect();
+        Ok(Fit {
+            weights,
+            covariance,
+            step,
+            equations,
+        })
+    }
+}
+
+/// How blocks that don't fit count while changes are looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Weighing {
+    /// Up to any size, but by their square root: a load is as large as a contact, and only lasts.
+    Huber,
+    /// Less than a slip's size, not at all beyond: contacts don't count.
+    Cut,
+}
+
+impl Weighing {
+    fn weight(self, chi: f64) -> f64 {
+        match self {
+            Self::Huber => (4.0 / libm::sqrt(chi)).min(1.0),
+            Self::Cut => {
+                const SCALE: f64 = 25.0;
+                let w = SCALE * SCALE / (SCALE * SCALE + chi);
+                w * w
+            }
+        }
+    }
+}
+
+/// Keeps the two best moments that are not the same one.
+fn keep_best(best: &mut Vec<Candidate>, new: Candidate) {
+    const APART_S: f64 = 5.0;
+    const TWO: usize = 2;
+    let near = |c: &Candidate| (c.change.at_s - new.change.at_s).abs() < APART_S;
+    if let Some(k) = best.iter().position(near) {
+        if best[k].gain >= new.gain {
+            return;
+        }
+        best.retain(|c| !near(c));
+    }
+    best.push(new);
+    best.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    best.truncate(TWO);
+}
+
+/// A weighted fit.
+pub(super) struct Fit {
+    /// Information of every equation of every block.
+    weights: Vec<Vec<f64>>,
+    covariance: Vec<f64>,
+    /// The step of the state the fit would take.
+    step: Vec<f64>,
+    equations: Equations,
+}
+
+/// What the blocks after a moment say of one kind of change.
+struct Sum {
+    columns: usize,
+    total: usize,
+    /// Gradient, `columns`.
+    gradient: Vec<f64>,
+    /// Own information, `columns × columns`.
+    own: Vec<f64>,
+    /// Information shared with the state, `columns × total`.
+    shared: Vec<f64>,
+}
+
+impl Sum {
+    fn new(columns: usize, total: usize) -> Self {
+        Self {
+            columns,
+            total,
+            gradient: alloc::vec![0.0; columns],
+            own: alloc::vec![0.0; columns * columns],
+            shared: alloc::vec![0.0; columns * total],
+        }
+    }
+
+    fn add(
+        &mut self,
+        estimator: &MapEstimator,
+        equations: &Equations,
+        what: What,
+        weights: &[f64],
+    ) {
+        let place = what.place(estimator.prior());
+        for (e, weight) in equations.list.iter().zip(weights) {
+            let concerned = match what {
+                What::Offset(joint) | What::Compliance(joint) => {
+                    e.side == Side::Link && e.joint == joint
+                }
+                What::Payload => true,
+            };
+            if !concerned {
+                continue;
+            }
+            let row = &equations.rows[e.from..e.to];
+            for &(i, own) in row {
+                if !(place..place + self.columns).contains(&i) {
+                    continue;
+                }
+                let c = i - place;
+                self.gradient[c] += weight * own * e.residual;
+                for &(k, value) in row {
+                    self.shared[c * self.total + k] += weight * own * value;
+                    if (place..place + self.columns).contains(&k) {
+                        self.own[c * self.columns + k - place] += weight * own * value;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Half the chi-square a change here would take off: `½ gᵀ A⁻¹ g` with gradient and
+    /// information less what the state would take up.
+    fn gain(&self, covariance: &[f64], step: &[f64], deviations: &[f64]) -> (f64, Vec<f64>) {
+        let (m, total) = (self.columns, self.total);
+        let mut a = self.own.clone();
+        let mut g = self.gradient.clone();
+        let mut through = alloc::vec![0.0; total];
+        for c in 0..m {
+            let row = &self.shared[c * total..(c + 1) * total];
+            g[c] -= row.iter().zip(step).map(|(b, s)| b * s).sum::<f64>();
+            for (i, t) in through.iter_mut().enumerate() {
+                let line = &covariance[i * total..(i + 1) * total];
+                *t = line.iter().zip(row).map(|(p, b)| p * b).sum();
+            }
+            for k in 0..m {
+                let other = &self.shared[k * total..(k + 1) * total];
+                a[k * m + c] -= other.iter().zip(&through).map(|(b, t)| b * t).sum::<f64>();
+            }
+            a[c * m + c] += 1.0 / (deviations[c] * deviations[c]);
+        }
+        let mut l = alloc::vec![0.0; m * m];
+        if cholesky::factorise(&a, &mut l, m).is_err() {
+            return (0.0, g);
+        }
+        let mut x = g.clone();
+        cholesky::solve(&l, m, &mut x);
+        let gain = 0.5 * g.iter().zip(&x).map(|(g, x)| g * x).sum::<f64>();
+        (gain, x)
+    }
+}
