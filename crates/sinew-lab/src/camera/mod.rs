@@ -12,9 +12,9 @@
 //!
 //! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
 //! (`strips`) → in the first frame the place of the scale (`find`, `spectrum`) and the map of its
-//! phases (`phase`) → in all others the shift against that map by robust least squares (`robust`)
-//! → whole graduations by the longer lines and numbers (`marks`) → [`Reading`] or [`Rejection`]
-//! (`reader`). [`run`] does it for a folder or a video.
+//! phases (`map`) → in all others the shift against that map by robust least squares (`phase`,
+//! `robust`) → whole graduations by the longer lines and numbers (`marks`, `memory`) → [`Reading`]
+//! or [`Rejection`] (`reference`). [`run`] does it for a folder or a video.
 //!
 //! Holds while camera and rail stand still, the scale moves along itself within a few degrees, a
 //! graduation has 4 to 250 px, and the lines lean by 12° at most. Steps between frames may be of
@@ -27,15 +27,21 @@
 mod error;
 mod find;
 mod frames;
+mod map;
 mod marks;
+mod memory;
+mod outcome;
 mod overlay;
 mod phase;
 mod picture;
 mod reader;
+mod reference;
 mod rejection;
 mod report;
+mod request;
 mod robust;
 mod run;
+mod sight;
 mod spectrum;
 mod strips;
 mod summary;
@@ -45,11 +51,13 @@ mod video;
 pub use error::CameraError;
 pub use find::{PITCH_LEAST_PX, PITCH_MOST_PX, TILT_MOST_DEG};
 pub use frames::Times;
+pub use outcome::{Frame, Outcome};
 pub use picture::{Picture, SIDE_LIMIT_PX};
 pub use reader::{PITCH_MM, ReadOptions, Reading, Scale, ScaleReader};
 pub use rejection::{Rejection, WrongPitch};
 pub use report::html;
-pub use run::{Conditions, Frame, Outcome, Progress, Request, run};
+pub use request::{Conditions, Request};
+pub use run::{Progress, run};
 pub use strips::Region;
 pub use summary::{Rejected, Summary};
 pub use video::VideoTools;

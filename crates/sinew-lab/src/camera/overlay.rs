@@ -6,7 +6,8 @@
 
 use super::marks::places;
 use super::picture::Picture;
-use super::reader::{Reading, Scale, Sight};
+use super::reader::{Reading, Scale};
+use super::sight::Sight;
 use crate::plot::{escape_xml, png_of};
 use image::{ImageEncoder as _, Rgb, RgbImage};
 

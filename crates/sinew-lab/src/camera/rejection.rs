@@ -1,6 +1,6 @@
 //! Why a frame, or a whole scale, is not used.
 
-use super::reader::DARK;
+use super::reference::DARK;
 
 /// Why a frame is not used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

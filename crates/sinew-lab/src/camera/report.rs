@@ -1,6 +1,6 @@
 //! The series as one HTML file.
 
-use super::run::Outcome;
+use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::plot::{Band, Colour, Figure, Line, Panel};
 use crate::report::{Block, Page, Table, rounded};

@@ -1,7 +1,8 @@
 //! A series in a few numbers.
 
+use super::outcome::Outcome;
 use super::reader::Scale;
-use super::run::{Conditions, Outcome};
+use super::request::Conditions;
 
 /// What `--json` prints.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -1,0 +1,114 @@
+//! What is asked of a series of frames.
+
+use super::error::CameraError;
+use super::frames::Times;
+use super::picture::Picture;
+use super::reader::ReadOptions;
+use super::video::VideoTools;
+use std::path::PathBuf;
+
+/// What to read and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Folder of PNG or JPEG frames, or a video.
+    pub input: PathBuf,
+    /// What tells when frames were taken; a video has its own times unless a rate is given.
+    pub times: Times,
+    /// How the scale is read.
+    pub read: ReadOptions,
+    /// Elongation per movement of the scale; negative where the rope stretches while the scale
+    /// moves left or up.
+    pub elongation_per_movement: f64,
+    /// What the test was; becomes columns of the recording.
+    pub conditions: Conditions,
+    /// PNG of the reference frame with what was found drawn on it.
+    pub overlay: Option<PathBuf>,
+    /// Another frame for the overlay.
+    pub overlay_frame: Option<String>,
+    /// Programs for videos.
+    pub tools: VideoTools,
+}
+
+impl Request {
+    /// Reads `input` with times from file names.
+    pub fn new(input: impl Into<PathBuf>) -> Self {
+        Self {
+            input: input.into(),
+            times: Times::Names,
+            read: ReadOptions::default(),
+            elongation_per_movement: 1.0,
+            conditions: Conditions::default(),
+            overlay: None,
+            overlay_frame: None,
+            tools: VideoTools::default(),
+        }
+    }
+}
+
+/// Constants of a test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+pub struct Conditions {
+    /// Tension of the rope, N.
+    pub force_n: Option<f64>,
+    /// Length of the rope that stretches, mm.
+    pub gauge_length_mm: Option<f64>,
+    /// Temperature, °C.
+    pub temperature_c: Option<f64>,
+}
+
+/// Refuses options that can't be, before anything is read.
+pub(super) fn check(request: &Request) -> Result<(), CameraError> {
+    let refuse = |text: String| Err(CameraError::Option(text));
+    if let Some(pitch) = request.read.pitch_mm
+        && !(pitch > 0.0 && pitch <= 100.0)
+    {
+        return refuse(format!(
+            "a line every {pitch} mm can't be; above 0, at most 100 mm"
+        ));
+    }
+    let ratio = request.elongation_per_movement;
+    if !ratio.is_finite() || ratio == 0.0 {
+        return refuse(format!(
+            "an elongation of {ratio} mm per mm of movement can't be; say a number that is not 0"
+        ));
+    }
+    if request.read.std_most_mm.is_nan() || request.read.std_most_mm <= 0.0 {
+        return refuse(format!(
+            "a largest deviation of {} mm can't be; above 0",
+            request.read.std_most_mm
+        ));
+    }
+    for (name, unit, value) in [
+        ("force", "N", request.conditions.force_n),
+        ("gauge length", "mm", request.conditions.gauge_length_mm),
+    ] {
+        if let Some(value) = value
+            && !(value > 0.0 && value.is_finite())
+        {
+            return refuse(format!("a {name} of {value} {unit} can't be; above 0"));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a region that lies outside a picture.
+pub(super) fn check_region(options: &ReadOptions, picture: &Picture) -> Result<(), String> {
+    let Some(r) = options.region else {
+        return Ok(());
+    };
+    let fits = |from: usize, length: usize, side: usize| {
+        length > 0 && from.checked_add(length).is_some_and(|end| end <= side)
+    };
+    if fits(r.x, r.width, picture.width()) && fits(r.y, r.height, picture.height()) {
+        return Ok(());
+    }
+    Err(format!(
+        "region {},{} {} × {} px lies outside the picture of {} × {} px",
+        r.x,
+        r.y,
+        r.width,
+        r.height,
+        picture.width(),
+        picture.height()
+    ))
+}

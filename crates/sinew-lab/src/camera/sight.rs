@@ -1,0 +1,123 @@
+//! What of the scale a frame shows: which rows, how strong, what is covered.
+
+use super::find::STRIP_ROWS;
+use super::map::PhaseMap;
+use super::marks::{self, BEYOND};
+use super::phase::Shift;
+use super::strips::{Blocks, Region};
+
+/// What a frame's measurement saw, for drawing.
+#[derive(Debug, Clone)]
+pub(crate) struct Sight {
+    pub(crate) upright: bool,
+    pub(crate) blocks: Blocks,
+    pub(crate) lined: Vec<bool>,
+    pub(crate) shift: Shift,
+    pub(crate) map: PhaseMap,
+    pub(crate) window: Region,
+    pub(crate) strip_rows: usize,
+    pub(crate) window_px: usize,
+}
+
+/// The scale with room to wander across, all along.
+pub(super) fn room(region: Region, whole: Region) -> Region {
+    let margin = ((region.height as f64 * BEYOND) as usize).max(3 * STRIP_ROWS);
+    let y = region.y.saturating_sub(margin).max(whole.y);
+    Region {
+        x: whole.x,
+        y,
+        width: whole.width,
+        height: (region.y + region.height + margin).min(whole.y + whole.height) - y,
+    }
+}
+
+/// Rows of the lines with a little room to wander across.
+pub(super) fn rows(region: Region) -> (f64, f64) {
+    let margin = (region.height as f64 / 8.0).max(STRIP_ROWS as f64);
+    let top = region.y as f64;
+    (top - margin, top + region.height as f64 + margin)
+}
+
+/// Contrast of the reference frame's strong blocks: those within the scale's box.
+pub(super) fn strong(blocks: &Blocks, region: Region) -> f64 {
+    let inside = |x: f64, y: f64| {
+        x >= region.x as f64
+            && x <= (region.x + region.width) as f64
+            && y >= region.y as f64
+            && y <= (region.y + region.height) as f64
+    };
+    let mut contrasts: Vec<f64> = blocks
+        .all
+        .iter()
+        .filter(|b| inside(b.x, b.y))
+        .map(|b| b.contrast())
+        .collect();
+    quantile(&mut contrasts, 0.8)
+}
+
+/// Contrast that a fifth of as many blocks as the scale has exceed.
+pub(super) fn strongest(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
+    let mut contrasts: Vec<f64> = blocks
+        .all
+        .iter()
+        .filter(|b| b.y >= rows.0 && b.y <= rows.1)
+        .map(|b| b.contrast())
+        .collect();
+    let share = 0.2 * members as f64 / contrasts.len().max(1) as f64;
+    quantile(&mut contrasts, 1.0 - share)
+}
+
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let place = (share.clamp(0.0, 1.0) * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Whether the scale is covered at a column: in a window that reaches there fewer than two thirds
+/// of the usual number of strips agree.
+pub(super) fn cover(
+    blocks: &Blocks,
+    agree: &[bool],
+    window_px: usize,
+) -> impl Fn(f64) -> bool + use<> {
+    let count: Vec<usize> = (0..blocks.windows)
+        .map(|w| {
+            (0..blocks.strips)
+                .filter(|s| agree[s * blocks.windows + w])
+                .count()
+        })
+        .collect();
+    let mut sorted: Vec<usize> = count.iter().copied().filter(|c| *c > 0).collect();
+    sorted.sort_unstable();
+    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(usize::MAX);
+    let reach = window_px as f64 / 2.0;
+    let middle: Vec<f64> = (0..blocks.windows).map(|w| blocks.at(0, w).x).collect();
+    let ends = (
+        middle.first().copied().unwrap_or(0.0),
+        middle.last().copied().unwrap_or(0.0),
+    );
+    move |x| {
+        // Beyond the last window's middle there is only that one.
+        let x = x.clamp(ends.0, ends.1);
+        middle
+            .iter()
+            .zip(&count)
+            .filter(|(m, _)| (*m - x).abs() < 1.25 * reach)
+            .any(|(_, count)| 3 * count < 2 * usual)
+    }
+}
+
+/// Lines between the outermost blocks that agree.
+pub(super) fn lines_in_sight(map: &PhaseMap, shift: &Shift, blocks: &Blocks) -> usize {
+    let (mut left, mut right) = (f64::MAX, f64::MIN);
+    for (block, _) in blocks.all.iter().zip(&shift.agree).filter(|(_, a)| **a) {
+        left = left.min(block.x);
+        right = right.max(block.x);
+    }
+    if left > right {
+        return 0;
+    }
+    marks::places(map, shift, left, right).len()
+}
