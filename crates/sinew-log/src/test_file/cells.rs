@@ -5,6 +5,8 @@
 pub(super) enum Cell {
     Empty,
     Number(f64),
+    /// A time that carries its own unit, s: a workbook's time of day, a Parquet timestamp.
+    Clock(f64),
     Text(String),
 }
 
@@ -14,13 +16,13 @@ impl Cell {
     }
 
     pub(super) fn is_number(&self) -> bool {
-        matches!(self, Cell::Number(_))
+        matches!(self, Cell::Number(_) | Cell::Clock(_))
     }
 
     pub(super) fn text(&self) -> String {
         match self {
             Cell::Empty => String::new(),
-            Cell::Number(value) => format!("{value}"),
+            Cell::Number(value) | Cell::Clock(value) => format!("{value}"),
             Cell::Text(text) => text.trim().to_owned(),
         }
     }

@@ -59,9 +59,18 @@ fn cell(field: &Field) -> Cell {
         Field::ULong(value) => Cell::Number(*value as f64),
         Field::Float(value) => Cell::Number(f64::from(*value)),
         Field::Double(value) => Cell::Number(*value),
-        Field::TimestampMillis(value) => Cell::Number(*value as f64 * 1e-3),
-        Field::TimestampMicros(value) => Cell::Number(*value as f64 * 1e-6),
+        Field::TimestampMillis(value) => Cell::Clock(*value as f64 * 1e-3),
+        Field::TimestampMicros(value) => Cell::Clock(*value as f64 * 1e-6),
+        Field::TimeMillis(value) => Cell::Clock(f64::from(*value) * 1e-3),
+        Field::TimeMicros(value) => Cell::Clock(*value as f64 * 1e-6),
         Field::Str(text) => Cell::Text(text.clone()),
-        other => Cell::Text(other.to_string()),
+        // Decimals and short floats come as text that is a number.
+        other => {
+            let text = other.to_string();
+            match crate::table::parse_cell(text.as_bytes(), false) {
+                Some(value) => Cell::Number(value),
+                None => Cell::Text(text),
+            }
+        }
     }
 }

@@ -123,6 +123,20 @@ pub(super) fn take(
             match row.get(role.index).unwrap_or(&Cell::Empty) {
                 Cell::Empty => values.push(f64::NAN),
                 Cell::Number(raw) => values.push(role.unit.convert(role.quantity, *raw)),
+                // It says its own unit, whatever the header says.
+                Cell::Clock(seconds) if role.quantity == TestQuantity::Time => {
+                    values.push(*seconds);
+                }
+                Cell::Clock(_) => {
+                    return Err(LogError::Content {
+                        file: name.to_owned(),
+                        place: Place::Cell {
+                            line,
+                            column: head.headers[role.index].clone(),
+                        },
+                        reason: format!("a date or a time of day is no {}", role.quantity.name()),
+                    });
+                }
                 Cell::Text(_) if last => cut_off = true,
                 Cell::Text(text) => {
                     return Err(LogError::Content {

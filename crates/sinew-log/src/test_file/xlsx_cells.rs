@@ -63,7 +63,7 @@ fn cell(data: &Data) -> Cell {
         Data::Empty => Cell::Empty,
         Data::Int(value) => Cell::Number(*value as f64),
         Data::Float(value) => Cell::Number(*value),
-        Data::DateTime(time) => Cell::Number(time.as_f64() * DAY_S),
+        Data::DateTime(time) => Cell::Clock(time.as_f64() * DAY_S),
         Data::Error(_) => Cell::Number(f64::NAN),
         Data::String(text) if text.trim().is_empty() => Cell::Empty,
         // A number typed into a text cell, also with a decimal comma.
