@@ -100,84 +100,153 @@ pub(crate) fn read(
     bands: Bands,
     covered: &dyn Fn(f64) -> bool,
 ) -> Code {
-    let region = strips.region;
-    let (left, right) = (region.x as f64, (region.x + region.width) as f64 - 1.0);
-    let (sin, cos) = map.tilt_deg().to_radians().sin_cos();
-    let places = places(map, shift, left, right);
-    let pitch = map.pitch_px();
     if strips.count < 2 {
         return Code {
             first: 0,
             lines: Vec::new(),
         };
     }
-    let half_line = (0.12 * pitch).max(0.75);
-    let height = (bands.to - bands.from) / BANDS as f64;
-    // One look per strip in a band.
-    let looks = (height / strips.rows as f64).ceil().max(1.0) as usize;
-    let mut code = Code {
+    let region = strips.region;
+    let (left, right) = (region.x as f64, (region.x + region.width) as f64 - 1.0);
+    let places = places(map, shift, left, right);
+    let looking = Looking::new(strips, map, bands);
+    Code {
         first: places.first().map_or(0, |p| p.0),
-        lines: Vec::with_capacity(places.len()),
-    };
-    for &(_, x, y) in &places {
-        if covered(x) {
-            code.lines.push(None);
-            continue;
-        }
-        let mut line = [0.0_f32; VALUES];
-        let mut cut = false;
-        for band in 0..BANDS {
-            let mut sums = [0.0; POINTS];
-            let mut count = 0.0;
-            for look in 0..looks {
-                let across =
-                    bands.from + height * (band as f64 + (look as f64 + 0.5) / looks as f64);
-                let (px, py) = (x - across * sin, y + across * cos);
-                let place = (py - region.y as f64 + 0.5) / strips.rows as f64 - 0.5;
-                if place < 0.0 || place > strips.count as f64 - 1.0 {
-                    continue;
-                }
-                // Between two strips each has its share.
-                let above = (place as usize).min(strips.count - 2);
-                for (strip, share) in [
-                    (above, 1.0 - (place - above as f64)),
-                    (above + 1, place - above as f64),
-                ] {
-                    let levels = strips.strip(strip);
-                    // A strip's lines lean away from where its middle row has them.
-                    let lean = (strips.y(strip) - py) * sin / cos;
-                    let at = px - lean - left;
-                    let around = level(levels, at, NEIGHBOURHOOD * pitch);
-                    // A line of which the picture's side cuts a part is not compared.
-                    cut |= around.is_nan();
-                    let scale = share / around.max(0.5 / 255.0);
-                    for (point, sum) in sums.iter_mut().enumerate() {
-                        let shift = point as f64 / POINTS as f64 * pitch;
-                        *sum += scale * level(levels, at + shift, half_line) - share;
-                    }
-                }
-                count += 1.0;
-            }
-            for (point, sum) in sums.iter().enumerate() {
-                line[band * POINTS + point] = (sum / count) as f32;
-            }
-        }
-        code.lines.push((!cut).then_some(line));
+        lines: places
+            .iter()
+            .map(|&(_, x, y)| (!covered(x)).then(|| looking.line(x, y)).flatten())
+            .collect(),
     }
-    code
 }
 
-/// Mean level over `x ± half`, pixels in part counted in part; NaN beyond the edge.
-fn level(levels: &[f32], x: f64, half: f64) -> f64 {
-    // Pixel `i` reaches from i − ½ to i + ½.
-    let (from, to) = (x - half + 0.5, x + half + 0.5);
-    if from < 0.0 || to >= levels.len() as f64 {
-        return f64::NAN;
+/// How the lines of a frame are looked at.
+struct Looking<'a> {
+    strips: &'a Strips,
+    sums: Sums,
+    bands: Bands,
+    pitch: f64,
+    sin: f64,
+    cos: f64,
+    /// Height of a band, px, and looks into it: one per strip.
+    height: f64,
+    looks: usize,
+}
+
+impl<'a> Looking<'a> {
+    fn new(strips: &'a Strips, map: &PhaseMap, bands: Bands) -> Self {
+        let (sin, cos) = map.tilt_deg().to_radians().sin_cos();
+        let height = (bands.to - bands.from) / BANDS as f64;
+        Self {
+            strips,
+            sums: Sums::of(strips),
+            bands,
+            pitch: map.pitch_px(),
+            sin,
+            cos,
+            height,
+            looks: (height / strips.rows as f64).ceil().max(1.0) as usize,
+        }
     }
-    let (first, last) = (from as usize, to as usize);
-    let part = |i: usize| {
-        let (low, high) = (from.max(i as f64), to.min(i as f64 + 1.0));
-        (high - low) * f64::from(levels[i])
-    };
-    (first..=last).map(part).sum::<f64>() / (to - from)
+
+    /// The line whose middle is at a pixel; `None` where the picture's side cuts a part.
+    fn line(&self, x: f64, y: f64) -> Option<Line> {
+        let mut line = [0.0_f32; VALUES];
+        for band in 0..BANDS {
+            let mut levels = [0.0; POINTS];
+            let mut count = 0.0;
+            for look in 0..self.looks {
+                let part = (look as f64 + 0.5) / self.looks as f64;
+                let across = self.bands.from + self.height * (band as f64 + part);
+                count += self.add(x, y, across, &mut levels)?;
+            }
+            for (point, level) in levels.iter().enumerate() {
+                line[band * POINTS + point] = (level / count) as f32;
+            }
+        }
+        Some(line)
+    }
+
+    /// Adds the levels at a place across the line; 1 where it lies in the picture, else 0.
+    fn add(&self, x: f64, y: f64, across: f64, levels: &mut [f64; POINTS]) -> Option<f64> {
+        let (px, py) = (x - across * self.sin, y + across * self.cos);
+        let region = self.strips.region;
+        let place = (py - region.y as f64 + 0.5) / self.strips.rows as f64 - 0.5;
+        if place < 0.0 || place > self.strips.count as f64 - 1.0 {
+            return Some(0.0);
+        }
+        let half_line = (0.12 * self.pitch).max(0.75);
+        // Between two strips each has its share.
+        let above = (place as usize).min(self.strips.count - 2);
+        let below = place - above as f64;
+        for (strip, share) in [(above, 1.0 - below), (above + 1, below)] {
+            // A strip's lines lean away from where its middle row has them.
+            let lean = (self.strips.y(strip) - py) * self.sin / self.cos;
+            let at = px - lean - region.x as f64;
+            let mean = |x, half| self.sums.mean(self.strips, strip, x, half);
+            let scale = share / mean(at, NEIGHBOURHOOD * self.pitch)?.max(0.5 / 255.0);
+            for (point, level) in levels.iter_mut().enumerate() {
+                let shift = point as f64 / POINTS as f64 * self.pitch;
+                *level += scale * mean(at + shift, half_line)? - share;
+            }
+        }
+        Some(1.0)
+    }
+}
+
+/// Running sums of the strips' levels: a mean over any stretch is a difference of two.
+struct Sums(Vec<f64>);
+
+impl Sums {
+    fn of(strips: &Strips) -> Self {
+        let mut sums = Vec::with_capacity(strips.count * (strips.region.width + 1));
+        for i in 0..strips.count {
+            let mut sum = 0.0;
+            sums.push(sum);
+            for level in strips.strip(i) {
+                sum += f64::from(*level);
+                sums.push(sum);
+            }
+        }
+        Self(sums)
+    }
+
+    /// Mean level over `x ± half`, pixels in part counted in part; `None` beyond the edge.
+    fn mean(&self, strips: &Strips, strip: usize, x: f64, half: f64) -> Option<f64> {
+        let levels = strips.strip(strip);
+        let sums = &self.0[strip * (levels.len() + 1)..];
+        // Pixel `i` reaches from i − ½ to i + ½.
+        let (from, to) = (x - half + 0.5, x + half + 0.5);
+        if from < 0.0 || to >= levels.len() as f64 {
+            return None;
+        }
+        let until = |at: f64| {
+            let pixel = at as usize;
+            sums[pixel] + (at - pixel as f64) * f64::from(levels[pixel])
+        };
+        Some((until(to) - until(from)) / (to - from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::picture::Picture;
+    use super::*;
+
+    #[test]
+    fn a_mean_counts_pixels_in_part_and_ends_at_the_edge() {
+        let picture = Picture::from_luma8(
+            10,
+            8,
+            [0, 51, 102, 153, 204, 255, 0, 51, 102, 153].repeat(8),
+        )
+        .unwrap();
+        let region = super::super::strips::Region::whole(&picture);
+        let strips = Strips::of(&picture, region, 8);
+        let sums = Sums::of(&strips);
+        // From 1.25 to 3.75 in pixel sides: ¾ of 0.2, all of 0.4, ¾ of 0.6.
+        let mean = sums.mean(&strips, 0, 2.0, 1.25).unwrap();
+        assert!((mean - (0.15 + 0.4 + 0.45) / 2.5).abs() < 1e-6, "{mean}");
+        assert_eq!(sums.mean(&strips, 0, 0.5, 1.25), None);
+        assert_eq!(sums.mean(&strips, 0, 8.5, 1.25), None);
+    }
 }
