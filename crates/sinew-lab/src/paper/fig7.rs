@@ -1,5 +1,6 @@
 //! Fig. 7: the estimate on a robot, here a simulated "real" elbow.
 
+use super::sentence::{below, near};
 use super::staircase::{LENGTH_S, MOVE_S, PAUSE_S, STEPS, controller, motion, rest_end_s};
 use super::trial::{Estimator, Trial, difference, joint, mean, peak};
 use super::{PanelData, PaperError, PaperFigure, Sentence};
@@ -164,6 +165,8 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
         figure: draw(&panels, relaxed_rad),
         panels,
         sentences,
+        not_judged: Vec::new(),
+        table: None,
         assumptions: vec![
             "The paper's robot is replaced by a simulation: what holds here is that the method survives these errors, not that they are the BioRob's.".into(),
             "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper doesn't say how its velocities were made.".into(),
@@ -207,10 +210,10 @@ fn sentences(
             text: "On the robot the estimate itself is off by several milliradians: model errors and friction remain in it.".into(),
             criterion: "largest size of the first run's estimate at rest, where the truth is 0, is at least 1 mrad".into(),
             value: 1e3 * (1..=STEPS).map(|k| trial.at_rest(first, k).abs()).fold(0.0, f64::max),
-            unit: "mrad",
+            unit: "mrad".into(),
             holds: (1..=STEPS).any(|k| trial.at_rest(first, k).abs() >= 1e-3),
         },
-        Sentence::near(
+        near(
             "The difference of two runs shows the added 10 mrad.",
             "mean over the four rests; the resolution of the joint encoder is 0.77 mrad",
             1e3 * rests(trial, &added),
@@ -218,21 +221,21 @@ fn sentences(
             0.1,
             "mrad",
         ),
-        Sentence::below(
+        below(
             "It shows it at every rest.",
             "largest deviation from 10 mrad over the four rests; one step of the joint encoder",
             1e3 * (1..=STEPS).map(|k| (trial.at_rest(&added, k) - ADDED_RAD).abs()).fold(0.0, f64::max),
             ENCODER_STEP_MRAD,
             "mrad",
         ),
-        Sentence::below(
+        below(
             "In the matched comparison it shows it during motion too.",
             "largest deviation from 10 mrad from the end of the first move on; two steps of the joint encoder",
             1e3 * in_motion,
             2.0 * ENCODER_STEP_MRAD,
             "mrad",
         ),
-        Sentence::near(
+        near(
             "Relaxing the rope by 0.5 mm raises the estimate by its share on the pulley.",
             "mean over the four rests; by hand: 0.5 mm over the pulley's radius",
             1e3 * rests(trial, &grown),
@@ -240,7 +243,7 @@ fn sentences(
             0.1,
             "mrad",
         ),
-        Sentence::below(
+        below(
             "Re-tensioning restores the first estimate.",
             "largest deviation from the first run over the four rests; one step of the joint encoder and the 0.4 mrad that the tensioner leaves",
             1e3 * (1..=STEPS).map(|k| trial.at_rest(&back, k).abs()).fold(0.0, f64::max),

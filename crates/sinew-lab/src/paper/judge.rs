@@ -15,7 +15,7 @@ pub(super) const SEED: u64 = 1;
 pub(super) fn assumptions() -> Vec<String> {
     vec![
         "The parameters of the ropes are starting guesses, tuned by hand to the paper's text: that a sentence holds at the catalogue's values shows that the law can say it, not that the ropes do.".into(),
-        format!("The share of draws ({DRAWS}, seed {SEED}) in which a sentence holds shows how much it hangs on the guesses. Parameters are drawn independently within their stated intervals, so sentences that two ropes are alike hold in fewer draws than sentences that they differ."),
+        format!("\"Holds\" is the verdict at the catalogue's values. What is found beside it, the share of {DRAWS} draws (seed {SEED}) of the parameters in which the sentence holds, shows how much it hangs on the guesses. Parameters are drawn independently within their stated intervals, so sentences that two ropes are alike hold in fewer draws than sentences that they differ."),
         "A strain counts from the new, slack rope, so that it includes the elastic part at once.".into(),
     ]
 }
@@ -33,21 +33,19 @@ pub(super) fn judged(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> S
     let held = (1..=DRAWS).filter(|&i| holds(i)).count();
     Sentence {
         text: text.into(),
-        criterion: format!(
-            "{rule}. Verdict at the catalogue's values; the number is the share of {DRAWS} draws in which it holds"
-        ),
+        criterion: rule.into(),
         value: 100.0 * held as f64 / DRAWS as f64,
-        unit: "% of draws",
+        unit: format!("% of {DRAWS} draws"),
         holds: holds(0),
     }
 }
 
-/// Slope of the least-squares line through the points from `from` on, per unit of `x`.
-pub(super) fn slope(x: &[f64], y: &[f64], from: f64) -> f64 {
+/// Slope of the least-squares line through the points in a range of `x`, per unit of `x`.
+pub(super) fn slope(x: &[f64], y: &[f64], range: std::ops::RangeInclusive<f64>) -> f64 {
     let points: Vec<(f64, f64)> = x
         .iter()
         .zip(y)
-        .filter(|(x, _)| **x >= from)
+        .filter(|(x, _)| range.contains(*x))
         .map(|(x, y)| (*x, *y))
         .collect();
     let n = points.len().max(1) as f64;
@@ -104,6 +102,6 @@ mod tests {
             .iter()
             .map(|x| if *x < 20.0 { 9.0 } else { 0.3 + 0.02 * x })
             .collect();
-        assert!((slope(&x, &y, 20.0) - 0.02).abs() < 1e-12);
+        assert!((slope(&x, &y, 20.0..=85.0) - 0.02).abs() < 1e-12);
     }
 }

@@ -19,6 +19,7 @@ mod fig6;
 mod fig7;
 mod judge;
 mod page;
+mod sentence;
 pub mod staircase;
 mod table1;
 mod trial;
@@ -30,7 +31,10 @@ pub use fig7::fig7;
 pub use page::{Written, write};
 pub use table1::table1;
 
+pub use crate::report::Sentence;
+
 use crate::plot::Figure;
+use crate::report::Table;
 use crate::simulate::SimulateError;
 use serde::Serialize;
 use sinew_model::StepError;
@@ -52,6 +56,10 @@ pub struct PaperFigure {
     pub figure: Figure,
     /// What the paper (or its follow-up) says, and whether the data say so too.
     pub sentences: Vec<Sentence>,
+    /// What the paper says or did that the data can't show, with the reason.
+    pub not_judged: Vec<String>,
+    /// Numbers behind the drawing, where a table shows them better.
+    pub table: Option<Table>,
     /// What is assumed because the paper doesn't tell.
     pub assumptions: Vec<String>,
 }
@@ -78,61 +86,6 @@ pub struct SeriesData {
     /// Value, %; empty where the curve is an offset.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub value_percent: Vec<f64>,
-}
-
-/// A sentence judged from the data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Sentence {
-    /// What is said.
-    pub text: String,
-    /// When it holds, and where the number comes from.
-    pub criterion: String,
-    /// What was found.
-    pub value: f64,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Whether it holds.
-    pub holds: bool,
-}
-
-impl Sentence {
-    /// Holds when `value` is within `share` of `expected`.
-    fn near(
-        text: impl Into<String>,
-        derivation: &str,
-        value: f64,
-        expected: f64,
-        share: f64,
-        unit: &'static str,
-    ) -> Self {
-        Self {
-            text: text.into(),
-            criterion: format!(
-                "within {:.0} % of {expected} {unit}; {derivation}",
-                100.0 * share
-            ),
-            value,
-            unit,
-            holds: (value - expected).abs() <= share * expected.abs(),
-        }
-    }
-
-    /// Holds when `value` is at most `limit` in size.
-    fn below(
-        text: impl Into<String>,
-        derivation: &str,
-        value: f64,
-        limit: f64,
-        unit: &'static str,
-    ) -> Self {
-        Self {
-            text: text.into(),
-            criterion: format!("at most {limit} {unit}; {derivation}"),
-            value,
-            unit,
-            holds: value.abs() <= limit,
-        }
-    }
 }
 
 /// Why a figure could not be made.

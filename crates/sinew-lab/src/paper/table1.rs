@@ -4,6 +4,7 @@ use super::creep::{LOAD_N, MINUTES, Test, test};
 use super::judge::assumptions;
 use super::{PaperError, PaperFigure, Sentence};
 use crate::plot::{Colour, Figure, Line, Panel};
+use crate::report::Table;
 use crate::rope::draws::Interval;
 use crate::rope::{Catalogue, CatalogueRope};
 
@@ -26,7 +27,7 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         text: text.into(),
         criterion: format!("{printed} in the printed table; a test holds every value against it"),
         value: found,
-        unit: "ropes",
+        unit: "ropes".into(),
         holds: found == printed,
     };
     let sentences = vec![
@@ -46,50 +47,66 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     Ok(PaperFigure {
         name: "table1",
         title: "Table I: the ropes, and their simulated creep test".into(),
-        about: rows,
+        about: vec![format!(
+            "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; brackets are 95 % of the draws."
+        )],
         panels: Vec::new(),
         figure: figure(&tests),
         sentences,
+        not_judged: Vec::new(),
+        table: Some(Table {
+            head: HEAD.map(String::from).to_vec(),
+            rows,
+            ..Table::default()
+        }),
         assumptions: assumptions(),
     })
 }
 
-fn row(rope: &CatalogueRope, t: &Test) -> String {
+const HEAD: [&str; 8] = [
+    "rope",
+    "fibre",
+    "diameter, mm",
+    "breaking load, N",
+    "plait",
+    "weight, g/m",
+    "strain at the end, %",
+    "m_E, %/h",
+];
+
+fn row(rope: &CatalogueRope, t: &Test) -> Vec<String> {
     let e = &rope.entry;
-    let number = |v: &Option<sinew_model::rope::entry::Value>, unit: &str, digits: usize| {
-        v.as_ref().map_or_else(
-            || format!("– {unit}"),
-            |v| format!("{:.digits$} {unit}", v.value),
+    let number = |v: &Option<sinew_model::rope::entry::Value>, digits: usize| {
+        v.as_ref()
+            .map_or_else(|| "–".into(), |v| format!("{:.digits$}", v.value))
+    };
+    let interval = |values: &[f64], digits: usize| {
+        let i = Interval::of(values[0], &values[1..]);
+        format!(
+            "{:.digits$} ({:.digits$}–{:.digits$})",
+            i.value, i.low, i.high
         )
     };
-    let end = Interval::of(t.end[0], &t.end[1..]);
-    let slope = Interval::of(t.slope[0], &t.slope[1..]);
-    format!(
-        "{} {} ({}, {}): {}, {}, {}, {}. Simulated at {LOAD_N} N, 23 °C, {MINUTES} min: {:.2} % ({:.2} to {:.2}), m_E {:.3} %/h ({:.3} to {:.3}).",
-        e.manufacturer,
-        e.product,
-        e.fibre,
-        e.material.name(),
-        number(&e.diameter_mm, "mm", 2),
-        number(&e.breaking_load_n, "N", 0),
-        e.plait.as_deref().unwrap_or("plait –"),
-        number(&e.weight_g_per_m, "g/m", 2),
-        end.value,
-        end.low,
-        end.high,
-        slope.value,
-        slope.low,
-        slope.high
-    )
+    vec![
+        format!("{} {}", e.manufacturer, e.product),
+        format!("{}, {}", e.fibre, e.material.name()),
+        number(&e.diameter_mm, 2),
+        number(&e.breaking_load_n, 0),
+        e.plait.clone().unwrap_or_else(|| "–".into()),
+        number(&e.weight_g_per_m, 2),
+        interval(&t.end, 2),
+        interval(&t.slope, 3),
+    ]
 }
 
 /// Final strain and slope of every rope with their intervals.
 fn figure(tests: &[Test]) -> Figure {
     let panel = |label: &str, of: &dyn Fn(&Test) -> Interval| {
-        let mut panel = Panel::new("", label, "row of Table I");
+        let mut panel = Panel::new("", label, "rope, from the last row up");
         let mut right = 0.0f64;
         for (i, t) in tests.iter().enumerate() {
-            let (y, v) = (i as f64 + 1.0, of(t));
+            // The first row stands on top, as in the table.
+            let (y, v) = ((tests.len() - i) as f64, of(t));
             right = right.max(v.high);
             panel = panel
                 .line(

@@ -185,7 +185,7 @@ fn write_table(out: &mut String, table: &Table) -> std::fmt::Result {
         }
         out.push_str("</tr>\n");
     }
-    writeln!(out, "</tbody></table></div>")
+    writeln!(out, "</tbody></table>")
 }
 
 fn write_sentences(out: &mut String, sentences: &[Sentence]) -> std::fmt::Result {

@@ -4,18 +4,24 @@
 //! Every answer comes with a 95 % interval from seeded draws of the rope's parameters
 //! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
 //!
-//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`recording`], [`predict`], [`select`],
-//! [`pretension`].
+//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`recording`],
+//! [`predict`], [`select`], [`pretension`], [`page`].
 
+mod blocks;
 pub mod catalogue;
+mod choice;
 pub mod draws;
 pub mod duty;
 pub mod history;
+pub mod page;
+pub(crate) mod parallel;
 pub mod predict;
 pub mod pretension;
 pub mod recording;
+mod schedule;
 pub mod select;
 pub mod stored;
+mod strand;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope};
 pub use draws::{Draws, Interval};

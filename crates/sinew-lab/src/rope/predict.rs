@@ -2,10 +2,11 @@
 
 use super::draws::{Draws, Interval};
 use super::duty::{Duty, DutySummary};
-use super::history::History;
+use super::parallel::in_parallel;
+use super::strand::{Mean, StrandError, strand};
 use super::{CatalogueError, CatalogueRope};
 use serde::Serialize;
-use sinew_model::rope::routing::{self, Pulley, RoutingError};
+use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
 use sinew_model::rope::{Law, Load, LoadError, State};
 
@@ -134,13 +135,6 @@ pub enum PredictError {
     },
 }
 
-/// Strand averages at one time: strain, irreversible strain, %.
-#[derive(Debug, Clone, Copy, Default)]
-struct Mean {
-    strain: f64,
-    irreversible: f64,
-}
-
 /// Predicts the elongation of a strand of one rope.
 ///
 /// The strand is cut into portions by its guiding pulleys; each goes through the duty with its own
@@ -206,50 +200,6 @@ pub fn predict(rope: &CatalogueRope, request: &Request) -> Result<Prediction, Pr
         seed: request.seed,
         warnings: warnings(rope, &draws.nominal, request),
     })
-}
-
-enum StrandError {
-    Load(LoadError),
-    Routing(RoutingError),
-}
-
-/// Means over the portions of a strand at the times asked for.
-fn strand(
-    law: &Law,
-    request: &Request,
-    read_at: Load,
-    times_s: &[f64],
-) -> Result<Vec<Mean>, StrandError> {
-    let route = &request.route;
-    let portions = routing::portions(route.length_m, route.stroke_m, &route.pulleys)
-        .map_err(StrandError::Routing)?;
-    let mut out = vec![Mean::default(); times_s.len()];
-    for portion in portions {
-        let law = law.passed_by(portion.guides as f64);
-        // A rope at rest keeps whatever friction has left it: only a moving one is sure to be
-        // pulled both ways.
-        let duty = if route.stroke_m > 0.0 {
-            let share = routing::tension_share(
-                &route.pulleys,
-                law.parameters().friction,
-                portion.middle_m,
-                0.5 * route.stroke_m,
-                false,
-            );
-            request.duty.with_friction(share.ln())
-        } else {
-            request.duty.clone()
-        };
-        let weight = portion.length_m / route.length_m;
-        let mut history = History::new(&law, &duty, State::default());
-        for (mean, &time_s) in out.iter_mut().zip(times_s) {
-            let state = history.at(time_s).map_err(StrandError::Load)?;
-            let strain = law.strain(&state, read_at).map_err(StrandError::Load)?;
-            mean.strain += weight * strain.total_percent();
-            mean.irreversible += weight * strain.irreversible_percent();
-        }
-    }
-    Ok(out)
 }
 
 /// Elongation since tensioned at the last time asked for, mm, in each draw; NaN where the rope
@@ -323,29 +273,6 @@ pub(crate) fn warnings(rope: &CatalogueRope, law: &Law, request: &Request) -> Ve
         );
     }
     out
-}
-
-/// Maps over items on as many threads as there are processors; the order stays.
-pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let piece = items.len().div_ceil(threads).max(1);
-    std::thread::scope(|scope| {
-        let handles: Vec<_> = items
-            .chunks(piece)
-            .map(|chunk| {
-                let f = &f;
-                scope.spawn(move || chunk.iter().map(f).collect::<Vec<R>>())
-            })
-            .collect();
-        let mut out = Vec::with_capacity(items.len());
-        for handle in handles {
-            match handle.join() {
-                Ok(part) => out.extend(part),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        out
-    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A recording's own torques as a rope's duty.
 
 use super::duty::{Duty, Stretch};
-use crate::estimate::JointEstimate;
+use crate::estimate::{JointEstimate, Series};
 use sinew_model::rope::Load;
 use sinew_model::transmission::Tendon;
 
@@ -47,7 +47,21 @@ pub fn duty(
     temperature_c: f64,
     strand: Strand,
 ) -> Option<Duty> {
-    let series = &joint.series;
+    let stretches = stretches(&joint.series, tendon, pretension_n, temperature_c, strand)?;
+    Some(Duty {
+        about: format!("torque of {} over the recording", joint.name),
+        stretches,
+        repeat: true,
+    })
+}
+
+fn stretches(
+    series: &Series,
+    tendon: &Tendon,
+    pretension_n: f64,
+    temperature_c: f64,
+    strand: Strand,
+) -> Option<Vec<Stretch>> {
     let spacing = series
         .time_s
         .windows(2)
@@ -77,11 +91,7 @@ pub fn duty(
             }
         }
     }
-    Some(Duty {
-        about: format!("torque of {} over the recording", joint.name),
-        stretches,
-        repeat: true,
-    })
+    Some(stretches)
 }
 
 #[cfg(test)]
@@ -104,5 +114,43 @@ mod tests {
             let turn = 0.030 * (t(tau, Strand::Positive) - t(tau, Strand::Negative));
             assert!((turn - tau).abs() < 1e-9, "{tau}");
         }
+    }
+
+    #[test]
+    fn a_torque_over_time_becomes_a_duty_of_the_same_mean_length_and_peaks() {
+        // Ten slow swings of 1.5 N·m about 0.5 N·m, in 5000 intervals of 0.1 s; a gap in between.
+        let n = 5000;
+        let tau: Vec<f64> = (0..n)
+            .map(|i| 0.5 + 1.5 * (std::f64::consts::TAU * f64::from(i) / 500.0).sin())
+            .map(|t| if (1.0..1.1).contains(&t) { f64::NAN } else { t })
+            .collect();
+        let used = tau.iter().filter(|t| t.is_finite()).count() as f64;
+        let series = Series {
+            time_s: (0..n).map(|i| 0.1 * f64::from(i)).collect(),
+            tau_el_nm: tau.clone(),
+            ..Series::default()
+        };
+        let tendon = Tendon {
+            joint_pulley_radius_m: 0.025,
+            ..Tendon::default()
+        };
+        let ask = |series: &Series| stretches(series, &tendon, 60.0, 30.0, Strand::Positive);
+        let found = Duty {
+            about: String::new(),
+            stretches: ask(&series).expect("a duty"),
+            repeat: true,
+        };
+        assert!(found.stretches.len() <= STRETCHES);
+        let sum = found.summary();
+        assert!((sum.duration_s - 0.1 * used).abs() < 1e-6, "{sum:?}");
+        let finite = tau.iter().filter(|t| t.is_finite());
+        let mean = 60.0 + 0.5 * finite.sum::<f64>() / used / 0.025;
+        assert!((sum.tension_mean_n - mean).abs() < 1e-6, "{sum:?}");
+        // T = T₀ ± τ/(2r): 60 + 40 N at the top, 60 − 20 N at the bottom. A piece is a seventh of
+        // a swing, and its extreme half is within 3 % of the swing of the peak.
+        assert!((sum.tension_max_n - 100.0).abs() < 1.8, "{sum:?}");
+        assert!((sum.tension_min_n - 40.0).abs() < 1.8, "{sum:?}");
+        assert!((sum.temperature_mean_c - 30.0).abs() < 1e-9, "{sum:?}");
+        assert!(ask(&Series::default()).is_none());
     }
 }

@@ -106,6 +106,10 @@ fn told(figure: &PaperFigure, written: &Written) -> String {
         );
         out.push_str(&indented(&found, 7, 7));
     }
+    for text in &figure.not_judged {
+        out.push('\n');
+        out.push_str(&paragraph(&format!("not judged: {text}"), 7));
+    }
     out.push('\n');
     for path in [&written.html, &written.svg, &written.png] {
         out.push_str(&format!("{}\n", path.display()));
@@ -118,6 +122,7 @@ fn json(figure: &PaperFigure, written: &Written) -> serde_json::Value {
         "name": figure.name,
         "title": figure.title,
         "sentences": figure.sentences,
+        "not_judged": figure.not_judged,
         "assumptions": figure.assumptions,
         "panels": figure.panels,
         "files": {

@@ -6,6 +6,7 @@ mod predict;
 mod pretension;
 mod select;
 mod show;
+mod values;
 
 use crate::terminal::{Failure, Finish};
 use clap::{Args, Subcommand};

@@ -1,13 +1,17 @@
 //! `sinew rope predict`.
 
-use super::asked::{Asked, newtons, spoken};
+use super::asked::Asked;
+use super::values::newtons;
 use super::{Ropes, find};
+use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_lab::output::write_file;
 use sinew_lab::report::rounded;
-use sinew_lab::rope::Interval;
+use sinew_lab::rope::page::{self, bracketed, spoken};
 use sinew_lab::rope::predict::{self, Prediction};
+use std::path::PathBuf;
 
 /// How far a rope stretches under a duty: after an hour, a day, a month, a year
 ///
@@ -30,6 +34,9 @@ pub(crate) struct Predict {
     read_at: Option<f64>,
     #[command(flatten)]
     ropes: Ropes,
+    /// HTML page
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -40,6 +47,9 @@ pub(crate) struct Predict {
 
 impl Predict {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(path) = &self.report {
+            check_outputs(&[("--report", path)], &[])?;
+        }
         let catalogue = self.ropes.catalogue()?;
         let mut understood = self.asked.understand(self.quiet)?;
         let Some(name) = self.name.as_ref().or(understood.rope.as_ref()) else {
@@ -50,6 +60,9 @@ impl Predict {
         let rope = find(&catalogue, name)?;
         understood.request.read_at = Asked::read_at(self.read_at, self.asked.temperature());
         let found = predict::predict(rope, &understood.request)?;
+        if let Some(path) = &self.report {
+            write_file(path, page::predicted(&found).html().as_bytes())?;
+        }
         if self.json {
             answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;
         } else {
@@ -57,16 +70,6 @@ impl Predict {
         }
         Ok(Finish::Complete)
     }
-}
-
-/// `0.42 (0.31 to 0.58)`
-pub(super) fn bracketed(i: Interval, digits: u8) -> String {
-    format!(
-        "{} ({} to {})",
-        rounded(i.value, digits),
-        rounded(i.low, digits),
-        rounded(i.high, digits)
-    )
 }
 
 fn told(p: &Prediction) -> String {

@@ -1,13 +1,16 @@
 //! `sinew rope pretension`.
 
-use super::asked::{celsius, duration, millimetres, newtons_above_zero, share, spoken};
-use super::predict::bracketed;
+use super::values::{celsius, duration, millimetres, newtons_above_zero, share};
 use super::{Ropes, find};
+use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
+use sinew_lab::output::write_file;
 use sinew_lab::report::rounded;
+use sinew_lab::rope::page::{self, bracketed, spoken};
 use sinew_lab::rope::pretension::{self, Plan, Request, Schedule};
+use std::path::PathBuf;
 
 /// How much pretension, how to bed a rope in, and when to tension it again
 ///
@@ -45,6 +48,9 @@ pub(crate) struct Pretension {
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// HTML page
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     ropes: Ropes,
     /// Print one JSON document instead of the tables
@@ -54,6 +60,9 @@ pub(crate) struct Pretension {
 
 impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(path) = &self.report {
+            check_outputs(&[("--report", path)], &[])?;
+        }
         let catalogue = self.ropes.catalogue()?;
         let rope = find(&catalogue, &self.name)?;
         let lowest_n = self.lowest.unwrap_or(0.8 * self.tension);
@@ -76,6 +85,9 @@ impl Pretension {
                 seed: self.seed,
             },
         )?;
+        if let Some(path) = &self.report {
+            write_file(path, page::planned(&plan, self.remove).html().as_bytes())?;
+        }
         if self.json {
             answer(&(serde_json::to_string_pretty(&plan)? + "\n"))?;
         } else {
@@ -106,11 +118,11 @@ fn told(p: &Plan, remove: f64) -> String {
     ));
     out.push_str("\nbedding-in: hold the rope at a tension for a time, then go back\n");
     let head = [
-        "hold at\nN",
+        "",
         "for",
+        "hold at\nN",
         "still to come\nmm",
         "taken away\n%",
-        "",
     ];
     let rows = p
         .procedures
@@ -141,7 +153,7 @@ fn told(p: &Plan, remove: f64) -> String {
         2,
     ));
     out.push_str(&format!(
-        "\nat constant length (nothing else in the machine gives),\ntensioned again at {} N\n",
+        "\nstrung at working tension, a minute to settle, then at constant length (nothing\nelse in the machine gives); tensioned again at {} N\n",
         rounded(p.lowest_n, 3)
     ));
     for (word, s) in [

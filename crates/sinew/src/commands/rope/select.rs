@@ -1,16 +1,17 @@
 //! `sinew rope select`.
 
 use super::Ropes;
-use super::asked::{Asked, millimetres, ratio, spoken};
-use super::predict::bracketed;
+use super::asked::Asked;
+use super::values::{millimetres, ratio};
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
 use sinew_lab::output::write_file;
 use sinew_lab::report::rounded;
+use sinew_lab::rope::page::{self, bracketed, spoken};
 use sinew_lab::rope::select::{self, Constraints, Selection};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which ropes meet the constraints, ranked by elongation, and why the others don't
 ///
@@ -51,6 +52,9 @@ pub(crate) struct Select {
     /// Pareto plot, .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// HTML page
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     ropes: Ropes,
     /// Print one JSON document instead of the tables
@@ -63,9 +67,11 @@ pub(crate) struct Select {
 
 impl Select {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        if let Some(plot) = &self.plot {
-            check_outputs(&[("--plot", plot)], &[])?;
-        }
+        let outputs: Vec<(&str, &Path)> = [("--plot", &self.plot), ("--report", &self.report)]
+            .into_iter()
+            .filter_map(|(option, path)| Some((option, path.as_deref()?)))
+            .collect();
+        check_outputs(&outputs, &[])?;
         let catalogue = self.ropes.catalogue()?;
         let request = self.asked.understand(self.quiet)?.request;
         let constraints = Constraints {
@@ -88,6 +94,9 @@ impl Select {
                 figure.svg().into_bytes()
             };
             write_file(plot, &bytes)?;
+        }
+        if let Some(path) = &self.report {
+            write_file(path, page::selected(&found, &constraints).html().as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;

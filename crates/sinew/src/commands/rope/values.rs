@@ -1,0 +1,162 @@
+//! Values of options: newtons, lengths, durations, guiding pulleys.
+
+use sinew_lab::rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
+
+fn number(text: &str, unit: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .trim()
+        .parse()
+        .map_err(|_| format!("'{text}' is not a number ({unit})"))?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} {unit} is not a finite number"))
+    }
+}
+
+fn at_least_zero(text: &str, unit: &str) -> Result<f64, String> {
+    match number(text, unit)? {
+        v if v >= 0.0 => Ok(v),
+        v => Err(format!("{v} {unit} must be at least 0")),
+    }
+}
+
+fn above_zero(text: &str, unit: &str) -> Result<f64, String> {
+    match number(text, unit)? {
+        v if v > 0.0 => Ok(v),
+        v => Err(format!("{v} {unit} must be above 0")),
+    }
+}
+
+pub(super) fn newtons(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "N")
+}
+
+pub(super) fn newtons_above_zero(text: &str) -> Result<f64, String> {
+    above_zero(text, "N")
+}
+
+pub(super) fn millimetres(text: &str) -> Result<f64, String> {
+    above_zero(text, "mm")
+}
+
+pub(super) fn millimetres_or_none(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "mm")
+}
+
+pub(super) fn per_hour(text: &str) -> Result<f64, String> {
+    at_least_zero(text, "1/h")
+}
+
+pub(super) fn ratio(text: &str) -> Result<f64, String> {
+    above_zero(text, "(a ratio)")
+}
+
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    match number(text, "(a share)")? {
+        v if v > 0.0 && v < 1.0 => Ok(v),
+        v => Err(format!("{v} must lie between 0 and 1")),
+    }
+}
+
+pub(super) fn celsius(text: &str) -> Result<f64, String> {
+    match number(text, "°C")? {
+        v if (-100.0..=200.0).contains(&v) => Ok(v),
+        v => Err(format!("{v} °C must be -100 to 200 °C")),
+    }
+}
+
+/// `30min`, `8h`, `2d`, `3month`, `1year`; a bare number is seconds.
+pub(super) fn duration(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let end = text
+        .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E')
+        .unwrap_or(text.len());
+    let (value, unit) = text.split_at(end);
+    let unit_s = match unit.trim() {
+        "" | "s" => 1.0,
+        "min" => 60.0,
+        "h" => HOUR_S,
+        "d" => DAY_S,
+        "month" | "months" => MONTH_S,
+        "y" | "year" | "years" => YEAR_S,
+        other => {
+            return Err(format!(
+                "'{other}' is no unit of time; write such as 30min, 8h, 2d, 3month, 1year"
+            ));
+        }
+    };
+    match number(value, "a duration")? * unit_s {
+        s if s > 0.0 && s <= 100.0 * YEAR_S => Ok(s),
+        s => Err(format!("{s} s must be above 0 and at most 100 years")),
+    }
+}
+
+/// A guiding pulley.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Guide {
+    pub(super) wrap_deg: f64,
+    pub(super) radius_mm: f64,
+    pub(super) friction: Option<f64>,
+    pub(super) at_mm: Option<f64>,
+}
+
+/// `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`
+pub(super) fn guide(text: &str) -> Result<Guide, String> {
+    let form = "write WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM], such as 90:8 or 60:8:0.05@250";
+    let (rest, at) = match text.split_once('@') {
+        Some((rest, at)) => (rest, Some(at)),
+        None => (text, None),
+    };
+    let parts: Vec<&str> = rest.split(':').collect();
+    let (wrap, radius, friction) = match parts[..] {
+        [wrap, radius] => (wrap, radius, None),
+        [wrap, radius, friction] => (wrap, radius, Some(friction)),
+        _ => return Err(form.into()),
+    };
+    Ok(Guide {
+        wrap_deg: at_least_zero(wrap, "°")?,
+        radius_mm: above_zero(radius, "mm")?,
+        friction: friction
+            .map(|f| at_least_zero(f, "(friction)"))
+            .transpose()?,
+        at_mm: at.map(|a| at_least_zero(a, "mm")).transpose()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_lab::rope::page::spoken;
+
+    #[test]
+    fn durations_are_read_and_spoken() {
+        for (text, s, words) in [
+            ("45", 45.0, "45 s"),
+            ("30min", 1800.0, "30 min"),
+            ("8h", 28_800.0, "8 h"),
+            ("1e3 s", 1000.0, "16.7 min"),
+            ("2 d", 172_800.0, "2 days"),
+            ("1month", MONTH_S, "1 month"),
+            ("10years", 10.0 * YEAR_S, "10 years"),
+        ] {
+            assert_eq!(duration(text), Ok(s), "{text}");
+            assert_eq!(spoken(s), words);
+        }
+        for text in ["", "h", "-1h", "3 weeks", "nan", "1000year"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn guides_are_read() {
+        let g = guide("60:8:0.05@250").expect("a guide");
+        assert_eq!((g.wrap_deg, g.radius_mm), (60.0, 8.0));
+        assert_eq!((g.friction, g.at_mm), (Some(0.05), Some(250.0)));
+        let g = guide("180:10").expect("a guide");
+        assert_eq!((g.friction, g.at_mm), (None, None));
+        for text in ["60", "60:0", "a:8", "60:8:1:2", "60:8@", "-5:8"] {
+            assert!(guide(text).is_err(), "{text}");
+        }
+    }
+}
