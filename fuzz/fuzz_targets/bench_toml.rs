@@ -1,0 +1,33 @@
+//! Any text as a bench: no panic; one that is let through runs, or the rope breaks.
+#![no_main]
+
+use std::sync::OnceLock;
+
+use libfuzzer_sys::fuzz_target;
+use sinew_lab::bench::{Bench, simulate};
+use sinew_lab::rope::{Catalogue, Draws};
+use sinew_model::rope::Law;
+
+fn law() -> &'static Law {
+    static LAW: OnceLock<Law> = OnceLock::new();
+    LAW.get_or_init(|| {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        let rope = catalogue.find("liros-dc000-0301").expect("there");
+        Draws::new(rope, 0, 1).expect("complete").nominal
+    })
+}
+
+fuzz_target!(|text: &str| {
+    let Ok(bench) = Bench::parse(text, "bench.toml") else {
+        return;
+    };
+    if bench.phases.len() > 20 {
+        return;
+    }
+    if let Ok(run) = simulate(law(), &bench, bench.duration_s() / 3.0) {
+        assert_eq!(run.time_s.len(), run.strain_percent.len());
+        assert!(run.time_s.windows(2).all(|w| w[0] <= w[1]));
+        assert!(run.strain_percent.iter().all(|s| s.is_finite()), "{bench:?}");
+        assert!(run.irreversible_percent.iter().all(|s| *s >= -1e-9));
+    }
+});
