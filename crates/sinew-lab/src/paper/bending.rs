@@ -109,7 +109,7 @@ pub fn fig4(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let title = "Fig. 4: elongation over guiding pulleys";
     let mut out = drawn("fig4", title, &titles, &curves);
     out.sentences = sentences;
-    out.table = Some(passes()?);
+    out.tables.push(passes()?);
     out.not_judged.push("Each case was run twice: the law has no scatter from specimen to specimen, so that nothing can be said of repeatability.".into());
     out.not_judged.push(
         "That the stressed portions of (C) are distinct is geometry, not a result: see the table."
@@ -296,7 +296,7 @@ fn drawn(
         }],
         sentences: Vec::new(),
         not_judged: Vec::new(),
-        table: None,
+        tables: Vec::new(),
         assumptions,
     }
 }

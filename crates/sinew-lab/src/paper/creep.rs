@@ -269,11 +269,11 @@ fn figure(
         let interval = Interval::of(t.end[0], &t.end[1..]);
         let bar = |x: [f64; 2], y: [f64; 2], width| {
             let line = Line::new("", x.to_vec(), y.to_vec());
-            line.colour(colour(i)).dash(dash).width(width)
+            line.colour(colour(i)).width(width)
         };
         let x = bar_at(i);
         panel = panel
-            .line(bar([x, x], [interval.low, interval.high], 1.6))
+            .line(bar([x, x], [interval.low, interval.high], 1.6).dash(dash))
             .line(bar([x - 0.35, x + 0.35], [interval.value; 2], 3.0));
     }
     let celsius = if cold.is_some() { 60.0 } else { 23.0 };
@@ -303,7 +303,7 @@ fn figure(
         not_judged: vec![
             "The standard atmosphere's humidity (23/50): the law knows temperature only.".into(),
         ],
-        table: None,
+        tables: Vec::new(),
         assumptions,
     }
 }

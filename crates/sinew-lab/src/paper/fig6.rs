@@ -101,7 +101,7 @@ pub fn fig6(robot: &Robot) -> Result<PaperFigure, PaperError> {
         panels,
         sentences,
         not_judged: Vec::new(),
-        table: None,
+        tables: Vec::new(),
         assumptions: assumptions(),
     })
 }

@@ -166,7 +166,7 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
         panels,
         sentences,
         not_judged: Vec::new(),
-        table: None,
+        tables: Vec::new(),
         assumptions: vec![
             "The paper's robot is replaced by a simulation: what holds here is that the method survives these errors, not that they are the BioRob's.".into(),
             "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper doesn't say how its velocities were made.".into(),

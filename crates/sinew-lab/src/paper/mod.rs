@@ -58,8 +58,8 @@ pub struct PaperFigure {
     pub sentences: Vec<Sentence>,
     /// What the paper says or did that the data can't show, with the reason.
     pub not_judged: Vec<String>,
-    /// Numbers behind the drawing, where a table shows them better.
-    pub table: Option<Table>,
+    /// Numbers behind the drawing, where tables show them better.
+    pub tables: Vec<Table>,
     /// What is assumed because the paper doesn't tell.
     pub assumptions: Vec<String>,
 }

@@ -41,7 +41,7 @@ fn html(figure: &PaperFigure) -> String {
         Box::new(figure.figure.clone()),
         String::new(),
     ));
-    shown.extend(figure.table.iter().cloned().map(Block::Table));
+    shown.extend(figure.tables.iter().cloned().map(Block::Table));
     let mut page = Page {
         footer: format!("Made by Sinew {}.", env!("CARGO_PKG_VERSION")),
         ..Page::new(figure.title.as_str())
@@ -90,7 +90,7 @@ mod tests {
             figure: Figure::new("f"),
             sentences: vec![sentence(true), sentence(false)],
             not_judged: vec!["who knows".into()],
-            table: None,
+            tables: Vec::new(),
             assumptions: vec!["nothing".into()],
         });
         for words in [

@@ -1,0 +1,117 @@
+//! A prediction as a page.
+
+use super::{LOG_HOURS, bracketed, facts, log_hours, notices, page, spoken, table};
+use crate::plot::{Band, Figure, Line, Panel};
+use crate::report::{Block, Page, rounded};
+use crate::rope::draws::Interval;
+use crate::rope::predict::Prediction;
+
+/// How far a rope will stretch.
+pub fn predicted(p: &Prediction) -> Page {
+    let mut first = Vec::new();
+    if let Some(last) = p.readings.last() {
+        first.push(Block::Headlines(vec![format!(
+            "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).",
+            p.rope,
+            spoken(last.time_s),
+            bracketed(last.since_tensioned_mm, 2)
+        )]));
+    }
+    first.extend(notices(&p.warnings));
+    if p.readings.len() > 1 {
+        let x: Vec<f64> = p.readings.iter().map(|r| log_hours(r.time_s)).collect();
+        let of = |f: &dyn Fn(&Interval) -> f64| -> Vec<f64> {
+            let all = p.readings.iter().map(|r| &r.since_tensioned_mm);
+            all.map(f).collect()
+        };
+        // Room for the last word.
+        let (from, to) = (x[0], x[x.len() - 1]);
+        let room = 0.08 * (to - from);
+        let mut panel = Panel::new("", LOG_HOURS, "elongation since tensioned (mm)")
+            .x_range(from, to + room)
+            .band(Band::new(
+                "95 % of the draws",
+                x.clone(),
+                of(&|i| i.low),
+                of(&|i| i.high),
+            ))
+            .line(Line::new("catalogue's values", x.clone(), of(&|i| i.value)));
+        for (r, x) in p.readings.iter().zip(x) {
+            panel = panel.note(x, r.since_tensioned_mm.value, spoken(r.time_s));
+        }
+        let figure = Figure::new("").size(820.0, 360.0).panel(panel);
+        first.push(Block::Figure(Box::new(figure), String::new()));
+    }
+    let rows = p.readings.iter().map(|r| {
+        vec![
+            spoken(r.time_s),
+            bracketed(r.since_tensioned_mm, 2),
+            bracketed(r.elongation_mm, 2),
+            bracketed(r.strain_percent, 2),
+            bracketed(r.irreversible_mm, 2),
+        ]
+    });
+    let head = [
+        "after",
+        "since tensioned, mm",
+        "from new and slack, mm",
+        "from new and slack, %",
+        "of that unloading leaves, mm",
+    ];
+    let s = &p.summary;
+    let mut basis = vec![facts([
+        ("duty", p.duty.clone()),
+        ("one cycle", spoken(s.duration_s)),
+        (
+            "tension",
+            format!(
+                "{} to {} N, mean {} N",
+                rounded(s.tension_min_n, 3),
+                rounded(s.tension_max_n, 3),
+                rounded(s.tension_mean_n, 3)
+            ),
+        ),
+        (
+            "temperature",
+            format!(
+                "{} to {} °C, mean {} °C",
+                rounded(s.temperature_min_c, 3),
+                rounded(s.temperature_max_c, 3),
+                rounded(s.temperature_mean_c, 3)
+            ),
+        ),
+        ("strand", format!("{} mm", rounded(p.length_mm, 4))),
+        (
+            "read at",
+            format!(
+                "{} N, {} °C",
+                rounded(p.read_at_n, 3),
+                rounded(p.read_at_c, 3)
+            ),
+        ),
+        (
+            "parameters",
+            format!(
+                "{} of {} are starting guesses; {} draws (seed {})",
+                p.starting_guesses, p.parameters, p.draws, p.seed
+            ),
+        ),
+        (
+            "strength left after bending",
+            p.strength_left.map_or_else(
+                || "not asked for".into(),
+                |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
+            ),
+        ),
+    ])];
+    if p.broken_share > 0.0 {
+        basis.push(Block::Notice(format!(
+            "The rope breaks in {} % of the draws, which are left out above.",
+            rounded(100.0 * p.broken_share, 2)
+        )));
+    }
+    page(format!("Elongation of {}", p.rope), p.duty.clone())
+        .section("", first)
+        .section("Readings", vec![table(&head, rows.collect())])
+        .section("What it rests on", basis)
+}
