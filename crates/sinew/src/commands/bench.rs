@@ -30,12 +30,36 @@ impl BenchCommand {
     }
 }
 
+/// `--help` in full: what a bench of one's own looks like.
+const FORMAT: &str = "\
+Examples:
+  sinew bench simulate B
+  sinew bench simulate my-bench.toml --rope liros-dc000-0701 --csv run.csv
+
+A bench of your own, my-bench.toml:
+  name = \"mine\"
+  strand_mm = 600.0        # each of the two strands, drive to joint pulley
+  stroke_mm = 100.0        # rope unrolled and taken up
+  period_s = 10.0          # one sinusoid
+  [[guide]]                # guiding pulleys, as many as there are; none is fine
+  strand = 1               # 1 or 2
+  at_mm = 150.0            # where the rope meets it, from the drive
+  radius_mm = 8.0
+  wrap_deg = 20.0
+  friction = 0.05          # optional: else the rope's
+  [[phase]]                # the programme, in order
+  force_n = 200.0          # on the carriage: half of it per strand
+  duration_min = 240.0
+  temperature_c = 23.0     # optional
+  moving = true            # optional";
+
 /// A virtual rope on the bench
 ///
 /// The paper's cases A to F, or a bench of your own: routing and programme in TOML.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  sinew bench simulate B\n  sinew bench simulate my-bench.toml --rope liros-dc000-0701 --csv run.csv"
+    after_help = "Examples:\n  sinew bench simulate B\n  sinew bench simulate my-bench.toml --rope liros-dc000-0701 --csv run.csv",
+    after_long_help = FORMAT
 )]
 pub(crate) struct Simulate {
     /// A, B, C, D, E or F, or a file (.toml)
