@@ -10,7 +10,7 @@
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
 //! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`robot`],
-//! and [`rope`] for how a rope stretches.
+//! [`rope`] for how a rope stretches, and [`trend`] for what months of offsets say.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -60,6 +60,7 @@ pub mod robot;
 pub mod rope;
 pub mod tolerances;
 pub mod transmission;
+pub mod trend;
 pub mod vec3;
 
 mod cholesky;

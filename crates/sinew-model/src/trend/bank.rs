@@ -1,0 +1,410 @@
+//! Filters side by side: one per pair of curve and noise.
+
+use super::prior::Prior;
+use super::tracker::Record;
+use alloc::vec::Vec;
+
+/// Level, taken out, amplitude, temperature drift, slow error.
+pub const STATES: usize = 5;
+/// Entries of the lower triangle of a covariance.
+const TRIANGLE: usize = STATES * (STATES + 1) / 2;
+pub(super) const LEVEL: usize = 0;
+pub(super) const TAKEN_OUT: usize = 1;
+pub(super) const AMPLITUDE: usize = 2;
+const DRIFT: usize = 3;
+const SLOW: usize = 4;
+/// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
+const NEGLIGIBLE: f64 = 18.0;
+const LN_TWO_PI: f64 = 1.837_877_066_409_345_5;
+
+/// A Kalman filter for one curve and one noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Component {
+    /// Index of the curve.
+    pub curve: u32,
+    /// Index of the noise.
+    pub noise: u32,
+    /// Logarithm of its probability, up to a constant of the bank.
+    pub log_weight: f64,
+    /// Means: rad, rad, 1, rad/K, rad.
+    pub mean: [f64; STATES],
+    /// Lower triangle of the covariance, row by row.
+    pub covariance: [f64; TRIANGLE],
+}
+
+/// Where `(i, k)` stands in the triangle.
+pub(super) const fn entry(i: usize, k: usize) -> usize {
+    if i >= k {
+        i * (i + 1) / 2 + k
+    } else {
+        k * (k + 1) / 2 + i
+    }
+}
+
+/// All filters at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Bank {
+    /// Time since tensioning, s.
+    pub time_s: f64,
+    pub components: Vec<Component>,
+}
+
+/// An update chosen: evidence of the record and whether it was taken as off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Updated {
+    pub log_evidence: f64,
+    pub off: bool,
+}
+
+/// How records that are off by themselves are reckoned with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OffRecords {
+    /// Share of records.
+    pub share: f64,
+    /// By how much, rad.
+    pub deviation_rad: f64,
+}
+
+impl Bank {
+    pub(super) fn new(prior: &Prior) -> Self {
+        let mut components = Vec::with_capacity(prior.curves.len() * prior.noises.len());
+        for (i, curve) in prior.curves.iter().enumerate() {
+            for (k, noise) in prior.noises.iter().enumerate() {
+                let mut mean = [0.0; STATES];
+                mean[AMPLITUDE] = curve.amplitude;
+                let mut covariance = [0.0; TRIANGLE];
+                let square = |v: f64| v * v;
+                covariance[entry(LEVEL, LEVEL)] = square(prior.level_deviation_rad);
+                covariance[entry(AMPLITUDE, AMPLITUDE)] = square(curve.amplitude_deviation);
+                covariance[entry(DRIFT, DRIFT)] = square(prior.temperature_deviation_rad_per_k);
+                covariance[entry(SLOW, SLOW)] = square(noise.slow_deviation_rad);
+                components.push(Component {
+                    curve: i as u32,
+                    noise: k as u32,
+                    // The amplitude's prior is cut at 0: what is left of it counts as all.
+                    log_weight: curve.log_weight + noise.log_weight
+                        - libm::log(above_zero(curve.amplitude, curve.amplitude_deviation)),
+                    mean,
+                    covariance,
+                });
+            }
+        }
+        Self {
+            time_s: prior.baseline_s,
+            components,
+        }
+    }
+
+    /// Time passes: the slow error forgets, the level may leave its curve.
+    pub(super) fn advance(&mut self, prior: &Prior, time_s: f64) {
+        let dt = time_s - self.time_s;
+        if !(dt > 0.0) {
+            return;
+        }
+        let steps: Vec<f64> = wander_per_square(prior, self.time_s, time_s);
+        let keep: Vec<f64> = prior
+            .noises
+            .iter()
+            .map(|n| libm::exp(-dt / n.slow_time_s))
+            .collect();
+        for c in &mut self.components {
+            let (Some(step), Some(phi), Some(noise)) = (
+                steps.get(c.curve as usize),
+                keep.get(c.noise as usize),
+                prior.noises.get(c.noise as usize),
+            ) else {
+                continue;
+            };
+            let amplitude = c.mean[AMPLITUDE].max(0.0);
+            c.covariance[entry(LEVEL, LEVEL)] += step * amplitude * amplitude;
+            c.mean[SLOW] *= phi;
+            for k in 0..SLOW {
+                c.covariance[entry(SLOW, k)] *= phi;
+            }
+            let own = &mut c.covariance[entry(SLOW, SLOW)];
+            let stationary = noise.slow_deviation_rad * noise.slow_deviation_rad;
+            *own = stationary + phi * phi * (*own - stationary);
+        }
+        self.time_s = time_s;
+    }
+
+    /// [`Bank::advance`] with answers of the filters to a jump going along.
+    pub(super) fn advance_keeping(
+        &mut self,
+        prior: &Prior,
+        time_s: f64,
+        answers: &mut [[f64; STATES]],
+    ) {
+        let dt = (time_s - self.time_s).max(0.0);
+        for (c, answer) in self.components.iter().zip(answers) {
+            if let Some(noise) = prior.noises.get(c.noise as usize) {
+                answer[SLOW] *= libm::exp(-dt / noise.slow_time_s);
+            }
+        }
+        self.advance(prior, time_s);
+    }
+
+    /// Takes a record in without letting filters go, and adds what it says on a jump that the states
+    /// answer to by `answers`: to the precision and to the precision times the mean. A record that
+    /// is off even so says little.
+    pub(super) fn answer(
+        &mut self,
+        prior: &Prior,
+        record: &Record,
+        off: OffRecords,
+        answers: &mut [[f64; STATES]],
+        sums: &mut [[f64; 2]],
+    ) {
+        let Some([offset, _]) = record.offset_rad else {
+            return;
+        };
+        let (creep, dt) = seen(prior, record);
+        for ((c, answer), sum) in self.components.iter_mut().zip(answers).zip(sums) {
+            let h = sees(c, &creep, dt);
+            let (expected, variance) = c.predict(&h);
+            let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
+            // Where a jump as known so far leaves the record.
+            let left = offset - expected - d * sum[1] / sum[0];
+            let mut own = own_variance(prior, record, c);
+            let wide = own + off.deviation_rad * off.deviation_rad;
+            let free = variance + d * d / sum[0];
+            let odds = log_normal(left, free + wide) - log_normal(left, free + own);
+            if odds + libm::log(off.share) > libm::log(1.0 - off.share) {
+                own = wide;
+            }
+            let s = variance + own;
+            sum[0] += d * d / s;
+            sum[1] += d * (offset - expected) / s;
+            let gain = c.correct(&h, offset, own);
+            for i in 0..STATES {
+                answer[i] -= gain[i] * d;
+            }
+        }
+    }
+
+    /// Opens the level (or what was taken out) to a change of `deviation_rad`.
+    pub(super) fn open(&mut self, state: usize, deviation_rad: f64) {
+        for c in &mut self.components {
+            c.covariance[entry(state, state)] += deviation_rad * deviation_rad;
+        }
+    }
+
+    /// Takes a record in; one without an offset changes nothing.
+    pub(super) fn update(&mut self, prior: &Prior, record: &Record, off: OffRecords) -> Updated {
+        let none = Updated {
+            log_evidence: 0.0,
+            off: false,
+        };
+        let Some([offset, _]) = record.offset_rad else {
+            return none;
+        };
+        let (creep, dt) = seen(prior, record);
+        let own = |c: &Component| own_variance(prior, record, c);
+        let add = off.deviation_rad * off.deviation_rad;
+        // Evidence of both readings of the record, over all filters.
+        let mut plain = LogSum::new();
+        let mut wide = LogSum::new();
+        let mut all = LogSum::new();
+        for c in &self.components {
+            let h = sees(c, &creep, dt);
+            let (expected, variance) = c.predict(&h);
+            let r = own(c);
+            plain.add(c.log_weight + log_normal(offset - expected, variance + r));
+            wide.add(c.log_weight + log_normal(offset - expected, variance + r + add));
+            all.add(c.log_weight);
+        }
+        let plain_e = plain.value() - all.value() + libm::log(1.0 - off.share);
+        let wide_e = wide.value() - all.value() + libm::log(off.share);
+        let is_off = wide_e > plain_e;
+        for c in &mut self.components {
+            let h = sees(c, &creep, dt);
+            let r = own(c) + if is_off { add } else { 0.0 };
+            c.correct(&h, offset, r);
+        }
+        self.let_go();
+        Updated {
+            log_evidence: plain_e.max(wide_e),
+            off: is_off,
+        }
+    }
+
+    /// Drops filters that don't count any more and brings the likeliest to weight 0.
+    fn let_go(&mut self) {
+        let most = self
+            .components
+            .iter()
+            .map(|c| c.log_weight)
+            .fold(f64::NEG_INFINITY, f64::max);
+        if most.is_finite() {
+            self.components.retain(|c| c.log_weight > most - NEGLIGIBLE);
+            self.components
+                .iter_mut()
+                .for_each(|c| c.log_weight -= most);
+        }
+    }
+
+    /// At most `count` filters that stand for all: systematic draws by weight, equal ones merged.
+    pub(super) fn thinned(&self, count: usize) -> Self {
+        let mut sum = LogSum::new();
+        self.components.iter().for_each(|c| sum.add(c.log_weight));
+        let total = sum.value();
+        let mut components = Vec::with_capacity(count);
+        let (mut reached, mut drawn) = (0.0, 0usize);
+        for c in &self.components {
+            reached += libm::exp(c.log_weight - total);
+            let mut times = 0usize;
+            while drawn < count && (drawn as f64 + 0.5) / (count as f64) < reached {
+                drawn += 1;
+                times += 1;
+            }
+            if times > 0 {
+                components.push(Component {
+                    log_weight: libm::log(times as f64),
+                    ..*c
+                });
+            }
+        }
+        Self {
+            time_s: self.time_s,
+            components,
+        }
+    }
+}
+
+/// Variance of the level's own way between two times for an amplitude of 1, per curve, rad².
+pub(super) fn wander_per_square(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
+    // The clock begins with the baseline, which a logarithm needs to be above 0.
+    let start = prior.baseline_s.max(60.0);
+    let log = libm::log(to_s.max(start) / from_s.max(start)).max(1e-12);
+    prior
+        .curves
+        .iter()
+        .map(|c| {
+            let step = prior.curve_error * (c.at(to_s) - c.at(from_s));
+            step * step / log
+        })
+        .collect()
+}
+
+/// Creep of every curve since the baseline, and the temperature over the reference, K.
+fn seen(prior: &Prior, record: &Record) -> (Vec<f64>, f64) {
+    let creep = prior
+        .curves
+        .iter()
+        .map(|c| c.at(record.time_s) - c.at(prior.baseline_s))
+        .collect();
+    let dt = record
+        .temperature_c
+        .map_or(0.0, |t| t - prior.temperature_ref_c);
+    (creep, dt)
+}
+
+/// Variance of a record's own error as a filter sees it, rad².
+fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
+    /// A temperature nobody wrote down is not known to some 5 K, and the drift blurs the record.
+    const UNKNOWN_K: f64 = 5.0;
+    let deviation = record.offset_rad.map_or(0.0, |[_, d]| d);
+    let scale = prior
+        .noises
+        .get(c.noise as usize)
+        .map_or(1.0, |n| n.white_scale);
+    let blur = match record.temperature_c {
+        Some(_) => 0.0,
+        None => UNKNOWN_K * prior.temperature_deviation_rad_per_k,
+    };
+    deviation * deviation * scale * scale + blur * blur
+}
+
+/// What a record sees of each state.
+fn sees(c: &Component, creep: &[f64], dt: f64) -> [f64; STATES] {
+    let creep = creep.get(c.curve as usize).copied().unwrap_or(0.0);
+    [1.0, 1.0, creep, dt, 1.0]
+}
+
+fn log_normal(error: f64, variance: f64) -> f64 {
+    -0.5 * (LN_TWO_PI + libm::log(variance) + error * error / variance)
+}
+
+/// Probability that a normal number is above 0; at least 1e-300.
+pub(super) fn above_zero(mean: f64, deviation: f64) -> f64 {
+    (0.5 * libm::erfc(-mean / (deviation * core::f64::consts::SQRT_2))).max(1e-300)
+}
+
+impl Component {
+    /// Mean and variance of what a record sees, without its own error.
+    pub(super) fn predict(&self, h: &[f64; STATES]) -> (f64, f64) {
+        let mut expected = 0.0;
+        let mut variance = 0.0;
+        for i in 0..STATES {
+            expected += h[i] * self.mean[i];
+            let mut ph = 0.0;
+            for k in 0..STATES {
+                ph += self.covariance[entry(i, k)] * h[k];
+            }
+            variance += h[i] * ph;
+        }
+        (expected, variance.max(0.0))
+    }
+
+    /// Kalman update; the weight takes the evidence. Returns the gain.
+    fn correct(&mut self, h: &[f64; STATES], value: f64, own_variance: f64) -> [f64; STATES] {
+        let mut ph = [0.0; STATES];
+        for i in 0..STATES {
+            for k in 0..STATES {
+                ph[i] += self.covariance[entry(i, k)] * h[k];
+            }
+        }
+        let (expected, variance) = self.predict(h);
+        let s = variance + own_variance;
+        let error = value - expected;
+        for i in 0..STATES {
+            self.mean[i] += ph[i] / s * error;
+            for k in 0..=i {
+                self.covariance[entry(i, k)] -= ph[i] * ph[k] / s;
+            }
+            // Rounding must not make a variance negative.
+            let own = &mut self.covariance[entry(i, i)];
+            *own = own.max(0.0);
+        }
+        self.log_weight += log_normal(error, s);
+        ph.map(|v| v / s)
+    }
+
+    /// Logarithm of the weight with `a > 0` reckoned in.
+    pub(super) fn weight_above_zero(&self) -> f64 {
+        let deviation = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
+        self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], deviation))
+    }
+}
+
+/// `ln Σ exp`, without overflow.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LogSum {
+    most: f64,
+    sum: f64,
+}
+
+impl LogSum {
+    pub(super) fn new() -> Self {
+        Self {
+            most: f64::NEG_INFINITY,
+            sum: 0.0,
+        }
+    }
+
+    pub(super) fn add(&mut self, log: f64) {
+        if !log.is_finite() {
+            return;
+        }
+        if log > self.most {
+            self.sum = self.sum * libm::exp(self.most - log) + 1.0;
+            self.most = log;
+        } else {
+            self.sum += libm::exp(log - self.most);
+        }
+    }
+
+    pub(super) fn value(self) -> f64 {
+        self.most + libm::log(self.sum)
+    }
+}

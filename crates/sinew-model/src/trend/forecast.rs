@@ -1,0 +1,156 @@
+//! Paths drawn from the posterior, and when they pass a limit.
+
+use super::bank::{
+    AMPLITUDE, Component, LEVEL, LogSum, STATES, TAKEN_OUT, entry, wander_per_square,
+};
+use super::tracker::Trend;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Ways the tendon may go, all equally likely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Paths {
+    /// Times, s since tensioning, rising.
+    pub times_s: Vec<f64>,
+    /// True offset at the reference temperature since the last tensioning, rad: one row per path,
+    /// one column per time.
+    pub offset_rad: Vec<Vec<f64>>,
+    /// The same with what re-tensionings have taken out added again: since the first tensioning, rad.
+    pub whole_rad: Vec<Vec<f64>>,
+}
+
+impl Trend {
+    /// Draws `count` paths over `times_s`, which rise from the time of the last entry on.
+    ///
+    /// Filters are drawn by their probability, systematically; within each the state is drawn from its
+    /// normal distribution with `a > 0`, and the level wanders on.
+    ///
+    /// * `normal`: standard normal numbers, one per call.
+    #[must_use]
+    pub fn paths(&self, times_s: &[f64], count: usize, normal: &mut dyn FnMut() -> f64) -> Paths {
+        let prior = self.prior();
+        let components = self.components();
+        let weights: Vec<f64> = components
+            .iter()
+            .map(Component::weight_above_zero)
+            .collect();
+        let mut all = LogSum::new();
+        weights.iter().for_each(|w| all.add(*w));
+        let total = all.value();
+        let mut times = Vec::with_capacity(times_s.len());
+        for &t in times_s {
+            let last = times.last().copied().unwrap_or(self.time_s());
+            times.push(if t > last { t } else { last });
+        }
+        // Creep and own way of every curve over the times.
+        let mut steps: Vec<Vec<f64>> = Vec::with_capacity(times.len());
+        let mut from = self.time_s();
+        for &t in &times {
+            steps.push(wander_per_square(prior, from, t));
+            from = t;
+        }
+        let mut out = Paths {
+            times_s: times,
+            offset_rad: Vec::with_capacity(count),
+            whole_rad: Vec::with_capacity(count),
+        };
+        let mut reached = 0.0;
+        for (component, weight) in components.iter().zip(&weights) {
+            reached += libm::exp(weight - total);
+            while out.offset_rad.len() < count
+                && (out.offset_rad.len() as f64 + 0.5) / (count as f64) < reached
+            {
+                let (offset, whole) = self.path(component, &out.times_s, &steps, normal);
+                out.offset_rad.push(offset);
+                out.whole_rad.push(whole);
+            }
+        }
+        out
+    }
+
+    /// One path of one filter.
+    fn path(
+        &self,
+        component: &Component,
+        times_s: &[f64],
+        steps: &[Vec<f64>],
+        normal: &mut dyn FnMut() -> f64,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let prior = self.prior();
+        let state = draw(component, normal);
+        let mut offset = vec![0.0; times_s.len()];
+        let mut whole = vec![0.0; times_s.len()];
+        let Some(curve) = prior.curves.get(component.curve as usize) else {
+            return (offset, whole);
+        };
+        let start = curve.at(prior.baseline_s);
+        let mut level = state[LEVEL];
+        for (i, &t) in times_s.iter().enumerate() {
+            let step = steps
+                .get(i)
+                .and_then(|s| s.get(component.curve as usize))
+                .copied()
+                .unwrap_or(0.0);
+            level += state[AMPLITUDE] * libm::sqrt(step) * normal();
+            whole[i] = level + state[AMPLITUDE] * (curve.at(t) - start);
+            offset[i] = whole[i] + state[TAKEN_OUT];
+        }
+        (offset, whole)
+    }
+}
+
+/// A state of a filter with an amplitude above 0.
+fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; STATES] {
+    // Lower Cholesky factor; a state that is known exactly has a column of zeros.
+    let mut l = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for k in 0..=i {
+            let dot: f64 = (0..k).map(|m| l[i][m] * l[k][m]).sum();
+            let rest = component.covariance[entry(i, k)] - dot;
+            l[i][k] = if i == k {
+                libm::sqrt(rest.max(0.0))
+            } else if l[k][k] > 0.0 {
+                rest / l[k][k]
+            } else {
+                0.0
+            };
+        }
+    }
+    // Of a filter whose amplitude is hardly ever above 0 few paths are drawn, if any.
+    const TRIES: usize = 64;
+    let mut x = component.mean;
+    for _ in 0..TRIES {
+        let z: [f64; STATES] = core::array::from_fn(|_| normal());
+        x = component.mean;
+        for i in 0..STATES {
+            x[i] += (0..=i).map(|k| l[i][k] * z[k]).sum::<f64>();
+        }
+        if x[AMPLITUDE] > 0.0 {
+            return x;
+        }
+    }
+    x[AMPLITUDE] = 0.0;
+    x
+}
+
+/// Times at which paths first reach `limit_rad`, s, one per path; infinite where one doesn't within
+/// its times, the first time where it is there from the start. Linear between times.
+#[must_use]
+pub fn first_passage(times_s: &[f64], paths_rad: &[Vec<f64>], limit_rad: f64) -> Vec<f64> {
+    paths_rad
+        .iter()
+        .map(|path| {
+            let Some(i) = path.iter().position(|v| *v >= limit_rad) else {
+                return f64::INFINITY;
+            };
+            let Some(&t) = times_s.get(i) else {
+                return f64::INFINITY;
+            };
+            if i == 0 {
+                return t;
+            }
+            let (t0, y0, y1) = (times_s[i - 1], path[i - 1], path[i]);
+            t0 + (t - t0) * (limit_rad - y0) / (y1 - y0)
+        })
+        .collect()
+}

@@ -1,0 +1,77 @@
+//! How large a jump was.
+
+use super::bank::{AMPLITUDE, Bank, LEVEL, LogSum, OffRecords, STATES, TAKEN_OUT};
+use super::prior::Prior;
+use super::tracker::{Entry, Record};
+use alloc::vec::Vec;
+
+impl Bank {
+    /// Mean of the true offset at the reference temperature, rad.
+    pub(super) fn offset(&self, prior: &Prior, time_s: f64) -> f64 {
+        let mut all = LogSum::new();
+        self.components.iter().for_each(|c| all.add(c.log_weight));
+        let all = all.value();
+        self.components
+            .iter()
+            .map(|c| {
+                let creep = prior
+                    .curves
+                    .get(c.curve as usize)
+                    .map_or(0.0, |curve| curve.at(time_s) - curve.at(prior.baseline_s));
+                let offset = c.mean[LEVEL] + c.mean[TAKEN_OUT] + c.mean[AMPLITUDE] * creep;
+                libm::exp(c.log_weight - all) * offset
+            })
+            .sum()
+    }
+
+    /// Size of a jump just before the first of `entries` and its standard deviation, rad, given
+    /// that there was one of prior deviation `deviation_rad`.
+    ///
+    /// Per filter the innovations answer a jump of 1 by `d_k`, found by letting a unit of level run
+    /// through the same gains: precision `1/V + Σ d_k²/S_k`, mean `Σ d_k ν_k/S_k` over that.
+    pub(super) fn jump(
+        &self,
+        prior: &Prior,
+        entries: &[Entry],
+        deviation_rad: f64,
+        off: OffRecords,
+    ) -> [f64; 2] {
+        let records: Vec<&Record> = entries
+            .iter()
+            .filter_map(|e| match e {
+                Entry::Record(r) if r.offset_rad.is_some() => Some(r),
+                _ => None,
+            })
+            .collect();
+        let inverse = 1.0 / (deviation_rad * deviation_rad);
+        let mut bank = self.clone();
+        let mut answers: Vec<[f64; STATES]> = self.components.iter().map(|_| UNIT).collect();
+        let mut sums: Vec<[f64; 2]> = self.components.iter().map(|_| [inverse, 0.0]).collect();
+        for record in records {
+            bank.advance_keeping(prior, record.time_s, &mut answers);
+            bank.answer(prior, record, off, &mut answers, &mut sums);
+        }
+        let mut all = LogSum::new();
+        let weights: Vec<f64> = bank
+            .components
+            .iter()
+            .zip(&sums)
+            .map(|(c, [precision, dv])| {
+                // Evidence of the jump of this filter: its Gaussian integral over the size.
+                c.log_weight + 0.5 * (dv * dv / precision - libm::log(*precision))
+            })
+            .collect();
+        weights.iter().for_each(|w| all.add(*w));
+        let (mut mean, mut square) = (0.0, 0.0);
+        for (w, [precision, dv]) in weights.iter().zip(&sums) {
+            let share = libm::exp(w - all.value());
+            let size = dv / precision;
+            mean += share * size;
+            square += share * (size * size + 1.0 / precision);
+        }
+        [mean, libm::sqrt((square - mean * mean).max(0.0))]
+    }
+}
+
+/// A unit of level and nothing else.
+const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0];

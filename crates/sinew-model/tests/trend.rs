@@ -1,0 +1,463 @@
+//! Trend of a tendon against closed forms, dense linear algebra and its own prior.
+
+use sinew_model::trend::{
+    Curve, Noise, Prior, Record, Trend, TrendConfig, TrendError, first_passage, generic_curves,
+    node_times_s,
+};
+
+const DAY_S: f64 = 86_400.0;
+
+/// Numbers in 0..1 and normal ones, the same on every machine (splitmix64, Box and Muller).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
+
+/// `ln(t / 100 s)` from 100 s on: a straight line over the logarithm of time.
+fn log_curve(amplitude: f64, deviation: f64) -> Curve {
+    Curve {
+        values: node_times_s().iter().map(|t| (t / 100.0).ln()).collect(),
+        amplitude,
+        amplitude_deviation: deviation,
+        log_weight: 0.0,
+    }
+}
+
+fn noise(slow: f64, days: f64, scale: f64) -> Noise {
+    Noise {
+        slow_deviation_rad: slow,
+        slow_time_s: days * DAY_S,
+        white_scale: scale,
+        log_weight: 0.0,
+    }
+}
+
+fn only(curve: Curve, noise: Noise) -> Prior {
+    let mut prior = Prior::new(vec![curve]);
+    prior.noises = vec![noise];
+    prior.curve_error = 0.0;
+    prior
+}
+
+fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
+    Record {
+        time_s: days * DAY_S,
+        offset_rad: Some([offset_rad, deviation_rad]),
+        temperature_c: Some(temperature_c),
+    }
+}
+
+#[test]
+fn a_line_over_log_time_and_a_temperature_drift_come_back() {
+    let mut prior = only(log_curve(0.0, 0.1), noise(0.0, 4.0, 1.0));
+    prior.level_deviation_rad = 0.1;
+    let baseline = prior.baseline_s;
+    let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
+    let (level, amplitude, drift) = (0.4e-3, 1.1e-3, 0.13e-3);
+    for i in 1..=40 {
+        let days = 0.5 * f64::from(i * i) / 8.0;
+        let celsius = 23.0 + 8.0 * f64::from(i).sin();
+        let creep = amplitude * (days * DAY_S / baseline).ln();
+        let y = level + creep + drift * (celsius - 23.0);
+        trend.add(record(days, y, 1e-9, celsius)).expect("in order");
+    }
+    let state = trend.components()[0].mean;
+    // Forty readings of 1e-9 rad and priors a hundred million times as wide.
+    assert!((state[0] - level).abs() < 1e-8, "{state:?}");
+    assert!((state[2] - amplitude).abs() < 1e-9, "{state:?}");
+    assert!((state[3] - drift).abs() < 1e-9, "{state:?}");
+    // limit = level + amplitude ln(t/t_b)
+    let limit = 9e-3;
+    let expected = baseline * ((limit - level) / amplitude).exp();
+    let times: Vec<f64> = (0..400)
+        .map(|i| trend.time_s() * 1.02_f64.powi(i))
+        .collect();
+    let mut random = Random(1);
+    let paths = trend.paths(&times, 20, &mut || random.normal());
+    for t in first_passage(&paths.times_s, &paths.offset_rad, limit) {
+        // Linear over time between times 2 % apart: half of 1e-4 of the time at worst.
+        assert!((t / expected - 1.0).abs() < 1e-4, "{t} {expected}");
+    }
+}
+
+/// Posterior mean and variance of the true offset at `at`, and the evidence, from the joint normal
+/// distribution of all records: no recursion.
+fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
+    let (curve, noise) = (&prior.curves[0], &prior.noises[0]);
+    let creep = |t: f64| curve.at(t) - curve.at(prior.baseline_s);
+    let square = |v: f64| v * v;
+    let (dj, da, dd) = (
+        prior.level_deviation_rad,
+        curve.amplitude_deviation,
+        prior.temperature_deviation_rad_per_k,
+    );
+    let n = records.len();
+    let warm = |r: &Record| r.temperature_c.expect("known") - prior.temperature_ref_c;
+    let mut k = vec![vec![0.0; n]; n];
+    for (i, a) in records.iter().enumerate() {
+        for (j, b) in records.iter().enumerate() {
+            let slow = (-(a.time_s - b.time_s).abs() / noise.slow_time_s).exp();
+            k[i][j] = square(dj)
+                + square(da) * creep(a.time_s) * creep(b.time_s)
+                + square(dd) * warm(a) * warm(b)
+                + square(noise.slow_deviation_rad) * slow;
+            if i == j {
+                k[i][j] += square(noise.white_scale * a.offset_rad.expect("known")[1]);
+            }
+        }
+    }
+    let mut l = vec![vec![0.0; n]; n];
+    for i in 0..n {
+        for j in 0..=i {
+            let dot: f64 = (0..j).map(|m| l[i][m] * l[j][m]).sum();
+            l[i][j] = if i == j {
+                (k[i][i] - dot).sqrt()
+            } else {
+                (k[i][j] - dot) / l[j][j]
+            };
+        }
+    }
+    let forward = |b: &[f64]| {
+        let mut x = b.to_vec();
+        for i in 0..n {
+            for j in 0..i {
+                x[i] -= l[i][j] * x[j];
+            }
+            x[i] /= l[i][i];
+        }
+        x
+    };
+    let residual: Vec<f64> = records
+        .iter()
+        .map(|r| r.offset_rad.expect("known")[0] - curve.amplitude * creep(r.time_s))
+        .collect();
+    let cross: Vec<f64> = records
+        .iter()
+        .map(|r| square(dj) + square(da) * creep(at_s) * creep(r.time_s))
+        .collect();
+    let (z, w) = (forward(&residual), forward(&cross));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let log_det: f64 = (0..n).map(|i| l[i][i].ln()).sum();
+    let evidence = -0.5 * (dot(&z, &z) + n as f64 * std::f64::consts::TAU.ln()) - log_det;
+    let mean = curve.amplitude * creep(at_s) + dot(&w, &z);
+    let variance = square(dj) + square(da * creep(at_s)) - dot(&w, &w);
+    [mean, variance, evidence]
+}
+
+#[test]
+fn record_by_record_agrees_with_dense_linear_algebra() {
+    // Records are never off and never jump, so that the posterior is one normal distribution.
+    let config = TrendConfig {
+        off_share: 1e-300,
+        jumps_per_day: 1e-200,
+        falls_per_day: 1e-200,
+        ..TrendConfig::default()
+    };
+    let mut random = Random(3);
+    let priors = [
+        only(log_curve(1e-3, 0.5e-3), noise(0.4e-3, 6.0, 0.8)),
+        only(log_curve(1e-3, 0.5e-3), noise(1.0e-3, 30.0, 1.2)),
+    ];
+    let mut records = Vec::new();
+    for i in 0..60 {
+        let days = 1.0 + f64::from(i) * 1.3 + random.uniform();
+        let celsius = 23.0 + 6.0 * random.normal();
+        let y = 1e-3 * (days * 24.0).ln() + 0.1e-3 * (celsius - 23.0) + 0.6e-3 * random.normal();
+        records.push(record(days, y, (0.3 + random.uniform()) * 1e-3, celsius));
+    }
+    let end_s = records[59].time_s;
+    let mut evidence = Vec::new();
+    for prior in &priors {
+        let mut trend = Trend::new(prior.clone(), config).expect("a prior");
+        for r in &records {
+            trend.add(*r).expect("in order");
+        }
+        let c = trend.components()[0];
+        let creep = prior.curves[0].at(end_s) - prior.curves[0].at(prior.baseline_s);
+        let mean = c.mean[0] + c.mean[2] * creep;
+        // Triangle: (0,0), (1,0), (1,1), (2,0), (2,1), (2,2), …
+        let variance =
+            c.covariance[0] + 2.0 * creep * c.covariance[3] + creep * creep * c.covariance[5];
+        let [expected, expected_variance, log_evidence] = dense(prior, &records, end_s);
+        assert!((mean - expected).abs() < 1e-12, "{mean} {expected}");
+        assert!((variance / expected_variance - 1.0).abs() < 1e-7);
+        evidence.push(log_evidence);
+    }
+    // Both noises in one bank: their weights are their evidences.
+    let mut both = priors[0].clone();
+    both.noises.push(priors[1].noises[0]);
+    let mut trend = Trend::new(both, config).expect("a prior");
+    for r in &records {
+        trend.add(*r).expect("in order");
+    }
+    let c = trend.components();
+    let odds = c[1].log_weight - c[0].log_weight;
+    assert!(
+        (odds - (evidence[1] - evidence[0])).abs() < 1e-6,
+        "{odds} {evidence:?}"
+    );
+}
+
+/// A tendon drawn from the prior itself, and its records: one a day.
+struct Drawn {
+    curve: usize,
+    amplitude: f64,
+    level: f64,
+    records: Vec<Record>,
+}
+
+fn drawn(prior: &Prior, days: usize, random: &mut Random) -> Drawn {
+    let curve = (random.uniform() * prior.curves.len() as f64) as usize;
+    let noise = prior.noises[(random.uniform() * prior.noises.len() as f64) as usize];
+    let c = &prior.curves[curve];
+    let amplitude = loop {
+        let a = c.amplitude + c.amplitude_deviation * random.normal();
+        if a > 0.0 {
+            break a;
+        }
+    };
+    let level = prior.level_deviation_rad * random.normal();
+    let drift = prior.temperature_deviation_rad_per_k * random.normal();
+    let mut slow = noise.slow_deviation_rad * random.normal();
+    let phi = (-DAY_S / noise.slow_time_s).exp();
+    let mut records = Vec::new();
+    for day in 1..=days {
+        let t = day as f64 * DAY_S;
+        slow = phi * slow + noise.slow_deviation_rad * (1.0 - phi * phi).sqrt() * random.normal();
+        let celsius = prior.temperature_ref_c + 6.0 * random.normal();
+        let stated = 0.3e-3;
+        let y = level
+            + amplitude * (c.at(t) - c.at(prior.baseline_s))
+            + drift * (celsius - prior.temperature_ref_c)
+            + slow
+            + noise.white_scale * stated * random.normal();
+        records.push(record(day as f64, y, stated, celsius));
+    }
+    Drawn {
+        curve,
+        amplitude,
+        level,
+        records,
+    }
+}
+
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[(share * (values.len() - 1) as f64).round() as usize]
+}
+
+#[test]
+fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
+    let draws: usize = std::env::var("SINEW_SEEDS")
+        .ok()
+        .and_then(|s| s.parse().ok())
+        .unwrap_or(80);
+    let mut prior = Prior::new(generic_curves(0.03));
+    prior.curve_error = 0.0;
+    let mut random = Random(11);
+    let (mut inside, mut passages, mut all_passages) = (0, 0, 0);
+    for _ in 0..draws {
+        let truth = drawn(&prior, 30, &mut random);
+        let mut trend = Trend::new(prior.clone(), TrendConfig::default()).expect("a prior");
+        for r in &truth.records {
+            trend.add(*r).expect("in order");
+        }
+        let times: Vec<f64> = (0..60).map(|i| 30.0 * DAY_S * 1.06_f64.powi(i)).collect();
+        let paths = trend.paths(&times, 400, &mut || random.normal());
+        let c = &prior.curves[truth.curve];
+        let path = |t: f64| truth.level + truth.amplitude * (c.at(t) - c.at(prior.baseline_s));
+        // The offset at four times the length of the record.
+        let at = times
+            .iter()
+            .position(|t| *t > 120.0 * DAY_S)
+            .expect("within");
+        let mut there: Vec<f64> = paths.offset_rad.iter().map(|p| p[at]).collect();
+        let (low, high) = (quantile(&mut there, 0.05), quantile(&mut there, 0.95));
+        inside += usize::from((low..=high).contains(&path(times[at])));
+        // A limit of 10 mrad that lies ahead and is reached.
+        let whole: Vec<f64> = times.iter().map(|&t| path(t)).collect();
+        let true_time = first_passage(&times, &[whole], 10e-3)[0];
+        if true_time.is_finite() && true_time > times[0] {
+            let mut found = first_passage(&paths.times_s, &paths.offset_rad, 10e-3);
+            let (low, high) = (quantile(&mut found, 0.05), quantile(&mut found, 0.95));
+            all_passages += 1;
+            passages += usize::from(low <= true_time && true_time <= high);
+        }
+    }
+    println!("{inside} of {draws} offsets, {passages} of {all_passages} days inside 90 %");
+    // Three standard deviations of a share of 0.9.
+    let slack = 3.0 * (0.09 / draws as f64).sqrt();
+    let share = inside as f64 / draws as f64;
+    assert!((share - 0.9).abs() < slack, "{share}");
+    assert!(all_passages == 0 || passages as f64 / all_passages as f64 > 0.7);
+}
+
+/// A month and a half of a creeping tendon; `change(day)` is added to its true offset.
+fn watched(seed: u64, change: impl Fn(usize) -> f64) -> (Trend, Vec<(usize, f64, bool)>) {
+    let mut trend =
+        Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+    let mut random = Random(seed);
+    let mut said = Vec::new();
+    for day in 1..=45 {
+        let t = day as f64;
+        let y = 1e-3 * (24.0 * t).ln() + change(day) + 0.3e-3 * random.normal();
+        let added = trend.add(record(t, y, 0.3e-3, 23.0)).expect("in order");
+        said.push((day, added.jump_probability, added.confirmed.is_some()));
+    }
+    (trend, said)
+}
+
+#[test]
+fn a_jump_is_suspected_at_once_and_confirmed_by_the_next_record() {
+    for seed in 0..8 {
+        let (trend, said) = watched(seed, |day| if day >= 30 { 3e-3 } else { 0.0 });
+        let [event] = trend.events() else {
+            panic!("seed {seed}: {:?}", trend.events());
+        };
+        assert_eq!(event.time_s, 30.0 * DAY_S, "seed {seed}");
+        assert!(!event.tensioned);
+        assert!(event.confirmed_s <= 32.0 * DAY_S, "seed {seed}: {event:?}");
+        assert!(!said[29].2, "one record confirms nothing");
+        let off = (event.size_rad - 3e-3).abs();
+        assert!(off < 3.0 * event.deviation_rad, "seed {seed}: {event:?}");
+        assert!(event.deviation_rad < 0.6e-3, "seed {seed}: {event:?}");
+    }
+}
+
+#[test]
+fn one_record_that_is_off_is_no_jump() {
+    for seed in 0..8 {
+        let (trend, said) = watched(seed, |day| if day == 30 { 5e-3 } else { 0.0 });
+        assert!(
+            trend.events().is_empty(),
+            "seed {seed}: {:?}",
+            trend.events()
+        );
+        assert!(said[31].1 < 0.05, "seed {seed}: withdrawn, {:?}", said[31]);
+    }
+    for seed in 100..108 {
+        let (trend, _) = watched(seed, |_| 0.0);
+        assert!(
+            trend.events().is_empty(),
+            "seed {seed}: {:?}",
+            trend.events()
+        );
+    }
+}
+
+#[test]
+fn a_tensioning_is_told_from_a_jump_stated_or_not() {
+    let fall = |day: usize| if day >= 30 { -5e-3 } else { 0.0 };
+    let (trend, _) = watched(5, fall);
+    let [event] = trend.events() else {
+        panic!("{:?}", trend.events());
+    };
+    assert!(event.tensioned && event.size_rad < -3e-3, "{event:?}");
+
+    let mut stated =
+        Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+    let mut random = Random(5);
+    for day in 1..=45 {
+        let t = f64::from(day);
+        if day == 30 {
+            stated.tensioned((t - 0.5) * DAY_S).expect("in order");
+        }
+        let y = 1e-3 * (24.0 * t).ln() + fall(day as usize) + 0.3e-3 * random.normal();
+        stated.add(record(t, y, 0.3e-3, 23.0)).expect("in order");
+    }
+    assert_eq!(stated.events().len(), 1, "{:?}", stated.events());
+    // The rope is as long as before, and longer since; the offset has fallen by 5 mrad.
+    for trend in [&trend, &stated] {
+        let paths = trend.paths(&[trend.time_s()], 400, &mut || random.normal());
+        let mean = |rows: &[Vec<f64>]| rows.iter().map(|r| r[0]).sum::<f64>() / 400.0;
+        let (offset, whole) = (mean(&paths.offset_rad), mean(&paths.whole_rad));
+        let true_whole = 1e-3 * (24.0_f64 * 45.0).ln();
+        assert!((whole - true_whole).abs() < 0.8e-3, "{whole}");
+        assert!((offset - (true_whole - 5e-3)).abs() < 0.4e-3, "{offset}");
+    }
+}
+
+#[test]
+fn going_on_from_a_state_is_the_same_to_the_last_bit() {
+    let prior = Prior::new(generic_curves(0.03));
+    let config = TrendConfig::default();
+    let mut random = Random(21);
+    let truth = drawn(&prior, 40, &mut random);
+    let mut whole = Trend::new(prior.clone(), config).expect("a prior");
+    let mut cut = whole.clone();
+    for (i, r) in truth.records.iter().enumerate() {
+        let mut r = *r;
+        // A strand fails.
+        r.offset_rad = r
+            .offset_rad
+            .map(|[y, s]| [y + if i > 25 { 3e-3 } else { 0.0 }, s]);
+        // A session that can't tell, now and then.
+        if i % 9 == 4 {
+            r.offset_rad = None;
+        }
+        whole.add(r).expect("in order");
+        cut = Trend::resume(prior.clone(), config, cut.state()).expect("its own state");
+        cut.add(r).expect("in order");
+    }
+    assert_eq!(whole, cut);
+    let mut other = prior.clone();
+    other.baseline_s *= 2.0;
+    assert_eq!(
+        Trend::resume(other, config, whole.state()),
+        Err(TrendError::State)
+    );
+}
+
+#[test]
+fn few_records_and_bad_ones() {
+    let prior = Prior::new(generic_curves(0.03));
+    let mut random = Random(2);
+    for count in 0..3 {
+        let mut trend = Trend::new(prior.clone(), TrendConfig::default()).expect("a prior");
+        for i in 0..count {
+            trend
+                .add(record(1.0 + f64::from(i), 3e-3, 0.3e-3, 20.0))
+                .expect("in order");
+        }
+        let times = [trend.time_s(), 100.0 * DAY_S, 1000.0 * DAY_S];
+        let paths = trend.paths(&times, 300, &mut || random.normal());
+        assert_eq!(paths.offset_rad.len(), 300);
+        let mut ends: Vec<f64> = paths.offset_rad.iter().map(|p| p[2]).collect();
+        let width = quantile(&mut ends, 0.95) - quantile(&mut ends, 0.05);
+        assert!(width > 5e-3 && width < 0.2, "{count} records: {width}");
+    }
+    let mut trend = Trend::new(prior.clone(), TrendConfig::default()).expect("a prior");
+    trend.add(record(2.0, 1e-3, 0.3e-3, 20.0)).expect("good");
+    let before = trend.clone();
+    for bad in [
+        record(f64::NAN, 1e-3, 1e-4, 20.0),
+        record(3.0, f64::INFINITY, 1e-4, 20.0),
+        record(3.0, 1e-3, 0.0, 20.0),
+        record(3.0, 1e-3, 1e-4, f64::NAN),
+    ] {
+        assert_eq!(trend.add(bad), Err(TrendError::NotFinite));
+    }
+    assert!(matches!(
+        trend.add(record(1.0, 1e-3, 1e-4, 20.0)),
+        Err(TrendError::OutOfOrder { .. })
+    ));
+    assert_eq!(trend, before);
+    let mut none = prior;
+    none.curves.clear();
+    assert_eq!(
+        Trend::new(none, TrendConfig::default()),
+        Err(TrendError::Prior)
+    );
+}
