@@ -13,3 +13,4 @@ pub mod robot_dir;
 pub mod rope;
 pub mod scenarios;
 pub mod simulate;
+pub mod trend;

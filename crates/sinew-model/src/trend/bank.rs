@@ -1,7 +1,8 @@
 //! Filters side by side: one per pair of curve and noise.
 
+use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::Prior;
-use super::tracker::Record;
+use super::record::Record;
 use alloc::vec::Vec;
 
 /// Level, taken out, amplitude, temperature drift, slow error.
@@ -15,7 +16,6 @@ const DRIFT: usize = 3;
 const SLOW: usize = 4;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
-const LN_TWO_PI: f64 = 1.837_877_066_409_345_5;
 
 /// A Kalman filter for one curve and one noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -321,15 +321,6 @@ fn sees(c: &Component, creep: &[f64], dt: f64) -> [f64; STATES] {
     [1.0, 1.0, creep, dt, 1.0]
 }
 
-fn log_normal(error: f64, variance: f64) -> f64 {
-    -0.5 * (LN_TWO_PI + libm::log(variance) + error * error / variance)
-}
-
-/// Probability that a normal number is above 0; at least 1e-300.
-pub(super) fn above_zero(mean: f64, deviation: f64) -> f64 {
-    (0.5 * libm::erfc(-mean / (deviation * core::f64::consts::SQRT_2))).max(1e-300)
-}
-
 impl Component {
     /// Mean and variance of what a record sees, without its own error.
     pub(super) fn predict(&self, h: &[f64; STATES]) -> (f64, f64) {
@@ -374,37 +365,5 @@ impl Component {
     pub(super) fn weight_above_zero(&self) -> f64 {
         let deviation = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
         self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], deviation))
-    }
-}
-
-/// `ln Σ exp`, without overflow.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct LogSum {
-    most: f64,
-    sum: f64,
-}
-
-impl LogSum {
-    pub(super) fn new() -> Self {
-        Self {
-            most: f64::NEG_INFINITY,
-            sum: 0.0,
-        }
-    }
-
-    pub(super) fn add(&mut self, log: f64) {
-        if !log.is_finite() {
-            return;
-        }
-        if log > self.most {
-            self.sum = self.sum * libm::exp(self.most - log) + 1.0;
-            self.most = log;
-        } else {
-            self.sum += libm::exp(log - self.most);
-        }
-    }
-
-    pub(super) fn value(self) -> f64 {
-        self.most + libm::log(self.sum)
     }
 }

@@ -1,8 +1,7 @@
 //! Paths drawn from the posterior, and when they pass a limit.
 
-use super::bank::{
-    AMPLITUDE, Component, LEVEL, LogSum, STATES, TAKEN_OUT, entry, wander_per_square,
-};
+use super::bank::{AMPLITUDE, Component, LEVEL, STATES, TAKEN_OUT, entry, wander_per_square};
+use super::gauss::LogSum;
 use super::tracker::Trend;
 use alloc::vec;
 use alloc::vec::Vec;

@@ -1,8 +1,9 @@
 //! How large a jump was.
 
-use super::bank::{AMPLITUDE, Bank, LEVEL, LogSum, OffRecords, STATES, TAKEN_OUT};
+use super::bank::{AMPLITUDE, Bank, LEVEL, OffRecords, STATES, TAKEN_OUT};
+use super::gauss::LogSum;
 use super::prior::Prior;
-use super::tracker::{Entry, Record};
+use super::record::{Entry, Record};
 use alloc::vec::Vec;
 
 impl Bank {

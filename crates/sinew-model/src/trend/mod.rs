@@ -43,13 +43,17 @@
 
 mod bank;
 mod curve;
+mod detector;
 mod forecast;
+mod gauss;
 mod jump;
 mod prior;
+mod record;
 mod tracker;
 
 pub use bank::{Component, STATES};
 pub use curve::{Curve, NODES, generic_curves, node_times_s};
 pub use forecast::{Paths, first_passage};
 pub use prior::{Noise, Prior, generic_noises};
-pub use tracker::{Added, Entry, Event, Record, State, Trend, TrendConfig, TrendError};
+pub use record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+pub use tracker::Trend;

@@ -1,170 +1,23 @@
 //! One tendon's trend: records in, posterior and events out.
 
-use super::bank::{Bank, Component, LEVEL, LogSum, OffRecords, TAKEN_OUT};
+use super::bank::{Bank, Component, LEVEL, OffRecords, TAKEN_OUT};
 use super::prior::Prior;
+use super::record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// Seconds of a day.
-const DAY_S: f64 = 86_400.0;
-/// Filters that jumps are judged with.
-const JUDGES: usize = 160;
-
-/// What one session said.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Record {
-    /// When, s since tensioning.
-    pub time_s: f64,
-    /// Offset since the baseline and its own standard deviation, rad; `None`: it couldn't tell.
-    pub offset_rad: Option<[f64; 2]>,
-    /// Temperature, °C; `None`: not known.
-    pub temperature_c: Option<f64>,
-}
-
-/// What happened, in the order of time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Entry {
-    /// A session.
-    Record(Record),
-    /// The level jumped; it is open by `deviation_rad`.
-    Jump {
-        /// When at the latest, s.
-        time_s: f64,
-        /// Standard deviation the level is opened by, rad.
-        deviation_rad: f64,
-    },
-    /// The tendon was tensioned again.
-    Tensioned {
-        /// When, s.
-        time_s: f64,
-    },
-}
-
-/// A sudden change that was confirmed, or a re-tensioning that was stated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Event {
-    /// Time of the first record after it (or the stated time), s.
-    pub time_s: f64,
-    /// Time of the last record before it, s.
-    pub after_s: f64,
-    /// By how much the offset changed, rad; NaN for a stated re-tensioning.
-    pub size_rad: f64,
-    /// Its standard deviation, rad.
-    pub deviation_rad: f64,
-    /// Time of the record that confirmed it, s.
-    pub confirmed_s: f64,
-    /// Posterior probability when it was confirmed; 1 for a stated one.
-    pub probability: f64,
-    /// Whether it is a re-tensioning.
-    pub tensioned: bool,
-}
-
-/// What adding a record showed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Added {
-    /// Probability that the level jumped within the last records and isn't confirmed yet.
-    pub jump_probability: f64,
-    /// Where that is above one half: time of the first record after the suspected jump, s.
-    pub suspected_s: Option<f64>,
-    /// Whether this record, for now, looks off by itself.
-    pub off: bool,
-    /// A change that this record confirmed.
-    pub confirmed: Option<Event>,
-}
-
-/// Rates and sizes the detector reckons with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrendConfig {
-    /// Sessions within which jumps are looked for.
-    pub window: usize,
-    /// Jumps per day.
-    pub jumps_per_day: f64,
-    /// Large falls and rises (re-tensioning, slipping) per day.
-    pub falls_per_day: f64,
-    /// Standard deviation of a jump, rad.
-    pub jump_deviation_rad: f64,
-    /// Standard deviation of a large one, rad.
-    pub fall_deviation_rad: f64,
-    /// Share of records that are off by themselves.
-    pub off_share: f64,
-    /// By how much they are, rad.
-    pub off_deviation_rad: f64,
-    /// Probability from which a jump is confirmed.
-    pub confirm: f64,
-}
-
-impl Default for TrendConfig {
-    fn default() -> Self {
-        Self {
-            window: 7,
-            jumps_per_day: 1e-3,
-            falls_per_day: 2e-4,
-            jump_deviation_rad: 4e-3,
-            fall_deviation_rad: 30e-3,
-            off_share: 3e-3,
-            off_deviation_rad: 6e-3,
-            confirm: 0.98,
-        }
-    }
-}
-
-/// Why a record or a state was refused.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TrendError {
-    /// NaN, infinite, or a deviation that isn't above 0.
-    #[error(
-        "a record's time, offset, deviation and temperature must be finite numbers, the deviation above 0"
-    )]
-    NotFinite,
-    /// Earlier than the last.
-    #[error(
-        "a record at {time_s} s comes after one at {last_s} s; records come in the order of time"
-    )]
-    OutOfOrder {
-        /// Time of the record, s.
-        time_s: f64,
-        /// Time of the last, s.
-        last_s: f64,
-    },
-    /// The prior is none.
-    #[error("the prior of a trend needs curves and noises of finite, positive numbers")]
-    Prior,
-    /// The state belongs to another prior or is damaged.
-    #[error("the stored trend belongs to another rope, routing or program, or is damaged")]
-    State,
-}
-
-/// What a trend remembers: the filters before the last records, and those.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// [`Prior::fingerprint`].
-    pub fingerprint: u64,
-    /// Time of the filters, s.
-    pub time_s: f64,
-    /// The filters.
-    pub components: Vec<Component>,
-    /// Last entries.
-    pub entries: Vec<Entry>,
-    /// Events so far.
-    pub events: Vec<Event>,
-    /// Records with an offset so far.
-    pub records: u64,
-}
 
 /// The trend of one tendon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
-    prior: Prior,
-    config: TrendConfig,
+    pub(super) prior: Prior,
+    pub(super) config: TrendConfig,
     /// Before the window.
-    anchor: Bank,
-    entries: Vec<Entry>,
+    pub(super) anchor: Bank,
+    pub(super) entries: Vec<Entry>,
     /// After the last entry.
     pub(super) current: Bank,
-    events: Vec<Event>,
-    records: u64,
+    pub(super) events: Vec<Event>,
+    pub(super) records: u64,
 }
 
 impl Trend {
@@ -339,7 +192,7 @@ impl Trend {
         Ok(())
     }
 
-    fn off(&self) -> OffRecords {
+    pub(super) fn off(&self) -> OffRecords {
         OffRecords {
             share: self.config.off_share,
             deviation_rad: self.config.off_deviation_rad,
@@ -347,7 +200,7 @@ impl Trend {
     }
 
     /// Runs filters through entries; logarithm of the evidence, and which records were taken as off.
-    fn run(&self, bank: &mut Bank, entries: &[Entry]) -> (f64, Vec<bool>) {
+    pub(super) fn run(&self, bank: &mut Bank, entries: &[Entry]) -> (f64, Vec<bool>) {
         let mut log_evidence = 0.0;
         let mut off = Vec::with_capacity(entries.len());
         for entry in entries {
@@ -376,119 +229,6 @@ impl Trend {
         (log_evidence, off)
     }
 
-    /// Holds jumps within the window against none, and confirms one that is sure.
-    fn judge(&mut self, now_s: f64, added: &mut Added) {
-        let start = self.anchor.thinned(JUDGES);
-        let (none, _) = self.run(&mut start.clone(), &self.entries);
-        let mut all = LogSum::new();
-        all.add(0.0);
-        let mut jumps = LogSum::new();
-        let mut best: Option<(f64, usize, f64, bool)> = None;
-        // Filters before each entry, so that a hypothesis begins where it differs.
-        let mut before = start;
-        let mut so_far = 0.0;
-        let inside = self.entries.iter().filter(|e| informative(e)).count() as u64;
-        let mut earlier = self.records - inside.min(self.records);
-        let mut last_s = before.time_s;
-        for i in 0..self.entries.len() {
-            let entry = self.entries[i];
-            if let (Entry::Record(record), true) = (entry, informative(&entry)) {
-                let follows_event = i > 0 && !matches!(self.entries[i - 1], Entry::Record(_));
-                // Two records before say what the level was.
-                if earlier >= 2 && !follows_event {
-                    let days = ((record.time_s - last_s) / DAY_S).clamp(0.1, 30.0);
-                    for (rate, deviation) in [
-                        (self.config.jumps_per_day, self.config.jump_deviation_rad),
-                        (self.config.falls_per_day, self.config.fall_deviation_rad),
-                    ] {
-                        let mut bank = before.clone();
-                        bank.advance(&self.prior, record.time_s);
-                        bank.open(LEVEL, deviation);
-                        let (evidence, off) = self.run(&mut bank, &self.entries[i..]);
-                        let odds = so_far + evidence - none + libm::log(rate * days);
-                        all.add(odds);
-                        jumps.add(odds);
-                        let agree = self.entries[i..]
-                            .iter()
-                            .zip(&off)
-                            .filter(|(e, off)| informative(e) && !**off)
-                            .count();
-                        if best.is_none_or(|b| odds > b.0) {
-                            best = Some((odds, i, deviation, agree >= 2));
-                        }
-                    }
-                }
-                earlier += 1;
-                last_s = record.time_s;
-            }
-            so_far += self.run(&mut before, core::slice::from_ref(&entry)).0;
-        }
-        let probability = libm::exp(jumps.value() - all.value());
-        added.jump_probability = if probability.is_finite() {
-            probability
-        } else {
-            0.0
-        };
-        let Some((_, at, deviation_rad, agreed)) = best else {
-            return;
-        };
-        if !(added.jump_probability > 0.5) {
-            return;
-        }
-        let Entry::Record(first) = self.entries[at] else {
-            return;
-        };
-        added.suspected_s = Some(first.time_s);
-        if agreed && added.jump_probability > self.config.confirm {
-            added.confirmed = Some(self.confirm(at, deviation_rad, now_s, added.jump_probability));
-            added.suspected_s = None;
-            added.jump_probability = 0.0;
-        }
-    }
-
-    /// Writes a jump before entry `at` down and opens the level there.
-    fn confirm(&mut self, at: usize, deviation_rad: f64, now_s: f64, probability: f64) -> Event {
-        let (head, tail) = self.entries.split_at(at);
-        let time_s = tail.first().map_or(now_s, time_of);
-        let mut bank = self.anchor.clone();
-        self.run(&mut bank, head);
-        let after_s = head
-            .iter()
-            .rev()
-            .find(|e| informative(e))
-            .map_or(self.anchor.time_s, time_of);
-        let offset_before = bank.offset(&self.prior, after_s);
-        let [size_rad, size_deviation] =
-            bank.thinned(JUDGES)
-                .jump(&self.prior, tail, deviation_rad, self.off());
-        // A fall by much of what there was is somebody with a wrench, not a rope.
-        const LEAST_RAD: f64 = 2e-3;
-        let tensioned = size_rad < -LEAST_RAD.max(0.4 * offset_before);
-        let entry = if tensioned {
-            Entry::Tensioned { time_s }
-        } else {
-            Entry::Jump {
-                time_s,
-                deviation_rad,
-            }
-        };
-        self.entries.insert(at, entry);
-        let mut bank = self.anchor.clone();
-        self.run(&mut bank, &self.entries);
-        self.current = bank;
-        let event = Event {
-            time_s,
-            after_s,
-            size_rad,
-            deviation_rad: size_deviation,
-            confirmed_s: now_s,
-            probability,
-            tensioned,
-        };
-        self.events.push(event);
-        event
-    }
-
     /// Lets the oldest entries go into the filters.
     fn roll(&mut self) {
         let window = self.config.window.max(1);
@@ -505,22 +245,5 @@ impl Trend {
             self.run(&mut bank, &[first]);
             self.anchor = bank;
         }
-    }
-}
-
-pub(super) fn informative(entry: &Entry) -> bool {
-    matches!(
-        entry,
-        Entry::Record(Record {
-            offset_rad: Some(_),
-            ..
-        })
-    )
-}
-
-fn time_of(entry: &Entry) -> f64 {
-    match entry {
-        Entry::Record(r) => r.time_s,
-        Entry::Jump { time_s, .. } | Entry::Tensioned { time_s } => *time_s,
     }
 }

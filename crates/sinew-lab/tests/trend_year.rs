@@ -1,0 +1,33 @@
+//! Simulated years: what the trend finds, and how far its forecasts hold.
+//!
+//! `SINEW_SEEDS=100 cargo test --release -p sinew-lab --test trend_year -- --nocapture` prints the
+//! figures of docs/trend.md; the ordinary run makes do with a few robots.
+
+use sinew_lab::robot_dir;
+use sinew_lab::rope::Catalogue;
+use sinew_lab::trend::year::{self, Forecaster, YearRequest};
+use std::path::Path;
+
+#[test]
+fn failures_are_found_and_forecasts_cover() {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
+    let robot = robot_dir::load(&place, None).unwrap().robot;
+    let catalogue = Catalogue::shipped().unwrap();
+    let seeds = std::env::var("SINEW_SEEDS")
+        .ok()
+        .and_then(|s| s.parse().ok());
+    let mut request = YearRequest {
+        robots: seeds.unwrap_or(2),
+        ..YearRequest::default()
+    };
+    if seeds.is_none() {
+        request.forecasters = vec![Forecaster::Generic];
+    }
+    let mut years = Vec::new();
+    let start = std::time::Instant::now();
+    year::run(&robot, &catalogue, &request, &[], &mut |y| years.push(y)).unwrap();
+    println!("{:.1} s", start.elapsed().as_secs_f64());
+    for s in year::summary(&years) {
+        println!("{}", serde_json::to_string_pretty(&s).unwrap());
+    }
+}
