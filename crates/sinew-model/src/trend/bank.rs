@@ -12,7 +12,7 @@ const TRIANGLE: usize = STATES * (STATES + 1) / 2;
 pub(super) const LEVEL: usize = 0;
 pub(super) const TAKEN_OUT: usize = 1;
 pub(super) const AMPLITUDE: usize = 2;
-const DRIFT: usize = 3;
+pub(super) const DRIFT: usize = 3;
 const SLOW: usize = 4;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
@@ -95,33 +95,43 @@ impl Bank {
         }
     }
 
-    /// Time passes: the slow error forgets, the level may leave its curve.
+    /// Time passes: the level creeps on, its pace may leave its curve, the slow error forgets.
     pub(super) fn advance(&mut self, prior: &Prior, time_s: f64) {
         let dt = time_s - self.time_s;
         if !(dt > 0.0) {
             return;
         }
-        let steps: Vec<f64> = wander_per_square(prior, self.time_s, time_s);
-        let keep: Vec<f64> = prior
-            .noises
-            .iter()
-            .map(|n| libm::exp(-dt / n.slow_time_s))
-            .collect();
+        let creep = creep(prior, self.time_s, time_s);
+        let folds = folds(prior, self.time_s, time_s);
         for c in &mut self.components {
-            let (Some(step), Some(phi), Some(noise)) = (
-                steps.get(c.curve as usize),
-                keep.get(c.noise as usize),
+            let (Some(step), Some(curve), Some(noise)) = (
+                creep.get(c.curve as usize),
+                prior.curves.get(c.curve as usize),
                 prior.noises.get(c.noise as usize),
             ) else {
                 continue;
             };
-            let amplitude = c.mean[AMPLITUDE].max(0.0);
-            c.covariance[entry(LEVEL, LEVEL)] += step * amplitude * amplitude;
+            // Level after: level + amplitude · step.
+            c.mean[LEVEL] += c.mean[AMPLITUDE] * step;
+            let p = &mut c.covariance;
+            p[entry(LEVEL, LEVEL)] += step
+                * (2.0 * p[entry(AMPLITUDE, LEVEL)] + step * p[entry(AMPLITUDE, AMPLITUDE)]);
+            for k in TAKEN_OUT..STATES {
+                p[entry(LEVEL, k)] += step * p[entry(AMPLITUDE, k)];
+            }
+            // The amplitude walks, by shares of itself; one near 0 can still rise.
+            let size = c.mean[AMPLITUDE].max(0.1 * (curve.amplitude + curve.amplitude_deviation));
+            let walk = noise.pace_error * size;
+            let walk = walk * walk * folds;
+            p[entry(AMPLITUDE, AMPLITUDE)] += walk;
+            p[entry(AMPLITUDE, LEVEL)] += 0.5 * walk * step;
+            p[entry(LEVEL, LEVEL)] += walk * step * step / 3.0;
+            let phi = libm::exp(-dt / noise.slow_time_s);
             c.mean[SLOW] *= phi;
             for k in 0..SLOW {
-                c.covariance[entry(SLOW, k)] *= phi;
+                p[entry(SLOW, k)] *= phi;
             }
-            let own = &mut c.covariance[entry(SLOW, SLOW)];
+            let own = &mut p[entry(SLOW, SLOW)];
             let stationary = noise.slow_deviation_rad * noise.slow_deviation_rad;
             *own = stationary + phi * phi * (*own - stationary);
         }
@@ -136,7 +146,10 @@ impl Bank {
         answers: &mut [[f64; STATES]],
     ) {
         let dt = (time_s - self.time_s).max(0.0);
+        let creep = creep(prior, self.time_s, time_s);
         for (c, answer) in self.components.iter().zip(answers) {
+            let step = creep.get(c.curve as usize).copied().unwrap_or(0.0);
+            answer[LEVEL] += answer[AMPLITUDE] * step;
             if let Some(noise) = prior.noises.get(c.noise as usize) {
                 answer[SLOW] *= libm::exp(-dt / noise.slow_time_s);
             }
@@ -158,9 +171,8 @@ impl Bank {
         let Some([offset, _]) = record.offset_rad else {
             return;
         };
-        let (creep, dt) = seen(prior, record);
+        let h = sees(prior, record);
         for ((c, answer), sum) in self.components.iter_mut().zip(answers).zip(sums) {
-            let h = sees(c, &creep, dt);
             let (expected, variance) = c.predict(&h);
             let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
             // Where a jump as known so far leaves the record.
@@ -198,7 +210,7 @@ impl Bank {
         let Some([offset, _]) = record.offset_rad else {
             return none;
         };
-        let (creep, dt) = seen(prior, record);
+        let h = sees(prior, record);
         let own = |c: &Component| own_variance(prior, record, c);
         let add = off.deviation_rad * off.deviation_rad;
         // Evidence of both readings of the record, over all filters.
@@ -206,7 +218,6 @@ impl Bank {
         let mut wide = LogSum::new();
         let mut all = LogSum::new();
         for c in &self.components {
-            let h = sees(c, &creep, dt);
             let (expected, variance) = c.predict(&h);
             let r = own(c);
             plain.add(c.log_weight + log_normal(offset - expected, variance + r));
@@ -217,7 +228,6 @@ impl Bank {
         let wide_e = wide.value() - all.value() + libm::log(off.share);
         let is_off = wide_e > plain_e;
         for c in &mut self.components {
-            let h = sees(c, &creep, dt);
             let r = own(c) + if is_off { add } else { 0.0 };
             c.correct(&h, offset, r);
         }
@@ -271,32 +281,20 @@ impl Bank {
     }
 }
 
-/// Variance of the level's own way between two times for an amplitude of 1, per curve, rad².
-pub(super) fn wander_per_square(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
-    // The clock begins with the baseline, which a logarithm needs to be above 0.
-    let start = prior.baseline_s.max(60.0);
-    let log = libm::log(to_s.max(start) / from_s.max(start)).max(1e-12);
+/// Creep between two times for an amplitude of 1, per curve, rad.
+pub(super) fn creep(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
     prior
         .curves
         .iter()
-        .map(|c| {
-            let step = prior.curve_error * (c.at(to_s) - c.at(from_s));
-            step * step / log
-        })
+        .map(|c| c.at(to_s) - c.at(from_s))
         .collect()
 }
 
-/// Creep of every curve since the baseline, and the temperature over the reference, K.
-fn seen(prior: &Prior, record: &Record) -> (Vec<f64>, f64) {
-    let creep = prior
-        .curves
-        .iter()
-        .map(|c| c.at(record.time_s) - c.at(prior.baseline_s))
-        .collect();
-    let dt = record
-        .temperature_c
-        .map_or(0.0, |t| t - prior.temperature_ref_c);
-    (creep, dt)
+/// E-folds of time since tensioning between two times.
+pub(super) fn folds(prior: &Prior, from_s: f64, to_s: f64) -> f64 {
+    // The clock begins with the baseline, which a logarithm needs to be above 0.
+    let start = prior.baseline_s.max(60.0);
+    libm::log(to_s.max(start) / from_s.max(start)).max(0.0)
 }
 
 /// Variance of a record's own error as a filter sees it, rad².
@@ -316,9 +314,11 @@ fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
 }
 
 /// What a record sees of each state.
-fn sees(c: &Component, creep: &[f64], dt: f64) -> [f64; STATES] {
-    let creep = creep.get(c.curve as usize).copied().unwrap_or(0.0);
-    [1.0, 1.0, creep, dt, 1.0]
+fn sees(prior: &Prior, record: &Record) -> [f64; STATES] {
+    let warm = record
+        .temperature_c
+        .map_or(0.0, |t| t - prior.temperature_ref_c);
+    [1.0, 1.0, 0.0, warm, 1.0]
 }
 
 impl Component {

@@ -113,7 +113,7 @@ impl Trend {
             .rev()
             .find(|e| informative(e))
             .map_or(self.anchor.time_s, time_of);
-        let offset_before = bank.offset(&self.prior, after_s);
+        let offset_before = bank.offset();
         let [size_rad, size_deviation] =
             bank.thinned(JUDGES)
                 .jump(&self.prior, tail, deviation_rad, self.off());

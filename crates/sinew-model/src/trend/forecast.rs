@@ -1,6 +1,6 @@
 //! Paths drawn from the posterior, and when they pass a limit.
 
-use super::bank::{AMPLITUDE, Component, LEVEL, STATES, TAKEN_OUT, entry, wander_per_square};
+use super::bank::{AMPLITUDE, Component, LEVEL, STATES, TAKEN_OUT, creep, entry, folds};
 use super::gauss::LogSum;
 use super::tracker::Trend;
 use alloc::vec;
@@ -22,7 +22,7 @@ impl Trend {
     /// Draws `count` paths over `times_s`, which rise from the time of the last entry on.
     ///
     /// Filters are drawn by their probability, systematically; within each the state is drawn from its
-    /// normal distribution with `a > 0`, and the level wanders on.
+    /// normal distribution with `a > 0`; the amplitude walks on by factors, so that it stays above 0.
     ///
     /// * `normal`: standard normal numbers, one per call.
     #[must_use]
@@ -41,11 +41,11 @@ impl Trend {
             let last = times.last().copied().unwrap_or(self.time_s());
             times.push(if t > last { t } else { last });
         }
-        // Creep and own way of every curve over the times.
-        let mut steps: Vec<Vec<f64>> = Vec::with_capacity(times.len());
+        // Creep of every curve from time to time, and the e-folds between.
+        let mut steps: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len());
         let mut from = self.time_s();
         for &t in &times {
-            steps.push(wander_per_square(prior, from, t));
+            steps.push((folds(prior, from, t), creep(prior, from, t)));
             from = t;
         }
         let mut out = Paths {
@@ -59,7 +59,7 @@ impl Trend {
             while out.offset_rad.len() < count
                 && (out.offset_rad.len() as f64 + 0.5) / (count as f64) < reached
             {
-                let (offset, whole) = self.path(component, &out.times_s, &steps, normal);
+                let (offset, whole) = self.path(component, &steps, normal);
                 out.offset_rad.push(offset);
                 out.whole_rad.push(whole);
             }
@@ -71,28 +71,27 @@ impl Trend {
     fn path(
         &self,
         component: &Component,
-        times_s: &[f64],
-        steps: &[Vec<f64>],
+        steps: &[(f64, Vec<f64>)],
         normal: &mut dyn FnMut() -> f64,
     ) -> (Vec<f64>, Vec<f64>) {
-        let prior = self.prior();
         let state = draw(component, normal);
-        let mut offset = vec![0.0; times_s.len()];
-        let mut whole = vec![0.0; times_s.len()];
-        let Some(curve) = prior.curves.get(component.curve as usize) else {
-            return (offset, whole);
-        };
-        let start = curve.at(prior.baseline_s);
-        let mut level = state[LEVEL];
-        for (i, &t) in times_s.iter().enumerate() {
-            let step = steps
-                .get(i)
-                .and_then(|s| s.get(component.curve as usize))
-                .copied()
-                .unwrap_or(0.0);
-            level += state[AMPLITUDE] * libm::sqrt(step) * normal();
-            whole[i] = level + state[AMPLITUDE] * (curve.at(t) - start);
-            offset[i] = whole[i] + state[TAKEN_OUT];
+        let mut offset = vec![0.0; steps.len()];
+        let mut whole = vec![0.0; steps.len()];
+        let pace_error = self
+            .prior()
+            .noises
+            .get(component.noise as usize)
+            .map_or(0.0, |n| n.pace_error);
+        let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
+        for (i, (folds, creep)) in steps.iter().enumerate() {
+            let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
+            // A factor of mean 1; the level takes the mean of both ends.
+            let variance = pace_error * pace_error * folds;
+            let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
+            level += 0.5 * (1.0 + factor) * amplitude * step;
+            amplitude *= factor;
+            whole[i] = level;
+            offset[i] = level + state[TAKEN_OUT];
         }
         (offset, whole)
     }

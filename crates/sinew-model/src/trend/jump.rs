@@ -1,6 +1,6 @@
 //! How large a jump was.
 
-use super::bank::{AMPLITUDE, Bank, LEVEL, OffRecords, STATES, TAKEN_OUT};
+use super::bank::{Bank, LEVEL, OffRecords, STATES, TAKEN_OUT};
 use super::gauss::LogSum;
 use super::prior::Prior;
 use super::record::{Entry, Record};
@@ -8,20 +8,13 @@ use alloc::vec::Vec;
 
 impl Bank {
     /// Mean of the true offset at the reference temperature, rad.
-    pub(super) fn offset(&self, prior: &Prior, time_s: f64) -> f64 {
+    pub(super) fn offset(&self) -> f64 {
         let mut all = LogSum::new();
         self.components.iter().for_each(|c| all.add(c.log_weight));
         let all = all.value();
         self.components
             .iter()
-            .map(|c| {
-                let creep = prior
-                    .curves
-                    .get(c.curve as usize)
-                    .map_or(0.0, |curve| curve.at(time_s) - curve.at(prior.baseline_s));
-                let offset = c.mean[LEVEL] + c.mean[TAKEN_OUT] + c.mean[AMPLITUDE] * creep;
-                libm::exp(c.log_weight - all) * offset
-            })
+            .map(|c| libm::exp(c.log_weight - all) * (c.mean[LEVEL] + c.mean[TAKEN_OUT]))
             .sum()
     }
 

@@ -4,24 +4,22 @@
 //! the temperature. At time `t` since tensioning
 //!
 //! ```text
-//! offset record = J + R + a [c(t) − c(t_b)] + α (T − T_ref) + u(t) + w σ_i e,   e ~ N(0, 1)
-//! J  level since the baseline, and every jump since: what the rope really lengthened
-//! R  what re-tensionings have taken out (at most times 0 or below)
-//! a  amplitude of the creep curve c, a > 0; t_b the time of the baseline
+//! offset record = J + R + α (T − T_ref) + u(t) + w σ_i e,   e ~ N(0, 1)
+//! J  what the rope really lengthened since the baseline: dJ = a(t) dc(t), and jumps
+//! c  creep curve over time since tensioning; a > 0 its amplitude here and now,
+//!    da = δ a dW(ln t): no curve is quite right, so the pace may leave it by δ per e-fold of time
+//! R  what re-tensionings have taken out (as a rule below 0)
 //! α  drift of the estimate with temperature
 //! u  error that sessions share: Ornstein–Uhlenbeck, deviation σ_u, time τ_u
 //! w  how much the stated deviations are too narrow or too wide
 //! ```
 //!
-//! Given the curve and `(σ_u, τ_u, w)` this is linear and Gaussian, and a Kalman filter of five states
-//! is the exact posterior. The curve and the three numbers aren't known: [`Prior`] holds a list
-//! of curves (of a rope's law, or [`generic_curves`]) and of noises, every pair is one filter, and the
-//! filters are weighed by how well they predicted each record. So an interval of a forecast holds what
-//! isn't known about the law and about the errors as well. That a creep doesn't run backwards
-//! (`a > 0`) enters exactly, through the share of each filter's posterior that lies above 0.
-//!
-//! No curve is quite right: between records the level wanders by
-//! `(δ a Δc)²/Δ ln t`, that is by the share `δ` of what the creep adds per e-fold of time.
+//! Given the curve and `(σ_u, τ_u, w, δ)` this is linear and Gaussian (`δ a` taken at the present mean of
+//! `a`), and a Kalman filter of five states is the posterior. The curve and the four numbers aren't known:
+//! [`Prior`] holds a list of curves (of a rope's law, or [`generic_curves`]) and of noises, every pair is one
+//! filter, and the filters are weighed by how well they predicted each record. So an interval of a
+//! forecast holds what isn't known about the law and about the errors as well. That a creep doesn't run
+//! backwards (`a > 0`) enters through the share of each filter's posterior that lies above 0.
 //!
 //! **Jumps.** The last few records are kept apart. For each of them "the level jumped just before it" is
 //! held against "it didn't", and "this one record is off" against both. A jump that is likelier than not
@@ -35,7 +33,7 @@
 //! Adding one record a day gives what adding all at once gives: there is one way through.
 //!
 //! Not modelled: two events within the window of the last records, a creep that changes its pace
-//! because the robot is used otherwise (beyond `δ`), errors correlated over months with anything but
+//! because the robot is used otherwise (but by `δ`), errors correlated over months with anything but
 //! temperature.
 //!
 //! # Realtime
@@ -47,6 +45,7 @@ mod detector;
 mod forecast;
 mod gauss;
 mod jump;
+mod now;
 mod prior;
 mod record;
 mod tracker;
@@ -54,6 +53,7 @@ mod tracker;
 pub use bank::{Component, STATES};
 pub use curve::{Curve, NODES, generic_curves, node_times_s};
 pub use forecast::{Paths, first_passage};
+pub use now::Now;
 pub use prior::{Noise, Prior, generic_noises};
 pub use record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
 pub use tracker::Trend;

@@ -57,13 +57,13 @@ impl Forecaster {
             )?),
             Self::Generic => Prior::new(prior::generic(Some(tendon))),
             Self::Oracle => Prior {
-                curve_error: 0.0,
                 noises: vec![Noise {
                     slow_deviation_rad: 1e-3 * errors.slow_mrad,
                     slow_time_s: prior::days(errors.slow_days),
                     // Of a t distribution's deviation.
                     white_scale: errors.white_mrad / errors.stated_mrad
                         * (errors.white_freedom / (errors.white_freedom - 2.0)).sqrt(),
+                    pace_error: 0.15,
                     log_weight: 0.0,
                 }],
                 temperature_deviation_rad_per_k: 1e-3 * errors.drift_mrad_per_k,

@@ -10,7 +10,7 @@ use sinew_model::transmission::Tendon;
 
 /// A tendon that grows by less than this from day 60 to day 180 has no day on which it passes a limit
 /// worth forecasting, rad.
-const LEAST_GROWTH_RAD: f64 = 1.5e-3;
+const LEAST_GROWTH_RAD: f64 = 3e-3;
 /// Days a year is simulated for: limits are passed by day 300 at the latest.
 pub(super) const DAYS: usize = 400;
 
@@ -89,7 +89,7 @@ fn live(
     for _ in temperature_c {
         let (a, b): (f64, f64) = (StandardNormal.sample(rng), StandardNormal.sample(rng));
         let peak_s = 24.0 * HOUR_S * work.peak_share * (0.5 * a).exp();
-        let peak = work.peak_factor * (1.0 + 0.1 * b).max(0.7);
+        let peak = work.peak_factor * (1.0 + 0.05 * b).max(0.7);
         days.push((peak_s.min(4.0 * HOUR_S), peak));
     }
     let read = Load::at_reference(pretension_n);

@@ -1,0 +1,72 @@
+//! Where a tendon stands after the last record.
+
+use super::bank::{AMPLITUDE, Component, DRIFT, LEVEL, STATES, TAKEN_OUT};
+use super::gauss::LogSum;
+use super::tracker::Trend;
+
+/// Means and standard deviations over all filters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Now {
+    /// True offset at the reference temperature since the last tensioning, rad.
+    pub offset_rad: [f64; 2],
+    /// The same since the first tensioning, rad.
+    pub whole_rad: [f64; 2],
+    /// How fast the creep goes on, rad/s.
+    pub rate_rad_per_s: [f64; 2],
+    /// Drift of the records with temperature, rad/K.
+    pub drift_rad_per_k: [f64; 2],
+    /// Deviation of the error that sessions share, rad: mean over what is still likely.
+    pub slow_deviation_rad: f64,
+    /// True over stated deviation of a record's own error: mean.
+    pub white_scale: f64,
+}
+
+impl Trend {
+    /// Where the tendon stands after the last entry.
+    #[must_use]
+    pub fn now(&self) -> Now {
+        const DAY_S: f64 = 86_400.0;
+        let prior = self.prior();
+        let t = self.time_s();
+        let mut all = LogSum::new();
+        for c in self.components() {
+            all.add(c.weight_above_zero());
+        }
+        let total = all.value();
+        let mut moments = [[0.0; 2]; 4];
+        let (mut slow_deviation_rad, mut white_scale) = (0.0, 0.0);
+        for c in self.components() {
+            let share = libm::exp(c.weight_above_zero() - total);
+            let rate = prior
+                .curves
+                .get(c.curve as usize)
+                .map_or(0.0, |k| (k.at(t + DAY_S) - k.at(t)) / DAY_S);
+            let mut whole = [0.0; STATES];
+            whole[LEVEL] = 1.0;
+            let mut offset = whole;
+            offset[TAKEN_OUT] = 1.0;
+            let mut pace = [0.0; STATES];
+            pace[AMPLITUDE] = rate;
+            let mut drift = [0.0; STATES];
+            drift[DRIFT] = 1.0;
+            for (sums, h) in moments.iter_mut().zip([offset, whole, pace, drift]) {
+                let (mean, variance) = Component::predict(c, &h);
+                sums[0] += share * mean;
+                sums[1] += share * (mean * mean + variance);
+            }
+            if let Some(noise) = prior.noises.get(c.noise as usize) {
+                slow_deviation_rad += share * noise.slow_deviation_rad;
+                white_scale += share * noise.white_scale;
+            }
+        }
+        let of = |[mean, square]: [f64; 2]| [mean, libm::sqrt((square - mean * mean).max(0.0))];
+        Now {
+            offset_rad: of(moments[0]),
+            whole_rad: of(moments[1]),
+            rate_rad_per_s: of(moments[2]),
+            drift_rad_per_k: of(moments[3]),
+            slow_deviation_rad,
+            white_scale,
+        }
+    }
+}
