@@ -250,7 +250,12 @@ fn drawn(prior: &Prior, days: usize, later_s: &[f64], random: &mut Random) -> Dr
         let stated = 0.3e-3;
         let own = noise.white_scale * stated * random.normal();
         let y = level + drift * warm + slow + own;
-        records.push(record(day as f64, y, stated, prior.temperature_ref_c + warm));
+        records.push(record(
+            day as f64,
+            y,
+            stated,
+            prior.temperature_ref_c + warm,
+        ));
     }
     let later_rad = later_s
         .iter()
@@ -292,7 +297,10 @@ fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
         }
         let paths = trend.paths(&times, 400, &mut || random.normal());
         // The offset at four times the length of the record.
-        let at = times.iter().position(|t| *t > 120.0 * DAY_S).expect("within");
+        let at = times
+            .iter()
+            .position(|t| *t > 120.0 * DAY_S)
+            .expect("within");
         let mut there: Vec<f64> = paths.offset_rad.iter().map(|p| p[at]).collect();
         let (low, high) = (quantile(&mut there, 0.05), quantile(&mut there, 0.95));
         inside += usize::from((low..=high).contains(&truth.later_rad[at]));

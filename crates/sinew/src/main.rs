@@ -34,6 +34,7 @@ struct Cli {
 enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
+    Trend(Box<commands::trend::Trend>),
     Simulate(commands::simulate::Simulate),
     #[command(subcommand)]
     Scenarios(commands::scenarios::Scenarios),
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Estimate(command) => command.run(),
         Command::Baseline(command) => command.run(),
+        Command::Trend(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Scenarios(command) => command.run(),
         Command::Paper(command) => command.run(),

@@ -114,8 +114,8 @@ impl Bank {
             // Level after: level + amplitude · step.
             c.mean[LEVEL] += c.mean[AMPLITUDE] * step;
             let p = &mut c.covariance;
-            p[entry(LEVEL, LEVEL)] += step
-                * (2.0 * p[entry(AMPLITUDE, LEVEL)] + step * p[entry(AMPLITUDE, AMPLITUDE)]);
+            p[entry(LEVEL, LEVEL)] +=
+                step * (2.0 * p[entry(AMPLITUDE, LEVEL)] + step * p[entry(AMPLITUDE, AMPLITUDE)]);
             for k in TAKEN_OUT..STATES {
                 p[entry(LEVEL, k)] += step * p[entry(AMPLITUDE, k)];
             }

@@ -16,3 +16,4 @@ pub(crate) mod robot;
 pub(crate) mod rope;
 pub(crate) mod scenarios;
 pub(crate) mod simulate;
+pub(crate) mod trend;

@@ -4,6 +4,7 @@
 //! ([`surrogate`]) or the whole chain of simulated recording, baseline and absolute estimate
 //! ([`chain`]). [`run`] gives each robot's year to the forecasters and counts what they found.
 
+pub mod chain;
 mod forecaster;
 mod robot;
 mod summary;
