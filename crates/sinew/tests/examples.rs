@@ -52,8 +52,10 @@ fn every_story_runs() {
                 .current_dir(root())
                 .output()
                 .unwrap();
+            // A story may say that a threshold is passed.
+            let passed = output.status.code() == Some(3) && text.contains("exit code is 3");
             assert!(
-                output.status.success(),
+                output.status.success() || passed,
                 "{}: {command}: {}\n{}",
                 story.display(),
                 output.status,

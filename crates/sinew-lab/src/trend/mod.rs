@@ -14,6 +14,7 @@ mod read;
 mod records;
 mod result;
 mod stiffness;
+pub mod stored;
 mod table;
 pub mod year;
 

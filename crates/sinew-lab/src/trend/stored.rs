@@ -1,0 +1,199 @@
+//! A trend's state as a file keeps it: versioned, apart from the model's own types.
+
+use serde::{Deserialize, Serialize};
+use sinew_model::trend::{
+    Component, Entry, Event, Prior, Record, State, Trend, TrendConfig, TrendError,
+};
+
+/// Version written.
+const VERSION: u32 = 1;
+
+/// What a trend remembers, to go on from later: some tens of kilobytes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredTrend {
+    /// Version of this record.
+    pub version: u32,
+    /// Of the prior it belongs to, as hexadecimal digits: a JSON number would lose some.
+    pub prior: String,
+    /// Time of the filters, s since tensioning.
+    pub time_s: f64,
+    /// Records with an offset so far.
+    pub records: u64,
+    /// The filters.
+    pub filters: Vec<StoredFilter>,
+    /// Last entries.
+    pub entries: Vec<StoredEntry>,
+    /// Events so far; a size that is missing is that of a stated tensioning.
+    pub events: Vec<StoredEvent>,
+}
+
+/// A filter: curve, noise, logarithm of the weight, means, lower triangle of the covariance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StoredFilter(u32, u32, f64, [f64; 5], [f64; 15]);
+
+/// A session, or what happened between sessions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum StoredEntry {
+    /// A session.
+    Session {
+        /// s since tensioning.
+        time_s: f64,
+        /// Offset and standard deviation, rad.
+        offset_rad: Option<[f64; 2]>,
+        /// °C.
+        temperature_c: Option<f64>,
+    },
+    /// A confirmed jump.
+    Jump {
+        /// s since tensioning.
+        time_s: f64,
+        /// rad.
+        deviation_rad: f64,
+    },
+    /// A tensioning.
+    Tensioned {
+        /// s since tensioning.
+        time_s: f64,
+    },
+}
+
+/// An event.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredEvent {
+    time_s: f64,
+    after_s: f64,
+    size_rad: Option<[f64; 2]>,
+    confirmed_s: f64,
+    probability: f64,
+    tensioned: bool,
+}
+
+/// Why a stored trend was refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoredTrendError {
+    /// Written by a later program.
+    #[error("the trend has version {0}; this program reads version 1")]
+    Version(u32),
+    /// Another prior, or damaged.
+    #[error(transparent)]
+    Trend(#[from] TrendError),
+}
+
+impl From<&Trend> for StoredTrend {
+    fn from(trend: &Trend) -> Self {
+        let state = trend.state();
+        Self {
+            version: VERSION,
+            prior: format!("{:016x}", state.fingerprint),
+            time_s: state.time_s,
+            records: state.records,
+            filters: (state.components.iter())
+                .map(|c| StoredFilter(c.curve, c.noise, c.log_weight, c.mean, c.covariance))
+                .collect(),
+            entries: state.entries.iter().filter_map(entry).collect(),
+            events: (state.events.iter())
+                .map(|e| StoredEvent {
+                    time_s: e.time_s,
+                    after_s: e.after_s,
+                    size_rad: (!e.size_rad.is_nan()).then_some([e.size_rad, e.deviation_rad]),
+                    confirmed_s: e.confirmed_s,
+                    probability: e.probability,
+                    tensioned: e.tensioned,
+                })
+                .collect(),
+        }
+    }
+}
+
+fn entry(entry: &Entry) -> Option<StoredEntry> {
+    Some(match *entry {
+        Entry::Record(Record {
+            time_s,
+            offset_rad,
+            temperature_c,
+        }) => StoredEntry::Session {
+            time_s,
+            offset_rad,
+            temperature_c,
+        },
+        Entry::Jump {
+            time_s,
+            deviation_rad,
+        } => StoredEntry::Jump {
+            time_s,
+            deviation_rad,
+        },
+        Entry::Tensioned { time_s } => StoredEntry::Tensioned { time_s },
+        // A kind this version doesn't know can't be written by it either.
+        _ => return None,
+    })
+}
+
+impl StoredTrend {
+    /// Goes on from here with the prior it was made with.
+    ///
+    /// # Errors
+    /// [`StoredTrendError`] for another version, another prior or damage.
+    pub fn resume(self, prior: Prior, config: TrendConfig) -> Result<Trend, StoredTrendError> {
+        if self.version != VERSION {
+            return Err(StoredTrendError::Version(self.version));
+        }
+        let fingerprint = u64::from_str_radix(&self.prior, 16).map_err(|_| TrendError::State)?;
+        let state = State {
+            fingerprint,
+            time_s: self.time_s,
+            components: (self.filters.into_iter())
+                .map(
+                    |StoredFilter(curve, noise, log_weight, mean, covariance)| Component {
+                        curve,
+                        noise,
+                        log_weight,
+                        mean,
+                        covariance,
+                    },
+                )
+                .collect(),
+            entries: (self.entries.into_iter())
+                .map(|e| match e {
+                    StoredEntry::Session {
+                        time_s,
+                        offset_rad,
+                        temperature_c,
+                    } => Entry::Record(Record {
+                        time_s,
+                        offset_rad,
+                        temperature_c,
+                    }),
+                    StoredEntry::Jump {
+                        time_s,
+                        deviation_rad,
+                    } => Entry::Jump {
+                        time_s,
+                        deviation_rad,
+                    },
+                    StoredEntry::Tensioned { time_s } => Entry::Tensioned { time_s },
+                })
+                .collect(),
+            events: (self.events.into_iter())
+                .map(|e| {
+                    let [size_rad, deviation_rad] = e.size_rad.unwrap_or([f64::NAN; 2]);
+                    Event {
+                        time_s: e.time_s,
+                        after_s: e.after_s,
+                        size_rad,
+                        deviation_rad,
+                        confirmed_s: e.confirmed_s,
+                        probability: e.probability,
+                        tensioned: e.tensioned,
+                    }
+                })
+                .collect(),
+            records: self.records,
+        };
+        Ok(Trend::resume(prior, config, state)?)
+    }
+}

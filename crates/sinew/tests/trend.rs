@@ -1,0 +1,167 @@
+//! `sinew trend` from the outside: exit codes, columns, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn sinew(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(args)
+        .current_dir(root())
+        .output()
+        .unwrap()
+}
+
+const SESSIONS: &str = "examples/10-trend/sessions.csv";
+
+#[test]
+fn a_confirmed_jump_ends_with_3_and_the_table_fits() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("trend.html");
+    let csv = folder.path().join("trend.csv");
+    let output = sinew(&[
+        "trend",
+        SESSIONS,
+        "--robot",
+        "robots/biorob-like",
+        "--tensioned",
+        "2026-03-02",
+        "--report",
+        page.to_str().unwrap(),
+        "--csv",
+        csv.to_str().unwrap(),
+    ]);
+    assert_eq!(
+        output.status.code(),
+        Some(3),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let text = String::from_utf8(output.stdout).unwrap();
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+    assert!(
+        text.contains("2026-05-05: jump") && text.contains("strand"),
+        "{text}"
+    );
+    assert!(
+        std::fs::read_to_string(page)
+            .unwrap()
+            .contains("shoulder_pitch")
+    );
+    let table = std::fs::read_to_string(csv).unwrap();
+    let sessions = std::fs::read_to_string(root().join(SESSIONS)).unwrap();
+    assert_eq!(table.lines().count(), sessions.lines().count());
+}
+
+#[test]
+fn json_names_what_happened_and_files_may_come_in_pieces() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(root().join(SESSIONS)).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    // Odd and even lines in two files, the later ones first.
+    let part = |odd: usize| -> String {
+        let rows: Vec<&str> = rows.lines().skip(odd).step_by(2).collect();
+        format!("{head}\n{}\n", rows.join("\n"))
+    };
+    let (a, b) = (folder.path().join("a.csv"), folder.path().join("b.csv"));
+    std::fs::write(&a, part(1)).unwrap();
+    std::fs::write(&b, part(0)).unwrap();
+    let ask = |files: &[&str]| -> serde_json::Value {
+        let fixed = [
+            "--robot",
+            "robots/biorob-like",
+            "--tensioned",
+            "2026-03-02",
+            "--json",
+        ];
+        let output = sinew(&[&["trend"], files, &fixed].concat());
+        assert_eq!(output.status.code(), Some(3));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let whole = ask(&[SESSIONS]);
+    assert_eq!(whole, ask(&[a.to_str().unwrap(), b.to_str().unwrap()]));
+    let elbow = &whole["joints"].as_array().unwrap()[1];
+    assert_eq!(elbow["name"], "elbow");
+    assert_eq!(elbow["events"][0]["kind"], "jump");
+    assert_eq!(elbow["events"][0]["day"], "2026-05-05");
+    let size = elbow["events"][0]["size_mrad"][0].as_f64().unwrap();
+    assert!((size - 2.9).abs() < 0.8, "{size}");
+}
+
+#[test]
+fn what_is_wrong_is_refused_with_its_place() {
+    for (args, code, words) in [
+        (vec!["trend"], 2, "Usage"),
+        (vec!["trend", "no-such.csv"], 1, "no-such.csv"),
+        (vec!["trend", SESSIONS, "--tensioned", "soon"], 2, "no date"),
+        (
+            vec!["trend", SESSIONS, "--tensioned", "knee=2026-03-02"],
+            1,
+            "knee",
+        ),
+        (vec!["trend", "Cargo.toml"], 1, "not JSON"),
+        (vec!["trend", SESSIONS, "--csv", SESSIONS], 1, "same file"),
+        (
+            vec!["trend", SESSIONS, "--robot", "robots/none"],
+            1,
+            "robots/none",
+        ),
+    ] {
+        let output = sinew(&args);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {error}");
+        assert!(error.contains(words), "{args:?}: {error}");
+    }
+}
+
+#[test]
+fn years_go_on_where_they_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("years.jsonl");
+    let out = out.to_str().unwrap();
+    let run = |robots: &str| -> serde_json::Value {
+        let output = sinew(&[
+            "trend",
+            "simulate-year",
+            "--robot",
+            "robots/biorob-like",
+            "--joints",
+            "elbow",
+            "--robots",
+            robots,
+            "--out",
+            out,
+            "--json",
+            "--quiet",
+        ]);
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let one = run("1");
+    assert_eq!(one["summary"].as_array().unwrap().len(), 3);
+    let started = std::time::Instant::now();
+    assert_eq!(run("1"), one, "kept");
+    assert!(std::fs::read_to_string(out).unwrap().lines().count() == 2);
+    println!("kept years in {:.1} s", started.elapsed().as_secs_f64());
+    std::fs::write(out, "{}\n").unwrap();
+    let output = sinew(&[
+        "trend",
+        "simulate-year",
+        "--robot",
+        "robots/biorob-like",
+        "--robots",
+        "1",
+        "--out",
+        out,
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+}
