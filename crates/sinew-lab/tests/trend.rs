@@ -407,12 +407,73 @@ fn a_trend_survives_being_stored() {
     }
     // JSON numbers are read to the last digit but one.
     let (a, b) = (whole.now(), stored.now());
-    assert!((a.offset_rad[0] - b.offset_rad[0]).abs() < 1e-12, "{a:?} {b:?}");
-    assert!((a.offset_rad[1] / b.offset_rad[1] - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+    assert!(
+        (a.offset_rad[0] - b.offset_rad[0]).abs() < 1e-12,
+        "{a:?} {b:?}"
+    );
+    assert!(
+        (a.offset_rad[1] / b.offset_rad[1] - 1.0).abs() < 1e-9,
+        "{a:?} {b:?}"
+    );
     assert_eq!(whole.events().len(), stored.events().len());
     assert_eq!(whole.events().len(), 2, "{:?}", whole.events());
     let mut later = StoredTrend::from(&whole);
     later.version = 2;
     let refused = later.resume(prior, config);
     assert_eq!(refused.unwrap_err(), StoredTrendError::Version(2));
+}
+
+#[test]
+fn damaged_files_are_refused_and_never_break_anything() {
+    let csv = "time,joint,offset_mrad,interval_95_mrad,temperature_c,stiffness_change_percent\n\
+               2026-03-01T08:30Z,elbow,1.5,0.4,21,-2\n2026-03-02,elbow,,,,\n";
+    let json = r#"{"start_time_utc_s": 1772353800.0, "joints": [{"name": "elbow", "offset_mrad": 1.5,
+        "interval_95_mrad": 0.4, "verdict": "longer", "stiffness_change_percent": [-2.0, 1.0]}]}"#;
+    // Bytes replaced, cut out and doubled at places of a simple generator.
+    let mut state = 7_u64;
+    let mut next = |most: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as usize) % most.max(1)
+    };
+    let (mut taken, mut refused) = (0, 0);
+    for _ in 0..4000 {
+        for (text, is_csv) in [(csv, true), (json, false)] {
+            let mut bytes = text.as_bytes().to_vec();
+            for _ in 0..=next(4) {
+                let at = next(bytes.len());
+                match next(3) {
+                    0 => bytes[at] = b"0123456789-+.eE,:\"[]{}\n \xffnaif"[next(32)],
+                    1 => drop(bytes.drain(at..(at + next(20)).min(bytes.len()))),
+                    _ => {
+                        let piece = bytes[at..(at + next(20)).min(bytes.len())].to_vec();
+                        bytes.splice(at..at, piece);
+                    }
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            let read = if is_csv {
+                records_from_csv(&text, "f")
+            } else {
+                records_from_json(&text, "f")
+            };
+            match read.and_then(|records| sort(records, None)) {
+                Ok(sorted) => {
+                    taken += 1;
+                    for (_, records) in sorted.joints {
+                        for r in records {
+                            assert!(r.time_utc_s.is_finite());
+                            assert!(r.offset_mrad.is_none_or(|[y, i]| y.is_finite() && i > 0.0));
+                        }
+                    }
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert!(!error.to_string().is_empty());
+                }
+            }
+        }
+    }
+    assert!(taken > 100 && refused > 100, "{taken} {refused}");
 }

@@ -2,7 +2,7 @@
 
 use super::date::day_of;
 use super::limits::{self, Ahead};
-use super::prior::{days, grounds};
+use super::prior::{Grounds, days, grounds};
 use super::records::{SessionRecord, Sorted};
 use super::result::{EventSaid, JointTrend, Series, Suspicion, TrendReport};
 use super::stiffness;
@@ -197,11 +197,45 @@ fn joint(
             "{name}: nobody said when it was tensioned (--tensioned DATE); the clock of its creep begins with the first session"
         ));
     }
-    let reference_c = grounds.prior.temperature_ref_c;
-    let mut trend = Trend::new(grounds.prior, TrendConfig::default())?;
-    let (mut series, added) = feed(&mut trend, records, &clock, name, notes)?;
+    let mut trend = Trend::new(grounds.prior.clone(), TrendConfig::default())?;
+    let (series, added) = feed(&mut trend, records, &clock, name, notes)?;
+    let mut out = said(name, &trend, &clock, records, tendon, &grounds, series);
+    out.suspicion = added.and_then(|a| {
+        Some(Suspicion {
+            day: day_of(clock.start_utc_s + a.suspected_s?),
+            probability: a.jump_probability,
+        })
+    });
+    let ahead = Ahead::draw(&trend, days(request.horizon_days), request.seed);
+    out.series.forecast_utc_s = (ahead.paths.times_s.iter())
+        .map(|t| clock.start_utc_s + t)
+        .collect();
+    out.series.forecast_mrad = ahead.quantiles_mrad();
+    out.limits = limits::limits(
+        tendon,
+        &trend,
+        &ahead,
+        out.last_utc_s,
+        grounds.rope.is_some(),
+    );
+    out.verdict = limits::verdict(&out);
+    Ok(out)
+}
+
+/// Where a tendon stands, without its future.
+fn said(
+    name: &str,
+    trend: &Trend,
+    clock: &Clock,
+    records: &[SessionRecord],
+    tendon: Option<&Tendon>,
+    grounds: &Grounds,
+    mut series: Series,
+) -> JointTrend {
     let now = trend.now();
+    let reference_c = trend.prior().temperature_ref_c;
     let mrad = |[m, s]: [f64; 2]| [1e3 * m, 1e3 * Z95 * s];
+    let scale = |[m, h]: [f64; 2], factor: f64| [m * factor, h * factor];
     let drift = now.drift_rad_per_k[0];
     series.at_reference_mrad = (records.iter())
         .map(|r| {
@@ -210,25 +244,18 @@ fn joint(
                 .map_or(f64::NAN, |[y, _]| y - 1e3 * drift * warm)
         })
         .collect();
-    let ahead = Ahead::draw(&trend, days(request.horizon_days), request.seed);
-    series.forecast_utc_s = (ahead.paths.times_s.iter())
-        .map(|t| clock.start_utc_s + t)
-        .collect();
-    series.forecast_mrad = ahead.quantiles_mrad();
-    let last_utc_s = records[records.len() - 1].time_utc_s;
-    let limits = limits::limits(tendon, &trend, &ahead, last_utc_s, grounds.rope.is_some());
-    let events: Vec<EventSaid> = trend
-        .events()
-        .iter()
-        .map(|e| event_said(e, &clock, records))
-        .collect();
-    let scale = |[m, h]: [f64; 2], factor: f64| [m * factor, h * factor];
+    let (first_utc_s, last_utc_s) = match records {
+        [] => (f64::NAN, f64::NAN),
+        [first, .., last] => (first.time_utc_s, last.time_utc_s),
+        [only] => (only.time_utc_s, only.time_utc_s),
+    };
+    let warmth = records.iter().any(|r| r.temperature_c.is_some());
     let offset_mrad = mrad(now.offset_rad);
-    let mut out = JointTrend {
+    JointTrend {
         name: name.into(),
         sessions: records.len(),
         without_information: records.iter().filter(|r| r.offset_mrad.is_none()).count(),
-        first_day: day_of(records[0].time_utc_s),
+        first_day: day_of(first_utc_s),
         last_day: day_of(last_utc_s),
         last_utc_s,
         tensioned_day: day_of(clock.start_utc_s),
@@ -242,24 +269,19 @@ fn joint(
             )
         }),
         rate_mrad_per_month: scale(mrad(now.rate_rad_per_s), days(30.0)),
-        drift_mrad_per_k: (!temperatures.is_empty()).then(|| mrad(now.drift_rad_per_k)),
+        drift_mrad_per_k: warmth.then(|| mrad(now.drift_rad_per_k)),
         reference_c,
         shared_error_mrad: 1e3 * now.slow_deviation_rad,
         stated_width_factor: now.white_scale,
-        events,
-        suspicion: added.and_then(|a| {
-            Some(Suspicion {
-                day: day_of(clock.start_utc_s + a.suspected_s?),
-                probability: a.jump_probability,
-            })
-        }),
-        limits,
-        basis: grounds.basis,
+        events: (trend.events().iter())
+            .map(|e| event_said(e, clock, records))
+            .collect(),
+        suspicion: None,
+        limits: Vec::new(),
+        basis: grounds.basis.clone(),
         verdict: String::new(),
         series,
-    };
-    out.verdict = limits::verdict(&out);
-    Ok(out)
+    }
 }
 
 fn tendon_of<'a>(robot: &'a Robot, joint: &str) -> Option<&'a Tendon> {

@@ -19,7 +19,6 @@ const AMPLITUDE_DEVIATION: f64 = 0.4;
 const GENERIC_STRAIN: f64 = 1e-3;
 /// The same without a tendon, rad.
 const GENERIC_RAD: f64 = 30e-3;
-/// The clock of "since tensioned" begins here, s: [`crate::rope::predict::TENSIONED_AFTER_S`].
 const SECONDS_PER_DAY: f64 = 86_400.0;
 
 /// What a working robot does to a strand, averaged over days.
@@ -142,7 +141,8 @@ fn since_first(mut values: Vec<f64>) -> Option<Vec<f64>> {
 }
 
 /// Curves of a rope: its law drawn from its stated uncertainty, under the duty or, without one, under
-/// work drawn from what robots do; a share of [`GENERIC_SHARE`] for [`generic_curves`].
+/// work drawn from what robots do; a fifth of the probability for
+/// [`generic_curves`].
 ///
 /// # Errors
 /// [`CatalogueError::NoLaw`].

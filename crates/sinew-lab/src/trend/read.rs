@@ -215,50 +215,58 @@ pub fn records_from_csv(text: &str, file: &str) -> Result<Vec<SessionRecord>, Re
     for row in reader.records() {
         let row = row.map_err(|e| value(file, e.to_string()))?;
         let line = row.position().map_or(0, csv::Position::line);
-        let place = format!("{file}, line {line}");
         let cell = |name: &str| {
             column(name)
                 .and_then(|i| row.get(i))
                 .filter(|text| !text.is_empty())
         };
-        let number = |name: &str| number(cell(name), name, &place);
-        let need =
-            |name: &str| cell(name).ok_or_else(|| value(&place, format!("'{name}' is empty")));
-        let time = need("time")?;
-        let time_utc_s = parse_utc_s(time).ok_or_else(|| {
-            value(
-                &place,
-                format!("time '{time}' is no date; write such as 2026-03-01T08:30Z or seconds since 1970"),
-            )
-        })?;
-        let offset_mrad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
-            (None, _) => None,
-            (Some(_), None) => {
-                return Err(value(
-                    &place,
-                    "interval_95_mrad is empty beside an offset".into(),
-                ));
-            }
-            (Some(y), Some(i)) => Some(interval(y, i, &place)?),
-        };
-        let stiffness = number("stiffness_change_percent")?
-            .zip(number("stiffness_interval_95_percent")?)
-            .filter(|(_, i)| *i > 0.0);
-        let text = |name: &str| cell(name).map(str::to_string);
-        out.push(SessionRecord {
-            robot: text("robot"),
-            recording: text("recording"),
-            baseline: text("baseline"),
-            time_utc_s,
-            duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
-            joint: need("joint")?.to_string(),
-            offset_mrad,
-            temperature_c: number("temperature_c")?,
-            stiffness_percent: stiffness.map(|(v, i)| [v, i]),
-            source: place,
-        });
+        out.push(row_record(&cell, format!("{file}, line {line}"))?);
     }
     Ok(out)
+}
+
+/// One line; `cell` finds what stands in a column, if anything does.
+fn row_record<'a>(
+    cell: &dyn Fn(&str) -> Option<&'a str>,
+    place: String,
+) -> Result<SessionRecord, RecordError> {
+    let number = |name: &str| number(cell(name), name, &place);
+    let need = |name: &str| cell(name).ok_or_else(|| value(&place, format!("'{name}' is empty")));
+    let time = need("time")?;
+    let time_utc_s = parse_utc_s(time).ok_or_else(|| {
+        value(
+            &place,
+            format!(
+                "time '{time}' is no date; write such as 2026-03-01T08:30Z or seconds since 1970"
+            ),
+        )
+    })?;
+    let offset_mrad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
+        (None, _) => None,
+        (Some(_), None) => {
+            return Err(value(
+                &place,
+                "interval_95_mrad is empty beside an offset".into(),
+            ));
+        }
+        (Some(y), Some(i)) => Some(interval(y, i, &place)?),
+    };
+    let stiffness = number("stiffness_change_percent")?
+        .zip(number("stiffness_interval_95_percent")?)
+        .filter(|(_, i)| *i > 0.0);
+    let text = |name: &str| cell(name).map(str::to_string);
+    Ok(SessionRecord {
+        robot: text("robot"),
+        recording: text("recording"),
+        baseline: text("baseline"),
+        time_utc_s,
+        duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
+        joint: need("joint")?.to_string(),
+        offset_mrad,
+        temperature_c: number("temperature_c")?,
+        stiffness_percent: stiffness.map(|(v, i)| [v, i]),
+        source: place.clone(),
+    })
 }
 
 fn number(cell: Option<&str>, name: &str, place: &str) -> Result<Option<f64>, RecordError> {

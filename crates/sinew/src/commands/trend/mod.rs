@@ -112,21 +112,10 @@ impl Trend {
         let known = robot.map(|r| (r.name.as_str(), elastic.as_slice()));
         let sorted = trend::sort(records, known).map_err(|e| hinted(e, &elastic))?;
         let catalogue = self.catalogue()?;
-        let each = |list: &[(Option<String>, f64)], replaced: bool| -> Vec<Stated> {
-            list.iter()
-                .map(|(joint, time_utc_s)| Stated {
-                    joint: joint.clone(),
-                    time_utc_s: *time_utc_s,
-                    replaced,
-                })
-                .collect()
-        };
-        let mut all = each(&self.tensioned, false);
-        all.extend(each(&self.replaced, true));
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,
-            stated: all,
+            stated: self.stated(),
             duty: self.duty.as_deref().map(Duty::open).transpose()?,
             horizon_days: f64::from(self.horizon),
             seed: self.seed,
@@ -149,6 +138,21 @@ impl Trend {
             answer(&told(&report))?;
         }
         Ok(Finish::lossy(report.attention))
+    }
+
+    fn stated(&self) -> Vec<Stated> {
+        let each = |list: &[(Option<String>, f64)], replaced: bool| -> Vec<Stated> {
+            list.iter()
+                .map(|(joint, time_utc_s)| Stated {
+                    joint: joint.clone(),
+                    time_utc_s: *time_utc_s,
+                    replaced,
+                })
+                .collect()
+        };
+        let mut all = each(&self.tensioned, false);
+        all.extend(each(&self.replaced, true));
+        all
     }
 
     fn catalogue(&self) -> Result<Catalogue, Failure> {
