@@ -278,7 +278,7 @@ fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
         .ok()
         .and_then(|s| s.parse().ok())
         .unwrap_or(80);
-    let mut prior = Prior::new(generic_curves(0.03));
+    let prior = Prior::new(generic_curves(0.03));
     let mut random = Random(11);
     // Tendons of this prior don't jump, and records are never off.
     let config = TrendConfig {

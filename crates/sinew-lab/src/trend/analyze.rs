@@ -358,7 +358,7 @@ fn event_said(event: &Event, clock: &Clock, records: &[SessionRecord]) -> EventS
         time_utc_s: utc(event.time_s),
         kind: if event.tensioned { "tensioned" } else { "jump" }.into(),
         stated,
-        size_mrad: (!stated).then(|| [1e3 * event.size_rad, 1e3 * Z95 * event.deviation_rad]),
+        size_mrad: (!stated).then_some([1e3 * event.size_rad, 1e3 * Z95 * event.deviation_rad]),
         confirmed_day: day_of(utc(event.confirmed_s)),
         probability: event.probability,
         stiffness_change_percent: change,

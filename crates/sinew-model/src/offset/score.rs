@@ -10,8 +10,8 @@ use alloc::vec::Vec;
 
 /// A candidate is tried when half its chi-square exceeds this and one per unknown.
 const WORTH_TRYING: f64 = 8.0;
-/// Candidates of each weighing that are put into the estimate per round.
-const TRIALS: usize = 5;
+/// Candidates that are put into the estimate per round, of each weighing.
+const TRIALS: [usize; 2] = [4, 3];
 
 /// A change that may have happened.
 #[derive(Debug, Clone)]
@@ -46,12 +46,13 @@ impl MapEstimator {
             loads.push(What::Payload);
         }
         let mut out = Vec::new();
-        for (kinds, weighing) in [(offsets, Weighing::Cut), (loads, Weighing::Huber)] {
+        let weighings = [(offsets, Weighing::Cut), (loads, Weighing::Huber)];
+        for ((kinds, weighing), trials) in weighings.into_iter().zip(TRIALS) {
             if !kinds.is_empty() {
                 let fit = self.fit(start, known, blocks, payload, weighing)?;
                 let mut scored = self.score(known, blocks, payload, seek, &kinds, fit);
                 scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-                out.extend(scored.into_iter().take(TRIALS));
+                out.extend(scored.into_iter().take(trials));
             }
         }
         Ok(out)

@@ -5,7 +5,7 @@
 //! friction, encoders); temperature drifts its zero by 0.1 mrad/K and softens it by 0.1 to 0.3 %/K.
 
 use super::surrogate::Failure;
-use crate::absolute::{self, Absolute, AbsoluteError, Baseline, Window};
+use crate::absolute::{self, Absolute, AbsoluteError, Baseline, WatchOptions, Window};
 use crate::estimate::Request;
 use crate::simulate::scenario::{Bound, Draw, Offset, OffsetKind, PerJoint, Shape};
 use crate::simulate::{self, Scenario, SimulateError, SimulateOptions};
@@ -155,6 +155,7 @@ impl<'a> Chain<'a> {
                 kind: OffsetKind::Physical,
                 size_rad: Draw::Fixed(rad),
                 shape: Shape::Constant,
+                later_s: Draw::Fixed(0.0),
             })
             .collect();
         let log = self.folder.join("session.mcap");
@@ -164,12 +165,13 @@ impl<'a> Chain<'a> {
             &SimulateOptions::new(&log),
             &mut |_| {},
         )?;
-        Ok(absolute::watch(
+        let (said, _) = absolute::watch(
             &Self::request(&self.place, &log),
             Window::default(),
             Some((&self.baseline, "baseline")),
-            true,
+            &WatchOptions::default(),
             &mut |_| {},
-        )?)
+        )?;
+        Ok(said)
     }
 }

@@ -89,7 +89,7 @@ pub fn run(
         .collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     for batch in seeds.chunks(threads) {
-        let years = crate::rope::predict::in_parallel(batch, |seed| fleet.year(*seed));
+        let years = crate::rope::parallel::in_parallel(batch, |seed| fleet.year(*seed));
         for year in years {
             finished(year?);
         }

@@ -186,7 +186,7 @@ fn watch(
                 _ => out.false_alarm_days.push(event.confirmed_s / DAY_S),
             }
         }
-        if day % 15 == 0 {
+        if day.is_multiple_of(15) {
             let error = mean_offset(&trend, &mut rng) - true_rad(day, day);
             squares += error * error;
             counted += 1.0;
