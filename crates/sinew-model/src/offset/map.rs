@@ -137,7 +137,7 @@ pub struct MapEstimator {
 /// equations are so nearly linear that one step per scale is within 1 % of many.
 const SCALES: [f64; 10] = [40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0];
 /// The same from a start that is nearly right.
-const WARM_SCALES: [f64; 4] = [8.0, 4.0, 3.0, 3.0];
+const WARM_SCALES: [f64; 5] = [12.0, 6.0, 3.5, 3.0, 3.0];
 /// The scale that decides.
 const SCALE: f64 = 3.0;
 

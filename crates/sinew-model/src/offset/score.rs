@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 /// A candidate is tried when half its chi-square exceeds this and one per unknown.
 const WORTH_TRYING: f64 = 8.0;
 /// Candidates that are put into the estimate per round, of each weighing.
-const TRIALS: [usize; 2] = [4, 3];
+const TRIALS: [usize; 2] = [6, 3];
 
 /// A change that may have happened.
 #[derive(Debug, Clone)]
