@@ -7,8 +7,10 @@ use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace, urdf};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{
-    Comparison, OffsetConfig, OffsetObserver, Sample, TorqueSource, VelocityFilter,
+    Comparison, FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig, OffsetObserver,
+    Payload, Prior, RecursiveOffsets, Sample, TorqueSource, UNKNOWN_OFFSET_RAD, VelocityFilter,
 };
+use sinew_model::tolerances::Tolerances;
 use sinew_model::transmission::Transmission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -200,4 +202,34 @@ fn offset_steps_allocate_nothing_with_any_source() {
             "{source:?}, {comparison:?}: {count} allocator calls"
         );
     }
+}
+
+#[test]
+fn features_and_the_recursive_estimate_allocate_nothing() {
+    let arm = arm();
+    let n = arm.dof();
+    let mut spring = Transmission::spring(40.0);
+    spring.motor_inertia_kg_m2 = Some(0.1);
+    let transmissions = vec![Some(spring); n];
+    let config = FeatureConfig::default();
+    let prior = Prior::new(&arm, &transmissions, n - 1, [0.0; 3], Tolerances::default());
+    let start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let estimator = MapEstimator::new(prior, &config);
+    let mut filter = RecursiveOffsets::new(estimator, start).unwrap();
+    let mut features = FeatureObserver::new(&arm, config);
+    let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
+    let (theta, torque, broken) = (vec![0.05; n], vec![0.4; n], vec![f64::NAN; n]);
+    let mut blocks = 0;
+    let count = allocations(|| {
+        for k in 0..40 * STEPS {
+            motion(k, &mut q, &mut dq);
+            if features.step(1e-3, &q, &theta, &torque, 20.0) == Ok(true) {
+                filter.step(features.block()).unwrap();
+                blocks += 1;
+            }
+            assert!(features.step(1e-3, &broken, &theta, &torque, 20.0).is_err());
+        }
+    });
+    assert!(blocks > 20, "{blocks}");
+    assert_eq!(count, 0, "{blocks} blocks made {count} allocator calls");
 }

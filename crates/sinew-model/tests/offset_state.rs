@@ -1,0 +1,327 @@
+//! The state of the absolute estimate: a pendulum whose every number is known in closed form.
+
+use sinew_model::arm::Arm;
+use sinew_model::offset::{
+    Block, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator, Payload, Prior,
+    RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+};
+use sinew_model::robot::{Robot, RobotError, RobotFile};
+
+const K: f64 = 20.0;
+const MASS_KG: f64 = 0.5;
+const LENGTH_M: f64 = 0.3;
+const G: f64 = 9.80665;
+const JOINT_PARAMETERS: usize = JointParameter::Stuck as usize + 1;
+
+/// A point mass on a massless rod, hanging straight down at `q = 0`.
+fn pendulum(extra: &str) -> Result<Robot, RobotError> {
+    let toml = format!(
+        "[joints.swing]\nstiffness_nm_per_rad = {K}\nmotor_inertia_kg_m2 = 0.05\n\
+         joint_friction = {{ coulomb_nm = 0.01 }}\n{extra}"
+    );
+    RobotFile::parse(&toml, "pendulum.toml")?.build(&format!(
+        r#"<robot name="pendulum"><link name="base"/><link name="bob"><inertial>
+        <origin xyz="0 0 -{LENGTH_M}"/><mass value="{MASS_KG}"/>
+        <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+        <joint name="swing" type="revolute"><parent link="base"/><child link="bob"/>
+        <axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="9" velocity="9"/></joint></robot>"#
+    ))
+}
+
+fn prior(robot: &Robot) -> Prior {
+    Prior::new(
+        &robot.arm,
+        &robot.transmissions,
+        0,
+        [0.0, 0.0, -LENGTH_M],
+        robot.tolerances,
+    )
+}
+
+/// What is true of a swing.
+#[derive(Clone, Copy)]
+struct Truth {
+    offset_rad: f64,
+    compliance: f64,
+    slack_rad: f64,
+    /// The offset grows by this at half time.
+    step_rad: f64,
+    /// Amplitude and middle of the swing, rad.
+    swing_rad: [f64; 2],
+}
+
+const PLAIN: Truth = Truth {
+    offset_rad: 0.01,
+    compliance: 0.1,
+    slack_rad: 0.0,
+    step_rad: 0.0,
+    swing_rad: [1.2, 0.2],
+};
+
+/// Blocks of 60 s of `q = middle + a (sin 0.7 t + sin 0.31 t)/2`, the spring's torque in closed
+/// form: `τ = m l² ddq + m g l sin q`.
+fn blocks(arm: &Arm, truth: Truth) -> Vec<Block> {
+    let mut features = FeatureObserver::new(arm, FeatureConfig::default());
+    let dt = 0.004;
+    let [a, middle] = truth.swing_rad;
+    let mut out = Vec::new();
+    for k in 0..15_000 {
+        let t = f64::from(k) * dt;
+        let (w1, w2) = (0.7, 0.31);
+        let q = middle + 0.5 * a * ((w1 * t).sin() + (w2 * t).sin());
+        let ddq = -0.5 * a * (w1 * w1 * (w1 * t).sin() + w2 * w2 * (w2 * t).sin());
+        let tau = MASS_KG * LENGTH_M * LENGTH_M * ddq + MASS_KG * G * LENGTH_M * q.sin();
+        let mut offset = truth.offset_rad;
+        if t > 30.0 {
+            offset += truth.step_rad;
+        }
+        let theta =
+            q + tau * (1.0 + truth.compliance) / K + offset + truth.slack_rad * tau.signum();
+        if features.step(dt, &[q], &[theta], &[f64::NAN], f64::NAN) == Ok(true) {
+            out.push(features.block().clone());
+        }
+    }
+    out
+}
+
+#[test]
+fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let map = estimator
+        .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, PLAIN))
+        .unwrap();
+    let [offset, deviation] = map.offset(estimator.prior(), 0);
+    assert!(
+        (offset - 0.01).abs() < 2.0 * deviation,
+        "{offset} ± {deviation}"
+    );
+    assert!(deviation < 1.5e-3, "{deviation}");
+    let belief = map.belief(estimator.prior());
+    let place = estimator.prior().place(0, JointParameter::Compliance);
+    let [compliance, unsure] = belief.entry(place);
+    // Mass and stiffness are one in a single pendulum's statics: only their ratio is sure.
+    assert!(
+        (compliance - 0.1).abs() < 2.0 * unsure,
+        "{compliance} ± {unsure}"
+    );
+
+    // Standing, the offset is the whole of the compliance's and mass's uncertainty:
+    // 0.12 and 0.065 of the deflection, and what friction holds.
+    let stand = Truth {
+        swing_rad: [0.0, 1.2],
+        ..PLAIN
+    };
+    let map = estimator
+        .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, stand))
+        .unwrap();
+    let [_, deviation] = map.offset(estimator.prior(), 0);
+    let deflection = MASS_KG * G * LENGTH_M * 1.2_f64.sin() / K;
+    assert!(deviation > 0.12 * deflection, "{deviation} of {deflection}");
+}
+
+#[test]
+fn a_dead_zone_is_seen_where_the_robot_file_says_that_two_ropes_pull() {
+    let tendon = "[joints.swing.tendon]\nlength_mm = 500.0\njoint_pulley_radius_mm = 20.0\n";
+    let pair = pendulum(&format!("{tendon}antagonistic = true\n")).unwrap();
+    let single = pendulum(tendon).unwrap();
+    let slack = Truth {
+        slack_rad: 0.004,
+        ..PLAIN
+    };
+    let solve = |robot: &Robot, truth: Truth| {
+        let estimator = MapEstimator::new(prior(robot), &FeatureConfig::default());
+        let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let map = estimator
+            .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, truth))
+            .unwrap();
+        let belief = map.belief(estimator.prior());
+        let place = |p| estimator.prior().place(0, p);
+        (
+            belief.entry(place(JointParameter::Slack)),
+            belief.entry(place(JointParameter::Offset)),
+        )
+    };
+    let ([slack_rad, deviation], [offset, unsure]) = solve(&pair, slack);
+    assert!(
+        (slack_rad - 0.004).abs() < 5e-4 + 2.0 * deviation,
+        "{slack_rad} ± {deviation}"
+    );
+    assert!(slack_rad > 5.0 * deviation);
+    assert!((offset - 0.01).abs() < 3.0 * unsure, "{offset} ± {unsure}");
+    let ([none, deviation], _) = solve(&pair, PLAIN);
+    assert!(none.abs() < 3.0 * deviation + 2e-4, "{none} ± {deviation}");
+    let ([fixed, _], _) = solve(&single, slack);
+    assert!(fixed.abs() < 1e-6);
+    // Near zero torque a pair's offset is unknown by what the slack may be.
+    let hanging = Truth {
+        swing_rad: [0.0, 0.0],
+        ..slack
+    };
+    let (_, [_, near_zero]) = solve(&pair, hanging);
+    assert!(near_zero > 0.2e-3, "{near_zero}");
+}
+
+#[test]
+fn a_step_is_found_with_its_moment_and_size() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let seek = Seek {
+        offsets: true,
+        payload: true,
+        continues: false,
+    };
+    for step_rad in [0.0, 0.003, -0.005] {
+        let truth = Truth { step_rad, ..PLAIN };
+        let map = estimator
+            .watch(&start, &blocks(&robot.arm, truth), Payload::Empty, seek)
+            .unwrap();
+        if step_rad == 0.0 {
+            assert!(map.changes.is_empty(), "{:?}", map.changes);
+            continue;
+        }
+        assert_eq!(map.changes.len(), 1, "{:?}", map.changes);
+        let [size, deviation] = map.change(estimator.prior(), 0);
+        assert!(
+            (size - step_rad).abs() < 3.0 * deviation + 1e-4,
+            "{size} ± {deviation}"
+        );
+        // The low-pass spreads a step over a third of a second.
+        assert!(
+            (map.changes[0].at_s - 30.0).abs() < 1.0,
+            "{:?}",
+            map.changes
+        );
+    }
+}
+
+#[test]
+fn beliefs_are_put_together_once_and_age_towards_the_prior() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let prior = estimator.prior();
+    let common = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let learn = |truth: Truth| {
+        let tensioned = Truth {
+            offset_rad: 0.0,
+            ..truth
+        };
+        estimator
+            .solve(&common, &[], Payload::Empty, &blocks(&robot.arm, tensioned))
+            .unwrap()
+            .belief(prior)
+    };
+    let a = learn(PLAIN);
+    let b = learn(Truth {
+        swing_rad: [0.9, -0.4],
+        ..PLAIN
+    });
+    let place = prior.place(0, JointParameter::Compliance);
+    // What one learned, put together with what the other did not, is what the one learned.
+    let same = prior.merge(&common, &a, &common).unwrap();
+    let [mean, deviation] = same.entry(place);
+    let [expected, expected_deviation] = a.entry(place);
+    assert!((mean - expected).abs() < 1e-6 && (deviation - expected_deviation).abs() < 1e-6);
+    // Two that learned are surer than either, in any order.
+    let ab = prior.merge(&common, &a, &b).unwrap();
+    let ba = prior.merge(&common, &b, &a).unwrap();
+    let [mean, deviation] = ab.entry(place);
+    assert!(deviation <= expected_deviation.min(b.entry(place)[1]) + 1e-12);
+    assert!((mean - ba.entry(place)[0]).abs() < 1e-9);
+    assert!(matches!(
+        prior.merge(
+            &common,
+            &a,
+            &sinew_model::offset::Belief {
+                mean: vec![],
+                ..b.clone()
+            }
+        ),
+        Err(MapError::Dimension { found: 0, .. })
+    ));
+
+    let mut aged = a.clone();
+    for _ in 0..2000 {
+        let before = aged.entry(place)[1];
+        prior.age(&mut aged);
+        assert!(aged.entry(place)[1] >= before);
+    }
+    let [_, oldest] = aged.entry(place);
+    assert!((oldest - common.entry(place)[1]).abs() < 1e-9, "{oldest}");
+}
+
+#[test]
+fn every_entry_of_the_state_has_a_name() {
+    let robot = pendulum("").unwrap();
+    let prior = prior(&robot);
+    for k in 0..prior.dimension() {
+        assert!(!prior.describe(k).unwrap().name.is_empty());
+    }
+    assert_eq!(prior.describe(prior.dimension()), None);
+    assert_eq!(prior.dimension(), JOINT_PARAMETERS + 10 + 4);
+    let offset = prior
+        .describe(prior.place(0, JointParameter::Offset))
+        .unwrap();
+    assert_eq!((offset.name, offset.unit), ("offset", "rad"));
+    let stuck = prior
+        .describe(prior.place(0, JointParameter::Stuck))
+        .unwrap();
+    assert!(stuck.name.starts_with("friction at the start"));
+}
+
+#[test]
+fn tolerances_come_from_the_robot_file() {
+    let robot =
+        pendulum("[tolerances]\nstiffness_percent = 5.0\npayload_reach_mm = 20.0\n").unwrap();
+    assert_eq!(robot.tolerances.stiffness, 0.05);
+    assert_eq!(robot.tolerances.payload_reach_m, 0.02);
+    let prior = prior(&robot);
+    let belief = prior.belief(Payload::Unknown, 0.03);
+    let place = prior.place(0, JointParameter::Compliance);
+    assert!((belief.entry(place)[1] - 0.05).abs() < 1e-12);
+    for (text, said) in [
+        (
+            "[tolerances]\nstiffness = 5.0\n",
+            "unknown key tolerances.stiffness",
+        ),
+        (
+            "[tolerances]\nmass_percent = -1.0\n",
+            "tolerances.mass_percent = -1",
+        ),
+        (
+            "[tolerances]\nmass_percent = nan\n",
+            "tolerances.mass_percent = NaN",
+        ),
+    ] {
+        let error = pendulum(text).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+        assert!(error.contains("line"), "{error}");
+    }
+}
+
+#[test]
+fn a_bad_block_changes_nothing() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let good = blocks(&robot.arm, PLAIN);
+    let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
+    for block in &good[..50] {
+        filter.step(block).unwrap();
+    }
+    let before = filter.belief().clone();
+    let mut nan = good[50].clone();
+    nan.y[0] = f64::NAN;
+    assert!(filter.step(&nan).is_err());
+    let mut short = good[50].clone();
+    short.phi.pop();
+    assert!(filter.step(&short).is_err());
+    assert!(filter.belief().mean == before.mean);
+    assert!(filter.belief().covariance == before.covariance);
+    assert_eq!(
+        estimator.solve(&start, &[], Payload::Empty, &[]),
+        Err(MapError::NoData)
+    );
+}
