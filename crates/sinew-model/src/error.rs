@@ -21,6 +21,12 @@ pub enum StepError {
         /// Index of the joint.
         joint: usize,
     },
+    /// A softening spring that can't carry the torque asked of it.
+    #[error("the softening spring of joint {joint} can't carry the torque asked of it")]
+    Spring {
+        /// Index of the joint.
+        joint: usize,
+    },
     /// No link of that name.
     #[error("the arm has no link of that name")]
     UnknownLink,

@@ -9,8 +9,9 @@
 //! A stretched tendon shows as `delta_e`; [`offset`] recovers it from encoders alone through the
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
-//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`robot`],
-//! [`rope`] for how a rope stretches, and [`trend`] for what months of offsets say.
+//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`],
+//! [`correction`] (what a controller does about it), [`robot`], [`rope`] for how a rope stretches,
+//! and [`trend`] for what months of offsets say.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -53,6 +54,7 @@
 extern crate alloc;
 
 pub mod arm;
+pub mod correction;
 pub mod observer;
 pub mod offset;
 #[cfg(feature = "urdf")]

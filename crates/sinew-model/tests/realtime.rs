@@ -5,6 +5,10 @@
 
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace, urdf};
+use sinew_model::correction::{
+    ContactConfig, ContactDetector, ContactTolerances, ExternalTorqueConfig,
+    ExternalTorqueObserver, JointCorrection, SetPoint,
+};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{
     Comparison, FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig, OffsetObserver,
@@ -232,4 +236,43 @@ fn features_and_the_recursive_estimate_allocate_nothing() {
     });
     assert!(blocks > 20, "{blocks}");
     assert_eq!(count, 0, "{blocks} blocks made {count} allocator calls");
+}
+
+#[test]
+fn corrections_and_contacts_allocate_nothing() {
+    let arm = arm();
+    let n = arm.dof();
+    let mut transmissions = vec![Some(Transmission::spring(40.0)); n];
+    transmissions[1] = None;
+    let none = vec![JointCorrection::default(); n];
+    let tolerances = ContactTolerances::new(vec![0.01; n]);
+    let config = ExternalTorqueConfig::default();
+    let mut observer =
+        ExternalTorqueObserver::new(&arm, &transmissions, &none, config, tolerances).unwrap();
+    let mut detector = ContactDetector::new(n, ContactConfig::default()).unwrap();
+    let mut set_point = SetPoint::new(&arm, &transmissions, &none).unwrap();
+    let (mut q, mut dq, ddq) = (vec![0.0; n], vec![0.0; n], vec![0.3; n]);
+    let (push, broken) = (vec![0.5; n], vec![f64::NAN; n]);
+    let mut theta = vec![0.0; n];
+    let count = allocations(|| {
+        for k in 0..STEPS {
+            motion(k, &mut q, &mut dq);
+            // The offset is followed while the robot runs.
+            let stretched = JointCorrection::offset(1e-5 * k as f64, 1e-4);
+            set_point.set(0, &stretched).unwrap();
+            observer.set(0, &stretched).unwrap();
+            set_point.hold(&q, Some(&push)).unwrap();
+            let set = set_point.follow(&q, &dq, &ddq, None).unwrap();
+            theta.copy_from_slice(set);
+            assert_eq!(
+                observer.step(1e-3, &q, &broken, None),
+                Err(StepError::NotFinite)
+            );
+            observer.step(1e-3, &q, &theta, None).unwrap();
+            detector
+                .step(1e-3, observer.tau_ext(), observer.threshold())
+                .unwrap();
+        }
+    });
+    assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
 }

@@ -1,7 +1,7 @@
 //! `sinew-model` in a program without the standard library: proof that it needs none, and that
 //! its steps have no way to panic.
 //!
-//! [`sinew_step`] and [`sinew_offset_step`] are all that is exported. If a panic (or an allocation)
+//! The functions `sinew_*` below are all that is exported. If a panic (or an allocation)
 //! can be reached from them, the linked object refers to [`sinew_panicked`] (or
 //! [`sinew_allocated`]), which nobody defines; `.ci/no_std` looks for these names.
 
@@ -11,6 +11,9 @@ extern crate alloc;
 
 use core::alloc::{GlobalAlloc, Layout};
 use sinew_model::arm::{Arm, ArmWorkspace};
+use sinew_model::correction::{
+    ContactDetector, ExternalTorqueObserver, JointCorrection, SetPoint,
+};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{OffsetObserver, Sample};
 
@@ -100,4 +103,46 @@ pub unsafe extern "C" fn sinew_offset_step(
     sample: &Sample<'_>,
 ) -> i32 {
     i32::from(offset.step(dt_s, sample).is_err())
+}
+
+/// Set-points at rest and in motion, and a changed offset, as [`sinew_step`]. `x` holds `q_d`,
+/// `dq_d` and `ddq_d`, of any lengths.
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_set_point(
+    set_point: &mut SetPoint,
+    joint: usize,
+    correction: &JointCorrection,
+    x: &[&[f64]; 3],
+) -> i32 {
+    let changed = set_point.set(joint, correction).is_ok();
+    let held = set_point.hold(x[0], Some(x[1])).is_ok();
+    let followed = set_point.follow(x[0], x[1], x[2], None).is_ok();
+    i32::from(changed) + i32::from(held) + i32::from(followed)
+}
+
+/// External torque, its threshold and the contact it means, as [`sinew_step`]. `x` holds `q`,
+/// `theta_measured` and `dq`, of any lengths.
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_contact_step(
+    observer: &mut ExternalTorqueObserver,
+    detector: &mut ContactDetector,
+    dt_s: f64,
+    joint: usize,
+    correction: &JointCorrection,
+    x: &[&[f64]; 3],
+) -> i32 {
+    let changed = observer.set(joint, correction).is_ok();
+    if observer.step(dt_s, x[0], x[1], Some(x[2])).is_err() {
+        return -1;
+    }
+    match detector.step(dt_s, observer.tau_ext(), observer.threshold()) {
+        Ok(touching) => i32::from(changed) + 2 * i32::from(touching),
+        Err(_) => -2,
+    }
 }

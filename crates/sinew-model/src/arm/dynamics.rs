@@ -2,7 +2,7 @@
 
 use super::mass_matrix::wrench_in_parent;
 use super::momentum::turn_back;
-use super::{Arm, ArmWorkspace, JointKind};
+use super::{Arm, ArmWorkspace, BodyState, Joint, JointKind};
 use crate::StepError;
 use crate::cholesky;
 use crate::vec3::{Vec3, add, cross, rotate, rotate_back, scale, sub};
@@ -105,74 +105,92 @@ impl Arm {
     fn newton_euler(&self, ws: &mut ArmWorkspace, q: &[f64], dq: &[f64], ddq: Option<&[f64]>) {
         // In `state`: `gamma` holds the linear acceleration of the origin with gravity in it,
         // `first_moment` the angular acceleration; `moment` and `force` the wrench.
-        let n = self.joints.len();
-        ws.state[0].gamma = scale(self.gravity, -1.0);
-        ws.state[0].first_moment = [0.0; 3];
-        for i in 0..n {
-            let joint = &self.joints[i];
-            let (before, after) = ws.state.split_at_mut(i + 1);
-            let parent = &before[joint.parent_slot];
-            let body = &mut after[0];
-            let (rate, acc) = (dq[i], ddq.map_or(0.0, |a| a[i]));
-            let (wp, dwp) = (parent.omega, parent.first_moment);
-            let r = match joint.kind {
-                JointKind::Revolute => {
-                    let (s, c) = libm::sincos(q[i]);
-                    (body.cos, body.sin, body.travel) = (c, s, 0.0);
-                    joint.translation
-                }
-                JointKind::Prismatic => {
-                    (body.cos, body.sin, body.travel) = (1.0, 0.0, q[i]);
-                    add(joint.translation, rotate(&joint.rotation, [0.0, 0.0, q[i]]))
-                }
-            };
-            let (c, s) = (body.cos, body.sin);
-            let down = |x: Vec3| turn_back(c, s, rotate_back(&joint.rotation, x));
-            let a_origin = add(parent.gamma, add(cross(dwp, r), cross(wp, cross(wp, r))));
-            let w = down(wp);
-            body.omega = w;
-            body.first_moment = down(dwp);
-            body.gamma = down(a_origin);
-            match joint.kind {
-                JointKind::Revolute => {
-                    body.omega[2] += rate;
-                    // d/dt of (w + rate ẑ) seen from the turning body
-                    body.first_moment[0] += w[1] * rate;
-                    body.first_moment[1] -= w[0] * rate;
-                    body.first_moment[2] += acc;
-                }
-                JointKind::Prismatic => {
-                    // Coriolis 2 ω × ẑ rate, and the acceleration along z
-                    body.gamma[0] += 2.0 * w[1] * rate;
-                    body.gamma[1] -= 2.0 * w[0] * rate;
-                    body.gamma[2] += acc;
-                }
-            }
-            let (w, dw, a) = (body.omega, body.first_moment, body.gamma);
-            let (m, h) = (joint.mass, joint.first_moment);
-            let spin = rotate(&joint.inertia, w);
-            body.force = add(scale(a, m), add(cross(dw, h), cross(w, cross(w, h))));
-            body.moment = add(add(rotate(&joint.inertia, dw), cross(w, spin)), cross(h, a));
+        if let Some(base) = ws.state.first_mut() {
+            base.gamma = scale(self.gravity, -1.0);
+            base.first_moment = [0.0; 3];
         }
-        for i in (0..n).rev() {
-            let joint = &self.joints[i];
-            let (before, after) = ws.state.split_at_mut(i + 1);
-            let body = &after[0];
-            ws.tau[i] = match joint.kind {
+        let motion = self.joints.iter().zip(q).zip(dq).enumerate();
+        for (i, ((joint, q), rate)) in motion {
+            let acc = ddq.and_then(|a| a.get(i)).copied().unwrap_or(0.0);
+            // A joint's slot comes after its parent's, so the split always succeeds.
+            let Some((before, after)) = ws.state.split_at_mut_checked(i + 1) else {
+                return;
+            };
+            let (Some(parent), Some(body)) = (before.get(joint.parent_slot), after.first_mut())
+            else {
+                return;
+            };
+            body.accelerate(joint, parent, *q, *rate, acc);
+        }
+        let joints = self.joints.iter().zip(&mut ws.tau).enumerate();
+        for (i, (joint, tau)) in joints.rev() {
+            let Some((before, after)) = ws.state.split_at_mut_checked(i + 1) else {
+                return;
+            };
+            let (Some(parent), Some(body)) = (before.get_mut(joint.parent_slot), after.first())
+            else {
+                return;
+            };
+            *tau = match joint.kind {
                 JointKind::Revolute => body.moment[2],
                 JointKind::Prismatic => body.force[2],
             };
             let (moment, force) = wrench_in_parent(joint, body, body.moment, body.force);
-            let parent = &mut before[joint.parent_slot];
             parent.moment = add(parent.moment, moment);
             parent.force = add(parent.force, force);
         }
         // The base slot serves the momentum pass too, which counts on it being at rest.
-        let base = &mut ws.state[0];
-        base.gamma = self.gravity;
-        base.first_moment = [0.0; 3];
-        base.moment = [0.0; 3];
-        base.force = [0.0; 3];
-        debug_assert_eq!(sub(base.omega, [0.0; 3]), [0.0; 3]);
+        if let Some(base) = ws.state.first_mut() {
+            base.gamma = self.gravity;
+            base.first_moment = [0.0; 3];
+            base.moment = [0.0; 3];
+            base.force = [0.0; 3];
+            debug_assert_eq!(sub(base.omega, [0.0; 3]), [0.0; 3]);
+        }
+    }
+}
+
+impl BodyState {
+    /// Motion of a body from its parent's, and the wrench that needs.
+    fn accelerate(&mut self, joint: &Joint, parent: &Self, q: f64, rate: f64, acc: f64) {
+        let (wp, dwp) = (parent.omega, parent.first_moment);
+        let r = match joint.kind {
+            JointKind::Revolute => {
+                let (s, c) = libm::sincos(q);
+                (self.cos, self.sin, self.travel) = (c, s, 0.0);
+                joint.translation
+            }
+            JointKind::Prismatic => {
+                (self.cos, self.sin, self.travel) = (1.0, 0.0, q);
+                add(joint.translation, rotate(&joint.rotation, [0.0, 0.0, q]))
+            }
+        };
+        let (c, s) = (self.cos, self.sin);
+        let down = |x: Vec3| turn_back(c, s, rotate_back(&joint.rotation, x));
+        let a_origin = add(parent.gamma, add(cross(dwp, r), cross(wp, cross(wp, r))));
+        let w = down(wp);
+        self.omega = w;
+        self.first_moment = down(dwp);
+        self.gamma = down(a_origin);
+        match joint.kind {
+            JointKind::Revolute => {
+                self.omega[2] += rate;
+                // d/dt of (w + rate ẑ) seen from the turning body
+                self.first_moment[0] += w[1] * rate;
+                self.first_moment[1] -= w[0] * rate;
+                self.first_moment[2] += acc;
+            }
+            JointKind::Prismatic => {
+                // Coriolis 2 ω × ẑ rate, and the acceleration along z
+                self.gamma[0] += 2.0 * w[1] * rate;
+                self.gamma[1] -= 2.0 * w[0] * rate;
+                self.gamma[2] += acc;
+            }
+        }
+        let (w, dw, a) = (self.omega, self.first_moment, self.gamma);
+        let (m, h) = (joint.mass, joint.first_moment);
+        let spin = rotate(&joint.inertia, w);
+        self.force = add(scale(a, m), add(cross(dw, h), cross(w, cross(w, h))));
+        self.moment = add(add(rotate(&joint.inertia, dw), cross(w, spin)), cross(h, a));
     }
 }

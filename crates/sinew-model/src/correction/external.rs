@@ -1,0 +1,402 @@
+//! The torque of what touches the robot.
+
+use super::error::CorrectionError;
+use super::transmission::{Correction, JointCorrection};
+use crate::StepError;
+use crate::arm::{Arm, ArmWorkspace};
+use crate::error::{is_input, is_time_step};
+use crate::observer::{FirstOrder, MomentumObserver, StateVariableFilter};
+use crate::offset::VelocityFilter;
+use crate::transmission::{Friction, Transmission};
+use alloc::vec::Vec;
+
+/// How the external torque is estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExternalTorqueConfig {
+    /// Observer gain `K_I`, 1/s.
+    pub gain_per_s: f64,
+    /// Where velocities come from.
+    pub velocity: VelocityFilter,
+}
+
+impl Default for ExternalTorqueConfig {
+    /// `K_I` = 30 1/s, filter at 60 rad/s: a contact shows after `2/ω + 1/K_I` = 67 ms, and a
+    /// 13-bit encoder makes a noise of a few hundredths of a newton metre at the shoulder of a
+    /// light arm.
+    fn default() -> Self {
+        Self {
+            gain_per_s: 30.0,
+            velocity: VelocityFilter::StateVariable {
+                cutoff_rad_per_s: 60.0,
+            },
+        }
+    }
+}
+
+/// What the estimate may be wrong by with nothing touching: where the detection threshold comes
+/// from.
+///
+/// ```text
+/// σ²        = (∂tau_el/∂x · σ_delta_e)² + (σ_K/K · tau_el)² + (σ_m · tau_model)² + σ_noise²
+/// threshold = z σ + f F_c
+/// ```
+///
+/// `σ_delta_e` and `σ_K` come with each joint's [`JointCorrection`], `tau_model` is the torque the
+/// observed motion asks for, `F_c` the joint's Coulomb friction: while a joint stands, friction is
+/// anywhere between `−F_c` and `F_c`, which no deviation describes. The four parts are taken as
+/// independent; σ_m as one factor on all masses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactTolerances {
+    /// `z`: standard deviations from a false alarm.
+    pub sigmas: f64,
+    /// `σ_noise`, N·m, one per joint: standard deviation of the estimate while nothing touches.
+    pub noise_nm: Vec<f64>,
+    /// `σ_m`: relative standard deviation of the masses.
+    pub mass_deviation: f64,
+    /// `f`: share of the Coulomb friction that counts as unknown.
+    pub friction_share: f64,
+}
+
+impl ContactTolerances {
+    /// 4 standard deviations, all of the Coulomb friction, no doubt about masses, and this noise.
+    pub fn new(noise_nm: Vec<f64>) -> Self {
+        Self {
+            sigmas: 4.0,
+            noise_nm,
+            mass_deviation: 0.0,
+            friction_share: 1.0,
+        }
+    }
+
+    fn check(&self, n: usize) -> Result<(), CorrectionError> {
+        if self.noise_nm.len() != n {
+            return Err(CorrectionError::Length {
+                expected: n,
+                found: self.noise_nm.len(),
+            });
+        }
+        let all = [
+            ("number of standard deviations", self.sigmas),
+            ("relative deviation of the masses", self.mass_deviation),
+            ("unknown share of the friction", self.friction_share),
+        ];
+        let shared = all.iter().map(|&(what, value)| (what, 0, value));
+        let noise = self.noise_nm.iter().enumerate();
+        for (what, joint, value) in shared.chain(noise.map(|(i, v)| ("noise (N·m)", i, *v))) {
+            if !(0.0..=1e6).contains(&value) {
+                return Err(CorrectionError::Tolerance {
+                    what,
+                    joint,
+                    value,
+                    must: "between 0 and 1e6",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Filters of one joint.
+#[derive(Debug, Clone, Copy, Default)]
+struct JointFilters {
+    q: StateVariableFilter,
+    tau_el: StateVariableFilter,
+    /// `tau_el` with the lag of the estimate.
+    lagging: FirstOrder,
+}
+
+/// External joint torque from the momentum observer, driven by the corrected elastic torque.
+///
+/// ```text
+/// r = K_I (p − p₀ − ∫ (tau_el + Cᵀdq − g − tau_friction_joint + r) dt),   ṙ = K_I (tau_ext − r)
+/// ```
+///
+/// with `tau_el` of [`Correction::elastic_torque`] and the exact pole of [`MomentumObserver`].
+/// Positions and `tau_el` pass through the same filter, so that motion cancels. Contacts, an
+/// unknown payload and whatever is wrong with the model appear in `r` in full; an offset of
+/// `delta_e` left uncorrected appears as `−K delta_e`. With linear springs and filtered velocities
+/// `r = K (delta_e − delta_e_hat)`, `delta_e_hat` the estimate of
+/// [`OffsetObserver`](crate::offset::OffsetObserver): the two read the same residual, one as
+/// contact, the other as stretch. One recording can't be asked both.
+///
+/// # Realtime
+/// Everything is allocated at construction.
+///
+/// # Source
+/// Kirchhoff, von Stryk, IROS 2018, eq. (7), with the known torque on the spring's side;
+/// De Luca et al., IROS 2006.
+#[derive(Debug, Clone)]
+pub struct ExternalTorqueObserver {
+    arm: Arm,
+    correction: Correction,
+    config: ExternalTorqueConfig,
+    tolerances: ContactTolerances,
+    friction: Vec<Friction>,
+    ws: ArmWorkspace,
+    observer: MomentumObserver,
+    filters: Vec<JointFilters>,
+    // One entry per joint each.
+    raw: Vec<f64>,
+    q: Vec<f64>,
+    dq: Vec<f64>,
+    tau_el: Vec<f64>,
+    alpha: Vec<f64>,
+    tau_ext: Vec<f64>,
+    threshold: Vec<f64>,
+    since_start_s: f64,
+    started: bool,
+}
+
+impl ExternalTorqueObserver {
+    /// An observer of `arm`; one transmission, correction and noise per joint. The external
+    /// torque of a rigid joint (`None`), whose elastic torque nobody knows, stays NaN.
+    ///
+    /// # Errors
+    /// [`CorrectionError`], naming the joint and the value.
+    pub fn new(
+        arm: &Arm,
+        transmissions: &[Option<Transmission>],
+        corrections: &[JointCorrection],
+        config: ExternalTorqueConfig,
+        tolerances: ContactTolerances,
+    ) -> Result<Self, CorrectionError> {
+        let n = arm.dof();
+        if transmissions.len() != n {
+            return Err(CorrectionError::Length {
+                expected: n,
+                found: transmissions.len(),
+            });
+        }
+        tolerances.check(n)?;
+        if let VelocityFilter::StateVariable { cutoff_rad_per_s } = config.velocity
+            && !(cutoff_rad_per_s > 0.0 && cutoff_rad_per_s <= 1e6)
+        {
+            return Err(CorrectionError::VelocityFilter { cutoff_rad_per_s });
+        }
+        let zeros = || alloc::vec![0.0; n];
+        let friction =
+            |t: &Option<Transmission>| t.as_ref().map_or(Friction::default(), |t| t.joint_friction);
+        Ok(Self {
+            correction: Correction::new(transmissions, corrections)?,
+            observer: MomentumObserver::new(&alloc::vec![config.gain_per_s; n])?,
+            ws: ArmWorkspace::new(arm),
+            arm: arm.clone(),
+            config,
+            tolerances,
+            friction: transmissions.iter().map(friction).collect(),
+            filters: alloc::vec![JointFilters::default(); n],
+            raw: zeros(),
+            q: zeros(),
+            dq: zeros(),
+            tau_el: zeros(),
+            alpha: zeros(),
+            tau_ext: alloc::vec![f64::NAN; n],
+            threshold: alloc::vec![f64::NAN; n],
+            since_start_s: 0.0,
+            started: false,
+        })
+    }
+
+    /// Changes what is known of one joint's transmission; the estimate follows with its lag.
+    ///
+    /// # Errors
+    /// [`CorrectionError`]; nothing is then changed.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn set(
+        &mut self,
+        joint: usize,
+        correction: &JointCorrection,
+    ) -> Result<(), CorrectionError> {
+        self.correction.set(joint, correction)
+    }
+
+    /// What is known of the transmissions.
+    pub fn correction(&self) -> &Correction {
+        &self.correction
+    }
+
+    /// Forgets the past: the next step is a start.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn reset(&mut self) {
+        self.started = false;
+        self.observer.reset();
+        self.since_start_s = 0.0;
+    }
+
+    /// One step of `dt_s` to a sample. The first one after construction or a reset only takes the
+    /// sample, as if the robot had stood there at rest, and doesn't look at `dt_s`.
+    ///
+    /// * `q`, `theta_measured`: `n`, rad. `dq`: `n`, rad/s, needed (and only then looked at) with
+    ///   [`VelocityFilter::Recorded`].
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`], [`StepError::TimeStep`]; the state is then
+    /// unchanged, so a bad sample can be left out.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. One O(n) pass.
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        q: &[f64],
+        theta_measured: &[f64],
+        dq: Option<&[f64]>,
+    ) -> Result<(), StepError> {
+        self.check(dt_s, q, dq)?;
+        self.correction
+            .elastic_torque(theta_measured, q, &mut self.raw)?;
+        let overflows = |(joint, tau): (&Option<_>, &f64)| joint.is_some() && !is_input(*tau);
+        if self
+            .correction
+            .joints()
+            .iter()
+            .zip(&self.raw)
+            .any(overflows)
+        {
+            return Err(StepError::NotFinite);
+        }
+        self.filter(dt_s, q, dq);
+        let terms = self.arm.momentum(&mut self.ws, &self.q, &self.dq)?;
+        let inputs = terms
+            .ct_dq
+            .iter()
+            .zip(terms.g)
+            .zip(&self.dq)
+            .zip(&self.friction);
+        for (alpha, (((ct_dq, g), dq), friction)) in self.alpha.iter_mut().zip(inputs) {
+            *alpha = ct_dq - g - friction.torque(*dq);
+        }
+        self.observer
+            .step(dt_s, terms.p, &self.alpha, Some(&self.tau_el))?;
+        self.judge();
+        if self.started {
+            self.since_start_s += dt_s;
+        }
+        self.started = true;
+        Ok(())
+    }
+
+    /// Refuses what can't be used, before anything changes.
+    fn check(&self, dt_s: f64, q: &[f64], dq: Option<&[f64]>) -> Result<(), StepError> {
+        let n = self.raw.len();
+        if q.len() != n {
+            return Err(StepError::Length);
+        }
+        if self.started && !is_time_step(dt_s) {
+            return Err(StepError::TimeStep);
+        }
+        let finite = |x: &[f64]| x.iter().all(|v| is_input(*v));
+        if !finite(q) {
+            return Err(StepError::NotFinite);
+        }
+        if self.config.velocity == VelocityFilter::Recorded {
+            match dq {
+                Some(dq) if dq.len() == n && finite(dq) => {}
+                Some(dq) if dq.len() == n => return Err(StepError::NotFinite),
+                _ => return Err(StepError::Length),
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings `q`, `dq` and `tau_el` to this sample.
+    fn filter(&mut self, dt_s: f64, q_now: &[f64], dq_now: Option<&[f64]>) {
+        let rows = self.q.iter_mut().zip(&mut self.dq).zip(&mut self.tau_el);
+        let inputs = q_now.iter().zip(&self.raw).zip(self.correction.joints());
+        let VelocityFilter::StateVariable {
+            cutoff_rad_per_s: w,
+        } = self.config.velocity
+        else {
+            let dq_now = dq_now.unwrap_or(&[]);
+            for (i, (((q, dq), tau), ((q_now, raw), joint))) in rows.zip(inputs).enumerate() {
+                *q = *q_now;
+                *dq = dq_now.get(i).copied().unwrap_or(0.0);
+                *tau = if joint.is_some() { *raw } else { 0.0 };
+            }
+            return;
+        };
+        let decay = StateVariableFilter::decay(w, dt_s);
+        for ((((q, dq), tau), ((q_now, raw), joint)), filter) in
+            rows.zip(inputs).zip(&mut self.filters)
+        {
+            // A rigid joint's NaN must not get in.
+            let raw = if joint.is_some() { *raw } else { 0.0 };
+            if self.started {
+                filter.q.step(w, dt_s, decay, *q_now);
+                filter.tau_el.step(w, dt_s, decay, raw);
+            } else {
+                filter.q = StateVariableFilter::settled_at(*q_now);
+                filter.tau_el = StateVariableFilter::settled_at(raw);
+            }
+            *q = filter.q.value();
+            *dq = filter.q.rate();
+            *tau = filter.tau_el.value();
+        }
+    }
+
+    /// Estimate and threshold of every joint.
+    fn judge(&mut self) {
+        let t = &self.tolerances;
+        let outputs = self.tau_ext.iter_mut().zip(&mut self.threshold);
+        let observed = self.observer.torque().iter().zip(self.observer.pole());
+        let known = self.tau_el.iter().zip(&self.friction).zip(&t.noise_nm);
+        let rows = outputs.zip(observed).zip(known).zip(&mut self.filters);
+        for (((((tau_ext, threshold), (r, pole)), ((tau_el, friction), noise)), filter), joint) in
+            rows.zip(self.correction.joints())
+        {
+            let Some(joint) = joint else { continue };
+            if self.started {
+                filter.lagging.step(pole, *tau_el);
+            } else {
+                filter.lagging = FirstOrder::settled_at(*tau_el);
+            }
+            let carried = filter.lagging.output();
+            let spring = &joint.spring;
+            let slope = spring.slope(spring.deflection(carried).unwrap_or(0.0));
+            let parts = [
+                slope * joint.delta_e_deviation,
+                carried * joint.stiffness_deviation,
+                (carried + r) * t.mass_deviation,
+                *noise,
+            ];
+            let variance: f64 = parts.iter().map(|p| p * p).sum();
+            *tau_ext = *r;
+            *threshold = t.sigmas * libm::sqrt(variance) + t.friction_share * friction.coulomb_nm;
+        }
+    }
+
+    /// Estimated external torque, `n`, N·m, positive when applied to the robot; NaN for rigid
+    /// joints and before the first sample.
+    pub fn tau_ext(&self) -> &[f64] {
+        &self.tau_ext
+    }
+
+    /// Size above which [`ExternalTorqueObserver::tau_ext`] can't be explained by what is known to
+    /// be unsure, `n`, N·m; NaN as there.
+    pub fn threshold(&self) -> &[f64] {
+        &self.threshold
+    }
+
+    /// Corrected elastic torque as it entered, `n`, N·m; 0 for rigid joints.
+    pub fn tau_el(&self) -> &[f64] {
+        &self.tau_el
+    }
+
+    /// Time after which a start in motion has faded to a thousandth, s: `7/K_I + 9/ω`.
+    pub fn settling_time_s(&self) -> f64 {
+        let filter = match self.config.velocity {
+            VelocityFilter::StateVariable { cutoff_rad_per_s } => 9.0 / cutoff_rad_per_s,
+            VelocityFilter::Recorded => 0.0,
+        };
+        filter + 7.0 / self.config.gain_per_s
+    }
+
+    /// Whether the start has faded.
+    pub fn is_settled(&self) -> bool {
+        self.started && self.since_start_s >= self.settling_time_s()
+    }
+}

@@ -1,0 +1,254 @@
+//! Motor position and elastic torque without the stretch.
+
+use super::error::CorrectionError;
+use super::spring::Spring;
+use crate::StepError;
+use crate::error::is_input;
+use crate::transmission::Transmission;
+use alloc::vec::Vec;
+
+/// What is known of a transmission beyond its description, with how well it is known.
+///
+/// The default is a transmission as described: no offset, no doubt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointCorrection {
+    /// Offset `delta_e`, rad.
+    pub delta_e: f64,
+    /// Its standard deviation, rad: half of a 95 % interval divided by 1.96.
+    pub delta_e_deviation: f64,
+    /// Stiffness over the description's.
+    pub stiffness_factor: f64,
+    /// Standard deviation of that factor.
+    pub stiffness_deviation: f64,
+    /// Stiffening `c`, 1/rad².
+    pub cubic_per_rad2: f64,
+}
+
+impl Default for JointCorrection {
+    fn default() -> Self {
+        Self {
+            delta_e: 0.0,
+            delta_e_deviation: 0.0,
+            stiffness_factor: 1.0,
+            stiffness_deviation: 0.0,
+            cubic_per_rad2: 0.0,
+        }
+    }
+}
+
+impl JointCorrection {
+    /// An offset and its standard deviation, everything else as described.
+    pub fn offset(delta_e: f64, delta_e_deviation: f64) -> Self {
+        Self {
+            delta_e,
+            delta_e_deviation,
+            ..Self::default()
+        }
+    }
+}
+
+/// One elastic joint, ready for a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Corrected {
+    pub(super) spring: Spring,
+    pub(super) delta_e: f64,
+    pub(super) delta_e_deviation: f64,
+    pub(super) stiffness_deviation: f64,
+    /// Of the description, N·m/rad: factors refer to it.
+    described_nm_per_rad: f64,
+}
+
+impl Corrected {
+    fn new(
+        joint: usize,
+        described_nm_per_rad: f64,
+        c: &JointCorrection,
+    ) -> Result<Self, CorrectionError> {
+        if !(c.delta_e.abs() <= 1e6) {
+            return Err(CorrectionError::Offset {
+                joint,
+                delta_e: c.delta_e,
+            });
+        }
+        for (what, value) in [
+            ("standard deviation of the offset", c.delta_e_deviation),
+            (
+                "standard deviation of the stiffness factor",
+                c.stiffness_deviation,
+            ),
+        ] {
+            if !(0.0..=1e6).contains(&value) {
+                return Err(CorrectionError::Tolerance {
+                    what,
+                    joint,
+                    value,
+                    must: "between 0 and 1e6",
+                });
+            }
+        }
+        let spring = Spring::new(described_nm_per_rad * c.stiffness_factor, c.cubic_per_rad2)
+            .map_err(|e| e.of_joint(joint))?;
+        Ok(Self {
+            spring,
+            delta_e: c.delta_e,
+            delta_e_deviation: c.delta_e_deviation,
+            stiffness_deviation: c.stiffness_deviation / c.stiffness_factor,
+            described_nm_per_rad,
+        })
+    }
+}
+
+/// Motor positions and elastic torques of an arm, freed of what its ropes have gained.
+///
+/// # Realtime
+/// Everything is allocated at construction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correction {
+    joints: Vec<Option<Corrected>>,
+}
+
+impl Correction {
+    /// One transmission and one correction per joint; `None` for rigid joints, whose correction
+    /// must be the default.
+    ///
+    /// # Errors
+    /// [`CorrectionError`], naming the joint and the value.
+    pub fn new(
+        transmissions: &[Option<Transmission>],
+        corrections: &[JointCorrection],
+    ) -> Result<Self, CorrectionError> {
+        if transmissions.len() != corrections.len() {
+            return Err(CorrectionError::Length {
+                expected: transmissions.len(),
+                found: corrections.len(),
+            });
+        }
+        let mut joints = Vec::with_capacity(transmissions.len());
+        for (joint, (t, c)) in transmissions.iter().zip(corrections).enumerate() {
+            joints.push(match t {
+                Some(t) => Some(Corrected::new(joint, t.stiffness_nm_per_rad, c)?),
+                None if *c == JointCorrection::default() => None,
+                None => return Err(CorrectionError::Rigid { joint }),
+            });
+        }
+        Ok(Self { joints })
+    }
+
+    /// Transmissions as described: no offset anywhere.
+    ///
+    /// # Errors
+    /// [`CorrectionError::Stiffness`].
+    pub fn none(transmissions: &[Option<Transmission>]) -> Result<Self, CorrectionError> {
+        Self::new(
+            transmissions,
+            &alloc::vec![JointCorrection::default(); transmissions.len()],
+        )
+    }
+
+    /// Changes what is known of one joint: an offset is followed over the months.
+    ///
+    /// # Errors
+    /// [`CorrectionError`]; nothing is then changed.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn set(
+        &mut self,
+        joint: usize,
+        correction: &JointCorrection,
+    ) -> Result<(), CorrectionError> {
+        match self.joints.get_mut(joint) {
+            Some(Some(slot)) => {
+                *slot = Corrected::new(joint, slot.described_nm_per_rad, correction)?;
+                Ok(())
+            }
+            _ => Err(CorrectionError::Rigid { joint }),
+        }
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The spring of a joint, stiffness factor included; `None` for a rigid joint.
+    pub fn spring(&self, joint: usize) -> Option<&Spring> {
+        self.joints.get(joint)?.as_ref().map(|j| &j.spring)
+    }
+
+    /// The offset of a joint, rad; `None` for a rigid joint.
+    pub fn delta_e(&self, joint: usize) -> Option<f64> {
+        self.joints.get(joint)?.as_ref().map(|j| j.delta_e)
+    }
+
+    pub(super) fn joints(&self) -> &[Option<Corrected>] {
+        &self.joints
+    }
+
+    /// Motor position without the stretch, `theta = theta_measured − delta_e`.
+    ///
+    /// * `theta_measured`: `n`, rad. `theta`: `n`, written, rad; a rigid joint's is copied.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`] (an elastic joint's position); nothing is
+    /// then written.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n).
+    ///
+    /// # Source
+    /// Kirchhoff, von Stryk, IROS 2018, eq. (4).
+    pub fn motor_position(
+        &self,
+        theta_measured: &[f64],
+        theta: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.check(theta_measured, theta.len())?;
+        for ((joint, measured), theta) in self.joints.iter().zip(theta_measured).zip(theta) {
+            *theta = measured - joint.as_ref().map_or(0.0, |j| j.delta_e);
+        }
+        Ok(())
+    }
+
+    /// Torque the springs really carry, `tau_el = K x (1 + c x²)`, `x = theta_measured − delta_e − q`.
+    ///
+    /// * `theta_measured`, `q`: `n`, rad. `tau_el`: `n`, written, N·m; NaN for a rigid joint, whose
+    ///   torque no position tells.
+    ///
+    /// # Errors
+    /// As [`Correction::motor_position`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n).
+    ///
+    /// # Source
+    /// Kirchhoff, von Stryk, IROS 2018, eq. (3) and (4).
+    pub fn elastic_torque(
+        &self,
+        theta_measured: &[f64],
+        q: &[f64],
+        tau_el: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.check(theta_measured, tau_el.len())?;
+        self.check(q, tau_el.len())?;
+        let rows = self.joints.iter().zip(theta_measured).zip(q).zip(tau_el);
+        for (((joint, measured), q), tau_el) in rows {
+            *tau_el = match joint {
+                Some(j) => j.spring.torque(measured - j.delta_e - q),
+                None => f64::NAN,
+            };
+        }
+        Ok(())
+    }
+
+    fn check(&self, positions: &[f64], written: usize) -> Result<(), StepError> {
+        if positions.len() != self.joints.len() || written != self.joints.len() {
+            return Err(StepError::Length);
+        }
+        let bad = |(joint, x): (&Option<Corrected>, &f64)| joint.is_some() && !is_input(*x);
+        if self.joints.iter().zip(positions).any(bad) {
+            return Err(StepError::NotFinite);
+        }
+        Ok(())
+    }
+}
