@@ -3,6 +3,7 @@
 pub mod absolute;
 pub mod bench;
 pub mod camera;
+pub mod control;
 pub mod creep;
 pub mod estimate;
 pub mod output;

@@ -1,19 +1,20 @@
 //! The paper's evaluation, done again: its creep tests and bending bench with virtual ropes
 //! (`fig1`, `fig2`, `fig4`, `fig5`, `table1`), `fig6` in simulation, `fig7` on a simulated "real"
-//! elbow.
+//! elbow; and what it says elongation spoils, with numbers (`control`).
 //!
 //! Each figure carries its data, its drawing, and the paper's sentences judged from the data by a
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
 //! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6()`],
-//! [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4`], [`fig5`], [`table1()`].
+//! [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4`], [`fig5`], [`table1()`]; [`control()`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
 //! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, sections III and V.
 
 mod bending;
+mod control;
 mod creep;
 mod fig6;
 mod fig7;
@@ -25,6 +26,7 @@ mod table1;
 mod trial;
 
 pub use bending::{fig4, fig5};
+pub use control::{Control, Effort, Row, control, table, write_control};
 pub use creep::{fig1, fig2};
 pub use fig6::fig6;
 pub use fig7::fig7;

@@ -1,52 +1,59 @@
-//! The robot's own controller, which knows the description and not the truth.
+//! The robot's own controller, which knows the description, and of the truth what it is told.
 
-use super::scenario::Controller as Gains;
+use super::error::SimulateError;
+use super::scenario::{Scenario, SetPointKind};
 use rand_chacha::ChaCha8Rng;
 use sinew_model::StepError;
-use sinew_model::arm::{Arm, ArmWorkspace};
-use sinew_model::transmission::Transmission;
+use sinew_model::correction::{JointCorrection, SetPoint};
+use sinew_model::robot::Robot;
 
-/// Gravity feed-forward and PD on the motor, with the elastic deflection compensated:
+/// Feed-forward and PD on the motor, with the elastic deflection compensated:
 ///
 /// ```text
-/// theta_d = q_d + g(q_d)/K
-/// tau_m   = g(q_d) + K_P (theta_d − theta) + K_D (dtheta_d − dtheta)
+/// theta_d = q_d + x(tau_d) + delta_e,     tau_d = g(q_d), or M ddq_d + C dq_d + g + friction
+/// tau_m   = tau_d (+ I_m ddq_d) + K_P (theta_d − theta) + K_D (dtheta_d − dtheta)
 /// ```
 ///
 /// Held for one control period. Motor angle and speed are taken as the drive has them: before
-/// the noise of the recording, behind the stretch of the rope, which it can't see.
+/// the noise of the recording, behind the stretch of the rope, which it can't see and corrects
+/// only as far as the scenario lets it know.
 ///
 /// # Source
 /// P. Tomei, *A simple PD controller for robots with elastic joints*, IEEE TAC 36, 1991.
 #[derive(Debug, Clone)]
 pub(crate) struct Controller {
-    arm: Arm,
-    ws: ArmWorkspace,
-    stiffness: Vec<f64>,
+    set_point: SetPoint,
+    kind: SetPointKind,
+    motor_inertia: Vec<f64>,
     kp: Vec<f64>,
     kd: Vec<f64>,
     period_s: f64,
-    rest: Vec<f64>,
     theta_d_before: Vec<f64>,
     started: bool,
 }
 
 impl Controller {
     pub(crate) fn new(
-        arm: &Arm,
-        transmissions: &[&Transmission],
+        robot: &Robot,
         motor_inertia: &[f64],
-        gains: &Gains,
-        period_s: f64,
+        scenario: &Scenario,
+        known: &[JointCorrection],
         rng: &mut ChaCha8Rng,
-    ) -> Self {
-        let n = arm.dof();
-        let names = arm.joint_names();
-        let stiffness: Vec<f64> = transmissions
+    ) -> Result<Self, SimulateError> {
+        let n = robot.arm.dof();
+        let names = robot.arm.joint_names();
+        let gains = &scenario.controller;
+        let stiffness = |t: &Option<_>| {
+            t.as_ref()
+                .map_or(0.0, |t: &sinew_model::transmission::Transmission| {
+                    t.stiffness_nm_per_rad
+                })
+        };
+        let default_kp: Vec<f64> = robot
+            .transmissions
             .iter()
-            .map(|t| t.stiffness_nm_per_rad)
+            .map(|t| 1.25 * stiffness(t))
             .collect();
-        let default_kp: Vec<f64> = stiffness.iter().map(|k| 1.25 * k).collect();
         let kp = gains.stiffness_nm_per_rad.sample(names, &default_kp, rng);
         let default_kd: Vec<f64> = kp
             .iter()
@@ -54,38 +61,55 @@ impl Controller {
             .map(|(kp, inertia)| 2.2 * (kp * inertia).sqrt())
             .collect();
         let kd = gains.damping_nm_s_per_rad.sample(names, &default_kd, rng);
-        Self {
-            ws: ArmWorkspace::new(arm),
-            arm: arm.clone(),
-            stiffness,
+        Ok(Self {
+            set_point: SetPoint::new(&robot.arm, &robot.transmissions, known)?,
+            kind: scenario.correction.set_point,
+            motor_inertia: motor_inertia.to_vec(),
             kp,
             kd,
-            period_s,
-            rest: vec![0.0; n],
+            period_s: 1.0 / scenario.control_rate_hz,
             theta_d_before: vec![0.0; n],
             started: false,
-        }
+        })
     }
 
-    /// Motor torque for the next period.
+    /// What is known of joint `i` from now on.
+    pub(crate) fn know(&mut self, i: usize, known: &JointCorrection) -> Result<(), SimulateError> {
+        Ok(self.set_point.set(i, known)?)
+    }
+
+    /// Motor torque for the next period; `wanted` holds `q_d`, `dq_d`, `ddq_d`.
     pub(crate) fn step(
         &mut self,
-        q_d: &[f64],
+        wanted: [&[f64]; 3],
         theta: &[f64],
         dtheta: &[f64],
         tau_m: &mut [f64],
     ) -> Result<(), StepError> {
-        let g = self.arm.momentum(&mut self.ws, q_d, &self.rest)?.g;
+        let [q_d, dq_d, ddq_d] = wanted;
+        let dynamic = self.kind == SetPointKind::Dynamic;
+        if dynamic {
+            self.set_point.follow(q_d, dq_d, ddq_d, None)?;
+        } else {
+            self.set_point.hold(q_d, None)?;
+        }
         for i in 0..q_d.len() {
-            let theta_d = q_d[i] + g[i] / self.stiffness[i];
+            let theta_d = self.set_point.theta_set()[i];
+            // A correction that changes moves the set-point, it is no speed to follow.
+            let moving = theta_d - self.set_point.correction().delta_e(i).unwrap_or(0.0);
             let dtheta_d = if self.started {
-                (theta_d - self.theta_d_before[i]) / self.period_s
+                (moving - self.theta_d_before[i]) / self.period_s
             } else {
                 0.0
             };
-            self.theta_d_before[i] = theta_d;
-            tau_m[i] =
-                g[i] + self.kp[i] * (theta_d - theta[i]) + self.kd[i] * (dtheta_d - dtheta[i]);
+            self.theta_d_before[i] = moving;
+            let mut feed_forward = self.set_point.tau_el()[i];
+            if dynamic {
+                feed_forward += self.motor_inertia[i] * ddq_d[i];
+            }
+            tau_m[i] = feed_forward
+                + self.kp[i] * (theta_d - theta[i])
+                + self.kd[i] * (dtheta_d - dtheta[i]);
         }
         self.started = true;
         Ok(())

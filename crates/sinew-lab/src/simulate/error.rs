@@ -93,6 +93,17 @@ pub enum SimulateError {
     /// The truth drawn makes an impossible arm.
     #[error("the truth of the scenario makes an impossible arm: {0}")]
     Arm(#[from] sinew_model::arm::ArmError),
+    /// What the scenario says is known can't be used.
+    #[error("what [correction] or [contact_detection] says can't be used: {0}")]
+    Correction(#[from] sinew_model::correction::CorrectionError),
+    /// The estimate the scenario names can't be used.
+    #[error("{file}: no estimate to correct with: {why}; make one with sinew estimate LOG --json")]
+    Estimate {
+        /// File at fault.
+        file: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// The state left the range of numbers.
     #[error(
         "the simulation broke down at {time_s} s ({reason}); use a smaller integration_step_s or softer controller gains"

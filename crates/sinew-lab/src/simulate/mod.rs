@@ -6,9 +6,11 @@
 
 mod contacts;
 mod controller;
+mod drawn;
 mod error;
 mod faults;
 mod friction;
+mod known;
 mod motion;
 mod plant;
 mod run;

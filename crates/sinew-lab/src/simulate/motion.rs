@@ -153,14 +153,15 @@ impl Trajectory {
         &self.now.from
     }
 
-    /// Desired position and velocity at `t`, s, which never goes back by more than a segment.
-    pub(crate) fn at(&mut self, t: f64, q_d: &mut [f64], dq_d: &mut [f64]) {
+    /// Desired position, velocity and acceleration at `t`, s, which never goes back by more than a
+    /// segment.
+    pub(crate) fn at(&mut self, t: f64, q_d: &mut [f64], dq_d: &mut [f64], ddq_d: &mut [f64]) {
         while t >= self.now.end_s && self.advance() {}
         let s = &self.now;
-        let (share, rate) = if t <= s.start_s {
-            (0.0, 0.0)
+        let (share, rate, change) = if t <= s.start_s {
+            (0.0, 0.0, 0.0)
         } else if s.move_s == 0.0 || t >= s.start_s + s.move_s {
-            (1.0, 0.0)
+            (1.0, 0.0, 0.0)
         } else {
             minimum_jerk((t - s.start_s) / s.move_s)
         };
@@ -171,6 +172,11 @@ impl Trajectory {
                 0.0
             } else {
                 way * rate / s.move_s
+            };
+            ddq_d[i] = if change == 0.0 {
+                0.0
+            } else {
+                way * change / (s.move_s * s.move_s)
             };
         }
     }
@@ -272,11 +278,12 @@ fn ranges(range: &PerJoint, names: &[String], limits: &[(f64, f64)]) -> Vec<(f64
 ///
 /// # Source
 /// Flash, Hogan, *The coordination of arm movements*, J. Neuroscience 5, 1985.
-fn minimum_jerk(s: f64) -> (f64, f64) {
+fn minimum_jerk(s: f64) -> (f64, f64, f64) {
     let s2 = s * s;
     (
         s2 * s * (10.0 - 15.0 * s + 6.0 * s2),
         30.0 * s2 * (1.0 - s) * (1.0 - s),
+        60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
     )
 }
 
@@ -286,13 +293,16 @@ mod tests {
 
     #[test]
     fn minimum_jerk_ends_at_rest_and_its_rate_is_its_slope() {
-        assert_eq!(minimum_jerk(0.0), (0.0, 0.0));
-        assert_eq!(minimum_jerk(1.0), (1.0, 0.0));
+        assert_eq!(minimum_jerk(0.0), (0.0, 0.0, 0.0));
+        assert_eq!(minimum_jerk(1.0), (1.0, 0.0, 0.0));
         // Central difference: error h²/6 of a third derivative of at most 60.
         let h = 1e-4;
         for s in [0.1, 0.37, 0.5, 0.9] {
             let slope = (minimum_jerk(s + h).0 - minimum_jerk(s - h).0) / (2.0 * h);
             assert!((slope - minimum_jerk(s).1).abs() < 10.0 * h * h);
+            // The third derivative of the rate is 360 at most.
+            let change = (minimum_jerk(s + h).1 - minimum_jerk(s - h).1) / (2.0 * h);
+            assert!((change - minimum_jerk(s).2).abs() < 60.0 * h * h + 1e-11);
         }
     }
 }

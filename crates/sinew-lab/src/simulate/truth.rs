@@ -187,7 +187,7 @@ impl Truth {
                 .iter()
                 .enumerate()
                 .filter(|(i, _)| {
-                    let injected = |o: &&super::simulation::DrawnOffset| {
+                    let injected = |o: &&super::drawn::DrawnOffset| {
                         o.joint == *i && o.kind == OffsetKind::Injected
                     };
                     simulation.offsets().iter().any(|o| injected(&o))

@@ -19,11 +19,13 @@ mod error;
 mod external;
 mod set_point;
 mod spring;
+mod tolerances;
 mod transmission;
 
 pub use contact::{ContactConfig, ContactDetector};
 pub use error::CorrectionError;
-pub use external::{ContactTolerances, ExternalTorqueConfig, ExternalTorqueObserver};
+pub use external::{ExternalTorqueConfig, ExternalTorqueObserver};
 pub use set_point::SetPoint;
 pub use spring::Spring;
+pub use tolerances::ContactTolerances;
 pub use transmission::{Correction, JointCorrection};

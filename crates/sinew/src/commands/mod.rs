@@ -4,6 +4,7 @@ pub(crate) mod absolute;
 pub(crate) mod baseline;
 pub(crate) mod bench;
 mod bench_read_camera;
+mod control;
 pub(crate) mod creep;
 mod creep_analyze;
 mod creep_compare;

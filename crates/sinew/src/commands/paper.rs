@@ -1,7 +1,7 @@
 //! `sinew paper`: the paper's evaluation, done again.
 
 use crate::terminal::{Failure, Finish, answer, complain};
-use crate::text::{indented, paragraph};
+use crate::text::{indented, paragraph, table};
 use clap::{Args, ValueEnum};
 use sinew_lab::paper::{self, PaperFigure, Written};
 use sinew_lab::rope::Catalogue;
@@ -50,6 +50,8 @@ enum Which {
     Fig6,
     /// A simulated "real" elbow: injected offset, difference, rope relaxed and re-tensioned
     Fig7,
+    /// Control and collision detection with stretched ropes, before and after correction
+    Control,
 }
 
 impl Paper {
@@ -73,13 +75,37 @@ impl Paper {
             Which::Table1 => paper::table1(&catalogue()?)?,
             Which::Fig6 => paper::fig6(&robot()?.robot)?,
             Which::Fig7 => paper::fig7(&robot()?.robot)?,
+            Which::Control => {
+                let control = paper::control(&robot()?.robot, paper::Effort::default())?;
+                let written = paper::write_control(&control, &self.out)?;
+                return self.say(&control.figure, &written, Some(&control.rows));
+            }
         };
         let written = paper::write(&figure, &self.out)?;
+        self.say(&figure, &written, None)
+    }
+
+    /// Sentences, the table where there is one, and what was written.
+    fn say(
+        &self,
+        figure: &PaperFigure,
+        written: &Written,
+        rows: Option<&[paper::Row]>,
+    ) -> Result<Finish, Failure> {
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
         if self.json {
-            answer(&(serde_json::to_string_pretty(&json(&figure, &written))? + "\n"))?;
+            let mut document = json(figure, written);
+            if let (Some(object), Some(rows)) = (document.as_object_mut(), rows) {
+                object.insert("table".into(), serde_json::to_value(rows)?);
+            }
+            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
         } else {
-            answer(&told(&figure, &written))?;
+            let mut text = told(figure, written);
+            if let Some(rows) = rows {
+                let (head, cells) = paper::table(rows);
+                text = format!("{}\n{text}", table(&head, cells, 2));
+            }
+            answer(&text)?;
         }
         if failed > 0 && !self.quiet {
             let of = figure.sentences.len();

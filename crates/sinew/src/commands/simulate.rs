@@ -35,6 +35,10 @@ pub(crate) struct Simulate {
     /// Compression of an MCAP
     #[arg(long, value_enum, default_value = "zstd")]
     compression: Packing,
+    /// Run it without and with its [correction], and say how far the joints are from where they
+    /// should be and which contacts are missed or false
+    #[arg(long)]
+    control: bool,
     /// Print one JSON document (the truth) instead of a line
     #[arg(long)]
     json: bool,
@@ -68,9 +72,11 @@ impl Simulate {
         if self.duration.is_some() {
             scenario.duration_s = self.duration;
         }
+        let beside = self.scenario.parent().unwrap_or(Path::new(""));
+        scenario.correction.read_estimate(beside)?;
         let folder = match (&self.robot, &scenario.robot) {
             (Some(folder), _) => folder.clone(),
-            (None, Some(named)) => self.scenario.parent().unwrap_or(Path::new("")).join(named),
+            (None, Some(named)) => beside.join(named),
             (None, None) => {
                 return Err(Failure::Refused(format!(
                     "{name} names no robot; name its folder with --robot DIR"
@@ -90,6 +96,11 @@ impl Simulate {
             Packing::Lz4 => Compression::Lz4,
             Packing::None => Compression::None,
         };
+        // Before anything is written: a scenario without a correction is refused.
+        let comparison = match self.control {
+            true => Some(sinew_lab::control::compare(&loaded.robot, &scenario)?),
+            false => None,
+        };
         let bar = Bar::new("simulating", self.quiet);
         let summary = simulate::run(&loaded.robot, &scenario, &options, &mut |at| {
             bar.set(at.done_s, at.total_s);
@@ -97,8 +108,15 @@ impl Simulate {
         drop(bar);
         let summary = summary?;
         if self.json {
-            answer(&(serde_json::to_string_pretty(&summary.truth)? + "\n"))?;
+            let mut document = serde_json::to_value(&summary.truth)?;
+            if let (Some(object), Some(comparison)) = (document.as_object_mut(), &comparison) {
+                object.insert("control".into(), serde_json::to_value(comparison)?);
+            }
+            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
         } else {
+            if let Some(comparison) = &comparison {
+                answer(&(super::control::told(comparison) + "\n"))?;
+            }
             answer(&format!(
                 "{}: {} s, {} frames, {:.1} MB; its truth is {}\n",
                 summary.out.display(),

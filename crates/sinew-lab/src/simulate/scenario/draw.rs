@@ -112,6 +112,7 @@ pub(crate) enum Stream {
     Faults = 5,
     /// Draws that came to the language later: those before them must not move.
     Later = 6,
+    Correction = 7,
 }
 
 /// The stream of a seed.

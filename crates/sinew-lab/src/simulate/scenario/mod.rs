@@ -4,12 +4,14 @@
 //! line, key, value and unit), `draw` (given or drawn numbers and their random streams),
 //! `profile` (a value over time).
 
+mod correction;
 mod draw;
 mod names;
 mod profile;
 mod read;
 mod table;
 
+pub use correction::{ContactDetection, Correction, KnownOffset, SetPointKind};
 pub use draw::{Draw, PerJoint};
 pub use profile::Shape;
 pub use table::Bound;
@@ -49,6 +51,10 @@ pub struct Scenario {
     pub start_time_ns: i64,
     /// Gains.
     pub controller: Controller,
+    /// What controller and contact detector know of the stretch.
+    pub correction: Correction,
+    /// How contacts are looked for.
+    pub contact_detection: ContactDetection,
     /// What the arm is asked to do.
     pub motion: Motion,
     /// How the robot differs from its description.
@@ -408,6 +414,8 @@ impl Default for Scenario {
             // 2026-01-01 00:00:00 UTC: recordings made at different times stay bitwise the same.
             start_time_ns: 1_767_225_600_000_000_000,
             controller: Controller::default(),
+            correction: Correction::default(),
+            contact_detection: ContactDetection::default(),
             motion: Motion::Hold {
                 pose_rad: PerJoint::default(),
             },

@@ -54,6 +54,8 @@ impl Scenario {
         of.extend(self.motor_friction.all());
         of.extend(self.motor_torque.all());
         of.extend(self.torque_sensor.all());
+        of.extend(self.correction.all());
+        of.push(&self.contact_detection.noise_nm);
         let mut names: Vec<(&str, usize)> = Vec::new();
         match &self.motion {
             Motion::Hold { pose_rad } => of.push(pose_rad),

@@ -1,6 +1,7 @@
 //! The keys of a scenario file.
 
 use super::super::SimulateError;
+use super::correction::{contact_detection, correction};
 use super::draw::Draw;
 use super::table::{Bound, Doc, Section};
 use super::*;
@@ -62,6 +63,8 @@ impl Scenario {
                     damping_nm_s_per_rad: per(s, "damping_nm_s_per_rad", Bound::NotNegative)?,
                 })
             })?,
+            correction: optional(&root, "correction", correction)?,
+            contact_detection: optional(&root, "contact_detection", contact_detection)?,
             motion,
             truth: optional(&root, "truth", truth)?,
             joint_friction: optional(&root, "joint_friction", friction)?,
@@ -112,7 +115,11 @@ impl Scenario {
     }
 }
 
-fn per(s: &Section<'_>, key: &'static str, bound: Bound) -> Result<PerJoint, SimulateError> {
+pub(super) fn per(
+    s: &Section<'_>,
+    key: &'static str,
+    bound: Bound,
+) -> Result<PerJoint, SimulateError> {
     Ok(s.per_joint(key, bound)?.unwrap_or_default())
 }
 
