@@ -62,7 +62,7 @@ pub struct Block {
     pub y: Vec<f64>,
     /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
     pub phi: Vec<f64>,
-    /// Friction state, −1…1, `n`: the middle of what it may be.
+    /// Friction state, −1…1, `n`, as far as it is known.
     pub z: Vec<f64>,
     /// Half of what it may be: 1 until the joint has moved, 0 once it has slid, `n`.
     pub z_unknown: Vec<f64>,
@@ -132,6 +132,9 @@ impl Block {
     }
 }
 
+/// Travel after which friction surely points against it, rad: several times what quantisation makes
+/// a standing joint seem to move.
+const SURE_STROKE_RAD: f64 = 4e-3;
 /// Number of encoder columns per joint.
 pub(super) const ENCODER: usize = 4;
 /// Signals that are low-passed per joint.
@@ -147,8 +150,9 @@ pub struct FeatureObserver {
     before: MomentumRegressor,
     q: Vec<StateVariableFilter>,
     theta: Vec<StateVariableFilter>,
-    /// Friction state from below and from above: it may be anything when a recording begins.
-    z: Vec<[f64; 2]>,
+    z: Vec<f64>,
+    /// Bounds of the friction state: it may be anything when a recording begins.
+    z_bounds: Vec<[f64; 2]>,
     q_at_z: Vec<f64>,
     torque: Vec<StateVariableFilter>,
     motor_z: Vec<f64>,
@@ -180,7 +184,8 @@ impl FeatureObserver {
             before: regressor,
             q: alloc::vec![StateVariableFilter::default(); n],
             theta: alloc::vec![StateVariableFilter::default(); n],
-            z: alloc::vec![[-1.0, 1.0]; n],
+            z: alloc::vec![0.0; n],
+            z_bounds: alloc::vec![[-1.0, 1.0]; n],
             q_at_z: alloc::vec![0.0; n],
             torque: alloc::vec![StateVariableFilter::default(); n],
             motor_z: alloc::vec![0.0; n],
@@ -296,7 +301,8 @@ impl FeatureObserver {
         for (filter, x) in self.torque.iter_mut().zip(torque) {
             *filter = StateVariableFilter::settled_at(*x);
         }
-        self.z.fill([-1.0, 1.0]);
+        self.z.fill(0.0);
+        self.z_bounds.fill([-1.0, 1.0]);
         self.q_at_z.copy_from_slice(q);
         self.motor_z.fill(0.0);
         self.theta_at_z.copy_from_slice(theta);
@@ -342,8 +348,9 @@ impl FeatureObserver {
         for i in 0..self.lags.len() {
             let moved = self.positions[i] - self.q_at_z[i];
             self.q_at_z[i] = self.positions[i];
-            for z in &mut self.z[i] {
-                *z = (*z + moved / stroke).clamp(-1.0, 1.0);
+            self.z[i] = (self.z[i] + moved / stroke).clamp(-1.0, 1.0);
+            for z in &mut self.z_bounds[i] {
+                *z = (*z + moved / SURE_STROKE_RAD).clamp(-1.0, 1.0);
             }
             let theta = self.theta[i].value();
             let turned = theta - self.theta_at_z[i];
@@ -441,8 +448,9 @@ impl FeatureObserver {
         let deflection = theta.value() - q.value();
         let (s1, c1) = libm::sincos(q.value());
         let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
-        let [low, high] = self.z[i];
-        let (z, z_unknown) = (0.5 * (low + high), 0.5 * (high - low));
+        let [low, high] = self.z_bounds[i];
+        let z_unknown = 0.5 * (high - low);
+        let z = self.z[i] * (1.0 - z_unknown);
         let stands = theta.rate().abs() < STANDS_RAD_PER_S;
         [
             deflection,

@@ -10,8 +10,8 @@ const PENDULUM: &str = r#"<robot name="pendulum"><link name="base"/><link name="
     <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
     <joint name="swing" type="revolute"><parent link="base"/><child link="bob"/>
     <axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="9" velocity="9"/></joint></robot>"#;
-pub const MGL: f64 = 0.5 * 9.81 * 0.3;
-pub const K: f64 = 20.0;
+pub(crate) const MGL: f64 = 0.5 * 9.81 * 0.3;
+pub(crate) const K: f64 = 20.0;
 
 fn arm(text: &str) -> Arm {
     urdf::parse(text, &urdf::UrdfOptions::default())
@@ -20,7 +20,7 @@ fn arm(text: &str) -> Arm {
 }
 
 /// A tree of nine joints.
-pub fn branching() -> Arm {
+pub(crate) fn branching() -> Arm {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/tests/reference/models/branching9.urdf"
@@ -29,7 +29,7 @@ pub fn branching() -> Arm {
 }
 
 /// Springs and friction, all different.
-pub fn springs(n: usize) -> Vec<Option<Transmission>> {
+pub(crate) fn springs(n: usize) -> Vec<Option<Transmission>> {
     (0..n)
         .map(|i| {
             let mut t = Transmission::spring(20.0 + 5.0 * i as f64);
@@ -41,7 +41,7 @@ pub fn springs(n: usize) -> Vec<Option<Transmission>> {
 }
 
 /// An offset, a wrong stiffness and a stiffening per joint, all different.
-pub fn known(n: usize) -> Vec<JointCorrection> {
+pub(crate) fn known(n: usize) -> Vec<JointCorrection> {
     (0..n)
         .map(|i| JointCorrection {
             delta_e: 0.004 * (i as f64 - 2.0),
@@ -53,7 +53,7 @@ pub fn known(n: usize) -> Vec<JointCorrection> {
 }
 
 /// Position, velocity and acceleration of a smooth motion at `t`.
-pub fn motion(t: f64, n: usize) -> [Vec<f64>; 3] {
+pub(crate) fn motion(t: f64, n: usize) -> [Vec<f64>; 3] {
     let of = |f: &dyn Fn(f64, f64) -> f64| (0..n).map(|i| f(1.0 + 0.3 * i as f64, t)).collect();
     [
         of(&|w, t| 0.4 * (w * t).sin()),
@@ -63,6 +63,6 @@ pub fn motion(t: f64, n: usize) -> [Vec<f64>; 3] {
 }
 
 /// The pendulum above.
-pub fn pendulum() -> Arm {
+pub(crate) fn pendulum() -> Arm {
     arm(PENDULUM)
 }

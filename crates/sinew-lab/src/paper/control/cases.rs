@@ -209,6 +209,7 @@ pub(super) fn stretch(joint: &str) -> Offset {
         kind: OffsetKind::Physical,
         size_rad: Draw::Fixed(OFFSET_RAD),
         shape: Shape::Constant,
+        later_s: Draw::Fixed(0.0),
     }
 }
 

@@ -80,9 +80,8 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
         "delay, ms",
     ];
     let contacts = rows.first().map_or(0, |r| r.contacts.contacts);
-    let spread = |v: [f64; 2], s: [f64; 2]| {
-        format!("{:.1} ± {:.1}; {:.1} ± {:.1}", v[0], s[0], v[1], s[1])
-    };
+    let spread =
+        |v: [f64; 2], s: [f64; 2]| format!("{:.1} ± {:.1}; {:.1} ± {:.1}", v[0], s[0], v[1], s[1]);
     let pair = |v: [f64; 2]| format!("{}; {}", number(v[0], 2), number(v[1], 2));
     let range = |v: f64, r: [f64; 2], decimals: usize| {
         format!("{v:.decimals$} ({:.decimals$}–{:.decimals$})", r[0], r[1])

@@ -1,6 +1,7 @@
 //! What is said of stretched ropes, judged.
 
 use super::super::Sentence;
+use super::super::sentence::{below, near};
 use super::super::staircase::STEPS;
 use super::super::trial::{difference, peak};
 use super::cases::{OFFSET_RAD, Row, STIFFNESS_ERROR};
@@ -21,7 +22,7 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
         .into_iter()
         .enumerate()
     {
-        out.push(Sentence::near(
+        out.push(near(
             format!("Elongation spoils the position: a rope 10 mrad longer leaves the {joint} 10 mrad short at 90°."),
             "by hand: (1 + g'(1/K + 1/K_P)) e = −delta_e, and g' = 0 where the arm is level",
             blind.at_rest(&blind.error_mrad[slot], STEPS),
@@ -29,7 +30,7 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
             0.02,
             "mrad",
         ));
-        out.push(Sentence::near(
+        out.push(near(
             format!(
                 "It spoils the torque: the {joint} feels a contact of −K delta_e that isn't there."
             ),
@@ -40,21 +41,21 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
             "N·m",
         ));
     }
-    out.push(Sentence::below(
+    out.push(below(
         "With theta_set = q_d + x(tau_d) + delta_e the joints reach the wanted position",
         "largest mean error over five rests and both joints, as in Fig. 6; what remains is the swing after a move",
         peak(&positions),
         0.1,
         "mrad",
     ));
-    out.push(Sentence::below(
+    out.push(below(
         "as they do with new ropes.",
         "largest difference from new ropes; by hand: none at all",
         peak(&as_new),
         1e-3,
         "mrad",
     ));
-    out.push(Sentence::below(
+    out.push(below(
         "With the corrected torque nothing seems to touch.",
         "largest mean external torque over five rests and both joints",
         peak(&torques),
