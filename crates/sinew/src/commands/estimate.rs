@@ -259,8 +259,8 @@ fn told(e: &Result_) -> String {
         // What every joint lost stands below, once.
         for loss in joint.losses.iter().filter(|l| !e.losses.contains(l)) {
             let line = format!(
-                "not used: {} frames ({:.1} %) of {}, {}",
-                loss.frames,
+                "not used: {} ({:.1} %) of {}, {}",
+                frames(loss.frames),
                 100.0 * loss.share,
                 joint.name,
                 loss.reason
@@ -269,7 +269,7 @@ fn told(e: &Result_) -> String {
         }
     }
     for loss in &e.losses {
-        let line = format!("not used: {} frames, {}", loss.frames, loss.reason);
+        let line = format!("not used: {}, {}", frames(loss.frames), loss.reason);
         out.push_str(&paragraph(&plain(&line), 2));
     }
     let rest = if changed {
@@ -278,6 +278,13 @@ fn told(e: &Result_) -> String {
         "Right in differences; the absolute value rests on stiffness and masses. --reference LOG2 shows what changed."
     };
     out + &paragraph(rest, 0)
+}
+
+fn frames(count: u64) -> String {
+    match count {
+        1 => "1 frame".into(),
+        n => format!("{n} frames"),
+    }
 }
 
 /// Rows of what changed since the reference; none without one.
