@@ -6,6 +6,7 @@ pub mod camera;
 pub mod control;
 pub mod creep;
 pub mod estimate;
+pub mod excitation;
 pub mod output;
 pub mod paper;
 pub mod plot;

@@ -35,6 +35,7 @@ enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
+    Excitation(commands::excitation::Excitation),
     Simulate(commands::simulate::Simulate),
     #[command(subcommand)]
     Scenarios(commands::scenarios::Scenarios),
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Command::Estimate(command) => command.run(),
         Command::Baseline(command) => command.run(),
         Command::Trend(command) => command.run(),
+        Command::Excitation(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Scenarios(command) => command.run(),
         Command::Paper(command) => command.run(),

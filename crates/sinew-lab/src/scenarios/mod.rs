@@ -4,6 +4,7 @@
 //! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`Summary`]
 //! (what they say together).
 
+mod bound;
 mod catalogue;
 mod estimator;
 mod journal;

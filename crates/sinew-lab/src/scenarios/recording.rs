@@ -1,5 +1,6 @@
 //! One recording, simulated and judged.
 
+use super::bound::BoundRecorder;
 use super::paper::PaperMeans;
 use super::{Plan, ScenarioError, estimator};
 use crate::absolute::{Absolute, Baseline, Recorded};
@@ -96,6 +97,8 @@ struct Simulated {
     /// Joint, time and size (mrad) of every slip after B.
     slips: Vec<(usize, f64, f64)>,
     payload_kg: f64,
+    /// Bound per joint, rad.
+    bound_rad: Option<Vec<f64>>,
     /// With the lag of the paper, and matched.
     means: [PaperMeans; 2],
 }
@@ -164,12 +167,32 @@ fn simulate(plan: &Plan, seed: u64, steps: bool) -> Result<Simulated, ScenarioEr
         }
         Ok(())
     };
+    let mut bound = BoundRecorder::new(plan);
     while let Some(frame) = simulation.next_frame()? {
+        let time_ns = frame.time_ns;
         line.pass(frame, &mut take)
             .map_err(crate::simulate::SimulateError::from)?;
+        let t = simulation.true_state().time_s;
+        if let Some(k) = spans.iter().position(|s| (s.0..s.1).contains(&t)) {
+            bound.push(k, &simulation, time_ns);
+        }
     }
     line.flush(&mut take)
         .map_err(crate::simulate::SimulateError::from)?;
+    let recorded: Vec<Recorded> = recorders
+        .into_iter()
+        .zip(&spans)
+        .map(|(recorder, span)| {
+            let mut recorded = recorder.finish();
+            recorded.duration_s = span.1 - span.0;
+            recorded
+        })
+        .collect();
+    // What the model doesn't know of has no bound within it.
+    let bound_rad = match plan.about {
+        None => bound.finish(plan, &simulation, &recorded),
+        Some(_) => None,
+    };
     let end_s = spans[1].1 - 1.0 / scenario.sample_rate_hz;
     Ok(Simulated {
         truth_mrad: (0..plan.robot.arm.dof())
@@ -190,15 +213,8 @@ fn simulate(plan: &Plan, seed: u64, steps: bool) -> Result<Simulated, ScenarioEr
             .filter(|p| p.attach_s <= end_s && end_s < p.release_s)
             .map(|p| p.mass_kg)
             .sum(),
-        sessions: recorders
-            .into_iter()
-            .zip(&spans)
-            .map(|(recorder, span)| {
-                let mut recorded = recorder.finish();
-                recorded.duration_s = span.1 - span.0;
-                recorded
-            })
-            .collect(),
+        sessions: recorded,
+        bound_rad,
         means,
     })
 }
@@ -224,7 +240,7 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
                 paper_minus_baseline_error_mrad: minus(lagging),
                 matched_error_mrad: plain(matched),
                 matched_minus_baseline_error_mrad: minus(matched),
-                bound_mrad: None,
+                bound_mrad: simulated.bound_rad.as_ref().map(|b| 1e3 * b[i]),
             })
         })
         .collect();

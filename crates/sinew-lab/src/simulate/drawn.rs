@@ -47,8 +47,8 @@ pub(crate) struct DrawnTemperature {
     change_from_to_s: (f64, f64),
     pub(super) reading_error_k: f64,
     pub(super) reading_error_from_s: f64,
-    pub(super) stiffness_per_k: Vec<f64>,
-    pub(super) drift_rad_per_k: Vec<f64>,
+    pub(crate) stiffness_per_k: Vec<f64>,
+    pub(crate) drift_rad_per_k: Vec<f64>,
 }
 
 impl DrawnTemperature {

@@ -120,17 +120,23 @@ impl Sensors {
 
     /// Joint position, rad.
     pub(crate) fn joint(&mut self, i: usize, q: f64) -> f64 {
-        let mut seen = q + self.noise(self.joint_noise);
+        let noise = self.noise(self.joint_noise);
+        let seen = self.eccentric(i, q + noise, q);
+        match self.joint_step {
+            Some(step) => (seen / step).round() * step,
+            None => seen,
+        }
+    }
+
+    /// `seen` with the encoder's error of once and twice per turn at `q`, rad.
+    pub(crate) fn eccentric(&self, i: usize, mut seen: f64, q: f64) -> f64 {
         if self.once[i] != 0.0 {
             seen += self.once[i] * libm::sin(q + self.once_phase[i]);
         }
         if self.twice[i] != 0.0 {
             seen += self.twice[i] * libm::sin(2.0 * q + self.twice_phase[i]);
         }
-        match self.joint_step {
-            Some(step) => (seen / step).round() * step,
-            None => seen,
-        }
+        seen
     }
 
     /// Motor position with an offset injected and a drift of its zero, rad.

@@ -11,6 +11,7 @@ mod creep_compare;
 mod creep_files;
 mod creep_fit;
 pub(crate) mod estimate;
+pub(crate) mod excitation;
 pub(crate) mod log;
 pub(crate) mod paper;
 pub(crate) mod robot;

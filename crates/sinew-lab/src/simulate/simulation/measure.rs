@@ -77,6 +77,18 @@ impl Simulation {
         Ok(())
     }
 
+    /// Joint and motor position of joint `i` at the latest frame as the encoders would show them
+    /// without noise and quantisation, rad.
+    pub(crate) fn shown_without_noise(&self, i: usize) -> (f64, f64) {
+        let truth = &self.truth;
+        let warmer = self.temperature.at(truth.time_s) - self.temperature.reference_c;
+        let injection = self.offset_at(i, truth.time_s).1;
+        (
+            self.sensors.eccentric(i, truth.q[i], truth.q[i]),
+            injected(truth.theta[i], injection) + self.temperature.drift_rad_per_k[i] * warmer,
+        )
+    }
+
     /// Remembers motor positions as long as they are recorded late.
     fn delay_motor(&mut self, rate_hz: f64) {
         let delay = self.scenario.encoder.motor_delay_s * rate_hz;

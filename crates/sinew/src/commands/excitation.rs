@@ -1,0 +1,200 @@
+//! `sinew excitation`: poses that make the offsets show.
+
+use crate::args;
+use crate::files::check_outputs;
+use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::text::{paragraph, plain, table};
+use clap::Args;
+use sinew_lab::absolute::Baseline;
+use sinew_lab::excitation::{self, Options, Proposal, Sensors};
+use sinew_lab::report::rounded;
+use sinew_lab::{output, robot_dir};
+use std::path::{Path, PathBuf};
+
+/// Propose a short list of poses that makes the offsets identifiable
+///
+/// Each list tried is visited in a synthetic recording of the nominal robot, and judged by the
+/// interval that sinew estimate --baseline would give. Collisions are not checked, and Sinew never
+/// commands the robot: run the poses with your own controller.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    sinew excitation --robot robots/biorob-like --poses 6 --out check.toml")]
+pub(crate) struct Excitation {
+    /// Robot's folder
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    robot: PathBuf,
+    /// Baseline to build on [default: what 25 random poses would teach]
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// Poses in the list
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(2..=100))]
+    poses: u16,
+    /// Rest at each pose, s
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = args::seconds, allow_negative_numbers = true)]
+    pause: f64,
+    /// The gripper is known to be empty
+    #[arg(long)]
+    no_payload: bool,
+    /// Bits of a turn of the joint encoders
+    #[arg(long, value_name = "BITS", default_value_t = 13, value_parser = clap::value_parser!(u32).range(4..=40))]
+    joint_bits: u32,
+    /// Poses tried in the place of each, per round of two
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    candidates: u16,
+    /// Seed of the poses drawn
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Write the poses; .toml (a motion for sinew simulate) or .csv
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    /// No progress and no warnings on stderr
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+impl Excitation {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        let text = match self.out.as_deref() {
+            None => None,
+            Some(out) => {
+                let inputs: Vec<(&str, &Path)> = self
+                    .baseline
+                    .iter()
+                    .map(|b| ("--baseline", b.as_path()))
+                    .collect();
+                check_outputs(&[("--out", out)], &inputs)?;
+                Some((out, writer(out)?))
+            }
+        };
+        let loaded = robot_dir::load(&self.robot, None)?;
+        if !self.quiet {
+            for warning in &loaded.robot.warnings {
+                complain("warning", &plain(warning));
+            }
+        }
+        let baseline = match &self.baseline {
+            Some(file) => Some((Baseline::read(file)?, file.display().to_string())),
+            None => None,
+        };
+        let options = Options {
+            poses: usize::from(self.poses),
+            pause_s: self.pause,
+            candidates: usize::from(self.candidates),
+            payload: !self.no_payload,
+            sensors: Sensors {
+                joint_bits: self.joint_bits,
+                ..Sensors::default()
+            },
+            seed: self.seed,
+            ..Options::default()
+        };
+        let bar = Bar::new("trying poses", self.quiet);
+        let proposal = excitation::propose(
+            &loaded.robot,
+            baseline.as_ref().map(|(b, file)| (b, file.as_str())),
+            &options,
+            &mut |done, all| bar.set(done as f64, all as f64),
+        );
+        drop(bar);
+        let proposal = proposal?;
+        if let Some((out, write)) = text {
+            output::write_file(out, write(&proposal).as_bytes())?;
+        }
+        if self.json {
+            answer(&(serde_json::to_string_pretty(&proposal)? + "\n"))?;
+        } else {
+            answer(&told(&proposal))?;
+        }
+        Ok(Finish::Complete)
+    }
+}
+
+/// What makes a file's text, by its ending.
+fn writer(out: &Path) -> Result<fn(&Proposal) -> String, Failure> {
+    match out.extension().and_then(|e| e.to_str()) {
+        Some("toml") => Ok(Proposal::to_toml),
+        Some("csv") => Ok(Proposal::to_csv),
+        _ => Err(Failure::Refused(format!(
+            "--out {}: the name must end in .toml or .csv",
+            out.display()
+        ))),
+    }
+}
+
+/// The proposal as text of at most 80 columns.
+fn told(proposal: &Proposal) -> String {
+    let mut text = paragraph(
+        &plain(&format!(
+            "{}: {} poses, {:.0} s; {} lists tried",
+            proposal.robot,
+            proposal.poses.len(),
+            proposal.duration_s,
+            proposal.lists_tried
+        )),
+        2,
+    );
+    // As many joints side by side as a terminal holds.
+    const SIDE_BY_SIDE: usize = 4;
+    for (part, names) in proposal.joints.chunks(SIDE_BY_SIDE).enumerate() {
+        let mut head = vec!["pose".to_string(), "move, s".into()];
+        head.extend(names.iter().map(|n| format!("{}\nrad", plain(n))));
+        let rows = proposal
+            .poses
+            .iter()
+            .enumerate()
+            .map(|(k, pose)| {
+                let from = part * SIDE_BY_SIDE;
+                let mut row = vec![(k + 1).to_string(), format!("{:.2}", pose.move_s)];
+                row.extend(
+                    pose.pose_rad[from..from + names.len()]
+                        .iter()
+                        .map(|q| format!("{q:.3}").replace('-', "−")),
+                );
+                row
+            })
+            .collect();
+        let head: Vec<&str> = head.iter().map(String::as_str).collect();
+        text.push_str(&table(&head, rows, 1));
+        text.push('\n');
+    }
+    let rows = proposal
+        .expected
+        .iter()
+        .map(|e| {
+            vec![
+                plain(&e.name),
+                rounded(e.interval_95_mrad, 2),
+                e.interval_95_mm.map_or("–".into(), |mm| rounded(mm, 2)),
+                rounded(e.random_interval_95_mrad, 2),
+            ]
+        })
+        .collect();
+    let head = [
+        "expected",
+        "± (95 %)\nmrad",
+        "± (95 %)\nmm",
+        "random poses\nmrad",
+    ];
+    text.push_str(&table(&head, rows, 1));
+    text.push('\n');
+    let held = if proposal.payload {
+        "something unknown"
+    } else {
+        "nothing"
+    };
+    text.push_str(&paragraph(
+        &plain(&format!(
+            "with {held} in the gripper and joint encoders of {} bits; rests on {}",
+            proposal.joint_bits, proposal.baseline
+        )),
+        2,
+    ));
+    for note in &proposal.notes {
+        text.push_str(&paragraph(&plain(note), 2));
+    }
+    text
+}
