@@ -127,7 +127,7 @@ fn what_is_promised_is_what_simulated_robots_show() {
     let seeds: u64 = std::env::var("SINEW_SEEDS")
         .ok()
         .and_then(|s| s.parse().ok())
-        .unwrap_or(3);
+        .unwrap_or(2);
     let (mut errors, mut intervals) = (Vec::new(), Vec::new());
     for seed in 0..seeds {
         for (name, error, interval) in visited(&robot, &proposal, 400 + seed) {

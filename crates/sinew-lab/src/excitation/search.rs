@@ -95,6 +95,11 @@ pub struct Expected {
     pub random_interval_95_mrad: f64,
 }
 
+/// Interval of simulated robots over that of the nominal one: those of scenario S6, which differ
+/// from their description in stiffness, masses and friction, show 4.3 times the interval (12
+/// offsets, `tests/excitation.rs`). Residuals and the baseline are worse than on a robot that is
+/// as described.
+const SEEN_OVER_NOMINAL: f64 = 4.3;
 /// Share of the range at each end that poses stay away from.
 const MARGIN: f64 = 0.1;
 /// Share of the effort that holding a pose may take.
@@ -326,9 +331,10 @@ impl<'r> Search<'r> {
         let mut notes = vec![
             "poses stay 10 % of the range away from the limits and take at most half of the effort to hold an empty gripper; moves stay below half of the speed limits".into(),
             "collisions, cables and people are not checked; Sinew never commands the robot".into(),
+            format!("intervals are {SEEN_OVER_NOMINAL} times those of a robot exactly as described, which is what simulated robots of scenario S6 showed on the BioRob-like arm; another arm may differ"),
         ];
         for joint in &said.joints {
-            if joint.interval_95_mrad > USELESS_MRAD {
+            if SEEN_OVER_NOMINAL * joint.interval_95_mrad > USELESS_MRAD {
                 notes.push(format!(
                     "{}: no poses found that show its offset; gravity hardly loads it, or its range is too small",
                     joint.name
@@ -355,9 +361,9 @@ impl<'r> Search<'r> {
                 .zip(random)
                 .map(|(joint, random)| Expected {
                     name: joint.name.clone(),
-                    interval_95_mrad: joint.interval_95_mrad,
-                    interval_95_mm: joint.interval_95_mm,
-                    random_interval_95_mrad: *random,
+                    interval_95_mrad: SEEN_OVER_NOMINAL * joint.interval_95_mrad,
+                    interval_95_mm: joint.interval_95_mm.map(|mm| SEEN_OVER_NOMINAL * mm),
+                    random_interval_95_mrad: SEEN_OVER_NOMINAL * random,
                 })
                 .collect(),
             baseline: self.rests_on,

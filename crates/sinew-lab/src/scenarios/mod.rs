@@ -11,6 +11,7 @@ mod journal;
 mod paper;
 mod recording;
 mod run;
+mod simulated;
 mod summary;
 
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};

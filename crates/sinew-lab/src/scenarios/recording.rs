@@ -1,12 +1,10 @@
 //! One recording, simulated and judged.
 
-use super::bound::BoundRecorder;
 use super::paper::PaperMeans;
+use super::simulated::Simulated;
 use super::{Plan, ScenarioError, estimator};
 use crate::absolute::{Absolute, Baseline, Recorded};
-use crate::simulate::{FaultyLine, Simulation};
 use serde::{Deserialize, Serialize};
-use sinew_model::offset::Comparison;
 
 /// How one recording came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -90,25 +88,12 @@ const WITHIN_S: u32 = 20;
 /// A change reported further from a slip than this is another one, s.
 const SAME_S: f64 = 5.0;
 
-/// Blocks of the sessions and the truth behind them.
-struct Simulated {
-    sessions: Vec<Recorded>,
-    truth_mrad: Vec<f64>,
-    /// Joint, time and size (mrad) of every slip after B.
-    slips: Vec<(usize, f64, f64)>,
-    payload_kg: f64,
-    /// Bound per joint, rad.
-    bound_rad: Option<Vec<f64>>,
-    /// With the lag of the paper, and matched.
-    means: [PaperMeans; 2],
-}
-
 /// Simulates `plan` with `seed` and judges the estimate; `steps`: with session C.
 ///
 /// # Errors
 /// [`ScenarioError`].
 pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, ScenarioError> {
-    let simulated = simulate(plan, seed, steps)?;
+    let simulated = Simulated::new(plan, seed, steps)?;
     let refused = |error| ScenarioError::Absolute {
         scenario: plan.name.clone(),
         seed,
@@ -138,85 +123,6 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
         watch_slips(plan, &simulated, &baseline, payload, &mut out).map_err(refused)?;
     }
     Ok(out)
-}
-
-fn simulate(plan: &Plan, seed: u64, steps: bool) -> Result<Simulated, ScenarioError> {
-    let mut scenario = plan.scenario.clone();
-    scenario.seed = seed;
-    let sessions = if steps { 3 } else { 2 };
-    scenario.duration_s = Some(scenario.sessions[sessions - 1].to_s);
-    let spans: Vec<(f64, f64)> = scenario.sessions[..sessions]
-        .iter()
-        .map(|s| (s.from_s, s.to_s))
-        .collect();
-    let mut simulation = Simulation::new(&plan.simulated, &scenario)?;
-    let mut line = FaultyLine::new(&scenario.faults, seed, scenario.start_time_ns);
-    let mut recorders = vec![estimator::recorder(&plan.robot); sessions];
-    let mut means = [
-        PaperMeans::new(&plan.robot, Comparison::Paper, sessions)?,
-        PaperMeans::new(&plan.robot, Comparison::Matched, sessions)?,
-    ];
-    let start_ns = scenario.start_time_ns;
-    let mut take = |frame: &sinew_log::Frame| {
-        let t = (frame.time_ns - start_ns) as f64 * 1e-9;
-        if let Some(k) = spans.iter().position(|s| (s.0..s.1).contains(&t)) {
-            recorders[k].push(frame, t);
-            for mean in &mut means {
-                mean.push(frame, k);
-            }
-        }
-        Ok(())
-    };
-    let mut bound = BoundRecorder::new(plan);
-    while let Some(frame) = simulation.next_frame()? {
-        let time_ns = frame.time_ns;
-        line.pass(frame, &mut take)
-            .map_err(crate::simulate::SimulateError::from)?;
-        let t = simulation.true_state().time_s;
-        if let Some(k) = spans.iter().position(|s| (s.0..s.1).contains(&t)) {
-            bound.push(k, &simulation, time_ns);
-        }
-    }
-    line.flush(&mut take)
-        .map_err(crate::simulate::SimulateError::from)?;
-    let recorded: Vec<Recorded> = recorders
-        .into_iter()
-        .zip(&spans)
-        .map(|(recorder, span)| {
-            let mut recorded = recorder.finish();
-            recorded.duration_s = span.1 - span.0;
-            recorded
-        })
-        .collect();
-    // What the model doesn't know of has no bound within it.
-    let bound_rad = match plan.about {
-        None => bound.finish(plan, &simulation, &recorded),
-        Some(_) => None,
-    };
-    let end_s = spans[1].1 - 1.0 / scenario.sample_rate_hz;
-    Ok(Simulated {
-        truth_mrad: (0..plan.robot.arm.dof())
-            .map(|i| {
-                let (physical, injected) = simulation.offset_at(i, end_s);
-                1e3 * (physical + injected)
-            })
-            .collect(),
-        slips: simulation
-            .offsets()
-            .iter()
-            .filter_map(|o| Some((o.joint, o.shape.step_s()?, 1e3 * o.size_rad)))
-            .filter(|slip| slip.1 >= spans[1].1)
-            .collect(),
-        payload_kg: simulation
-            .payloads()
-            .iter()
-            .filter(|p| p.attach_s <= end_s && end_s < p.release_s)
-            .map(|p| p.mass_kg)
-            .sum(),
-        sessions: recorded,
-        bound_rad,
-        means,
-    })
 }
 
 /// Session B against its truth.

@@ -1,6 +1,7 @@
 //! The physics against closed forms and balances, and the scenario file against bad input.
 
 mod files;
+mod later;
 mod physics;
 mod recording;
 mod refusals;
