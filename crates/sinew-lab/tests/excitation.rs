@@ -3,7 +3,7 @@
 //! `SINEW_SEEDS=30 cargo test -p sinew-lab --test excitation -- --nocapture` prints the statistics
 //! of as many simulated robots; the ordinary run makes do with a few.
 
-use sinew_lab::absolute::{self, Recorder};
+use sinew_lab::absolute::{self, Recorder, WatchOptions};
 use sinew_lab::excitation::{Options, Proposal, propose};
 use sinew_lab::robot_dir;
 use sinew_lab::scenarios::Plan;
@@ -106,12 +106,12 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
         })
         .collect();
     let (baseline, _) = absolute::learn_recorded(robot, &recorded(robot, &first), "first").unwrap();
-    let said = absolute::watch_recorded(
+    let (said, _) = absolute::watch_recorded(
         robot,
         &recorded(robot, &second),
         "second",
         Some((&baseline, "first")),
-        true,
+        &WatchOptions::default(),
     )
     .unwrap();
     said.joints

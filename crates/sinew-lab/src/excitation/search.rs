@@ -2,7 +2,7 @@
 
 use super::ExcitationError;
 use super::visit::{Sensors, Visit};
-use crate::absolute::{self, Absolute, Baseline};
+use crate::absolute::{self, Absolute, Baseline, Payload, WatchOptions};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -224,7 +224,8 @@ impl<'r> Search<'r> {
                 robot: robot.name.clone(),
                 joints: Vec::new(),
                 stiffness_nm_per_rad: Vec::new(),
-                recording: String::new(),
+                recordings: Vec::new(),
+                end_time_ns: 0,
                 temperature_c: None,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
@@ -238,13 +239,17 @@ impl<'r> Search<'r> {
         match given {
             Some((given, file)) => {
                 // Let the estimator say whether it belongs to this robot.
-                absolute::watch_recorded(robot, &recorded, file, Some((given, file)), false)
+                let empty = watching(false);
+                absolute::watch_recorded(robot, &recorded, file, Some((given, file)), &empty)
                     .map_err(Box::new)?;
                 search.baseline = Baseline {
                     covariance_lower: given.covariance_lower.clone(),
                     ..learned
                 };
-                search.rests_on = format!("the baseline {file}, recorded as {}", given.recording);
+                search.rests_on = format!(
+                    "the baseline {file}, recorded as {}",
+                    given.recordings.join(", ")
+                );
             }
             None => {
                 search.baseline = learned;
@@ -315,8 +320,9 @@ impl<'r> Search<'r> {
             &recorded,
             "proposed poses",
             baseline,
-            self.options.payload,
+            &watching(self.options.payload),
         )
+        .map(|(said, _)| said)
         .map_err(|e| Box::new(e).into())
     }
 
@@ -372,5 +378,17 @@ impl<'r> Search<'r> {
             lists_tried,
             notes,
         }
+    }
+}
+
+/// How the session to come will be watched.
+fn watching(payload: bool) -> WatchOptions {
+    WatchOptions {
+        payload: if payload {
+            Payload::Unknown
+        } else {
+            Payload::Empty
+        },
+        ..WatchOptions::default()
     }
 }
