@@ -35,6 +35,10 @@ pub struct Tolerances {
     pub payload_reach_m: f64,
     /// Scale of the motor torque, relative.
     pub motor_torque: f64,
+    /// Share of the deflection that a rope creeps after within half a minute.
+    pub viscoelastic: f64,
+    /// Gear ratio, relative.
+    pub gear: f64,
 }
 
 impl Default for Tolerances {
@@ -55,13 +59,15 @@ impl Default for Tolerances {
             payload_kg: [0.25, 0.25],
             payload_reach_m: 0.05,
             motor_torque: 0.03,
+            viscoelastic: 0.015,
+            gear: 0.005,
         }
     }
 }
 
 impl Tolerances {
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 18] = [
+    pub const KEYS: [&'static str; 20] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -80,6 +86,8 @@ impl Tolerances {
         "payload_kg",
         "payload_reach_mm",
         "motor_torque_percent",
+        "viscoelastic_percent",
+        "gear_percent",
     ];
 
     /// Where a key's value goes, and its unit.
@@ -104,6 +112,8 @@ impl Tolerances {
             "payload_mean_kg" => (&mut self.payload_kg[0], 1.0),
             "payload_kg" => (&mut self.payload_kg[1], 1.0),
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
+            "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
+            "gear_percent" => (&mut self.gear, PERCENT),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
             _ => return None,
         })

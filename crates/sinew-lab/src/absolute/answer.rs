@@ -38,6 +38,8 @@ pub struct Absolute {
     pub left_out: Vec<LeftOut>,
     /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
     pub poses: usize,
+    /// What no parameter explains, robust standard deviation per elastic joint, mrad.
+    pub noise_mrad: Vec<f64>,
     /// Everything estimated along: what was believed before and after.
     pub nuisance: Vec<Moved>,
     /// Whether part of the file was lost.
@@ -86,7 +88,7 @@ pub struct Step {
     pub interval_95_mrad: f64,
     /// Stiffness lost or gained with it, %, and half its 95 % interval; `None`: no change seen.
     pub stiffness_change_percent: Option<[f64; 2]>,
-    /// "strand failure" where the stiffness surely fell, else "slip".
+    /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, else "slip".
     pub kind: String,
 }
 

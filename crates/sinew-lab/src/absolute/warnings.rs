@@ -7,6 +7,10 @@ use super::blocks::Recorded;
 const LASTING_S: f64 = 8.0;
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, mrad.
 const POOR_MRAD: f64 = 10.0;
+/// More than this left unexplained is more than encoders and friction do, mrad.
+const NOISY_MRAD: f64 = 1.0;
+/// A joint that moved less than this while its motor turned ten times as far is stuck, mrad.
+const STUCK_MRAD: f64 = 5.0;
 /// A share left out above this makes what is left suspect.
 const MUCH: f64 = 0.35;
 
@@ -36,6 +40,22 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
                     recorded.end_s() - step.time_s
                 ));
             }
+        }
+    }
+    for (joint, noise) in said.joints.iter().zip(&said.noise_mrad) {
+        if *noise > NOISY_MRAD {
+            out.push(format!(
+                "{}: {noise:.1} mrad of the reading fits nothing: a gear ratio, an axis, the clock between the encoders or a viscoelastic rope may differ from the description",
+                joint.name
+            ));
+        }
+    }
+    for (joint, (q, theta)) in said.joints.iter().zip(travel(recorded)) {
+        if q < STUCK_MRAD && theta > 10.0 * q.max(1.0) {
+            out.push(format!(
+                "{}: the joint moved {q:.1} mrad while its motor turned {theta:.0}: stuck, or its encoder is",
+                joint.name
+            ));
         }
     }
     for left in said
@@ -77,6 +97,27 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
         ));
     }
     out
+}
+
+/// How far every elastic joint and its motor moved, mrad.
+fn travel(recorded: &Recorded) -> Vec<(f64, f64)> {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(x), b.max(x))
+        });
+        1e3 * (most - least)
+    };
+    recorded
+        .elastic
+        .iter()
+        .map(|&i| {
+            let blocks = || recorded.blocks.iter();
+            (
+                range(&mut blocks().map(|b| b.turned[i])),
+                range(&mut blocks().map(|b| b.turned[i] + b.y[i])),
+            )
+        })
+        .collect()
 }
 
 /// Range of every elastic joint's deflection, mrad.

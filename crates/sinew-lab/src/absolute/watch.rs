@@ -323,12 +323,24 @@ fn said(
         left_out_share: out / weights.len().max(1) as f64,
         left_out: left_out(&recorded.blocks, &weights),
         poses,
+        noise_mrad: noise(watched, &elastic),
         nuisance: nuisance(prior, robot, watched),
         damaged: recorded.damaged,
         warnings: Vec::new(),
     };
     said.warnings = super::warnings::warnings(&said, recorded);
     said
+}
+
+/// The largest of the stretches' noise, per elastic joint, mrad.
+fn noise(watched: &Watched, elastic: &[usize]) -> Vec<f64> {
+    elastic
+        .iter()
+        .map(|&i| {
+            let noise = watched.stretches.iter().map(|(_, map)| map.noise_rad[i]);
+            1e3 * noise.fold(0.0, f64::max)
+        })
+        .collect()
 }
 
 fn said_of_joint(
@@ -354,8 +366,12 @@ fn said_of_joint(
     let mut steps = Vec::new();
     for (_, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
-            if change.what == What::Offset(joint) {
-                steps.push(step(prior, map, k));
+            match change.what {
+                What::Offset(i) if i == joint => steps.push(step(prior, map, k)),
+                What::Compliance(i) if i == joint && !with_slip(map, k) => {
+                    steps.push(softer(prior, map, k));
+                }
+                _ => {}
             }
         }
     }
@@ -441,6 +457,32 @@ fn course(
         }
     }
     out
+}
+
+/// Whether a change of stiffness came with a slip.
+fn with_slip(map: &MapEstimate, k: usize) -> bool {
+    let change = map.changes[k];
+    map.changes.iter().any(|c| {
+        matches!((c.what, change.what), (What::Offset(a), What::Compliance(b)) if a == b)
+            && c.at_s == change.at_s
+    })
+}
+
+/// A change of stiffness alone.
+fn softer(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+    let [softer, unsure] = map.change(prior, k);
+    Step {
+        time_s: map.changes[k].at_s,
+        size_mrad: 0.0,
+        interval_95_mrad: 0.0,
+        stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
+        kind: if softer > 0.0 {
+            "strand failure"
+        } else {
+            "stiffer"
+        }
+        .into(),
+    }
 }
 
 /// A step and what happened to the stiffness with it.

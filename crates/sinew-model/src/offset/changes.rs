@@ -51,6 +51,8 @@ const KEEP: f64 = 12.0;
 const KEEP_SOFTER: f64 = 3.0;
 /// An offset's change below this is not reported, rad.
 const LEAST_STEP_RAD: f64 = 1e-3;
+/// A loss of stiffness below this is not reported.
+const LEAST_SOFTER: f64 = 0.01;
 /// A load's change below this is not reported, kg.
 const LEAST_LOAD_KG: f64 = 0.01;
 /// At most this many changes are kept in one stretch.
@@ -159,7 +161,12 @@ impl MapEstimator {
         let mut k = 0;
         while k < best.changes.len() {
             let change = best.changes[k];
-            if matches!(change.what, What::Compliance(_)) {
+            // A stiffness that was opened with a slip stays and goes with it.
+            let of_slip = |c: &Change| {
+                matches!((change.what, c.what), (What::Compliance(a), What::Offset(b)) if a == b)
+                    && c.at_s == change.at_s
+            };
+            if best.changes.iter().any(of_slip) {
                 k += 1;
                 continue;
             }
@@ -249,7 +256,8 @@ impl MapEstimator {
         let [size, deviation] = estimate.change(self.prior(), estimate.changes.len() - 1);
         let least = match change.what {
             What::Payload => LEAST_LOAD_KG,
-            What::Offset(_) | What::Compliance(_) => LEAST_STEP_RAD,
+            What::Offset(_) => LEAST_STEP_RAD,
+            What::Compliance(_) => LEAST_SOFTER,
         };
         if size.abs() < least || size.abs() < 4.0 * deviation {
             return Ok(None);

@@ -119,7 +119,10 @@ impl Prior {
         let linear = kappa * soft * tau;
         let cubic = at(P::Stiffening);
         let encoder = &block.encoder[i * ENCODER..(i + 1) * ENCODER];
-        let mut expected = active.sum(x, self.place(i, P::Offset)) + linear
+        let offset = active.sum(x, self.place(i, P::Offset));
+        // The slow part of the deflection, and how far the joint has turned.
+        let (slow, turned) = (block.y_slow[i] - offset, block.turned[i]);
+        let mut expected = offset + linear + at(P::Viscoelastic) * slow + at(P::Gear) * turned
             - cubic * linear * linear * linear
             + at(P::Drift) * warmer;
         // A pair of slack ropes lets the joint through a dead zone, by the sign of the torque.
@@ -147,6 +150,8 @@ impl Prior {
         if joint.antagonistic {
             out.rows.push((self.place(i, P::Slack), taut));
         }
+        out.rows.push((self.place(i, P::Viscoelastic), slow));
+        out.rows.push((self.place(i, P::Gear), turned));
         if warmer != 0.0 {
             out.rows.push((self.place(i, P::Drift), warmer));
             out.rows

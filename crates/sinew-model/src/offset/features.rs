@@ -60,8 +60,12 @@ pub struct Block {
     pub q: Vec<f64>,
     /// Filtered `theta_measured − q`, `n`, rad.
     pub y: Vec<f64>,
+    /// The same with a memory of half a minute: what a viscoelastic rope creeps after, `n`, rad.
+    pub y_slow: Vec<f64>,
     /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
     pub phi: Vec<f64>,
+    /// Joint position like `y`, `n`, rad.
+    pub turned: Vec<f64>,
     /// Friction state, −1…1, `n`, as far as it is known.
     pub z: Vec<f64>,
     /// Half of what it may be: 1 until the joint has moved, 0 once it has slid, `n`.
@@ -96,7 +100,9 @@ impl Block {
             time_s: 0.0,
             q: zero(),
             y: zero(),
+            y_slow: zero(),
             phi: alloc::vec![0.0; n * columns],
+            turned: zero(),
             z: zero(),
             z_unknown: zero(),
             dq: zero(),
@@ -113,10 +119,12 @@ impl Block {
     }
 
     /// What is averaged over a block.
-    fn sums(&mut self) -> [&mut Vec<f64>; 13] {
+    fn sums(&mut self) -> [&mut Vec<f64>; 15] {
         [
             &mut self.y,
+            &mut self.y_slow,
             &mut self.phi,
+            &mut self.turned,
             &mut self.z,
             &mut self.z_unknown,
             &mut self.dq,
@@ -132,13 +140,15 @@ impl Block {
     }
 }
 
+/// Memory of a viscoelastic rope within a session, s.
+const CREEP_S: f64 = 30.0;
 /// Travel after which friction surely points against it, rad: several times what quantisation makes
 /// a standing joint seem to move.
 const SURE_STROKE_RAD: f64 = 4e-3;
 /// Number of encoder columns per joint.
 pub(super) const ENCODER: usize = 4;
 /// Signals that are low-passed per joint.
-const LAGS: usize = 10 + ENCODER;
+const LAGS: usize = 11 + ENCODER;
 
 /// Makes blocks from samples.
 #[derive(Debug, Clone)]
@@ -162,6 +172,8 @@ pub struct FeatureObserver {
     /// Low-passed, in the order of [`FeatureObserver::lag_inputs`], one set per joint.
     lags: Vec<[FirstOrder; LAGS]>,
     phi: Vec<f64>,
+    /// The matched deflection once more, slowly.
+    slow: Vec<FirstOrder>,
     sum: Block,
     count: u32,
     since_start_s: f64,
@@ -194,6 +206,7 @@ impl FeatureObserver {
             velocities: alloc::vec![0.0; n],
             lags: alloc::vec![[FirstOrder::default(); LAGS]; n],
             phi: alloc::vec![0.0; n * columns],
+            slow: alloc::vec![FirstOrder::default(); n],
             sum: Block::zero(n, columns),
             count: 0,
             since_start_s: 0.0,
@@ -315,6 +328,8 @@ impl FeatureObserver {
             for (lag, u) in self.lags[i].iter_mut().zip(inputs) {
                 *lag = FirstOrder::settled_at(u);
             }
+            let [deflection, ..] = inputs;
+            self.slow[i] = FirstOrder::settled_at(deflection);
         }
         self.count = 0;
         self.clear_sums();
@@ -337,6 +352,7 @@ impl FeatureObserver {
             &mut self.now,
         )?;
         let pole = ExactPole::new(self.config.gain_per_s, step_s);
+        let slow = ExactPole::new(1.0 / CREEP_S, step_s);
         let rate = (1.0 - pole.a) / step_s;
         let now = self.now.p.iter().zip(&self.now.a);
         let before = self.before.p.iter().zip(&self.before.a);
@@ -365,6 +381,8 @@ impl FeatureObserver {
                     *lag = FirstOrder::settled_at(u);
                 }
             }
+            let deflection = self.lags[i].first().map_or(0.0, FirstOrder::output);
+            self.slow[i].step(&slow, deflection);
         }
         Ok(())
     }
@@ -391,6 +409,7 @@ impl FeatureObserver {
         for (i, lags) in self.lags.iter().enumerate() {
             let [
                 y,
+                turned,
                 z,
                 z_unknown,
                 dq,
@@ -403,6 +422,8 @@ impl FeatureObserver {
                 encoder @ ..,
             ] = lags.each_ref().map(FirstOrder::output);
             s.y[i] += y;
+            s.y_slow[i] += self.slow[i].output();
+            s.turned[i] += turned;
             s.z[i] += z;
             s.z_unknown[i] += z_unknown;
             s.dq[i] += dq;
@@ -454,6 +475,7 @@ impl FeatureObserver {
         let stands = theta.rate().abs() < STANDS_RAD_PER_S;
         [
             deflection,
+            q.value(),
             z,
             z_unknown,
             q.rate(),

@@ -61,10 +61,14 @@ pub enum JointParameter {
     Slack,
     /// Where in −1…1 the friction of a joint stood when the recording began.
     Stuck,
+    /// Share of the deflection that follows with a memory of half a minute.
+    Viscoelastic,
+    /// Error of the gear ratio, relative.
+    Gear,
 }
 
 /// Entries per joint.
-pub(super) const PER_JOINT: usize = JointParameter::Stuck as usize + 1;
+pub(super) const PER_JOINT: usize = JointParameter::Gear as usize + 1;
 /// Payload: mass, and three first moments beside where it is expected.
 pub(super) const PAYLOAD: usize = 4;
 
@@ -275,6 +279,8 @@ impl Prior {
         set(P::Drift, 0.0, t.drift_rad_per_k);
         set(P::Thermal, t.stiffness_per_k[0], t.stiffness_per_k[1]);
         set(P::Stuck, 0.0, STUCK);
+        set(P::Viscoelastic, 0.0, t.viscoelastic);
+        set(P::Gear, 0.0, t.gear);
         set(P::MotorScale, 0.0, t.motor_torque);
         let drive = joint.motor_coulomb_nm;
         set(

@@ -35,13 +35,17 @@ impl MapEstimator {
         let prior = self.prior();
         let mut offsets = Vec::new();
         if seek.offsets {
-            offsets.extend(
-                (0..prior.joints())
-                    .filter(|&i| prior.is_elastic(i))
-                    .map(What::Offset),
-            );
+            let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
+            offsets.extend(elastic.map(What::Offset));
         }
         let mut loads = offsets.clone();
+        // A strand may fail without a slip.
+        let softer = offsets.iter().filter_map(|what| match what {
+            What::Offset(joint) => Some(What::Compliance(*joint)),
+            _ => None,
+        });
+        let softer: Vec<What> = softer.collect();
+        offsets.extend(softer);
         if seek.payload && payload != Payload::Empty {
             loads.push(What::Payload);
         }

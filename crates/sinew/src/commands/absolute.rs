@@ -187,6 +187,13 @@ fn events(said: &Absolute) -> Vec<String> {
                 ),
                 None => "no loss of stiffness seen".into(),
             };
+            if step.interval_95_mrad == 0.0 {
+                out.push(format!(
+                    "{}: {stiffness} at {:.1} s without a slip: {}",
+                    joint.name, step.time_s, step.kind
+                ));
+                continue;
+            }
             out.push(format!(
                 "{}: a sudden change of {} ± {} mrad at {:.1} s, {stiffness}: {}",
                 joint.name,
