@@ -10,6 +10,7 @@ fn options(out: Option<&Path>, n: u64) -> Options {
         n,
         first_seed: 40,
         steps: false,
+        motor_torque: true,
         jobs: 2,
         out: out.map(Path::to_path_buf),
     }
@@ -56,6 +57,7 @@ fn a_file_of_other_settings_or_of_anything_else_is_refused() {
     ran(&options(Some(&out), 1));
     let other = Options {
         steps: true,
+        motor_torque: true,
         ..options(Some(&out), 1)
     };
     let refused = run(&other, &mut |_, _| {}).unwrap_err().to_string();
