@@ -107,6 +107,75 @@ fn the_comparison_ranks_and_draws() {
 }
 
 #[test]
+fn a_fitted_rope_is_written_and_read_by_the_rope_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("my-rope.toml");
+    let ropes = folder.path().to_str().unwrap();
+    let report = json(&[
+        "creep",
+        "fit",
+        ROPES[0],
+        "--rope",
+        "liros-dc000-0301",
+        "--law",
+        "rope",
+        "--write-rope",
+        file.to_str().unwrap(),
+        "--json",
+        "--quiet",
+    ]);
+    let fit = &report["fits"][0]["laws"][0];
+    assert_eq!(fit["law"], "rope");
+    assert!(!fit["held"].as_array().unwrap().is_empty());
+    let shown = json(&["rope", "show", "my-rope", "--ropes", ropes, "--json"]);
+    let bedding = &shown["law"]["bedding_percent"];
+    assert_eq!(bedding["origin"], "fitted", "{bedding}");
+    assert_eq!(bedding["date"].as_str().unwrap().len(), 10);
+    assert!(bedding["factor"].is_number() || bedding["plus_minus"].is_number());
+    let source = shown["sources"]["creep-fit"].as_str().unwrap();
+    assert!(source.contains("rope-A.csv (SHA-256 "), "{source}");
+    let energy = &shown["law"]["bedding_energy_j_per_mol"];
+    assert_eq!(energy["origin"], "starting-guess");
+    let told = json(&[
+        "rope",
+        "predict",
+        "my-rope",
+        "--ropes",
+        ropes,
+        "--tension",
+        "60",
+        "--at",
+        "85min",
+        "--json",
+    ]);
+    // The record ends at 0.75 % under 60 N.
+    let strain = &told["readings"][0]["strain_percent"];
+    let of = |key: &str| strain[key].as_f64().unwrap();
+    assert!((of("value") - 0.75).abs() < 0.1, "{strain}");
+}
+
+#[test]
+fn groups_by_a_number_get_a_line_each() {
+    let output = sinew(&[
+        "creep",
+        "fit",
+        ROPES[0],
+        ROPES[1],
+        "--law",
+        "log-time",
+        "--group",
+        "Temperature (C)",
+        "--quiet",
+    ]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        text.contains("Per group") && text.contains("\n23 "),
+        "{text}{errors}"
+    );
+}
+
+#[test]
 fn tables_stay_within_80_columns() {
     for arguments in [
         &["creep", "analyze", "rope-A.csv", "--quiet"][..],
@@ -123,6 +192,16 @@ fn tables_stay_within_80_columns() {
             "100",
         ],
         &["creep", "compare", "rope-A.csv", "rope-B.csv", "--quiet"],
+        &[
+            "creep",
+            "fit",
+            "rope-A.csv",
+            "--quiet",
+            "--rope",
+            "liros-dc000-0301",
+            "--law",
+            "rope",
+        ],
         &[
             "creep",
             "fit",
@@ -193,6 +272,47 @@ fn refusals_say_what_to_do_and_leave_nothing_behind() {
                 page,
             ],
             "between",
+        ),
+        (
+            &[
+                "creep",
+                "fit",
+                "rope-A.csv",
+                "--law",
+                "rope",
+                "--report",
+                page,
+            ],
+            "--rope NAME",
+        ),
+        (
+            &[
+                "creep",
+                "fit",
+                "rope-A.csv",
+                "rope-B.csv",
+                "--rope",
+                "liros-dc000-0301",
+                "--law",
+                "rope",
+                "--write-rope",
+                "x.toml",
+                "--report",
+                page,
+            ],
+            "--joint group",
+        ),
+        (
+            &[
+                "creep",
+                "compare",
+                "rope-A.csv",
+                "--scatter",
+                "0",
+                "--report",
+                page,
+            ],
+            "--scatter",
         ),
         (
             &[

@@ -106,6 +106,8 @@ pub struct Analysis {
     pub temperature_c: Option<f64>,
     /// Mean humidity, %.
     pub humidity_percent: Option<f64>,
+    /// Mean, lowest and highest humidity or moisture, %.
+    pub humidity_range_percent: Option<(f64, f64, f64)>,
     /// Length of the first stage, s.
     pub duration_s: f64,
     /// What was taken for strain zero.
@@ -214,6 +216,7 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
         stress_mpa,
         temperature_c: prepared.temperature_c.map(|t| t.0),
         humidity_percent: prepared.humidity_percent.map(|h| h.0),
+        humidity_range_percent: prepared.humidity_percent,
         duration_s,
         zero: prepared.zero.clone(),
         readings,

@@ -18,6 +18,28 @@ pub struct Curve {
     pub steps: Vec<(f64, f64)>,
     /// Temperature, °C, where known.
     pub temperature_c: Option<f64>,
+    /// What the steps are in newtons, where the force is recorded.
+    pub tension: Option<Tension>,
+    /// Readings before the load whose mean is strain zero; 0: the zero is unknown.
+    pub zero_count: f64,
+}
+
+/// Newtons behind the steps of a [`Curve`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tension {
+    /// Tension before the first step, N; the strain counts from there.
+    pub preload_n: f64,
+    /// Tension that a step of 1 adds, N.
+    pub per_step_n: f64,
+    /// How long the record shows the preload before the first step, s.
+    pub preloaded_s: f64,
+}
+
+impl Tension {
+    /// Tension at a step, N; a load cell's zero error below none counts as none.
+    pub fn at(&self, step: f64) -> f64 {
+        (self.preload_n + step * self.per_step_n).max(0.0)
+    }
 }
 
 impl Curve {
@@ -30,7 +52,20 @@ impl Curve {
             strain,
             steps: vec![(0.0, 1.0)],
             temperature_c: None,
+            tension: None,
+            zero_count: 0.0,
         }
+    }
+
+    /// The same record with steps as multiples of another load: `factor` is its own reference
+    /// load over that one.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.steps.iter_mut().for_each(|step| step.1 *= factor);
+        if let Some(tension) = &mut self.tension {
+            tension.per_step_n /= factor;
+        }
+        self
     }
 
     /// Whether the load falls somewhere.
@@ -43,12 +78,15 @@ impl Curve {
     pub fn split(&self, time_s: f64) -> (Curve, Curve) {
         let at = self.time_s.partition_point(|t| *t <= time_s);
         let part = |range: std::ops::Range<usize>| Curve {
-            name: self.name.clone(),
             time_s: self.time_s[range.clone()].to_vec(),
             strain: self.strain[range.clone()].to_vec(),
             count: self.count[range].to_vec(),
-            steps: self.steps.clone(),
-            temperature_c: self.temperature_c,
+            ..Curve {
+                time_s: Vec::new(),
+                strain: Vec::new(),
+                count: Vec::new(),
+                ..self.clone()
+            }
         };
         (part(0..at), part(at..self.time_s.len()))
     }

@@ -1,16 +1,15 @@
 //! Fitting a law: search from several starts, then draws for the intervals.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{ChiSquared, Distribution};
-
 use super::CreepError;
 use super::curve::Curve;
+use super::draws::draw;
 use super::law::Law;
 use super::model::{Model, NoiseKind, Share};
 use super::noise::Noise;
-use super::sample::{Plan, ensemble, quantile};
+use super::parameter::Parameter;
+use super::rope_law::{Held, RopeBase};
 use super::solver::{LeastSquares, Residuals, TrustRegion};
+use super::starts::starts;
 
 /// How to fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +22,12 @@ pub struct FitOptions {
     pub level: f64,
     /// Whether draws for intervals and forecasts are made; the search alone is much faster.
     pub intervals: bool,
+    /// How the intervals of the parameters are made; forecasts always rest on draws.
+    pub kind: IntervalKind,
     /// Seed of the draws; the same seed gives the same numbers.
     pub seed: u64,
+    /// The rope that [`Law::Rope`] starts from.
+    pub rope: Option<std::sync::Arc<RopeBase>>,
 }
 
 impl Default for FitOptions {
@@ -34,30 +37,36 @@ impl Default for FitOptions {
             noise: NoiseKind::Correlated,
             level: 0.95,
             intervals: true,
+            kind: IntervalKind::Draws,
             seed: 1,
+            rope: None,
         }
     }
 }
 
-/// A fitted parameter.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Parameter {
-    /// Symbol.
-    pub name: String,
-    /// Unit of the numbers below.
-    pub unit: String,
-    /// Specimen it belongs to; `None`: common to all.
-    pub specimen: Option<String>,
-    /// Value of largest likelihood.
-    pub value: f64,
-    /// Standard deviation of the draws; NaN without them.
-    pub std_error: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
-    /// Why the record doesn't tell this parameter, where it doesn't.
-    pub not_identifiable: Option<String>,
+/// How an interval is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntervalKind {
+    /// Quantiles of draws from what the readings leave open (flat within the searched ranges).
+    #[default]
+    Draws,
+    /// Profile likelihood: all else fitted anew at every value, F-distributed.
+    Profile,
+    /// Parametric bootstrap: readings made anew with the fitted noise, slow part included,
+    /// and fitted again; bias-corrected quantiles.
+    Bootstrap,
+}
+
+impl IntervalKind {
+    /// Name in options and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            IntervalKind::Draws => "draws",
+            IntervalKind::Profile => "profile likelihood",
+            IntervalKind::Bootstrap => "parametric bootstrap",
+        }
+    }
 }
 
 /// A law fitted to one or several curves.
@@ -87,6 +96,8 @@ pub struct Fit {
     pub converged: bool,
     /// Starts searched from.
     pub starts: usize,
+    /// Parameters of [`Law::Rope`] that the record can't tell, taken from the base rope.
+    pub held: Vec<Held>,
     pub(super) model: Model,
     pub(super) best: Draw,
     pub(super) draws: Vec<Draw>,
@@ -105,7 +116,22 @@ pub(super) struct Draw {
     pub(super) beta: Vec<Vec<f64>>,
 }
 
-struct Search<'a>(&'a Model);
+impl Draw {
+    /// The largest likelihood's own numbers at places of the nonlinear parameters.
+    pub(super) fn at(model: &Model, places: &[f64]) -> Draw {
+        let point = model.solve(places, false);
+        Draw {
+            values: model.values(places),
+            places: places.to_vec(),
+            noise: point.noise,
+            sigma: (point.squares / model.freedom()).sqrt(),
+            beta: point.solutions.iter().map(|s| s.beta.clone()).collect(),
+        }
+    }
+}
+
+/// The search over the nonlinear parameters.
+pub(super) struct Search<'a>(pub(super) &'a Model);
 
 impl Residuals for Search<'_> {
     fn parameters(&self) -> usize {
@@ -113,14 +139,12 @@ impl Residuals for Search<'_> {
     }
 
     fn residuals(&self, x: &[f64]) -> Vec<f64> {
-        self.0.likelihood_residuals(x)
+        self.0.likelihood_residuals(x, None)
     }
 }
 
-/// Starts that are searched from, the best of a grid.
-const STARTS: usize = 3;
-/// Places of the grid of starts per parameter, by their number.
-const GRID: [usize; 5] = [1, 12, 7, 5, 4];
+/// Replicates of a bootstrap: the 2.5 % quantile rests on eight of them.
+const BOOTSTRAP: usize = 300;
 
 /// Fits a law to curves.
 ///
@@ -135,7 +159,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
             return Err(CreepError::Flat(curve.name.clone()));
         }
     }
-    let model = Model::new(law, curves, options.share, options.noise);
+    let model = Model::new(law, curves, options)?;
     let fitted = model.dimension() + model.coefficients() + 1;
     // AICc divides by n − k − 1.
     if model.readings < fitted + 2 {
@@ -154,22 +178,27 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
         .ok_or(CreepError::NotFinite(law.name()))?;
 
-    let n = model.readings as f64;
     let point = model.solve(&minimum.x, false);
+    // Strain zeros that the rope law explains and other laws leave to ε₀ are readings that those
+    // fit exactly, with a number each: only then do criteria compare laws on the same data.
+    let zeros: Vec<f64> = if options.rope.is_some() && model.rope.is_none() {
+        let counts = model.curves.iter().map(|c| c.zero_count);
+        counts.filter(|c| *c > 0.0).collect()
+    } else {
+        Vec::new()
+    };
+    let n = (model.readings + zeros.len()) as f64;
     let variance = (point.squares / n).max(f64::MIN_POSITIVE);
+    let share = point.noise.share;
+    let of_zeros: f64 = zeros.iter().map(|c| (share + (1.0 - share) / c).ln()).sum();
     // Likelihood of strain in its own unit.
     let log_likelihood = -0.5
-        * (n * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0) + point.log_det_noise)
+        * (n * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0)
+            + point.log_det_noise
+            + of_zeros)
         - n * model.scale.ln();
-    let k = fitted as f64;
-    let free = n - model.coefficients() as f64 - model.shapes.len() as f64;
-    let best = Draw {
-        values: model.values(&minimum.x),
-        places: minimum.x.clone(),
-        noise: point.noise,
-        sigma: (point.squares / free.max(1.0)).sqrt(),
-        beta: point.solutions.iter().map(|s| s.beta.clone()).collect(),
-    };
+    let k = (fitted + zeros.len()) as f64;
+    let best = Draw::at(&model, &minimum.x);
     let draws = if options.intervals {
         draw(&model, &minimum.x, options.seed)
     } else {
@@ -188,6 +217,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         noise: point.noise,
         converged: minimum.converged,
         starts: starts.len(),
+        held: model.rope.as_ref().map_or(Vec::new(), |r| r.held.clone()),
         model,
         best,
         draws,
@@ -195,6 +225,11 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         seed: options.seed,
     };
     fit.tell_parameters();
+    match options.kind {
+        IntervalKind::Draws => {}
+        IntervalKind::Profile => fit.profile(),
+        IntervalKind::Bootstrap => fit.bootstrap(BOOTSTRAP, options.seed),
+    }
     Ok(fit)
 }
 
@@ -204,230 +239,4 @@ fn extremes(values: &[f64]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(*v), h.max(*v))
         })
-}
-
-/// The best places of a grid over the shapes, with independent and with slow noise.
-fn starts(model: &Model) -> Vec<Vec<f64>> {
-    let shapes = model.shapes.len();
-    let per = GRID.get(shapes).copied().unwrap_or(3);
-    let total = per.pow(shapes as u32);
-    let mut white = model.clone();
-    white.noise = NoiseKind::White;
-    let mut places: Vec<(f64, Vec<f64>)> = (0..total)
-        .map(|index| {
-            let mut rest = index;
-            let x: Vec<f64> = (0..shapes)
-                .map(|_| {
-                    let place = (rest % per) as f64 + 0.5;
-                    rest /= per;
-                    place / per as f64
-                })
-                .collect();
-            (white.solve(&x, false).squares, x)
-        })
-        .collect();
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    places.truncate(STARTS);
-    match model.noise {
-        NoiseKind::White => places.into_iter().map(|(_, x)| x).collect(),
-        NoiseKind::Correlated => places
-            .into_iter()
-            .zip([(0.1, 0.5), (0.6, 0.5), (0.5, 0.8)])
-            .map(|((_, mut x), (share, memory))| {
-                x.extend([share, memory]);
-                x
-            })
-            .collect(),
-    }
-}
-
-fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
-    /// Draws of coefficients for each place of the ensemble.
-    const PER_PLACE: usize = 3;
-    /// Draws of a law without nonlinear parameters.
-    const ALL_LINEAR: usize = 2000;
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let places = ensemble(
-        &|x| model.log_restricted(x),
-        centre,
-        Plan::FULL,
-        &mut random,
-    );
-    let per_place = if centre.is_empty() {
-        ALL_LINEAR
-    } else {
-        PER_PLACE
-    };
-    let free = model.readings.saturating_sub(model.coefficients()).max(1);
-    let Ok(chi) = ChiSquared::new(free as f64) else {
-        return Vec::new();
-    };
-    let mut draws = Vec::with_capacity(places.len() * per_place);
-    for place in places {
-        let point = model.solve(&place, false);
-        for _ in 0..per_place {
-            let spread: f64 = chi.sample(&mut random);
-            let sigma = (point.squares / spread.max(f64::MIN_POSITIVE)).sqrt();
-            draws.push(Draw {
-                values: model.values(&place),
-                places: place.clone(),
-                noise: point.noise,
-                sigma,
-                beta: point
-                    .solutions
-                    .iter()
-                    .zip(&model.blocks)
-                    .map(|(solution, block)| solution.draw(sigma, &block.positive, &mut random))
-                    .collect(),
-            });
-        }
-    }
-    // Order must not tell the walker: forecasts take stretches of the list.
-    for i in (1..draws.len()).rev() {
-        let j = random.random_range(0..=i);
-        draws.swap(i, j);
-    }
-    draws
-}
-
-impl Fit {
-    /// Numbers of a draw in the order and units of [`Self::parameters`].
-    fn numbers(&self, draw: &Draw) -> Vec<f64> {
-        let mut numbers = draw.values.clone();
-        let terms = self.law.terms();
-        for (block, beta) in self.model.blocks.iter().zip(&draw.beta) {
-            for (j, b) in beta.iter().enumerate() {
-                let factor = if j < terms.len() {
-                    terms[j].factor
-                } else {
-                    100.0
-                };
-                let _ = block;
-                numbers.push(b * self.model.scale * factor);
-            }
-        }
-        numbers
-    }
-
-    fn tell_parameters(&mut self) {
-        let terms = self.law.terms();
-        let mut names: Vec<(String, String, Option<String>, bool)> = self
-            .model
-            .shapes
-            .iter()
-            .map(|s| (s.name.to_owned(), s.unit.to_owned(), None, false))
-            .collect();
-        for block in &self.model.blocks {
-            let name = |m: usize| Some(self.model.curves[m].name.clone());
-            let owner = match block.members.as_slice() {
-                [only] if self.model.blocks.len() > 1 => name(*only),
-                _ => None,
-            };
-            for t in terms {
-                names.push((
-                    t.name.to_owned(),
-                    t.unit.to_owned(),
-                    owner.clone(),
-                    t.positive,
-                ));
-            }
-            if block.elastic {
-                names.push(("J_0".to_owned(), "%".to_owned(), owner.clone(), true));
-            }
-            for &m in &block.members {
-                let single = self.model.curves.len() == 1;
-                let of = if single { None } else { name(m) };
-                names.push(("epsilon_0".to_owned(), "%".to_owned(), of, false));
-            }
-        }
-        let best = self.numbers(&self.best);
-        let drawn: Vec<Vec<f64>> = self.draws.iter().map(|d| self.numbers(d)).collect();
-        let count = drawn.len() as f64;
-        let mean: Vec<f64> = (0..best.len())
-            .map(|i| drawn.iter().map(|d| d[i]).sum::<f64>() / count)
-            .collect();
-        if !drawn.is_empty() {
-            self.covariance = (0..best.len())
-                .map(|i| {
-                    (0..best.len())
-                        .map(|j| {
-                            drawn
-                                .iter()
-                                .map(|d| (d[i] - mean[i]) * (d[j] - mean[j]))
-                                .sum::<f64>()
-                                / (count - 1.0)
-                        })
-                        .collect()
-                })
-                .collect();
-        }
-        self.parameters = names
-            .into_iter()
-            .enumerate()
-            .map(|(i, (name, unit, specimen, positive))| {
-                let mut values: Vec<f64> = drawn.iter().map(|d| d[i]).collect();
-                values.sort_by(f64::total_cmp);
-                let tail = 0.5 * (1.0 - self.level);
-                let (low, high) = (quantile(&values, tail), quantile(&values, 1.0 - tail));
-                let not_identifiable = if drawn.is_empty() {
-                    None
-                } else if let Some(shape) = self.model.shapes.get(i) {
-                    let mut places: Vec<f64> = self.draws.iter().map(|d| d.places[i]).collect();
-                    places.sort_by(f64::total_cmp);
-                    let low = quantile(&places, tail);
-                    let high = quantile(&places, 1.0 - tail);
-                    undecided_shape(shape, low, high)
-                } else {
-                    undecided_amplitude(&name, positive, low, high)
-                };
-                Parameter {
-                    name,
-                    unit,
-                    specimen,
-                    value: best[i],
-                    std_error: self
-                        .covariance
-                        .get(i)
-                        .map_or(f64::NAN, |row| row[i].max(0.0).sqrt()),
-                    low,
-                    high,
-                    not_identifiable,
-                }
-            })
-            .collect();
-    }
-
-    /// A parameter by its name.
-    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
-        self.parameters.iter().find(|p| p.name == name)
-    }
-}
-
-/// An interval that fills most of what was searched, or ends at a bound, is no answer.
-fn undecided_shape(shape: &super::law::Shape, low: f64, high: f64) -> Option<String> {
-    /// An end this close to a bound (in parts of the searched range) is the bound.
-    const AT_BOUND: f64 = 0.03;
-    /// An interval this wide says nothing.
-    const WIDE: f64 = 0.8;
-    let (v_low, v_high) = (shape.value(low), shape.value(high));
-    if high - low > WIDE {
-        Some(format!(
-            "anything from {v_low:.2e} to {v_high:.2e} {} fits",
-            shape.unit
-        ))
-    } else if low < AT_BOUND && high > AT_BOUND {
-        Some(format!("anything below {v_high:.3e} {} fits", shape.unit))
-    } else if high > 1.0 - AT_BOUND && low < 1.0 - AT_BOUND {
-        Some(format!("anything above {v_low:.3e} {} fits", shape.unit))
-    } else {
-        None
-    }
-}
-
-/// An amplitude that is nothing or within a factor of thirty is not told.
-fn undecided_amplitude(name: &str, positive: bool, low: f64, high: f64) -> Option<String> {
-    /// From a thirtieth of the upper end on, zero is as good.
-    const FACTOR: f64 = 30.0;
-    (positive && name != "epsilon_0" && high > FACTOR * low)
-        .then(|| format!("anything below {high:.3e} fits"))
 }

@@ -32,7 +32,7 @@ pub(super) struct Paths {
 }
 
 impl Fit {
-    /// Strain of the largest likelihood, m/m, of the curve with index `curve`.
+    /// Strain of the largest likelihood, m/m, of the curve with index `curve`, at rising times.
     pub fn strain(&self, curve: usize, time_s: &[f64]) -> Vec<f64> {
         self.strain_of(&self.best, curve, time_s)
     }
@@ -46,14 +46,14 @@ impl Fit {
         };
         let beta = &draw.beta[block];
         let shared = beta.len() - self.model.blocks[block].members.len();
-        let mut row = [0.0; 8];
-        time_s
-            .iter()
-            .map(|&t| {
-                let member = &self.model.curves[curve];
-                self.model.row(&draw.values, member, t, &mut row[..shared]);
-                let sum: f64 = row[..shared].iter().zip(beta).map(|(r, b)| r * b).sum();
+        let member = &self.model.curves[curve];
+        let (rows, offset) = self.model.rows(&draw.values, member, time_s, shared);
+        (0..time_s.len())
+            .map(|i| {
+                let row = &rows[i * shared..(i + 1) * shared];
+                let sum: f64 = row.iter().zip(beta).map(|(r, b)| r * b).sum();
                 (sum + beta[shared + place]) * self.model.scale
+                    + offset.as_ref().map_or(0.0, |o| o[i])
             })
             .collect()
     }
@@ -67,7 +67,8 @@ impl Fit {
     pub(super) fn paths(&self, curve: usize, time_s: &[f64]) -> Paths {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5eed);
         let member = &self.model.curves[curve];
-        let end = member.time_s.last().copied().unwrap_or(0.0);
+        let clock = |t: f64| self.model.clock.at(member, t);
+        let end = clock(member.time_s.last().copied().unwrap_or(0.0));
         let mut filter = Filter::default();
         let mut paths = Paths {
             law: Vec::with_capacity(self.draws.len()),
@@ -76,7 +77,7 @@ impl Fit {
         for draw in &self.draws {
             let law = self.strain_of(draw, curve, time_s);
             // The slow part where the record ends, given this draw's law.
-            filter.prepare(&member.time_s, &member.count, draw.noise);
+            filter.prepare(&self.model.clocks[curve], &member.count, draw.noise);
             let mut left: Vec<f64> = self
                 .strain_of(draw, curve, &member.time_s)
                 .iter()
@@ -92,7 +93,8 @@ impl Fit {
                 .iter()
                 .zip(time_s)
                 .map(|(law, &t)| {
-                    let decay = (-(t - before).max(0.0) / draw.noise.memory_s).exp();
+                    let t = clock(t);
+                    let decay = (-(t - before).max(0.0) / draw.noise.memory).exp();
                     before = t;
                     slow = decay * slow
                         + draw.sigma * (share * (1.0 - decay * decay)).sqrt() * normal();
@@ -108,6 +110,22 @@ impl Fit {
 }
 
 impl Forecast {
+    /// The same with both intervals `factor` times as wide on either side.
+    #[must_use]
+    pub fn widened(mut self, factor: f64) -> Forecast {
+        for (i, &middle) in self.strain.iter().enumerate() {
+            for end in [
+                &mut self.low[i],
+                &mut self.high[i],
+                &mut self.reading_low[i],
+                &mut self.reading_high[i],
+            ] {
+                *end = middle + factor * (*end - middle);
+            }
+        }
+        self
+    }
+
     pub(super) fn from_paths(time_s: &[f64], paths: &Paths, level: f64) -> Forecast {
         let tail = 0.5 * (1.0 - level);
         let at = |list: &[Vec<f64>], i: usize| {

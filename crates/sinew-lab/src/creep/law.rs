@@ -26,6 +26,10 @@ pub enum Law {
     Stretched,
     /// `s t`: a straight line, as the paper's `m_E`.
     Line,
+    /// [`sinew_model::rope`]: bedding-in, delayed elasticity, flow and heat of a rope, under the
+    /// tensions and temperatures of the record. Needs a catalogue rope ([`super::RopeBase`]) for
+    /// its breaking load and for what the record can't tell.
+    Rope,
 }
 
 /// A parameter that enters nonlinearly, searched on a logarithmic or linear scale.
@@ -52,6 +56,16 @@ impl Shape {
             self.lower + place * (self.upper - self.lower)
         }
     }
+
+    /// The place of a value, within 0 and 1.
+    pub fn place(&self, value: f64) -> f64 {
+        let place = if self.logarithmic {
+            (value / self.lower).ln() / (self.upper / self.lower).ln()
+        } else {
+            (value - self.lower) / (self.upper - self.lower)
+        };
+        place.clamp(0.0, 1.0)
+    }
 }
 
 /// Symbol, unit and sign of a coefficient that enters linearly.
@@ -65,6 +79,8 @@ pub struct Term {
     pub factor: f64,
     /// May not be negative: a rope under load doesn't shorten by creep.
     pub positive: bool,
+    /// The parameter is one over the coefficient.
+    pub inverse: bool,
 }
 
 const fn term(name: &'static str, unit: &'static str, factor: f64) -> Term {
@@ -73,11 +89,12 @@ const fn term(name: &'static str, unit: &'static str, factor: f64) -> Term {
         unit,
         factor,
         positive: true,
+        inverse: false,
     }
 }
 
 impl Law {
-    /// The laws of `creep fit`, in the order of its tables.
+    /// The laws that need nothing but the record, in the order of the tables.
     pub const ALL: [Law; 5] = [
         Law::LogTime,
         Law::Findley,
@@ -95,6 +112,7 @@ impl Law {
             Law::KelvinVoigt => "kelvin-voigt",
             Law::Stretched => "stretched",
             Law::Line => "line",
+            Law::Rope => "rope",
         }
     }
 
@@ -107,15 +125,16 @@ impl Law {
             Law::KelvinVoigt => "ε₀ + c₁ (1 − exp(−t/τ₁)) + c₂ (1 − exp(−t/τ₂))",
             Law::Stretched => "ε₀ + c (1 − exp(−(t/τ)^β))",
             Law::Line => "ε₀ + s t",
+            Law::Rope => "ε₀ + ε_el + b + Σ v_i + f − s",
         }
     }
 
     /// Whether some part of the strain stays when the load is taken away for ever.
     pub fn flows(self) -> bool {
-        matches!(self, Law::Burgers | Law::Line)
+        matches!(self, Law::Burgers | Law::Line | Law::Rope)
     }
 
-    /// Shape parameters with bounds that a record between `short_s` and `long_s` can speak about.
+    /// Shape parameters (those of [`Law::Rope`] depend on the records) with bounds that a record between `short_s` and `long_s` can speak about.
     pub fn shapes(self, short_s: f64, long_s: f64) -> Vec<Shape> {
         let time = |name, lower, upper| Shape {
             name,
@@ -151,7 +170,7 @@ impl Law {
                 time("tau", 0.3 * short_s, 1000.0 * long_s),
                 number("beta", 0.05, 1.0),
             ],
-            Law::Line => Vec::new(),
+            Law::Line | Law::Rope => Vec::new(),
         }
     }
 
@@ -167,6 +186,7 @@ impl Law {
             unit: "%/h",
             factor: 100.0,
             positive: false,
+            inverse: false,
         }];
         match self {
             Law::LogTime => LOG_TIME,
@@ -175,6 +195,7 @@ impl Law {
             Law::KelvinVoigt => KELVIN,
             Law::Stretched => STRETCHED,
             Law::Line => LINE,
+            Law::Rope => &[],
         }
     }
 
@@ -197,6 +218,7 @@ impl Law {
             }
             Law::Stretched => out[0] = -(-(t / shape[0]).powf(shape[1])).exp_m1(),
             Law::Line => out[0] = t / REFERENCE_S,
+            Law::Rope => {}
         }
     }
 }
@@ -207,11 +229,12 @@ impl std::str::FromStr for Law {
     fn from_str(text: &str) -> Result<Self, CreepError> {
         Law::ALL
             .into_iter()
+            .chain([Law::Rope])
             .find(|law| law.name() == text)
             .ok_or_else(|| {
                 let known: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
                 CreepError::Request(format!(
-                    "unknown law '{text}'; known are {}",
+                    "unknown law '{text}'; known are {}, rope",
                     known.join(", ")
                 ))
             })

@@ -1,9 +1,12 @@
 //! Several curves under one law: the columns of the linear problem for given shapes.
 
+use super::CreepError;
 use super::curve::Curve;
-use super::law::{Law, Shape};
+use super::fit::FitOptions;
+use super::law::{Law, Shape, Term};
 use super::linear::{self, Solution};
-use super::noise::{Filter, Noise, SHARE_MAX};
+use super::noise::{Clock, Filter, Noise, SHARE_MAX};
+use super::rope_law::RopePlan;
 
 /// Gas constant, J/(mol K), exact since 2019.
 const GAS: f64 = 8.314_462_618_153_24;
@@ -41,11 +44,17 @@ pub(super) struct Model {
     pub(super) curves: Vec<Curve>,
     /// Law's shapes, then the load exponent and activation energy where fitted.
     pub(super) shapes: Vec<Shape>,
+    pub(super) terms: Vec<Term>,
+    /// The rope law's part of the work.
+    pub(super) rope: Option<RopePlan>,
     law_shapes: usize,
     exponent: Option<usize>,
     activation: Option<usize>,
     pub(super) noise: NoiseKind,
     pub(super) memory: Shape,
+    pub(super) clock: Clock,
+    /// The clock at the readings of every curve.
+    pub(super) clocks: Vec<Vec<f64>>,
     /// Curves with coefficients in common.
     pub(super) blocks: Vec<Block>,
     /// Strain is divided by this, so that residuals are of order one.
@@ -63,6 +72,14 @@ pub(super) struct Block {
     pub(super) readings: usize,
 }
 
+/// A coefficient that is kept at a value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fixed {
+    pub(super) block: usize,
+    pub(super) column: usize,
+    pub(super) value: f64,
+}
+
 /// Solution at one place of the nonlinear parameters.
 pub(super) struct Point {
     pub(super) noise: Noise,
@@ -76,77 +93,64 @@ pub(super) struct Point {
 }
 
 impl Model {
-    pub(super) fn new(law: Law, curves: Vec<Curve>, share: Share, noise: NoiseKind) -> Self {
-        let since = |curve: &Curve| -> (f64, f64) {
-            let start = curve.steps.first().map_or(0.0, |step| step.0);
-            let first = curve
-                .time_s
-                .iter()
-                .map(|t| t - start)
-                .find(|t| *t > 0.0)
-                .unwrap_or(1.0);
-            let last = curve.time_s.last().map_or(1.0, |t| t - start);
-            (first, last.max(first))
+    pub(super) fn new(
+        law: Law,
+        mut curves: Vec<Curve>,
+        options: &FitOptions,
+    ) -> Result<Self, CreepError> {
+        let (short, long) = span(&curves);
+        let short = short.max(1e-6 * long);
+        let rope = match (law, &options.rope) {
+            (Law::Rope, Some(base)) => Some(RopePlan::new(&curves, base)?),
+            (Law::Rope, None) => {
+                return Err(CreepError::Request(
+                    "the rope law needs a catalogue rope to start from (--rope NAME)".to_owned(),
+                ));
+            }
+            _ => None,
         };
-        let short = curves
-            .iter()
-            .map(|c| since(c).0)
-            .fold(f64::INFINITY, f64::min);
-        let long = curves.iter().map(|c| since(c).1).fold(0.0, f64::max);
-        let mut shapes = law.shapes(short.max(1e-6 * long), long);
+        let (mut shapes, terms) = match &rope {
+            Some(plan) => (plan.bounds(short, long), plan.terms()),
+            None => (law.shapes(short, long), law.terms().to_vec()),
+        };
+        if rope.is_some() {
+            curves.iter_mut().for_each(add_zero);
+        }
         let law_shapes = shapes.len();
-        let mut add = |wanted: bool, name, unit, lower, upper| {
-            wanted.then(|| {
-                shapes.push(Shape {
-                    name,
-                    unit,
-                    logarithmic: false,
-                    lower,
-                    upper,
-                });
-                shapes.len() - 1
-            })
-        };
-        let levels = |curves: &[Curve]| -> f64 {
-            let loads = || {
-                curves
-                    .iter()
-                    .flat_map(|c| c.steps.iter().map(|s| s.1))
-                    .filter(|l| *l > 0.05)
-            };
-            loads().fold(0.0, f64::max) / loads().fold(f64::INFINITY, f64::min)
-        };
-        // One block: a second load or temperature says what one can't.
-        let joint = share == Share::All;
-        let exponent = add(joint && levels(&curves) > 1.1, "p", "", 0.3, 3.0);
-        let warm = curves.iter().filter_map(|c| c.temperature_c);
-        let span = warm.clone().fold(f64::NEG_INFINITY, f64::max)
-            - warm.clone().fold(f64::INFINITY, f64::min);
-        let activation = add(
-            warm.count() == curves.len() && span > 3.0,
-            "E",
-            "kJ/mol",
-            -100.0,
-            400.0,
-        );
-        let mut gaps: Vec<f64> = curves
+        let joint = options.share == Share::All && rope.is_none();
+        let exponent = (joint && levels(&curves) > 1.1).then(|| {
+            shapes.push(linear_shape("p", "", 0.3, 3.0));
+            shapes.len() - 1
+        });
+        let activation = (rope.is_none() && temperatures_differ(&curves)).then(|| {
+            shapes.push(linear_shape("E", "kJ/mol", -100.0, 400.0));
+            shapes.len() - 1
+        });
+        let clock = Clock::of(law, long);
+        let clocks = curves
             .iter()
-            .flat_map(|c| c.time_s.windows(2).map(|w| w[1] - w[0]))
-            .filter(|gap| *gap > 0.0)
+            .map(|c| c.time_s.iter().map(|t| clock.at(c, *t)).collect())
             .collect();
-        gaps.sort_by(f64::total_cmp);
-        let gap = gaps.get(gaps.len() / 2).copied().unwrap_or(1.0);
-        let memory = Shape {
-            name: "tau_c",
-            unit: "s",
-            logarithmic: true,
-            lower: gap.min(0.3 * long),
-            upper: long,
+        let memory = match clock {
+            Clock::Logarithm { unit_s } => Shape {
+                name: "tau_c",
+                unit: "",
+                logarithmic: true,
+                lower: 0.1,
+                upper: (long / unit_s).ln_1p(),
+            },
+            Clock::Seconds => Shape {
+                name: "tau_c",
+                unit: "s",
+                logarithmic: true,
+                lower: typical_gap(&curves).min(0.3 * long),
+                upper: long,
+            },
         };
         let of = |members: Vec<usize>| {
-            let elastic = members.iter().any(|&m| curves[m].unloads())
-                || (members.len() > 1 && exponent.is_some());
-            let mut positive: Vec<bool> = law.terms().iter().map(|t| t.positive).collect();
+            let unloads = members.iter().any(|&m| curves[m].unloads());
+            let elastic = rope.is_none() && (unloads || (members.len() > 1 && exponent.is_some()));
+            let mut positive: Vec<bool> = terms.iter().map(|t| t.positive).collect();
             if elastic {
                 positive.push(true);
             }
@@ -158,32 +162,34 @@ impl Model {
                 members,
             }
         };
-        let blocks = match share {
+        let blocks = match options.share {
             Share::All => vec![of((0..curves.len()).collect())],
             Share::Shape => (0..curves.len()).map(|m| of(vec![m])).collect(),
         };
-        let scale = curves
-            .iter()
-            .map(|c| {
-                let most = c.strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let least = c.strain.iter().copied().fold(f64::INFINITY, f64::min);
-                most - least
-            })
-            .fold(f64::MIN_POSITIVE, f64::max);
+        let range = |c: &Curve| {
+            let most = c.strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let least = c.strain.iter().copied().fold(f64::INFINITY, f64::min);
+            most - least
+        };
+        let scale = curves.iter().map(range).fold(f64::MIN_POSITIVE, f64::max);
         let readings = curves.iter().map(|c| c.time_s.len()).sum();
-        Self {
+        Ok(Self {
             law,
             curves,
             shapes,
+            terms,
+            rope,
             law_shapes,
             exponent,
             activation,
-            noise,
+            noise: options.noise,
             memory,
+            clock,
+            clocks,
             blocks,
             scale,
             readings,
-        }
+        })
     }
 
     /// Nonlinear parameters: shapes, then share and memory of the noise.
@@ -196,6 +202,12 @@ impl Model {
         self.blocks.iter().map(|b| b.positive.len()).sum()
     }
 
+    /// Readings less the numbers of the law.
+    pub(super) fn freedom(&self) -> f64 {
+        let fitted = self.coefficients() + self.shapes.len();
+        self.readings.saturating_sub(fitted).max(1) as f64
+    }
+
     pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
         self.shapes
             .iter()
@@ -204,19 +216,52 @@ impl Model {
             .collect()
     }
 
+    /// A coefficient in the unit it is told in.
+    pub(super) fn number(&self, column: usize, beta: f64) -> f64 {
+        let number = beta * self.scale;
+        match self.terms.get(column) {
+            // A coefficient of zero is a rope that doesn't give way.
+            Some(term) if term.inverse => 1.0 / number.max(1e-9),
+            Some(term) => number * term.factor,
+            None => 100.0 * number,
+        }
+    }
+
     pub(super) fn noise_at(&self, x: &[f64]) -> Noise {
         match self.noise {
             NoiseKind::White => Noise::WHITE,
             NoiseKind::Correlated => Noise {
                 share: x[self.shapes.len()] * SHARE_MAX,
-                memory_s: self.memory.value(x[self.shapes.len() + 1]),
+                memory: self.memory.value(x[self.shapes.len() + 1]),
             },
         }
     }
 
-    /// One row of a curve's columns: terms, elastic step; without the ε₀.
-    pub(super) fn row(&self, values: &[f64], curve: &Curve, t: f64, out: &mut [f64]) {
-        let terms = self.law.terms().len();
+    /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
+    /// the ε₀. Beside them the strain that no coefficient enters, m/m.
+    pub(super) fn rows(
+        &self,
+        values: &[f64],
+        curve: &Curve,
+        times: &[f64],
+        shared: usize,
+    ) -> (Vec<f64>, Option<Vec<f64>>) {
+        if let Some(plan) = &self.rope {
+            let (rows, offset) = plan.rows(&values[..self.law_shapes], curve, times);
+            return (rows, Some(offset));
+        }
+        let mut rows = vec![0.0; times.len() * shared];
+        if shared > 0 {
+            for (row, &t) in rows.chunks_mut(shared).zip(times) {
+                self.row(values, curve, t, row);
+            }
+        }
+        (rows, None)
+    }
+
+    /// Boltzmann's superposition of the law's answers to the steps before `t`.
+    fn row(&self, values: &[f64], curve: &Curve, t: f64, out: &mut [f64]) {
+        let terms = self.terms.len();
         out.fill(0.0);
         let mut response = [0.0; 4];
         let response = &mut response[..terms];
@@ -252,28 +297,34 @@ impl Model {
         }
     }
 
-    fn columns(&self, block: &Block, values: &[f64]) -> Vec<f64> {
+    /// Columns of a block, and its readings less what no coefficient enters, over the scale.
+    fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (n, p) = (block.readings, block.positive.len());
         let shared = p - block.members.len();
         let mut columns = vec![0.0; n * p];
-        let mut row = [0.0; 8];
-        let mut at = 0;
+        let mut y = Vec::with_capacity(n);
         for (place, &member) in block.members.iter().enumerate() {
             let curve = &self.curves[member];
-            for &t in &curve.time_s {
-                self.row(values, curve, t, &mut row[..shared]);
+            let (rows, offset) = self.rows(values, curve, &curve.time_s, shared);
+            for (i, strain) in curve.strain.iter().enumerate() {
+                let at = y.len();
                 for j in 0..shared {
-                    columns[j * n + at] = row[j];
+                    columns[j * n + at] = rows[i * shared + j];
                 }
                 columns[(shared + place) * n + at] = 1.0;
-                at += 1;
+                y.push((strain - offset.as_ref().map_or(0.0, |o| o[i])) / self.scale);
             }
         }
-        columns
+        (columns, y)
     }
 
     /// Solves the linear problem at a place of the nonlinear parameters.
     pub(super) fn solve(&self, x: &[f64], information: bool) -> Point {
+        self.solve_with(x, information, None)
+    }
+
+    /// The same with one coefficient kept at a value (its solution reads 0).
+    pub(super) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
         let values = self.values(x);
         let noise = self.noise_at(x);
         let mut point = Point {
@@ -285,21 +336,24 @@ impl Model {
             residuals: Vec::with_capacity(self.readings),
         };
         let mut filter = Filter::default();
-        for block in &self.blocks {
+        for (b, block) in self.blocks.iter().enumerate() {
             let (n, p) = (block.readings, block.positive.len());
-            let mut columns = self.columns(block, &values);
+            let (mut columns, mut y) = self.columns(block, &values);
+            if let Some(fixed) = fixed.filter(|f| f.block == b) {
+                let column = &mut columns[fixed.column * n..(fixed.column + 1) * n];
+                for (y, c) in y.iter_mut().zip(column) {
+                    *y -= fixed.value * *c;
+                    *c = 0.0;
+                }
+            }
             if information {
                 point.log_det_information -= linear::log_det(&mut columns.clone(), n, p);
-            }
-            let mut y: Vec<f64> = Vec::with_capacity(n);
-            for &member in &block.members {
-                y.extend(self.curves[member].strain.iter().map(|e| e / self.scale));
             }
             let mut at = 0;
             for &member in &block.members {
                 let curve = &self.curves[member];
                 let end = at + curve.time_s.len();
-                filter.prepare(&curve.time_s, &curve.count, noise);
+                filter.prepare(&self.clocks[member], &curve.count, noise);
                 point.log_det_noise += filter.log_det;
                 filter.whiten(&mut y[at..end]);
                 for j in 0..p {
@@ -322,8 +376,8 @@ impl Model {
 
     /// Residuals whose squares have their minimum where the likelihood has its maximum:
     /// `r̃ |K|^{1/2n}`, since `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
-    pub(super) fn likelihood_residuals(&self, x: &[f64]) -> Vec<f64> {
-        let point = self.solve(x, false);
+    pub(super) fn likelihood_residuals(&self, x: &[f64], fixed: Option<Fixed>) -> Vec<f64> {
+        let point = self.solve_with(x, false, fixed);
         let factor = (0.5 * point.log_det_noise / self.readings as f64).exp();
         point.residuals.iter().map(|r| r * factor).collect()
     }
@@ -345,5 +399,66 @@ impl Model {
         } else {
             value
         }
+    }
+}
+
+/// First and last time of a reading after its first load, over all curves.
+fn span(curves: &[Curve]) -> (f64, f64) {
+    let since = |curve: &Curve| -> (f64, f64) {
+        let start = curve.steps.first().map_or(0.0, |step| step.0);
+        let after = curve.time_s.iter().map(|t| t - start);
+        let first = after.clone().find(|t| *t > 0.0).unwrap_or(1.0);
+        (first, after.fold(first, f64::max))
+    };
+    let both = curves.iter().map(since);
+    both.fold((f64::INFINITY, 0.0), |(short, long), (first, last)| {
+        (short.min(first), long.max(last))
+    })
+}
+
+/// The largest load over the smallest.
+fn levels(curves: &[Curve]) -> f64 {
+    let loads = || {
+        let all = curves.iter().flat_map(|c| c.steps.iter().map(|s| s.1));
+        all.filter(|l| *l > 0.05)
+    };
+    loads().fold(0.0, f64::max) / loads().fold(f64::INFINITY, f64::min)
+}
+
+fn temperatures_differ(curves: &[Curve]) -> bool {
+    let warm = || curves.iter().filter_map(|c| c.temperature_c);
+    let span = warm().fold(f64::NEG_INFINITY, f64::max) - warm().fold(f64::INFINITY, f64::min);
+    warm().count() == curves.len() && span > 3.0
+}
+
+/// Median time between readings, s.
+fn typical_gap(curves: &[Curve]) -> f64 {
+    let mut gaps: Vec<f64> = curves
+        .iter()
+        .flat_map(|c| c.time_s.windows(2).map(|w| w[1] - w[0]))
+        .filter(|gap| *gap > 0.0)
+        .collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
+}
+
+fn linear_shape(name: &'static str, unit: &'static str, lower: f64, upper: f64) -> Shape {
+    Shape {
+        name,
+        unit,
+        logarithmic: false,
+        lower,
+        upper,
+    }
+}
+
+/// The zero as one more reading, before the load: a mean of as many as it was taken from.
+fn add_zero(curve: &mut Curve) {
+    if curve.zero_count > 0.0 {
+        let start = curve.steps.first().map_or(0.0, |step| step.0);
+        let before = curve.tension.map_or(0.0, |t| 0.5 * t.preloaded_s);
+        curve.time_s.insert(0, start - before.max(1e-3));
+        curve.strain.insert(0, 0.0);
+        curve.count.insert(0, curve.zero_count);
     }
 }

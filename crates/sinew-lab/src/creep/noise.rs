@@ -1,17 +1,60 @@
 //! What is left of a record when the law is taken away: white noise plus a slow part.
 //!
-//! `y = X β + x + v`, `cov(x_i, x_j) = σ² ρ exp(−|t_i − t_j|/τ_c)`, `var v_i = σ² (1 − ρ)/c_i`
+//! `y = X β + x + v`, `cov(x_i, x_j) = σ² ρ exp(−|u_i − u_j|/τ_c)`, `var v_i = σ² (1 − ρ)/c_i`
 //! with `c_i` the number of readings averaged into point `i`. The slow part stands for the
-//! climate of the room, the warming of a sensor and for what the law can't follow. A Kalman
-//! filter with one state whitens a column in O(n), at any spacing of the samples.
+//! climate of the room, the warming of a sensor and above all for what the law can't follow. That
+//! is smooth over the logarithm of time, as creep is, so `u = ln(1 + t/t₀)` ([`Clock`]): on the 204
+//! spruce tests this is far more likely than a memory in seconds. A Kalman filter with one state
+//! whitens a column in O(n), at any spacing of the samples.
+
+use super::curve::Curve;
+use super::law::Law;
 
 /// Parameters of the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Share of the slow part in the variance of a single reading, 0 to [`SHARE_MAX`].
     pub share: f64,
-    /// Correlation time of the slow part, s.
-    pub memory_s: f64,
+    /// Correlation time `τ_c` of the slow part: e-foldings of the time under load; of a straight
+    /// line, s.
+    pub memory: f64,
+}
+
+/// Time as the slow part counts it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Clock {
+    /// `ln(1 + t/t₀)` since the first load.
+    Logarithm {
+        /// `t₀`, s.
+        unit_s: f64,
+    },
+    /// Seconds.
+    Seconds,
+}
+
+impl Clock {
+    /// `t₀` as a share of the record.
+    const UNIT_SHARE: f64 = 1e-3;
+
+    /// A straight line is fitted to a late part of a record, over which time is time.
+    pub(super) fn of(law: Law, long_s: f64) -> Self {
+        match law {
+            Law::Line => Clock::Seconds,
+            _ => Clock::Logarithm {
+                unit_s: Self::UNIT_SHARE * long_s,
+            },
+        }
+    }
+
+    pub(super) fn at(self, curve: &Curve, t: f64) -> f64 {
+        match self {
+            Clock::Seconds => t,
+            Clock::Logarithm { unit_s } => {
+                let start = curve.steps.first().map_or(0.0, |s| s.0);
+                ((t - start).max(0.0) / unit_s).ln_1p()
+            }
+        }
+    }
 }
 
 /// Largest share: a reading without any noise of its own would make repeated stamps singular.
@@ -21,7 +64,7 @@ impl Noise {
     /// Independent readings.
     pub const WHITE: Noise = Noise {
         share: 0.0,
-        memory_s: 1.0,
+        memory: 1.0,
     };
 }
 
@@ -38,19 +81,19 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    /// Prepares the gains for rising `time_s` and readings per point `count`.
-    pub(super) fn prepare(&mut self, time_s: &[f64], count: &[f64], noise: Noise) {
+    /// Prepares the gains for rising clock readings and readings per point `count`.
+    pub(super) fn prepare(&mut self, clock: &[f64], count: &[f64], noise: Noise) {
         self.decay.clear();
         self.gain.clear();
         self.inverse_std.clear();
         self.log_det = 0.0;
         let mut variance = noise.share;
         let mut before = f64::NAN;
-        for (&t, &count) in time_s.iter().zip(count) {
+        for (&t, &count) in clock.iter().zip(count) {
             let decay = if before.is_nan() || noise.share == 0.0 {
                 0.0
             } else {
-                (-(t - before) / noise.memory_s).exp()
+                (-(t - before) / noise.memory).exp()
             };
             before = t;
             variance = decay * decay * variance + noise.share * (1.0 - decay * decay);
@@ -88,7 +131,7 @@ mod tests {
         let count = [1.0, 2.0, 1.0, 1.0, 5.0];
         let noise = Noise {
             share: 0.6,
-            memory_s: 3.0,
+            memory: 3.0,
         };
         // Dense covariance and its Cholesky factor.
         let n = time.len();
@@ -96,7 +139,7 @@ mod tests {
         for i in 0..n {
             for j in 0..n {
                 let apart: f64 = time[i] - time[j];
-                l[i][j] = noise.share * (-apart.abs() / noise.memory_s).exp();
+                l[i][j] = noise.share * (-apart.abs() / noise.memory).exp();
                 if i == j {
                     l[i][j] += (1.0 - noise.share) / count[i];
                 }

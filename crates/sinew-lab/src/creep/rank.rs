@@ -1,12 +1,39 @@
 //! Ropes in order of their strain, with intervals.
 
-use rand_distr::{Distribution, StudentT};
-
 use super::analyze::{Analysis, Interval};
 use super::record::Prepared;
-use super::sample::quantile;
 use super::scan::median;
-use rand::SeedableRng;
+use super::student::{normal_quantile, student_quantile};
+
+/// Scatter between specimens, as a share of the value, that is assumed where no rope of the
+/// comparison has repeats: a starting guess of ours. One specimen can't know it.
+pub const SCATTER_GUESS: f64 = 0.10;
+
+/// Where the scatter between specimens of an interval comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ScatterSource {
+    /// The rope's own repeats.
+    Repeats,
+    /// Repeats of the other ropes in the comparison, pooled.
+    OtherRopes,
+    /// Stated by the user.
+    Stated,
+    /// [`SCATTER_GUESS`].
+    StartingGuess,
+}
+
+impl ScatterSource {
+    /// Words for a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            ScatterSource::Repeats => "repeats",
+            ScatterSource::OtherRopes => "other ropes",
+            ScatterSource::Stated => "stated",
+            ScatterSource::StartingGuess => "guess",
+        }
+    }
+}
 
 /// One rope's place.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -19,19 +46,26 @@ pub struct Rank {
     pub specimens: usize,
     /// Time at which strains are compared, s: the longest that all reach.
     pub at_s: f64,
-    /// Strain then, %. From repeats where there are several; for one specimen the interval knows
-    /// the scatter of its readings only, not that between specimens.
+    /// Strain then, %, with the interval of the rope's mean.
     pub strain_percent: Interval,
     /// Slope, %/h.
     pub slope_percent_per_h: Option<Interval>,
+    /// Standard deviation between specimens that the intervals rest on, share of the strain.
+    pub scatter: f64,
+    /// Where that comes from.
+    pub scatter_source: ScatterSource,
 }
 
 /// Ranks groups; specimens without a group (`all`) each count as a rope.
+///
+/// `scatter`: standard deviation between specimens as a share of the value, for ropes with a
+/// single specimen; `None` takes that of the other ropes' repeats, else [`SCATTER_GUESS`].
 pub fn rank(
     prepared: &[Prepared],
     analyses: &[Analysis],
     groups: &[String],
     level: f64,
+    scatter: Option<f64>,
 ) -> Vec<Rank> {
     let at_s = analyses
         .iter()
@@ -50,24 +84,36 @@ pub fn rank(
             None => ropes.push((name.clone(), vec![i])),
         }
     }
+    let strains: Vec<Vec<Interval>> = ropes
+        .iter()
+        .map(|(_, members)| {
+            let at = |&i: &usize| strain_at(&prepared[i], at_s, level);
+            members.iter().map(at).collect()
+        })
+        .collect();
+    let slopes: Vec<Vec<Interval>> = ropes
+        .iter()
+        .map(|(_, members)| {
+            let of = |&i: &usize| analyses[i].slope_percent_per_h;
+            members.iter().filter_map(of).collect()
+        })
+        .collect();
+    let (of_strain, of_slope) = (Prior::of(&strains, scatter), Prior::of(&slopes, scatter));
     let mut ranks: Vec<Rank> = ropes
         .into_iter()
-        .map(|(name, members)| {
-            let own: Vec<Interval> = members
-                .iter()
-                .map(|&i| strain_at(&prepared[i], at_s, level))
-                .collect();
-            let slopes: Vec<Interval> = members
-                .iter()
-                .filter_map(|&i| analyses[i].slope_percent_per_h)
-                .collect();
+        .enumerate()
+        .map(|(i, (name, members))| {
+            let (strain_percent, share, source) = of_strain.pooled(&strains[i], level);
             Rank {
                 rank: 0,
                 name,
                 specimens: members.len(),
                 at_s,
-                strain_percent: pooled(&own, level),
-                slope_percent_per_h: (!slopes.is_empty()).then(|| pooled(&slopes, level)),
+                strain_percent,
+                slope_percent_per_h: (!slopes[i].is_empty())
+                    .then(|| of_slope.pooled(&slopes[i], level).0),
+                scatter: share,
+                scatter_source: source,
             }
         })
         .collect();
@@ -119,7 +165,7 @@ fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Interval {
         .map(|(x, y)| (y - value - slope * x).powi(2))
         .sum();
     let error = (left / (n - 2.0) * (1.0 / n + mx * mx / xx)).sqrt();
-    let half = t_quantile(n - 2.0, level) * error;
+    let half = student_quantile(n - 2.0, level) * error;
     Interval {
         value,
         low: value - half,
@@ -127,47 +173,132 @@ fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Interval {
     }
 }
 
-/// Mean of repeats with Student's interval of their scatter; a single one keeps its own.
-fn pooled(own: &[Interval], level: f64) -> Interval {
-    let n = own.len() as f64;
-    if own.len() < 2 {
-        return own.first().copied().unwrap_or(Interval {
-            value: f64::NAN,
-            low: f64::NAN,
-            high: f64::NAN,
-        });
+/// What is known of the scatter between specimens without asking a rope's own repeats.
+struct Prior {
+    /// Standard deviation as a share of the value.
+    share: f64,
+    /// Its degrees of freedom; infinite where it is stated or guessed.
+    freedom: f64,
+    source: ScatterSource,
+}
+
+impl Prior {
+    fn of(ropes: &[Vec<Interval>], stated: Option<f64>) -> Self {
+        if let Some(share) = stated {
+            return Self {
+                share,
+                freedom: f64::INFINITY,
+                source: ScatterSource::Stated,
+            };
+        }
+        let (mut squares, mut freedom) = (0.0, 0.0);
+        for own in ropes.iter().filter(|own| own.len() > 1) {
+            let (mean, variance) = moments(own);
+            let n = own.len() as f64;
+            if mean.abs() > 0.0 {
+                squares += (n - 1.0) * variance / (mean * mean);
+                freedom += n - 1.0;
+            }
+        }
+        if freedom > 0.0 && squares > 0.0 {
+            return Self {
+                share: (squares / freedom).sqrt(),
+                freedom,
+                source: ScatterSource::OtherRopes,
+            };
+        }
+        Self {
+            share: SCATTER_GUESS,
+            freedom: f64::INFINITY,
+            source: ScatterSource::StartingGuess,
+        }
     }
-    let values: Vec<f64> = own.iter().map(|o| o.value).collect();
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    // Three repeats may agree by chance: not better than one of them is known.
-    let least = median(
-        &own.iter()
-            .map(|o| 0.5 * (o.high - o.low))
-            .collect::<Vec<_>>(),
-    ) / n.sqrt();
-    let half = (t_quantile(n - 1.0, level) * (variance / n).sqrt()).max(least);
-    Interval {
-        value: mean,
-        low: mean - half,
-        high: mean + half,
+
+    /// Mean of repeats with Student's interval of their scatter; for a single one the scatter
+    /// known otherwise, beside that of its readings.
+    fn pooled(&self, own: &[Interval], level: f64) -> (Interval, f64, ScatterSource) {
+        let readings = median(
+            &own.iter()
+                .map(|o| 0.5 * (o.high - o.low))
+                .collect::<Vec<_>>(),
+        );
+        let (mean, variance) = moments(own);
+        let n = own.len() as f64;
+        let (half, share, source) = if own.len() < 2 {
+            let quantile = if self.freedom.is_finite() {
+                student_quantile(self.freedom, level)
+            } else {
+                normal_quantile(0.5 + 0.5 * level)
+            };
+            let between = quantile * self.share * mean.abs();
+            (between.hypot(readings), self.share, self.source)
+        } else {
+            let between = student_quantile(n - 1.0, level) * (variance / n).sqrt();
+            // Three repeats may agree by chance: not better than one of them is known.
+            let half = between.max(readings / n.sqrt());
+            (half, variance.sqrt() / mean.abs(), ScatterSource::Repeats)
+        };
+        let interval = Interval {
+            value: mean,
+            low: mean - half,
+            high: mean + half,
+        };
+        (interval, share, source)
     }
 }
 
-/// Two-sided quantile of Student's distribution from 40 000 draws with a fixed seed: within 3 %
-/// for two degrees of freedom and more.
-fn t_quantile(freedom: f64, level: f64) -> f64 {
-    const DRAWS: usize = 40_000;
-    let Ok(student) = StudentT::new(freedom) else {
-        return f64::NAN;
-    };
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
-    let mut draws: Vec<f64> = (0..DRAWS)
-        .map(|_| {
-            let t: f64 = student.sample(&mut random);
-            t.abs()
-        })
-        .collect();
-    draws.sort_by(f64::total_cmp);
-    quantile(&draws, level)
+/// Mean and variance of the values.
+fn moments(own: &[Interval]) -> (f64, f64) {
+    let n = own.len() as f64;
+    let mean = own.iter().map(|o| o.value).sum::<f64>() / n;
+    let squares: f64 = own.iter().map(|o| (o.value - mean).powi(2)).sum();
+    (mean, squares / (n - 1.0).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exact(value: f64) -> Interval {
+        Interval {
+            value,
+            low: value,
+            high: value,
+        }
+    }
+
+    #[test]
+    fn a_single_specimen_takes_its_scatter_from_elsewhere() {
+        // Two ropes with repeats that scatter by 10 % about 1 and 5 % about 2.
+        let ropes = [
+            vec![exact(0.9), exact(1.0), exact(1.1)],
+            vec![exact(1.9), exact(2.0), exact(2.1)],
+            vec![exact(3.0)],
+        ];
+        let prior = Prior::of(&ropes, None);
+        // √((2·0.01 + 2·0.0025)/4), four degrees of freedom.
+        assert!((prior.share - 0.00625_f64.sqrt()).abs() < 1e-12);
+        let (interval, _, source) = prior.pooled(&ropes[2], 0.95);
+        assert_eq!(source, ScatterSource::OtherRopes);
+        let half = 2.776_4 * prior.share * 3.0;
+        assert!((interval.high - 3.0 - half).abs() < 1e-3, "{interval:?}");
+        let (own, share, source) = prior.pooled(&ropes[0], 0.95);
+        assert_eq!(source, ScatterSource::Repeats);
+        assert!((share - 0.1).abs() < 1e-12);
+        assert!((own.high - 1.0 - 4.302_7 * 0.1 / 3.0_f64.sqrt()).abs() < 1e-3);
+    }
+
+    #[test]
+    fn without_any_repeat_the_guess_counts_and_a_stated_scatter_goes_first() {
+        let ropes = [vec![exact(1.0)], vec![exact(1.1)]];
+        let guess = Prior::of(&ropes, None);
+        let (interval, share, source) = guess.pooled(&ropes[0], 0.95);
+        assert_eq!(
+            (share, source),
+            (SCATTER_GUESS, ScatterSource::StartingGuess)
+        );
+        assert!((interval.high - 1.196).abs() < 1e-4, "{interval:?}");
+        let stated = Prior::of(&ropes, Some(0.02));
+        assert_eq!(stated.pooled(&ropes[0], 0.95).2, ScatterSource::Stated);
+    }
 }

@@ -2,6 +2,7 @@
 //! Comm. App. Math. Comp. Sci. 5, 2010), within the unit box.
 
 use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
 
 /// Length of the ensemble's run.
 #[derive(Debug, Clone, Copy)]
@@ -13,42 +14,62 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) const FULL: Plan = Plan {
-        burn_in: 100,
-        rounds: 180,
-        thinning: 6,
-    };
+    /// A run for so many numbers: an ensemble forgets its start in some ten rounds for each.
+    pub(super) fn of(numbers: usize) -> Plan {
+        let per = numbers.saturating_sub(3);
+        Plan {
+            burn_in: 100 + 30 * per,
+            rounds: 180 + 60 * per,
+            thinning: 6 + per,
+        }
+    }
 }
 
-/// Draws, from walkers spread around `centre`.
+/// Where walkers start: a normal distribution by the lower Cholesky factor of its precision.
+pub(super) struct Around {
+    pub(super) centre: Vec<f64>,
+    pub(super) factor: Vec<Vec<f64>>,
+}
+
+impl Around {
+    /// A place at so many standard deviations, within the box.
+    fn place(&self, z: &[f64]) -> Vec<f64> {
+        let d = z.len();
+        let mut x = z.to_vec();
+        for i in (0..d).rev() {
+            for k in i + 1..d {
+                x[i] -= self.factor[k][i] * x[k];
+            }
+            x[i] /= self.factor[i][i];
+        }
+        let within = |(c, x): (&f64, f64)| (c + x).clamp(1e-6, 1.0 - 1e-6);
+        self.centre.iter().zip(x).map(within).collect()
+    }
+}
+
+/// Draws, from walkers spread around an optimum.
 pub(super) fn ensemble(
     log_density: &dyn Fn(&[f64]) -> f64,
-    centre: &[f64],
+    start: &Around,
     plan: Plan,
     random: &mut impl Rng,
 ) -> Vec<Vec<f64>> {
     /// Longest stretch: the value of the paper.
     const STRETCH: f64 = 2.0;
-    let d = centre.len();
+    let d = start.centre.len();
     if d == 0 {
         return vec![Vec::new()];
     }
     let walkers = (6 * d).max(24).next_multiple_of(2);
-    // Half of the walkers start near the optimum, half anywhere in the box: an optimum on a bound
-    // or a second one is then not missed.
+    // Most walkers start as the curvature at the optimum says, wider by a half; every sixth
+    // anywhere in the box: an optimum on a bound or a second one is then not missed.
     let mut places: Vec<Vec<f64>> = (0..walkers)
         .map(|w| {
-            centre
-                .iter()
-                .map(|c| {
-                    let u: f64 = random.random();
-                    if w % 2 == 0 {
-                        (c + 0.2 * (u - 0.5)).clamp(1e-6, 1.0 - 1e-6)
-                    } else {
-                        u
-                    }
-                })
-                .collect()
+            if w % 6 == 5 {
+                return (0..d).map(|_| random.random()).collect();
+            }
+            let mut normal = || -> f64 { StandardNormal.sample(random) };
+            start.place(&(0..d).map(|_| 1.5 * normal()).collect::<Vec<_>>())
         })
         .collect();
     let mut densities: Vec<f64> = places.iter().map(|p| log_density(p)).collect();
@@ -129,7 +150,12 @@ mod tests {
             thinning: 3,
         };
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        let draws = ensemble(&density, &[0.5, 0.5], plan, &mut random);
+        // Starts a third as wide as it should and without the correlation.
+        let start = Around {
+            centre: vec![0.5, 0.5],
+            factor: vec![vec![30.0, 0.0], vec![0.0, 30.0]],
+        };
+        let draws = ensemble(&density, &start, plan, &mut random);
         let n = draws.len() as f64;
         let mean = draws.iter().map(|d| d[0]).sum::<f64>() / n;
         let variance = draws.iter().map(|d| (d[0] - mean).powi(2)).sum::<f64>() / n;

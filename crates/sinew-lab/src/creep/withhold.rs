@@ -2,9 +2,10 @@
 
 use super::CreepError;
 use super::curve::Curve;
-use super::fit::{FitOptions, fit};
-use super::forecast::{Forecast, combined_forecast};
+use super::fit::FitOptions;
+use super::forecast::Forecast;
 use super::law::Law;
+use super::outlook::Outlook;
 
 /// One law on one test.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -34,7 +35,6 @@ pub fn withhold(
     };
     let (seen, hidden) = curve.split(last - share * (last - first));
     let mut results = Vec::new();
-    let mut fits = Vec::new();
     let range = {
         let (low, high) = curve
             .strain
@@ -62,17 +62,20 @@ pub fn withhold(
     if hidden.strain.is_empty() {
         return results;
     }
-    for law in Law::ALL {
-        match fit(law, std::slice::from_ref(&seen), options) {
-            Ok(fit) => {
-                results.push(Ok(judge(law.name(), &fit.forecast(0, &hidden.time_s))));
-                fits.push(fit);
-            }
-            Err(error) => results.push(Err((law.name().to_owned(), error))),
-        }
+    let outlook = Outlook::new(
+        &Law::ALL,
+        std::slice::from_ref(&seen),
+        0,
+        options,
+        &hidden.time_s,
+    );
+    for (law, forecast) in outlook.laws {
+        results.push(match forecast {
+            Ok(forecast) => Ok(judge(law.name(), &forecast)),
+            Err(error) => Err((law.name().to_owned(), error)),
+        });
     }
-    if !fits.is_empty() {
-        let forecast = combined_forecast(&fits, 0, &hidden.time_s);
+    if let Some(forecast) = outlook.combined {
         results.push(Ok(judge("combined", &forecast)));
     }
     results

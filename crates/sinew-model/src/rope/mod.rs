@@ -30,7 +30,6 @@
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
 //! over pulleys, [`validity`] says where the law was never checked, `entry`
 //! reads a catalogue entry (feature `catalogue`).
-//! entry.
 //!
 //! Not modelled: humidity, ultraviolet light, abrasion, creep rupture, knots and splices, shock.
 //!
@@ -46,6 +45,7 @@ pub mod entry;
 
 mod error;
 mod exponential;
+mod factors;
 mod law;
 mod parameters;
 mod ramp;

@@ -1,8 +1,7 @@
 //! One stretch of history over which tension and temperature change linearly.
 
-use super::law::{
-    Heat, RETRACTION_FULL_K, RETRACTION_START_K, check_duration, closed, delayed_fractions,
-};
+use super::factors::{Heat, closed, delayed_fractions};
+use super::law::{RETRACTION_FULL_K, RETRACTION_START_K, check_duration};
 use super::{DELAY_TIMES_S, Law, Load, LoadError, State};
 
 /// Error a ramp is allowed in any part of the strain, %: a thousandth of what the law is held to

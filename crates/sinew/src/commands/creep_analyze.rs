@@ -32,21 +32,27 @@ impl Analyze {
         let named: Vec<(String, &creep::Analysis)> =
             tests.groups.iter().cloned().zip(&tests.analyses).collect();
         let scatter = creep::scatter(&named);
+        let isochrones = creep::isochrones(&named, self.files.level);
         if let Some(path) = &self.files.csv {
             write_csv(path, &csv(&tests))?;
         }
         if let Some(path) = &self.files.report {
             let plotted = plotted(&tests);
-            let figures = vec![
+            let mut figures = vec![
                 (creep::figure("", &plotted, false), String::new()),
                 (creep::figure("", &plotted, true), String::new()),
             ];
+            if let Some(figure) = creep::isochronous_figure(&isochrones) {
+                let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
+                figures.push((figure, caption.into()));
+            }
             let page = creep::page(Contents {
                 title: "Creep test".to_owned(),
                 sources: &tests.sources,
                 conditions: self.files.conditions(),
                 analyses: &tests.analyses,
                 groups: &scatter,
+                isochrones: &isochrones,
                 failures: &tests.failures,
                 figures,
                 ..Contents::default()
@@ -59,11 +65,12 @@ impl Analyze {
                 "conditions": self.files.conditions(),
                 "specimens": tests.analyses,
                 "groups": scatter,
+                "isochrones": isochrones,
                 "failures": tests.failures,
             });
             answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
         } else {
-            answer(&told(&tests, &scatter))?;
+            answer(&(told(&tests, &scatter) + &isochrones_told(&isochrones)))?;
         }
         Ok(Finish::lossy(!tests.failures.is_empty()))
     }
@@ -218,6 +225,35 @@ fn told(tests: &Tests, scatter: &[creep::Scatter]) -> String {
         }
     }
     out
+}
+
+/// One line per group and time, the times of a decade each.
+fn isochrones_told(isochrones: &[creep::Isochrone]) -> String {
+    /// Readings of every group that the terminal shows.
+    const TIMES: [f64; 5] = [60.0, 720.0, 3600.0, 36_000.0, 360_000.0];
+    let rows: Vec<Vec<String>> = isochrones
+        .iter()
+        .filter(|i| TIMES.contains(&i.time_s))
+        .map(|i| {
+            let unit = if i.stress { "MPa" } else { "N" };
+            vec![
+                plain(&i.group),
+                format!("{} min", short(i.time_s / 60.0)),
+                i.points.len().to_string(),
+                format!("{} {unit}", short(i.secant)),
+                short(i.exponent.value),
+                format!("{} … {}", short(i.exponent.low), short(i.exponent.high)),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = ["group", "after", "n", "load per %", "p", "interval"];
+    format!(
+        "\nisochronous: strain against load at the same time, strain ∝ load^p\n\n{}",
+        table(&head, rows, 1)
+    )
 }
 
 fn csv(tests: &Tests) -> String {

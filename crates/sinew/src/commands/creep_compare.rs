@@ -3,9 +3,9 @@
 use super::creep_analyze::plotted;
 use super::creep_files::{TestFiles, csv_line, short, write_csv};
 use crate::terminal::{Failure, Finish, answer};
-use crate::text::{plain, table};
+use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::creep::{self, Contents};
+use sinew_lab::creep::{self, Contents, ScatterSource};
 use sinew_lab::output;
 use std::path::PathBuf;
 
@@ -21,17 +21,29 @@ pub(crate) struct Compare {
     /// Write the figure (.svg or .png)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
+    /// Standard deviation between specimens as a share of the value, for ropes with one specimen
+    /// [default: that of the other ropes' repeats, else 0.1, a starting guess]
+    #[arg(long, value_name = "SHARE")]
+    scatter: Option<f64>,
 }
 
 impl Compare {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(share) = self.scatter
+            && !(share > 0.0 && share < 10.0)
+        {
+            return Err(Failure::Refused(format!(
+                "--scatter {share}: a share of the value, above 0 and below 10"
+            )));
+        }
         let tests = self.files.read()?;
         let ranks = creep::rank(
             &tests.prepared,
             &tests.analyses,
             &tests.groups,
             self.files.level,
+            self.scatter,
         );
         let figure = creep::figure("", &plotted(&tests), false);
         if let Some(path) = &self.plot {
@@ -91,6 +103,8 @@ impl Compare {
                 "slope_percent_per_h",
                 "slope_low",
                 "slope_high",
+                "scatter_share",
+                "scatter_source",
             ]);
             for r in &ranks {
                 let slope = |pick: fn(&creep::Interval) -> f64| {
@@ -108,6 +122,8 @@ impl Compare {
                     slope(|s| s.value),
                     slope(|s| s.low),
                     slope(|s| s.high),
+                    r.scatter.to_string(),
+                    r.scatter_source.words().to_owned(),
                 ]));
             }
             write_csv(path, &text)?;
@@ -137,11 +153,29 @@ impl Compare {
         } else {
             let at = ranks.first().map_or(f64::NAN, |r| r.at_s / 60.0);
             answer(&format!(
-                "strain after {} min, least first\n\n{}",
+                "strain after {} min, least first\n\n{}{}",
                 short(at),
-                table(&head, rows(&short), 2)
+                table(&head, rows(&short), 2),
+                scatter_told(&ranks)
             ))?;
         }
         Ok(Finish::lossy(!tests.failures.is_empty()))
     }
+}
+
+/// What the intervals of single specimens rest on.
+fn scatter_told(ranks: &[creep::Rank]) -> String {
+    let Some(single) = ranks.iter().find(|r| r.specimens == 1) else {
+        return String::new();
+    };
+    let from = match single.scatter_source {
+        ScatterSource::OtherRopes => "that of the other ropes' repeats",
+        ScatterSource::Stated => "as stated",
+        _ => "a starting guess; --scatter states your own, repeats measure it",
+    };
+    let text = format!(
+        "One specimen can't tell how specimens differ: where n is 1 the interval takes {} % between specimens, {from}.",
+        short(100.0 * single.scatter)
+    );
+    format!("\n{}", paragraph(&text, 0))
 }

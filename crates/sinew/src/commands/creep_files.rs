@@ -8,7 +8,7 @@ use sinew_lab::creep::{
     self, Analysis, AnalyzeOptions, Conditions, PrepareOptions, Prepared, Source,
 };
 use sinew_lab::output;
-use sinew_log::{ColumnChoice, Specimen, TestOptions, read_test};
+use sinew_log::{ColumnChoice, Specimen, TestOptions, TestQuantity, read_test};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -183,10 +183,20 @@ impl TestFiles {
             seed: self.seed,
         };
         for column in &self.group {
-            if specimens.iter().all(|s| s.attribute(column).is_none()) {
+            if specimens
+                .iter()
+                .all(|s| label(s, &sources, column).is_none())
+            {
                 let known: Vec<&str> = specimens
                     .first()
-                    .map(|s| s.attributes.iter().map(|a| a.0.as_str()).collect())
+                    .map(|s| {
+                        let attributes = s.attributes.iter().map(|a| a.0.as_str());
+                        let columns = sources.iter().flat_map(|s| &s.columns);
+                        let named = columns.map(|c| c[1].as_str());
+                        attributes
+                            .chain(named.filter(|c| label(s, &sources, c).is_some()))
+                            .collect()
+                    })
                     .unwrap_or_default();
                 return Err(Failure::Refused(plain(&format!(
                     "--group {column}: no such column; there are {}",
@@ -217,7 +227,8 @@ impl TestFiles {
                 Ok((prepared, analysis)) => {
                     tests.prepared.push(prepared);
                     tests.analyses.push(analysis);
-                    tests.groups.push(self.group_of(specimen));
+                    let group = self.group_of(specimen, &tests.sources);
+                    tests.groups.push(group);
                 }
                 Err(error) => {
                     let error: creep::CreepError = error;
@@ -236,11 +247,11 @@ impl TestFiles {
         Ok(tests)
     }
 
-    fn group_of(&self, specimen: &Specimen) -> String {
-        let words: Vec<&str> = self
+    fn group_of(&self, specimen: &Specimen, sources: &[Source]) -> String {
+        let words: Vec<String> = self
             .group
             .iter()
-            .filter_map(|column| specimen.attribute(column))
+            .filter_map(|column| label(specimen, sources, column))
             .collect();
         if words.is_empty() {
             "all".to_owned()
@@ -248,6 +259,24 @@ impl TestFiles {
             words.join(" / ")
         }
     }
+}
+
+/// What a column says of a whole specimen: its text, or its only number in its file's own unit.
+fn label(specimen: &Specimen, sources: &[Source], column: &str) -> Option<String> {
+    if let Some(text) = specimen.attribute(column) {
+        return Some(text.to_owned());
+    }
+    let used = sources
+        .iter()
+        .flat_map(|s| &s.columns)
+        .find(|c| c[1].eq_ignore_ascii_case(column))?;
+    let quantity: TestQuantity = used[0].parse().ok()?;
+    let value = specimen.constant(quantity)?;
+    Some(if quantity.unit() == used[2] {
+        format!("{value}")
+    } else {
+        format!("{} {}", short(value), quantity.unit())
+    })
 }
 
 /// One line of a CSV file, quoted where needed.

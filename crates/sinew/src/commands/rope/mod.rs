@@ -38,14 +38,14 @@ impl Rope {
 
 /// Where ropes come from.
 #[derive(Debug, Args)]
-struct Ropes {
+pub(crate) struct Ropes {
     /// Folder with your own ropes (*.toml); ./ropes is read too where it is there
     #[arg(long = "ropes", value_name = "DIR")]
     folders: Vec<PathBuf>,
 }
 
 impl Ropes {
-    fn catalogue(&self) -> Result<Catalogue, CatalogueError> {
+    pub(crate) fn catalogue(&self) -> Result<Catalogue, CatalogueError> {
         let here = Path::new("ropes");
         let mut folders: Vec<&Path> = Vec::new();
         if here.is_dir() {
@@ -57,7 +57,7 @@ impl Ropes {
 }
 
 /// A rope by name, with the name somebody may have meant.
-fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
+pub(crate) fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
     catalogue.find(name).map_err(|error| {
         let names = catalogue.names();
         let hint = crate::nearest::nearest(name, &names)

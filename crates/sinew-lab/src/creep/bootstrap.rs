@@ -1,0 +1,80 @@
+//! Intervals by parametric bootstrap: what the fit would have found on other readings.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::fit::{Draw, Fit, IntervalKind, Search};
+use super::model::Model;
+use super::noise::Noise;
+use super::sample::quantile;
+use super::solver::{LeastSquares, TrustRegion};
+use super::student::{normal_quantile, normal_share};
+
+impl Fit {
+    /// Replaces the parameters' intervals by bias-corrected quantiles of `count` replicates:
+    /// the fitted strain with new noise of the fitted size, slow share and memory, fitted again
+    /// from the best place.
+    ///
+    /// # Source
+    /// B. Efron, R. Tibshirani: *An Introduction to the Bootstrap*, 1993, chapters 6 and 14.
+    pub(super) fn bootstrap(&mut self, count: usize, seed: u64) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xb007);
+        let best = self.numbers(&self.best);
+        let fitted: Vec<Vec<f64>> = (0..self.model.curves.len())
+            .map(|c| self.strain(c, &self.model.curves[c].time_s))
+            .collect();
+        let mut replicates: Vec<Vec<f64>> = Vec::with_capacity(count);
+        let solver = TrustRegion { steps: 40 };
+        for _ in 0..count {
+            let model = self.replicate(&fitted, &mut random);
+            let minimum = solver.minimum(&Search(&model), &self.best.places);
+            if minimum.cost.is_finite() {
+                replicates.push(self.numbers(&Draw::at(&model, &minimum.x)));
+            }
+        }
+        let tail = 0.5 * (1.0 - self.level);
+        for (i, parameter) in self.parameters.iter_mut().enumerate() {
+            let mut values: Vec<f64> = replicates.iter().map(|r| r[i]).collect();
+            values.sort_by(f64::total_cmp);
+            let n = values.len() as f64;
+            let below = values.partition_point(|v| *v < best[i]) as f64;
+            // Half a replicate keeps a parameter that always ends at its bound finite.
+            let bias = normal_quantile(((below + 0.5) / (n + 1.0)).clamp(0.01, 0.99));
+            let at = |p: f64| quantile(&values, normal_share(2.0 * bias + normal_quantile(p)));
+            parameter.low = at(tail);
+            parameter.high = at(1.0 - tail);
+            parameter.interval = IntervalKind::Bootstrap;
+        }
+    }
+
+    fn replicate(&self, fitted: &[Vec<f64>], random: &mut ChaCha8Rng) -> Model {
+        let mut model = self.model.clone();
+        let sigma = self.best.sigma * model.scale;
+        let clocks = model.clocks.clone();
+        for ((curve, fitted), clock) in model.curves.iter_mut().zip(fitted).zip(clocks) {
+            let errors = errors(&clock, &curve.count, self.best.noise, random);
+            for ((strain, fitted), error) in curve.strain.iter_mut().zip(fitted).zip(errors) {
+                *strain = fitted + sigma * error;
+            }
+        }
+        model
+    }
+}
+
+/// Noise of unit size at rising readings of the clock: slow and own.
+fn errors(clock: &[f64], count: &[f64], noise: Noise, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut normal = || -> f64 { StandardNormal.sample(random) };
+    let mut slow = noise.share.sqrt() * normal();
+    let mut before = clock.first().copied().unwrap_or(0.0);
+    clock
+        .iter()
+        .zip(count)
+        .map(|(&t, count)| {
+            let decay = (-(t - before) / noise.memory).exp();
+            before = t;
+            slow = decay * slow + (noise.share * (1.0 - decay * decay)).sqrt() * normal();
+            slow + ((1.0 - noise.share) / count).sqrt() * normal()
+        })
+        .collect()
+}

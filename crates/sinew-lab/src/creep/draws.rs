@@ -1,0 +1,110 @@
+//! Draws of all parameters from what the record leaves open.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution};
+
+use super::fit::Draw;
+use super::model::Model;
+use super::sample::{Around, Plan, ensemble};
+
+/// Draws by an ensemble that starts around `centre`; coefficients and the size of the noise from
+/// their own distributions given the rest.
+pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
+    /// Draws of coefficients for each place of the ensemble.
+    const PER_PLACE: usize = 3;
+    /// Draws of a law without nonlinear parameters.
+    const ALL_LINEAR: usize = 2000;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let places = ensemble(
+        &|x| model.log_restricted(x),
+        &around(model, centre),
+        Plan::of(centre.len()),
+        &mut random,
+    );
+    let per_place = if centre.is_empty() {
+        ALL_LINEAR
+    } else {
+        PER_PLACE
+    };
+    let free = model.readings.saturating_sub(model.coefficients()).max(1);
+    let Ok(chi) = ChiSquared::new(free as f64) else {
+        return Vec::new();
+    };
+    let mut draws = Vec::with_capacity(places.len() * per_place);
+    for place in places {
+        let point = model.solve(&place, false);
+        for _ in 0..per_place {
+            let spread: f64 = chi.sample(&mut random);
+            let sigma = (point.squares / spread.max(f64::MIN_POSITIVE)).sqrt();
+            draws.push(Draw {
+                values: model.values(&place),
+                places: place.clone(),
+                noise: point.noise,
+                sigma,
+                beta: point
+                    .solutions
+                    .iter()
+                    .zip(&model.blocks)
+                    .map(|(solution, block)| solution.draw(sigma, &block.positive, &mut random))
+                    .collect(),
+            });
+        }
+    }
+    // Order must not tell the walker: forecasts take stretches of the list.
+    for i in (1..draws.len()).rev() {
+        let j = random.random_range(0..=i);
+        draws.swap(i, j);
+    }
+    draws
+}
+
+/// What the curvature of the squares at the optimum says about the places: where walkers start.
+fn around(model: &Model, centre: &[f64]) -> Around {
+    /// Step of the differences.
+    const STEP: f64 = 1e-4;
+    /// Nothing is known better than the searched range beforehand, as a standard deviation.
+    const WIDEST: f64 = 0.3;
+    let d = centre.len();
+    let residuals = |x: &[f64]| model.likelihood_residuals(x, None);
+    let squares: f64 = residuals(centre).iter().map(|r| r * r).sum();
+    let variance = (squares / model.freedom()).max(f64::MIN_POSITIVE);
+    let slopes: Vec<Vec<f64>> = (0..d)
+        .map(|j| {
+            let (mut low, mut high) = (centre.to_vec(), centre.to_vec());
+            low[j] = (centre[j] - STEP).max(0.0);
+            high[j] = (centre[j] + STEP).min(1.0);
+            let width = high[j] - low[j];
+            let (down, up) = (residuals(&low), residuals(&high));
+            up.iter().zip(&down).map(|(u, l)| (u - l) / width).collect()
+        })
+        .collect();
+    let mut precision = vec![vec![0.0; d]; d];
+    for i in 0..d {
+        for j in 0..d {
+            let dot: f64 = slopes[i].iter().zip(&slopes[j]).map(|(a, b)| a * b).sum();
+            precision[i][j] = dot / variance + if i == j { WIDEST.powi(-2) } else { 0.0 };
+        }
+    }
+    Around {
+        centre: centre.to_vec(),
+        factor: cholesky(precision),
+    }
+}
+
+/// Lower triangle of the Cholesky factor.
+fn cholesky(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let d = a.len();
+    for j in 0..d {
+        for k in 0..j {
+            for i in j..d {
+                a[i][j] -= a[i][k] * a[j][k];
+            }
+        }
+        let pivot = a[j][j].max(f64::MIN_POSITIVE).sqrt();
+        for row in a.iter_mut().skip(j) {
+            row[j] /= pivot;
+        }
+    }
+    a
+}

@@ -1,0 +1,203 @@
+//! Forecasts that were rehearsed: each law forecasts the end of its own record first, and where it
+//! missed, its interval is widened.
+//!
+//! What a law's own interval can't know is how wrong the law is. With `z_k` the root mean square
+//! of the rehearsals' errors over what the interval allows, an interval `±q σ` becomes
+//!
+//! ```text
+//! ± t_ν q' σ s,   s² = (ν₀ + Σ z_k²)/(ν₀ + K),   ν = ν₀ + K
+//! ```
+//!
+//! the quantile of Student's distribution for a scale known from `K` rehearsals and a prior of
+//! [`PRIOR_FREEDOM`] degrees of freedom that trusts the law's own `σ`.
+
+use super::CreepError;
+use super::curve::Curve;
+use super::fit::{Fit, FitOptions, fit};
+use super::forecast::{Forecast, combined_forecast};
+use super::law::Law;
+use super::student::{normal_quantile, student_quantile};
+
+/// Degrees of freedom of the trust in a law's own interval, ν₀: a choice of ours; how often
+/// forecasts then hold is measured in docs/creep.md.
+pub const PRIOR_FREEDOM: f64 = 2.0;
+/// Rehearsals, each from where the one before began to be hidden.
+const REHEARSALS: usize = 2;
+/// Smallest and largest ratio of times of a rehearsal.
+const RATIO: (f64, f64) = (1.5, 3.0);
+/// Readings that must be left to fit, and to forecast.
+const FEWEST: (usize, usize) = (10, 2);
+
+/// Forecasts of one curve by several laws, and by all of them.
+#[derive(Debug, Clone)]
+pub struct Outlook {
+    /// Laws in the order asked for.
+    pub laws: Vec<(Law, Result<Forecast, CreepError>)>,
+    /// All that could be fitted, with their Akaike weights; `None` without any.
+    pub combined: Option<Forecast>,
+    /// Factor by which the combined interval was widened.
+    pub widened: f64,
+    /// Rehearsals that the record had readings for.
+    pub rehearsals: usize,
+}
+
+/// What the forecasts of one rehearsal missed: z² per law, and of all together.
+struct Missed {
+    laws: Vec<(Law, f64)>,
+    combined: Option<f64>,
+}
+
+impl Outlook {
+    /// Fits `laws` to curves and forecasts the one with index `index` at rising times after its
+    /// last reading.
+    pub fn new(
+        laws: &[Law],
+        curves: &[Curve],
+        index: usize,
+        options: &FitOptions,
+        time_s: &[f64],
+    ) -> Outlook {
+        let results: Vec<(Law, Result<Fit, CreepError>)> = laws
+            .iter()
+            .map(|law| (*law, fit(*law, curves, options)))
+            .collect();
+        let fits: Vec<Fit> = results.iter().filter_map(|r| r.1.clone().ok()).collect();
+        let mut told = Outlook::of(&fits, curves, index, options, time_s);
+        let mut forecasts = std::mem::take(&mut told.laws).into_iter();
+        told.laws = results
+            .into_iter()
+            .filter_map(|(law, result)| match result {
+                Ok(_) => forecasts.next(),
+                Err(error) => Some((law, Err(error))),
+            })
+            .collect();
+        told
+    }
+
+    /// The same for laws that are fitted already.
+    pub fn of(
+        fits: &[Fit],
+        curves: &[Curve],
+        index: usize,
+        options: &FitOptions,
+        time_s: &[f64],
+    ) -> Outlook {
+        let laws: Vec<Law> = fits.iter().map(|f| f.law).collect();
+        let missed = rehearse(&laws, curves, index, options, time_s);
+        let of_law = |law: Law| {
+            let own = missed
+                .iter()
+                .filter_map(|m| m.laws.iter().find(|l| l.0 == law));
+            factor(&own.map(|l| l.1).collect::<Vec<_>>(), options.level)
+        };
+        let together: Vec<f64> = missed.iter().filter_map(|m| m.combined).collect();
+        let widened = factor(&together, options.level);
+        Outlook {
+            laws: fits
+                .iter()
+                .map(|f| (f.law, Ok(f.forecast(index, time_s).widened(of_law(f.law)))))
+                .collect(),
+            combined: (!fits.is_empty())
+                .then(|| combined_forecast(fits, index, time_s).widened(widened)),
+            widened,
+            rehearsals: together.len(),
+        }
+    }
+}
+
+/// How much wider an interval must be.
+fn factor(squares: &[f64], level: f64) -> f64 {
+    let freedom = PRIOR_FREEDOM + squares.len() as f64;
+    let scale = (PRIOR_FREEDOM + squares.iter().sum::<f64>()) / freedom;
+    let own = normal_quantile(0.5 + 0.5 * level);
+    student_quantile(freedom, level) / own * scale.sqrt()
+}
+
+fn rehearse(
+    laws: &[Law],
+    curves: &[Curve],
+    index: usize,
+    options: &FitOptions,
+    time_s: &[f64],
+) -> Vec<Missed> {
+    let Some(curve) = curves.get(index) else {
+        return Vec::new();
+    };
+    let start = curve.steps.first().map_or(0.0, |s| s.0);
+    let span = curve.time_s.last().map_or(0.0, |t| t - start);
+    let asked = time_s.last().map_or(0.0, |t| t - start) / span;
+    let ratio = asked.clamp(RATIO.0, RATIO.1);
+    let mut missed = Vec::new();
+    let mut end = span;
+    for _ in 0..REHEARSALS {
+        let cut = end / ratio;
+        let parts: Vec<(Curve, Curve)> = curves
+            .iter()
+            .map(|c| {
+                let (before, _) = c.split(start + end);
+                before.split(start + cut)
+            })
+            .collect();
+        end = cut;
+        let hidden = &parts[index].1;
+        if parts[index].0.time_s.len() < FEWEST.0 || hidden.time_s.len() < FEWEST.1 {
+            break;
+        }
+        let seen: Vec<Curve> = parts
+            .iter()
+            .map(|p| p.0.clone())
+            .filter(|c| !c.time_s.is_empty())
+            .collect();
+        // The curve's own place among those that had begun.
+        let own = parts[..index]
+            .iter()
+            .filter(|p| !p.0.time_s.is_empty())
+            .count();
+        let fits: Vec<Fit> = laws
+            .iter()
+            .filter_map(|law| fit(*law, &seen, options).ok())
+            .collect();
+        let judge = |forecast: &Forecast| mean_square(forecast, &hidden.strain, options.level);
+        missed.push(Missed {
+            laws: fits
+                .iter()
+                .map(|f| (f.law, judge(&f.forecast(own, &hidden.time_s))))
+                .collect(),
+            combined: (!fits.is_empty())
+                .then(|| judge(&combined_forecast(&fits, own, &hidden.time_s))),
+        });
+    }
+    missed
+}
+
+/// Mean square of errors over the standard deviation that the interval for readings stands for.
+fn mean_square(forecast: &Forecast, strain: &[f64], level: f64) -> f64 {
+    let quantile = normal_quantile(0.5 + 0.5 * level);
+    let square = |(i, truth): (usize, &f64)| {
+        let apart = truth - forecast.strain[i];
+        let side = if apart > 0.0 {
+            forecast.reading_high[i] - forecast.strain[i]
+        } else {
+            forecast.strain[i] - forecast.reading_low[i]
+        };
+        (quantile * apart / side.max(f64::MIN_POSITIVE)).powi(2)
+    };
+    strain.iter().enumerate().map(square).sum::<f64>() / strain.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_miss_widens_and_a_record_without_rehearsal_is_least_trusted() {
+        let kept = factor(&[0.3, 0.3], 0.95);
+        let missed = factor(&[9.0, 9.0], 0.95);
+        // t₄ = 2.776; √((2 + 0.6)/4), √((2 + 18)/4).
+        assert!((kept - 2.776_4 / 1.959_96 * 0.65_f64.sqrt()).abs() < 1e-3);
+        assert!((missed - 2.776_4 / 1.959_96 * 5.0_f64.sqrt()).abs() < 1e-3);
+        assert!(factor(&[], 0.95) > 2.0);
+        // A rehearsal that came out exact never narrows by more than a hundredth.
+        assert!(factor(&[0.0, 0.0], 0.95) > 0.99);
+    }
+}

@@ -1,0 +1,252 @@
+//! What the force says: preload, ramp, stages, steps.
+
+use super::super::CreepError;
+use super::super::scan::{median, plateaus, smoothed};
+use super::{Fault, FaultKind, Stage};
+
+/// ISO 899-1: the load stays within this share of its value.
+const LOAD_TOLERANCE: f64 = 0.01;
+/// ISO 899-1: the load comes on within 1 s to 5 s.
+const RAMP_S: f64 = 5.0;
+
+/// What the force column tells.
+pub(super) struct Load {
+    /// First reading that counts.
+    pub(super) first: usize,
+    /// Readings before the load that give the zero: where from, how many.
+    pub(super) before_from: usize,
+    pub(super) before: usize,
+    pub(super) start_s: f64,
+    pub(super) steps: Vec<(f64, f64)>,
+    pub(super) stages: Vec<Stage>,
+    pub(super) reference_n: Option<f64>,
+    pub(super) preload_n: Option<f64>,
+}
+
+impl Load {
+    pub(super) fn read(
+        time: &[f64],
+        strain: &[f64],
+        force: Option<&[f64]>,
+        name: &str,
+        faults: &mut Vec<Fault>,
+    ) -> Result<Load, CreepError> {
+        let refuse = |reason: String| CreepError::Specimen {
+            specimen: name.to_owned(),
+            reason,
+        };
+        let last = time.len() - 1;
+        let unramped = |reference_n: Option<f64>, faults: &mut Vec<Fault>, text: &str| {
+            faults.push(Fault {
+                kind: FaultKind::NoRamp,
+                time_s: None,
+                text: text.to_owned(),
+            });
+            Load {
+                first: 0,
+                before_from: 0,
+                before: 0,
+                start_s: time[0],
+                steps: vec![(0.0, 1.0)],
+                stages: vec![Stage {
+                    start_s: 0.0,
+                    end_s: time[last] - time[0],
+                    force_n: reference_n.unwrap_or(f64::NAN),
+                    ramp_s: 0.0,
+                }],
+                reference_n,
+                preload_n: None,
+            }
+        };
+        let Some(force) = force else {
+            return Ok(unramped(
+                None,
+                faults,
+                "no force is recorded: a constant load from the first reading on is assumed",
+            ));
+        };
+        let smooth = smoothed(force);
+        let largest = smooth.iter().copied().fold(0.0, f64::max);
+        if largest <= 0.0 {
+            return Err(refuse(
+                "the force never rises above zero: is its sign right?".to_owned(),
+            ));
+        }
+        let share: Vec<f64> = smooth.iter().map(|f| f / largest).collect();
+        let plateaus = plateaus(&share);
+        /// A creep load is at least this share of the largest.
+        const LOADED: f64 = 0.3;
+        let Some(loaded) = plateaus.iter().position(|p| p.level > LOADED) else {
+            swapped(time, strain, force).map_err(refuse)?;
+            return Err(refuse(
+                "the force holds no level: not a creep test, or force and elongation are swapped"
+                    .to_owned(),
+            ));
+        };
+        let first = plateaus[loaded];
+        swapped(
+            &time[first.from..first.to],
+            &strain[first.from..first.to],
+            &force[first.from..first.to],
+        )
+        .map_err(refuse)?;
+        let reference = first.level * largest;
+        if first.from == 0 {
+            let constant = force
+                .iter()
+                .all(|f| (f - reference).abs() < 1e-6 * reference);
+            if constant && plateaus.len() == 1 {
+                return Ok(unramped(
+                    Some(reference),
+                    faults,
+                    "the record starts under its load: times count from the first reading",
+                ));
+            }
+            faults.push(Fault {
+                kind: FaultKind::NoRamp,
+                time_s: None,
+                text: "the record starts under its load: times count from the first reading"
+                    .to_owned(),
+            });
+        }
+        // The ramp begins with the last reading that is still at the level before.
+        let before = (loaded > 0).then(|| plateaus[loaded - 1]);
+        let base = before.map_or_else(|| share[0].min(0.0), |p| p.level);
+        let begin = (0..first.from)
+            .rev()
+            .find(|&i| share[i] - base < 0.02)
+            .unwrap_or(0);
+        let start_s = time[begin];
+        let ramp_s = if first.from == 0 {
+            0.0
+        } else {
+            time[first.from] - start_s
+        };
+        if ramp_s > RAMP_S {
+            faults.push(Fault {
+                kind: FaultKind::SlowRamp,
+                time_s: Some(start_s),
+                text: format!(
+                    "the load came on within {ramp_s:.1} s; ISO 899-1 asks for 1 s to 5 s; the fit uses the ramp as recorded"
+                ),
+            });
+        }
+        let preload = before
+            .map(|p| p.level * largest)
+            .filter(|p| p.abs() > 0.005 * largest);
+        let (before_from, before_count) = match before {
+            Some(p) => {
+                // The last readings before the ramp; the earlier ones may belong to the clamping.
+                let count = (begin + 1 - p.from).min(20);
+                (begin + 1 - count, count)
+            }
+            None if first.from > 0 => (begin, 1),
+            None => (0, 0),
+        };
+        let mut stages = Vec::new();
+        let mut end_before = begin;
+        for p in &plateaus[loaded..] {
+            let inside = &force[p.from..p.to];
+            let level = median(inside);
+            let (low, high) = inside
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| {
+                    (l.min(*f), h.max(*f))
+                });
+            let drift = (high - level).max(level - low);
+            if level > 0.05 * largest && drift > LOAD_TOLERANCE * level {
+                faults.push(Fault {
+                    kind: FaultKind::LoadDrift,
+                    time_s: Some(time[p.from]),
+                    text: format!(
+                        "the load of {level:.3} N varies by up to {:.1} %; ISO 899-1 allows 1 %; the fit uses the load as recorded",
+                        100.0 * drift / level
+                    ),
+                });
+            }
+            stages.push(Stage {
+                start_s: time[p.from] - start_s,
+                end_s: time[p.to - 1] - start_s,
+                force_n: level,
+                ramp_s: (time[p.from] - time[end_before]).max(0.0),
+            });
+            end_before = p.to - 1;
+        }
+        Ok(Load {
+            first: first.from,
+            before_from,
+            before: before_count,
+            start_s,
+            steps: steps(
+                &time[begin..],
+                &smooth[begin..],
+                reference,
+                start_s,
+                preload.unwrap_or(0.0),
+            ),
+            stages,
+            reference_n: Some(reference),
+            preload_n: preload,
+        })
+    }
+}
+
+/// In a creep test the force stays and the strain grows; the other way round, columns are swapped.
+fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), String> {
+    let third = time.len() / 3;
+    if third < 3 {
+        return Ok(());
+    }
+    let change = |v: &[f64]| {
+        let (early, late) = (median(&v[third / 2..third]), median(&v[v.len() - third..]));
+        (late - early).abs() / late.abs().max(1e-300)
+    };
+    // A load held to a part in ten thousand that "creeps" is a strain, and the reverse.
+    if change(strain) < 1e-4 && change(force) > 0.01 {
+        return Err(format!(
+            "the force changes by {:.1} % and the strain by {:.4} %: force and elongation look swapped",
+            100.0 * change(force),
+            100.0 * change(strain)
+        ));
+    }
+    Ok(())
+}
+
+/// The load as steps: a new one where it has left the last by more than a dead band.
+fn steps(
+    time: &[f64],
+    force: &[f64],
+    reference: f64,
+    start_s: f64,
+    preload: f64,
+) -> Vec<(f64, f64)> {
+    /// Steps beyond which a finer band changes nothing that can be seen.
+    const MOST: usize = 60;
+    let mut band = 0.005;
+    loop {
+        let mut steps: Vec<(f64, f64)> = Vec::new();
+        let mut level = 0.0;
+        for i in 0..time.len() {
+            // The strain counts from the preload, so the load does too.
+            let now = (force[i] - preload) / (reference - preload);
+            if (now - level).abs() > band {
+                // A change between two readings happened half way.
+                let at = if i > 0 {
+                    0.5 * (time[i] + time[i - 1])
+                } else {
+                    time[0]
+                };
+                steps.push((at - start_s, now));
+                level = now;
+            }
+        }
+        if steps.len() <= MOST || band > 0.3 {
+            return if steps.is_empty() {
+                vec![(0.0, 1.0)]
+            } else {
+                steps
+            };
+        }
+        band *= 1.5;
+    }
+}

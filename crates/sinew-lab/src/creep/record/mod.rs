@@ -1,0 +1,246 @@
+//! From a specimen's columns to a curve: zero, preload, ramp, stages, faults.
+
+use sinew_log::{Specimen, TestQuantity};
+
+mod faults;
+mod load;
+
+use super::CreepError;
+use super::curve::{Curve, Tension};
+pub use faults::{Fault, FaultKind};
+use faults::{clean, take_out_faults};
+use load::Load;
+
+/// What a file may not say.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PrepareOptions {
+    /// Gauge length, m; needed for an elongation where the file has none.
+    pub gauge_length_m: Option<f64>,
+    /// Cross-section, m²; without it there is no creep modulus.
+    pub area_m2: Option<f64>,
+    /// Temperature, °C, of files that don't record it.
+    pub temperature_c: Option<f64>,
+    /// Keep jumps (grip slips) and outliers instead of taking them out.
+    pub keep_faults: bool,
+}
+
+/// A stretch under one load.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Stage {
+    /// First reading at the load, s since the load began.
+    pub start_s: f64,
+    /// Last reading, s.
+    pub end_s: f64,
+    /// Mean load, N; NaN where none is recorded.
+    pub force_n: f64,
+    /// How long the load took to come or go before, s.
+    pub ramp_s: f64,
+}
+
+/// A specimen ready to be analysed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// Name.
+    pub name: String,
+    /// Readings under load and after, all of them; strain counts from the zero.
+    pub curve: Curve,
+    /// Load of the first stage, N.
+    pub force_n: Option<f64>,
+    /// Load before the first stage, N.
+    pub preload_n: Option<f64>,
+    /// Stress of the first stage, Pa.
+    pub stress_pa: Option<f64>,
+    /// Time of the record at which the load begins, s.
+    pub load_start_s: f64,
+    /// Stages from the first under load.
+    pub stages: Vec<Stage>,
+    /// What was taken for strain zero.
+    pub zero: String,
+    /// Mean temperature and range, °C.
+    pub temperature_c: Option<(f64, f64, f64)>,
+    /// Mean humidity and range, %.
+    pub humidity_percent: Option<(f64, f64, f64)>,
+    /// Oddities.
+    pub faults: Vec<Fault>,
+}
+
+/// Fewest readings of a creep test.
+const FEWEST: usize = 5;
+
+/// Prepares a specimen.
+///
+/// # Errors
+/// [`CreepError::Specimen`] with what was found: too few readings, no gauge length, a strain or
+/// force that must be another unit, force and elongation that look swapped.
+pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared, CreepError> {
+    let refuse = |reason: String| CreepError::Specimen {
+        specimen: specimen.name.clone(),
+        reason,
+    };
+    let mut faults = Vec::new();
+    let (raw_time, raw_strain, raw_force) = columns(specimen, options)?;
+    let kept = clean(&raw_time, &raw_strain, raw_force.as_deref(), &mut faults);
+    if kept.len() < FEWEST {
+        return Err(refuse(format!(
+            "{} usable readings; a creep test needs {FEWEST}",
+            kept.len()
+        )));
+    }
+    let time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
+    let mut strain: Vec<f64> = kept.iter().map(|&i| raw_strain[i]).collect();
+    let force: Option<Vec<f64>> = raw_force
+        .as_ref()
+        .map(|force| kept.iter().map(|&i| force[i]).collect());
+    let most = strain.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
+    // No fibre, rope or plastic reaches its own length again; wood and metals far less.
+    if most > 2.0 {
+        return Err(refuse(format!(
+            "strain reaches {most:.3} m/m, {:.0} %: is the column in percent or an elongation? say strain=COLUMN:% or elongation=COLUMN:mm",
+            100.0 * most
+        )));
+    }
+    if most > 0.5 {
+        faults.push(Fault {
+            kind: FaultKind::Doubtful,
+            time_s: None,
+            text: format!("strain reaches {:.0} %: is its unit right?", 100.0 * most),
+        });
+    }
+    let span = time[time.len() - 1] - time[0];
+    if span < 60.0 {
+        faults.push(Fault {
+            kind: FaultKind::Doubtful,
+            time_s: None,
+            text: format!("the record lasts {span:.3} s: is the time in minutes or hours?"),
+        });
+    }
+    let load = Load::read(
+        &time,
+        &strain,
+        force.as_deref(),
+        &specimen.name,
+        &mut faults,
+    )?;
+    let at_zero = load.first;
+    let zero = if load.before > 0 {
+        let before = &strain[load.before_from..load.before_from + load.before];
+        let zero = before.iter().sum::<f64>() / before.len() as f64;
+        strain.iter_mut().for_each(|e| *e -= zero);
+        format!("mean of {} readings before the load", load.before)
+    } else {
+        "as recorded; no reading before the load".to_owned()
+    };
+    let start = load.start_s;
+    let mut curve = Curve {
+        name: specimen.name.clone(),
+        time_s: time[at_zero..].iter().map(|t| t - start).collect(),
+        strain: strain[at_zero..].to_vec(),
+        count: vec![1.0; time.len() - at_zero],
+        steps: load.steps.clone(),
+        temperature_c: None,
+        tension: load.reference_n.map(|reference| {
+            let preload_n = load.preload_n.unwrap_or(0.0);
+            Tension {
+                preload_n,
+                per_step_n: reference - preload_n,
+                preloaded_s: (start - time[load.before_from]).max(0.0),
+            }
+        }),
+        zero_count: load.before as f64,
+    };
+    faults.extend(take_out_faults(
+        &mut curve,
+        &load.stages,
+        options.keep_faults,
+        start,
+    ));
+    // Readings while the load changes belong to no stage.
+    let in_stage = |t: f64| {
+        load.stages
+            .iter()
+            .any(|s| t >= s.start_s - 1e-9 && t <= s.end_s + 1e-9)
+    };
+    let keep: Vec<usize> = (0..curve.time_s.len())
+        .filter(|&i| in_stage(curve.time_s[i]))
+        .collect();
+    curve.time_s = keep.iter().map(|&i| curve.time_s[i]).collect();
+    curve.strain = keep.iter().map(|&i| curve.strain[i]).collect();
+    curve.count = vec![1.0; keep.len()];
+    let temperature_c = range(specimen, TestQuantity::Temperature)
+        .or_else(|| options.temperature_c.map(|t| (t, t, t)));
+    curve.temperature_c = temperature_c.map(|t| t.0);
+    let area = specimen
+        .constant(TestQuantity::Area)
+        .or(options.area_m2)
+        .filter(|area| *area > 0.0);
+    let force_n = load.reference_n;
+    let stress_pa = force_n
+        .zip(area)
+        .map(|(force, area)| force / area)
+        .or_else(|| specimen.constant(TestQuantity::Stress));
+    Ok(Prepared {
+        name: specimen.name.clone(),
+        curve,
+        force_n,
+        preload_n: load.preload_n,
+        stress_pa,
+        load_start_s: start,
+        stages: load.stages,
+        zero,
+        temperature_c,
+        humidity_percent: range(specimen, TestQuantity::Humidity),
+        faults,
+    })
+}
+
+type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+
+fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, CreepError> {
+    let refuse = |reason: &str| CreepError::Specimen {
+        specimen: specimen.name.clone(),
+        reason: reason.to_owned(),
+    };
+    let time = specimen
+        .column(TestQuantity::Time)
+        .ok_or_else(|| refuse("no time"))?
+        .to_vec();
+    let strain = if let Some(strain) = specimen.column(TestQuantity::Strain) {
+        strain.to_vec()
+    } else if let Some(elongation) = specimen.column(TestQuantity::Elongation) {
+        let length = options
+            .gauge_length_m
+            .or_else(|| specimen.constant(TestQuantity::GaugeLength))
+            .ok_or_else(|| {
+                refuse("an elongation needs the gauge length: say it (--gauge-length-mm) or write 'L0 (mm)' above the header")
+            })?;
+        if length <= 0.0 || length.is_nan() {
+            return Err(refuse(&format!(
+                "gauge length {length} m; it must be positive"
+            )));
+        }
+        elongation.iter().map(|e| e / length).collect()
+    } else {
+        return Err(refuse("no elongation or strain"));
+    };
+    Ok((
+        time,
+        strain,
+        specimen.column(TestQuantity::Force).map(<[f64]>::to_vec),
+    ))
+}
+
+fn range(specimen: &Specimen, quantity: TestQuantity) -> Option<(f64, f64, f64)> {
+    let values: Vec<f64> = specimen
+        .column(quantity)?
+        .iter()
+        .copied()
+        .filter(|v| v.is_finite())
+        .collect();
+    if values.is_empty() {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Some((mean, low, high))
+}

@@ -1,0 +1,145 @@
+//! A fit of the rope law as a rope of the catalogue.
+
+use sinew_model::rope::Parameter;
+use sinew_model::rope::entry::{Correlation, Entry, Origin, Uncertainty, Value};
+
+use super::CreepError;
+use super::fit::Fit;
+use super::law::Law;
+use super::parameter;
+use super::rope_law::RopeBase;
+
+/// Where a fitted entry comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// Name of the new rope: lower case letters, digits and hyphens.
+    pub name: String,
+    /// The data, such as file names with their checksums.
+    pub data: String,
+    /// Day of the fit, such as 2026-11-21.
+    pub date: String,
+}
+
+/// Key of the entry's source that names the data.
+const SOURCE: &str = "creep-fit";
+
+/// The catalogue entry of a fitted rope: fitted values with their 95 % intervals and the
+/// correlations of their errors; everything else is the base rope's, with its own origin.
+///
+/// An interval of the catalogue is symmetric (in the value or in its logarithm), so the wider side
+/// of the fitted one counts for both.
+///
+/// # Errors
+/// [`CreepError::Request`] when the fit is not one of [`Law::Rope`] or has no draws.
+pub fn rope_entry(fit: &Fit, base: &RopeBase, from: &Provenance) -> Result<Entry, CreepError> {
+    if fit.law != Law::Rope || fit.draws.is_empty() || fit.model.blocks.len() != 1 {
+        return Err(CreepError::Request(
+            "a catalogue entry needs a fit of the rope law with intervals, and one amplitude for all specimens"
+                .to_owned(),
+        ));
+    }
+    let mut entry = base.entry.clone();
+    entry.name.clone_from(&from.name);
+    entry.sources.insert(
+        SOURCE.to_owned(),
+        format!(
+            "sinew creep fit, rope law, {} readings, specimens: {}; {}",
+            fit.readings,
+            fit.model.curves.len(),
+            from.data
+        ),
+    );
+    let drawn: Vec<Vec<f64>> = fit.draws.iter().map(|d| fit.numbers(d)).collect();
+    let mut fitted = Vec::new();
+    let mut scores = Vec::new();
+    for (i, found) in fit.parameters.iter().enumerate() {
+        let Some(parameter) = catalogued(&found.name) else {
+            continue;
+        };
+        let mut own: Vec<f64> = drawn.iter().map(|d| d[i]).collect();
+        scores.push(parameter::normal_scores(&own));
+        own.sort_by(f64::total_cmp);
+        let (lowest, highest) = parameter.range();
+        let value = found.value.clamp(lowest, highest);
+        let low = super::sample::quantile(&own, 0.025);
+        let high = super::sample::quantile(&own, 0.975);
+        entry.law.insert(
+            parameter,
+            Value {
+                value,
+                uncertainty: uncertainty(parameter, value, low, high),
+                origin: Origin::Fitted,
+                source: SOURCE.to_owned(),
+                date: Some(from.date.clone()),
+            },
+        );
+        fitted.push(parameter);
+    }
+    entry.correlation = Correlation::new(fitted, correlations(&scores));
+    entry.note = Some(note(fit, base));
+    Ok(entry)
+}
+
+fn catalogued(name: &str) -> Option<Parameter> {
+    Parameter::ALL.iter().copied().find(|p| p.name() == name)
+}
+
+/// The wider side of the interval, by a factor where the value is a positive quantity.
+fn uncertainty(parameter: Parameter, value: f64, low: f64, high: f64) -> Uncertainty {
+    /// A wider factor says less than zero to twice the value.
+    const WIDEST: f64 = 1e3;
+    let by_sum = matches!(
+        parameter,
+        Parameter::Jamming
+            | Parameter::BeddingEnergy
+            | Parameter::DelayedEnergy
+            | Parameter::DelayedPerK
+    );
+    let factor = (high / value).max(value / low);
+    if !by_sum && value > 0.0 && low > 0.0 && factor < WIDEST {
+        Uncertainty::Factor(factor.max(1.0 + 1e-9))
+    } else {
+        Uncertainty::PlusMinus((high - value).max(value - low).max(f64::MIN_POSITIVE))
+    }
+}
+
+/// Correlations of the ranks' normal scores: those of the parameters on whatever scale.
+fn correlations(scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// Rounding to four digits must not make the matrix indefinite.
+    const SHRINK: f64 = 0.999;
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let sizes: Vec<f64> = scores.iter().map(|s| dot(s, s).sqrt()).collect();
+    (0..scores.len())
+        .map(|i| {
+            (0..scores.len())
+                .map(|j| {
+                    if i == j {
+                        return 1.0;
+                    }
+                    let r = SHRINK * dot(&scores[i], &scores[j]) / (sizes[i] * sizes[j]);
+                    (1e4 * r).round() / 1e4
+                })
+                .collect()
+        })
+        .collect()
+}
+
+fn note(fit: &Fit, base: &RopeBase) -> String {
+    let untold: Vec<&str> = fit
+        .parameters
+        .iter()
+        .filter(|p| p.not_identifiable.is_some() && catalogued(&p.name).is_some())
+        .map(|p| p.name.as_str())
+        .collect();
+    let mut text = format!(
+        "values that were not fitted are those of {}",
+        base.entry.name
+    );
+    if !untold.is_empty() {
+        text.push_str(&format!(
+            "; fitted, but hardly told by the records: {}",
+            untold.join(", ")
+        ));
+    }
+    text
+}

@@ -1,0 +1,505 @@
+//! The rope law ([`sinew_model::rope`]) as a law of creep fits.
+//!
+//! For given times, exponents and energies the strain of a record is linear in `1/k`, `e_t`, `B`,
+//! `J`, `A₀` and `S`: bedding-in, delayed elasticity, flow and retraction don't act on each other,
+//! and each is proportional to its own amplitude. So one walk through the record's tensions at
+//! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
+//! closed form), and only the rest is searched.
+
+use sinew_model::rope::entry::{Entry, Uncertainty};
+use sinew_model::rope::{
+    CELSIUS_ZERO_K, Law as RopeLaw, Load, Parameter, Parameters, Rates, State,
+};
+
+use super::CreepError;
+use super::curve::Curve;
+use super::law::{Shape, Term};
+
+/// The catalogue rope a fit starts from: breaking load, material, and what the record can't tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RopeBase {
+    /// Its entry.
+    pub entry: Entry,
+    pub(super) parameters: Parameters,
+}
+
+impl RopeBase {
+    /// A base from a catalogue entry.
+    ///
+    /// # Errors
+    /// [`CreepError::Request`] naming parameters its law lacks.
+    pub fn new(entry: Entry) -> Result<Self, CreepError> {
+        let parameters = entry.parameters().map_err(|missing| {
+            CreepError::Request(format!(
+                "rope '{}' has no complete law; missing in its [law]: {}",
+                entry.name,
+                missing.join(", ")
+            ))
+        })?;
+        Ok(Self { entry, parameters })
+    }
+}
+
+/// A parameter that a fit takes from the base, and why.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Held {
+    /// Name as the catalogue writes it.
+    pub name: &'static str,
+    /// Value held.
+    pub value: f64,
+    /// Why the record can't tell it.
+    pub why: &'static str,
+}
+
+/// Which parameters a set of records speaks about.
+#[derive(Debug, Clone)]
+pub(super) struct RopePlan {
+    base: Parameters,
+    pub(super) shapes: Vec<Parameter>,
+    pub(super) terms: Vec<Parameter>,
+    pub(super) held: Vec<Held>,
+}
+
+/// 23 °C where a record has no temperature.
+const TEMPERATURE_C: f64 = 23.0;
+/// Heat retraction begins here, °C.
+const WARM_C: f64 = 35.0;
+
+/// What the records vary.
+struct Design {
+    /// Distinct load ratios above a twentieth of the largest.
+    loaded: usize,
+    /// Changes of elastic strain that readings stand on both sides of.
+    jumps: usize,
+    temperatures: usize,
+    warm: bool,
+    warm_loads: usize,
+    /// Flow at the base's upper end of `A₀`, over the range of the strain, at most.
+    flow_share: f64,
+}
+
+impl Design {
+    fn of(curves: &[Curve], base: &RopeBase) -> Self {
+        let mbl = base.parameters.breaking_load_n;
+        let mut loaded = Vec::new();
+        let mut elastic = Vec::new();
+        let mut warm_loads = Vec::new();
+        let mut temperatures = Vec::new();
+        let largest = curves.iter().flat_map(tensions).fold(0.0, f64::max);
+        for curve in curves {
+            let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+            add(&mut temperatures, celsius, 3.0);
+            let mut own = Vec::new();
+            if curve.zero_count > 0.0 {
+                let preload = curve.tension.map_or(0.0, |t| t.preload_n);
+                add(&mut own, preload, 0.05 * largest);
+            }
+            for tension in held_tensions(curve) {
+                add(&mut own, tension, 0.05 * largest);
+                if tension > 0.05 * largest {
+                    add(&mut loaded, tension, 0.1 * largest);
+                    if celsius > WARM_C {
+                        add(&mut warm_loads, tension, 0.1 * largest);
+                    }
+                }
+            }
+            if own.len() > 1 {
+                own.iter()
+                    .for_each(|t| add(&mut elastic, *t, 0.05 * largest));
+            }
+        }
+        Self {
+            loaded: loaded.len(),
+            jumps: elastic.len().saturating_sub(1),
+            temperatures: temperatures.len(),
+            warm: temperatures.iter().any(|c| *c > WARM_C),
+            warm_loads: warm_loads.len(),
+            flow_share: curves
+                .iter()
+                .map(|curve| flow_share(curve, base, mbl))
+                .fold(0.0, f64::max),
+        }
+    }
+}
+
+/// Adds a value that none of the others is near.
+fn add(values: &mut Vec<f64>, value: f64, apart: f64) {
+    if values.iter().all(|v| (v - value).abs() > apart) {
+        values.push(value);
+    }
+}
+
+fn tensions(curve: &Curve) -> impl Iterator<Item = f64> + '_ {
+    let steps = curve.steps.iter();
+    steps.filter_map(|step| curve.tension.map(|t| t.at(step.1)))
+}
+
+/// Tensions under which at least three readings stand.
+fn held_tensions(curve: &Curve) -> Vec<f64> {
+    let ends = curve
+        .steps
+        .iter()
+        .skip(1)
+        .map(|s| s.0)
+        .chain([f64::INFINITY]);
+    curve
+        .steps
+        .iter()
+        .zip(ends)
+        .filter(|(step, end)| {
+            let inside = |t: &&f64| **t >= step.0 && **t < *end;
+            curve.time_s.iter().filter(inside).count() >= 3
+        })
+        .filter_map(|(step, _)| curve.tension.map(|t| t.at(step.1)))
+        .collect()
+}
+
+/// Flow that the base's upper end of `A₀` would give, over the range of the record's strain.
+fn flow_share(curve: &Curve, base: &RopeBase, mbl: f64) -> f64 {
+    let rate = base
+        .entry
+        .law
+        .get(&Parameter::FlowRate)
+        .map_or(0.0, |value| value.at(1.96));
+    let p = &base.parameters;
+    let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+    let heat = p.flow_energy_j_per_mol / sinew_model::rope::GAS_CONSTANT
+        * (1.0 / sinew_model::rope::REFERENCE_K - 1.0 / (celsius + CELSIUS_ZERO_K));
+    let most = tensions(curve).fold(0.0, f64::max) / mbl;
+    let stress = most * p.breaking_stress_mpa / p.flow_stress_mpa;
+    let last = curve.time_s.last().copied().unwrap_or(0.0);
+    let range = curve.strain.iter().copied().fold(0.0_f64, f64::max);
+    rate * heat.exp() * stress.sinh() * last / range.max(1e-12)
+}
+
+impl RopePlan {
+    pub(super) fn new(curves: &[Curve], base: &RopeBase) -> Result<Self, CreepError> {
+        for curve in curves {
+            check(curve, &base.parameters)?;
+        }
+        let design = Design::of(curves, base);
+        let mut plan = Self {
+            base: base.parameters,
+            shapes: vec![Parameter::BeddingTime, Parameter::Jamming],
+            terms: vec![Parameter::Bedding, Parameter::Delayed],
+            held: Vec::new(),
+        };
+        plan.decide(&design, base);
+        Ok(plan)
+    }
+
+    /// What each parameter needs a record to vary.
+    fn decide(&mut self, design: &Design, base: &RopeBase) {
+        use Parameter as P;
+        let known_zero = |parameter: P| {
+            base.entry.law.get(&parameter).is_some_and(|value| {
+                value.value == 0.0 && value.uncertainty == Uncertainty::NotStated
+            })
+        };
+        let one_load = "one load only";
+        let flow = "too little flow at these loads, times and temperatures";
+        let retraction = if known_zero(P::Retraction) {
+            Some("the base rope has none")
+        } else {
+            (!design.warm).then_some("no record above 35 °C")
+        };
+        let asked: [(P, bool, Option<&'static str>); 13] = [
+            (
+                P::ElasticK,
+                true,
+                (design.jumps < 1).then_some("no change of load between readings"),
+            ),
+            (
+                P::Toe,
+                true,
+                (design.jumps < 2).then_some("fewer than three loads, none among them"),
+            ),
+            (
+                P::ToeLoadRatio,
+                false,
+                (design.jumps < 4).then_some("fewer than five loads"),
+            ),
+            (
+                P::BeddingLoadRatio,
+                false,
+                (design.loaded < 2).then_some(one_load),
+            ),
+            (
+                P::BeddingEnergy,
+                false,
+                (design.temperatures < 2).then_some("one temperature only"),
+            ),
+            (
+                P::DelayedEnergy,
+                false,
+                (design.temperatures < 2).then_some("one temperature only"),
+            ),
+            (
+                P::DelayedPerK,
+                false,
+                (design.temperatures < 3).then_some("fewer than three temperatures"),
+            ),
+            (
+                P::FlowRate,
+                true,
+                (known_zero(P::FlowRate) || design.flow_share < 0.01).then_some(flow),
+            ),
+            (P::Retraction, true, retraction),
+            (P::RetractionTime, false, retraction),
+            (
+                P::RetractionLoadRatio,
+                false,
+                retraction.or((design.warm_loads < 2).then_some(one_load)),
+            ),
+            (P::FlowEnergy, false, Some("taken with the rate of flow")),
+            (P::FlowStress, false, Some("taken with the rate of flow")),
+        ];
+        for (parameter, term, why) in asked {
+            match why {
+                None if term => self.terms.push(parameter),
+                None => self.shapes.push(parameter),
+                Some(why) => self.held.push(Held {
+                    name: parameter.name(),
+                    value: self.base.get(parameter),
+                    why,
+                }),
+            }
+        }
+    }
+
+    pub(super) fn bounds(&self, short_s: f64, long_s: f64) -> Vec<Shape> {
+        self.shapes
+            .iter()
+            .map(|&parameter| {
+                let (logarithmic, lower, upper) = match parameter {
+                    // Faster than the readings and slower than the record is all the same.
+                    Parameter::BeddingTime => (true, (0.3 * short_s).max(0.1), 10.0 * long_s),
+                    Parameter::Jamming => (false, 0.0, 15.0),
+                    Parameter::BeddingLoadRatio => (true, 0.002, 0.3),
+                    Parameter::ToeLoadRatio => (true, 0.003, 0.3),
+                    Parameter::RetractionTime => (true, 1.0, 1e5),
+                    Parameter::RetractionLoadRatio => (true, 0.01, 2.0),
+                    Parameter::DelayedPerK => (false, -0.05, 0.05),
+                    _ => (false, 0.0, 200e3),
+                };
+                Shape {
+                    name: parameter.name(),
+                    unit: unit(parameter),
+                    logarithmic,
+                    lower,
+                    upper,
+                }
+            })
+            .collect()
+    }
+
+    pub(super) fn terms(&self) -> Vec<Term> {
+        let term = |&parameter: &Parameter| Term {
+            name: parameter.name(),
+            unit: unit(parameter),
+            factor: 1.0,
+            positive: true,
+            inverse: parameter == Parameter::ElasticK,
+        };
+        self.terms.iter().map(term).collect()
+    }
+
+    /// The base's values at the fitted shapes, to start from.
+    pub(super) fn base_values(&self) -> Vec<f64> {
+        self.shapes.iter().map(|p| self.base.get(*p)).collect()
+    }
+
+    /// Rows of the terms' columns at rising times, row by row, and what the held amplitudes give.
+    ///
+    /// Strain in m/m counts from the state under the preload, before the first step.
+    pub(super) fn rows(
+        &self,
+        values: &[f64],
+        curve: &Curve,
+        times: &[f64],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let mut p = self.base;
+        for (parameter, value) in self.shapes.iter().zip(values) {
+            p.set(*parameter, *value);
+        }
+        for &parameter in &self.terms {
+            p.set(parameter, 1.0);
+        }
+        let width = self.terms.len();
+        let mut rows = vec![0.0; times.len() * width];
+        let mut offset = vec![0.0; times.len()];
+        let Ok(law) = RopeLaw::new(p) else {
+            return (rows, offset);
+        };
+        let mut walk = Walk::new(&law, curve);
+        let parts = |state: &State, tension_n: f64| Parts::of(&law, state, tension_n);
+        let zero = parts(&walk.state, walk.tension_n);
+        for (i, &t) in times.iter().enumerate() {
+            walk.go_to(t);
+            let now = parts(&walk.state, walk.tension_n);
+            for (parameter, sign) in Parts::SIGNS {
+                let part = sign * (now.get(parameter) - zero.get(parameter));
+                match self.terms.iter().position(|q| *q == parameter) {
+                    Some(j) => rows[i * width + j] = part,
+                    None => offset[i] += part,
+                }
+            }
+        }
+        (rows, offset)
+    }
+}
+
+/// A record must have tensions that the rope can bear.
+fn check(curve: &Curve, p: &Parameters) -> Result<(), CreepError> {
+    let refuse = |reason: String| {
+        Err(CreepError::Specimen {
+            specimen: curve.name.clone(),
+            reason,
+        })
+    };
+    if curve.tension.is_none() {
+        return refuse(
+            "the rope law needs the tension in newtons; the record has no force (--column force=…:N)"
+                .to_owned(),
+        );
+    }
+    let most = tensions(curve).fold(0.0, f64::max);
+    if most >= p.breaking_load_n {
+        return refuse(format!(
+            "a force of {most:.1} N breaks a rope of {:.0} N breaking load: the wrong base rope?",
+            p.breaking_load_n
+        ));
+    }
+    let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+    if !(-100.0..=200.0).contains(&celsius) {
+        return refuse(format!(
+            "{celsius:.1} °C: the rope law takes −100 to 200 °C"
+        ));
+    }
+    Ok(())
+}
+
+fn unit(parameter: Parameter) -> &'static str {
+    let name = parameter.name();
+    [
+        ("_j_per_mol", "J/mol"),
+        ("_percent", "%"),
+        ("_per_s", "1/s"),
+        ("_per_k", "1/K"),
+        ("_mpa", "MPa"),
+        ("_s", "s"),
+        ("_n", "N"),
+    ]
+    .into_iter()
+    .find_map(|(end, unit)| name.ends_with(end).then_some(unit))
+    .unwrap_or("")
+}
+
+/// Parts of the strain, m/m.
+struct Parts {
+    elastic: f64,
+    toe: f64,
+    state: State,
+}
+
+impl Parts {
+    const SIGNS: [(Parameter, f64); 6] = [
+        (Parameter::ElasticK, 1.0),
+        (Parameter::Toe, 1.0),
+        (Parameter::Bedding, 1.0),
+        (Parameter::Delayed, 1.0),
+        (Parameter::FlowRate, 1.0),
+        (Parameter::Retraction, -1.0),
+    ];
+
+    fn of(law: &RopeLaw, state: &State, tension_n: f64) -> Self {
+        let p = law.parameters();
+        let lambda = law.load_ratio(tension_n);
+        Self {
+            elastic: lambda / p.elastic_k,
+            toe: -0.01 * p.toe_percent * (-lambda / p.toe_load_ratio).exp_m1(),
+            state: *state,
+        }
+    }
+
+    fn get(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::ElasticK => self.elastic,
+            Parameter::Toe => self.toe,
+            Parameter::Bedding => 0.01 * self.state.bedding_percent,
+            Parameter::Delayed => 0.01 * self.state.delayed_percent.iter().sum::<f64>(),
+            Parameter::FlowRate => 0.01 * self.state.flow_percent,
+            _ => 0.01 * self.state.retraction_percent,
+        }
+    }
+}
+
+/// A rope on its way through the steps of a record.
+struct Walk<'a> {
+    law: &'a RopeLaw,
+    curve: &'a Curve,
+    temperature_k: f64,
+    state: State,
+    tension_n: f64,
+    rates: Option<Rates>,
+    now: f64,
+    next_step: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// Before the first step: a new rope under the preload for as long as the record shows it.
+    fn new(law: &'a RopeLaw, curve: &'a Curve) -> Self {
+        let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+        let tension = curve.tension;
+        let mut walk = Self {
+            law,
+            curve,
+            temperature_k: celsius + CELSIUS_ZERO_K,
+            state: State::default(),
+            tension_n: tension.map_or(0.0, |t| t.at(0.0)),
+            rates: None,
+            now: curve.steps.first().map_or(0.0, |s| s.0),
+            next_step: 0,
+        };
+        walk.meet();
+        walk.hold(tension.map_or(0.0, |t| t.preloaded_s));
+        walk
+    }
+
+    fn meet(&mut self) {
+        self.rates = self
+            .law
+            .rates(Load {
+                tension_n: self.tension_n,
+                temperature_k: self.temperature_k,
+            })
+            .ok();
+    }
+
+    fn hold(&mut self, duration_s: f64) {
+        if let Some(rates) = &self.rates
+            && duration_s > 0.0
+        {
+            // Loads and temperatures were checked; a state that is no number any more stays.
+            let _ = self.law.advance(&mut self.state, rates, duration_s);
+        }
+    }
+
+    /// To a time not before the last one asked for.
+    fn go_to(&mut self, t: f64) {
+        while let Some(&(start, step)) = self.curve.steps.get(self.next_step) {
+            if start > t {
+                break;
+            }
+            self.hold(start - self.now);
+            self.now = self.now.max(start);
+            self.tension_n = self.curve.tension.map_or(0.0, |n| n.at(step));
+            self.meet();
+            self.next_step += 1;
+        }
+        if self.next_step > 0 {
+            self.hold(t - self.now);
+            self.now = self.now.max(t);
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Where a search begins.
+
+use super::model::{Model, NoiseKind};
+
+/// Starts that are searched from, the best of those tried.
+const STARTS: usize = 3;
+/// Places of the grid of starts per parameter, by their number.
+const GRID: [usize; 5] = [1, 12, 7, 5, 4];
+/// Places tried where a grid would be too large.
+const SCATTERED: usize = 400;
+/// Bases of the Halton sequence.
+const PRIMES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+
+/// The best places over the shapes, with independent and with slow noise.
+pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
+    let mut white = model.clone();
+    white.noise = NoiseKind::White;
+    let mut places: Vec<(f64, Vec<f64>)> = tried(model)
+        .into_iter()
+        .map(|x| (white.solve(&x, false).squares, x))
+        .collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    places.truncate(STARTS);
+    match model.noise {
+        NoiseKind::White => places.into_iter().map(|(_, x)| x).collect(),
+        NoiseKind::Correlated => places
+            .into_iter()
+            .zip([(0.1, 0.5), (0.6, 0.5), (0.5, 0.8)])
+            .map(|((_, mut x), (share, memory))| {
+                x.extend([share, memory]);
+                x
+            })
+            .collect(),
+    }
+}
+
+/// A grid over few shapes, evenly scattered places over many; the base rope's own among them.
+fn tried(model: &Model) -> Vec<Vec<f64>> {
+    let shapes = model.shapes.len();
+    let mut places: Vec<Vec<f64>> = match GRID.get(shapes) {
+        Some(&per) => (0..per.pow(shapes as u32))
+            .map(|index| grid_place(index, per, shapes))
+            .collect(),
+        None => (1..=SCATTERED as u32)
+            .map(|index| (0..shapes).map(|j| halton(index, PRIMES[j % 12])).collect())
+            .collect(),
+    };
+    if let Some(plan) = &model.rope {
+        let base = plan.base_values();
+        let place = model.shapes.iter().zip(base).map(|(s, v)| s.place(v));
+        places.push(place.collect());
+    }
+    places
+}
+
+fn grid_place(index: usize, per: usize, shapes: usize) -> Vec<f64> {
+    let mut rest = index;
+    (0..shapes)
+        .map(|_| {
+            let place = (rest % per) as f64 + 0.5;
+            rest /= per;
+            place / per as f64
+        })
+        .collect()
+}
+
+/// Digits of the index in a base, mirrored at the point (Halton, Numer. Math. 2, 1960).
+fn halton(index: u32, base: u32) -> f64 {
+    let (mut rest, mut share, mut value) = (index, 1.0, 0.0);
+    while rest > 0 {
+        share /= f64::from(base);
+        value += share * f64::from(rest % base);
+        rest /= base;
+    }
+    value
+}

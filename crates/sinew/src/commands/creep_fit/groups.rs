@@ -1,0 +1,82 @@
+//! One line per group: what was fitted, which law won, what could not be.
+
+use super::super::creep_files::{Tests, short};
+use super::{Fit, Joint};
+use crate::text::{paragraph, plain, table};
+use sinew_lab::creep::{self, Law};
+
+impl Fit {
+    /// The table of groups, where groups were asked for and specimens were fitted alone.
+    pub(super) fn group_table(&self, tests: &Tests, fits: &[(String, Vec<creep::Fit>)]) -> String {
+        if self.files.group.is_empty() || self.joint != Joint::None {
+            return String::new();
+        }
+        let laws = self.laws();
+        let mut groups: Vec<&str> = tests.groups.iter().map(String::as_str).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let rows = groups
+            .iter()
+            .map(|group| row(group, tests, fits, &laws))
+            .collect();
+        let names = laws.iter().map(|l| match l {
+            Law::LogTime => "log",
+            Law::Findley => "find",
+            Law::Burgers => "burg",
+            Law::KelvinVoigt => "kelv",
+            Law::Stretched => "str",
+            Law::Line | Law::Rope => "rope",
+        });
+        let mut head = vec!["group", "tests", "not\nfitted", "creep\n%"];
+        head.extend(names);
+        head.extend(["noise\n%", "untold"]);
+        format!(
+            "\n{}\n{}",
+            paragraph(
+                "Per group: median creep; tests in which each law has the smallest AICc; median noise of the readings about that law; tests in which a parameter of it is not identifiable.",
+                0
+            ),
+            table(&head, rows, 1)
+        )
+    }
+}
+
+fn row(
+    group: &str,
+    tests: &Tests,
+    fits: &[(String, Vec<creep::Fit>)],
+    laws: &[Law],
+) -> Vec<String> {
+    let members: Vec<&creep::Analysis> = tests
+        .groups
+        .iter()
+        .zip(&tests.analyses)
+        .filter(|(g, _)| *g == group)
+        .map(|(_, a)| a)
+        .collect();
+    let best: Vec<&creep::Fit> = members
+        .iter()
+        .filter_map(|a| fits.iter().find(|f| f.0 == a.name))
+        .filter_map(|f| f.1.first())
+        .collect();
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let untold = |f: &&&creep::Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
+    let mut cells = vec![
+        plain(group),
+        members.len().to_string(),
+        (members.len() - best.len()).to_string(),
+        short(median(members.iter().map(|a| a.creep_percent).collect())),
+    ];
+    for law in laws {
+        let won = best.iter().filter(|f| f.law == *law).count();
+        cells.push(won.to_string());
+    }
+    cells.push(short(median(
+        best.iter().map(|f| f.residual_percent).collect(),
+    )));
+    cells.push(best.iter().filter(untold).count().to_string());
+    cells
+}

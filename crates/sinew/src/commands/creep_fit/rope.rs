@@ -1,0 +1,132 @@
+//! The rope law: the rope it starts from, and the entry it ends in.
+
+use super::super::creep_files::Tests;
+use super::super::rope::find;
+use super::{Fit, Joint};
+use crate::terminal::Failure;
+use sinew_lab::creep::{self, FitOptions, Law, Provenance, RopeBase};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+impl Fit {
+    pub(super) fn base(&self) -> Result<Option<Arc<RopeBase>>, Failure> {
+        let Some(name) = &self.rope else {
+            if self.law.contains(&Law::Rope) {
+                return Err(Failure::Refused(
+                    "--law rope needs --rope NAME: a catalogue rope with the breaking load, and \
+                     for what the records can't tell; sinew rope list shows them"
+                        .into(),
+                ));
+            }
+            return Ok(None);
+        };
+        let catalogue = self.ropes.catalogue()?;
+        let base = RopeBase::new(find(&catalogue, name)?.entry.clone())?;
+        Ok(Some(Arc::new(base)))
+    }
+
+    /// The fitted rope's entry, where one was asked for.
+    pub(super) fn entry(
+        &self,
+        fits: &[(String, Vec<creep::Fit>)],
+        options: &FitOptions,
+        tests: &Tests,
+    ) -> Result<Option<String>, Failure> {
+        let (Some(path), Some(base)) = (&self.write_rope, &options.rope) else {
+            return Ok(None);
+        };
+        let refuse = |why: String| Failure::Refused(format!("--write-rope: {why}"));
+        if self.joint == Joint::Shape {
+            return Err(refuse("one rope needs one amplitude: --joint group".into()));
+        }
+        let [(_, fits)] = fits else {
+            return Err(refuse(format!(
+                "one file for one rope, but {} were fitted; --joint group fits specimens together",
+                fits.len()
+            )));
+        };
+        let fit = fits.iter().find(|f| f.law == Law::Rope);
+        let fit = fit.ok_or_else(|| refuse("the rope law was not fitted".into()))?;
+        let data: Vec<String> = tests
+            .sources
+            .iter()
+            .map(|s| format!("{} (SHA-256 {})", s.file, s.sha256))
+            .collect();
+        let from = Provenance {
+            name: rope_name(path).map_err(refuse)?,
+            data: data.join(", "),
+            date: today(),
+        };
+        Ok(Some(creep::rope_entry(fit, base, &from)?.to_toml()))
+    }
+}
+
+/// The file's name without its end.
+fn rope_name(path: &Path) -> Result<String, String> {
+    let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("");
+    let good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    let toml = path.extension().is_some_and(|e| e == "toml");
+    if !toml || stem.is_empty() || !stem.chars().all(good) {
+        return Err(format!(
+            "{}: the file's name becomes the rope's: lower case letters, digits and -, then .toml",
+            path.display()
+        ));
+    }
+    Ok(stem.to_owned())
+}
+
+/// Today in UTC, such as 2026-11-21.
+fn today() -> String {
+    let seconds = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |d| d.as_secs());
+    let (year, month, day) = civil(seconds / 86_400);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+/// Year, month and day of a number of days since 1970-01-01 (H. Hinnant, chrono-compatible
+/// low-level date algorithms).
+fn civil(days: u64) -> (u64, u64, u64) {
+    let z = days + 719_468;
+    let (era, day_of_era) = (z / 146_097, z % 146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted = (5 * day_of_year + 2) / 153;
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
+    let year = year_of_era + era * 400 + u64::from(month <= 2);
+    (year, month, day_of_year - (153 * shifted + 2) / 5 + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_become_dates() {
+        for (days, date) in [
+            (0, (1970, 1, 1)),
+            (59, (1970, 3, 1)),
+            (11_016, (2000, 2, 29)),
+            (20_778, (2026, 11, 21)),
+        ] {
+            assert_eq!(civil(days), date);
+        }
+    }
+
+    #[test]
+    fn a_rope_is_named_after_its_file() {
+        assert_eq!(
+            rope_name(Path::new("a/my-rope-2.toml")).unwrap(),
+            "my-rope-2"
+        );
+        for bad in ["My rope.toml", "rope.txt", ".toml", "rope"] {
+            assert!(rope_name(Path::new(bad)).is_err(), "{bad}");
+        }
+    }
+}
