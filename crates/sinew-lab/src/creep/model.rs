@@ -6,6 +6,7 @@ use super::fit::FitOptions;
 use super::law::{Law, Shape, Term};
 use super::linear::{self, Solution};
 use super::noise::{Clock, Filter, Noise, SHARE_MAX};
+use super::records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
 use super::rope_law::RopePlan;
 
 /// Gas constant, J/(mol K), exact since 2019.
@@ -399,66 +400,5 @@ impl Model {
         } else {
             value
         }
-    }
-}
-
-/// First and last time of a reading after its first load, over all curves.
-fn span(curves: &[Curve]) -> (f64, f64) {
-    let since = |curve: &Curve| -> (f64, f64) {
-        let start = curve.steps.first().map_or(0.0, |step| step.0);
-        let after = curve.time_s.iter().map(|t| t - start);
-        let first = after.clone().find(|t| *t > 0.0).unwrap_or(1.0);
-        (first, after.fold(first, f64::max))
-    };
-    let both = curves.iter().map(since);
-    both.fold((f64::INFINITY, 0.0), |(short, long), (first, last)| {
-        (short.min(first), long.max(last))
-    })
-}
-
-/// The largest load over the smallest.
-fn levels(curves: &[Curve]) -> f64 {
-    let loads = || {
-        let all = curves.iter().flat_map(|c| c.steps.iter().map(|s| s.1));
-        all.filter(|l| *l > 0.05)
-    };
-    loads().fold(0.0, f64::max) / loads().fold(f64::INFINITY, f64::min)
-}
-
-fn temperatures_differ(curves: &[Curve]) -> bool {
-    let warm = || curves.iter().filter_map(|c| c.temperature_c);
-    let span = warm().fold(f64::NEG_INFINITY, f64::max) - warm().fold(f64::INFINITY, f64::min);
-    warm().count() == curves.len() && span > 3.0
-}
-
-/// Median time between readings, s.
-fn typical_gap(curves: &[Curve]) -> f64 {
-    let mut gaps: Vec<f64> = curves
-        .iter()
-        .flat_map(|c| c.time_s.windows(2).map(|w| w[1] - w[0]))
-        .filter(|gap| *gap > 0.0)
-        .collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
-}
-
-fn linear_shape(name: &'static str, unit: &'static str, lower: f64, upper: f64) -> Shape {
-    Shape {
-        name,
-        unit,
-        logarithmic: false,
-        lower,
-        upper,
-    }
-}
-
-/// The zero as one more reading, before the load: a mean of as many as it was taken from.
-fn add_zero(curve: &mut Curve) {
-    if curve.zero_count > 0.0 {
-        let start = curve.steps.first().map_or(0.0, |step| step.0);
-        let before = curve.tension.map_or(0.0, |t| 0.5 * t.preloaded_s);
-        curve.time_s.insert(0, start - before.max(1e-3));
-        curve.strain.insert(0, 0.0);
-        curve.count.insert(0, curve.zero_count);
     }
 }

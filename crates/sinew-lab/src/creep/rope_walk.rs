@@ -1,0 +1,115 @@
+//! A rope's way through the tensions of a record, part by part.
+
+use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Load, Parameter, Rates, State};
+
+use super::curve::Curve;
+use super::rope_law::TEMPERATURE_C;
+
+/// Parts of the strain, m/m.
+pub(super) struct Parts {
+    elastic: f64,
+    toe: f64,
+    state: State,
+}
+
+impl Parts {
+    pub(super) const SIGNS: [(Parameter, f64); 6] = [
+        (Parameter::ElasticK, 1.0),
+        (Parameter::Toe, 1.0),
+        (Parameter::Bedding, 1.0),
+        (Parameter::Delayed, 1.0),
+        (Parameter::FlowRate, 1.0),
+        (Parameter::Retraction, -1.0),
+    ];
+
+    pub(super) fn of(law: &RopeLaw, state: &State, tension_n: f64) -> Self {
+        let p = law.parameters();
+        let lambda = law.load_ratio(tension_n);
+        Self {
+            elastic: lambda / p.elastic_k,
+            toe: -0.01 * p.toe_percent * (-lambda / p.toe_load_ratio).exp_m1(),
+            state: *state,
+        }
+    }
+
+    pub(super) fn get(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::ElasticK => self.elastic,
+            Parameter::Toe => self.toe,
+            Parameter::Bedding => 0.01 * self.state.bedding_percent,
+            Parameter::Delayed => 0.01 * self.state.delayed_percent.iter().sum::<f64>(),
+            Parameter::FlowRate => 0.01 * self.state.flow_percent,
+            _ => 0.01 * self.state.retraction_percent,
+        }
+    }
+}
+
+/// A rope on its way through the steps of a record.
+pub(super) struct Walk<'a> {
+    law: &'a RopeLaw,
+    curve: &'a Curve,
+    temperature_k: f64,
+    pub(super) state: State,
+    pub(super) tension_n: f64,
+    rates: Option<Rates>,
+    now: f64,
+    next_step: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// Before the first step: a new rope under the preload for as long as the record shows it.
+    pub(super) fn new(law: &'a RopeLaw, curve: &'a Curve) -> Self {
+        let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+        let tension = curve.tension;
+        let mut walk = Self {
+            law,
+            curve,
+            temperature_k: celsius + CELSIUS_ZERO_K,
+            state: State::default(),
+            tension_n: tension.map_or(0.0, |t| t.at(0.0)),
+            rates: None,
+            now: curve.steps.first().map_or(0.0, |s| s.0),
+            next_step: 0,
+        };
+        walk.meet();
+        walk.hold(tension.map_or(0.0, |t| t.preloaded_s));
+        walk
+    }
+
+    fn meet(&mut self) {
+        self.rates = self
+            .law
+            .rates(Load {
+                tension_n: self.tension_n,
+                temperature_k: self.temperature_k,
+            })
+            .ok();
+    }
+
+    fn hold(&mut self, duration_s: f64) {
+        if let Some(rates) = &self.rates
+            && duration_s > 0.0
+        {
+            // Loads and temperatures were checked; a state that is no number any more stays.
+            let _ = self.law.advance(&mut self.state, rates, duration_s);
+        }
+    }
+
+    /// To a time not before the last one asked for.
+    pub(super) fn go_to(&mut self, t: f64) {
+        while let Some(&(start, step)) = self.curve.steps.get(self.next_step) {
+            if start > t {
+                break;
+            }
+            self.hold(start - self.now);
+            self.now = self.now.max(start);
+            self.tension_n = self.curve.tension.map_or(0.0, |n| n.at(step));
+            self.meet();
+            self.next_step += 1;
+        }
+        if self.next_step > 0 {
+            self.hold(t - self.now);
+            self.now = self.now.max(t);
+        }
+    }
+}
