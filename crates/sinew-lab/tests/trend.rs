@@ -442,9 +442,15 @@ fn damaged_files_are_refused_and_never_break_anything() {
         for (text, is_csv) in [(csv, true), (json, false)] {
             let mut bytes = text.as_bytes().to_vec();
             for _ in 0..=next(4) {
+                if bytes.is_empty() {
+                    break;
+                }
                 let at = next(bytes.len());
                 match next(3) {
-                    0 => bytes[at] = b"0123456789-+.eE,:\"[]{}\n \xffnaif"[next(29)],
+                    0 => {
+                        let with = b"0123456789-+.eE,:\"[]{}\n \xffnaif";
+                        bytes[at] = with[next(with.len())];
+                    }
                     1 => drop(bytes.drain(at..(at + next(20)).min(bytes.len()))),
                     _ => {
                         let piece = bytes[at..(at + next(20)).min(bytes.len())].to_vec();

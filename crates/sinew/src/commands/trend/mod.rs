@@ -10,7 +10,8 @@ use clap::{Args, Subcommand};
 use sinew_lab::report::rounded;
 use sinew_lab::rope::{Catalogue, Duty};
 use sinew_lab::trend::{
-    self, JointTrend, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s, read_records,
+    self, JointTrend, LimitSaid, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s,
+    read_records,
 };
 use sinew_lab::{output, robot_dir};
 use std::path::{Path, PathBuf};
@@ -196,6 +197,16 @@ fn plus_minus(value: Option<[f64; 2]>) -> String {
     })
 }
 
+/// `85 (18 to 300)`; the words stand below the table.
+fn in_days(limit: &LimitSaid) -> String {
+    let whole = |d: Option<f64>| d.map_or("…".into(), |d| format!("{:.0}", d.round()));
+    let [low, high] = limit.interval_95_days;
+    match limit.state.as_str() {
+        "forecast" => format!("{} ({} to {})", whole(limit.days), whole(low), whole(high)),
+        state => state.into(),
+    }
+}
+
 /// The trend as text of at most 80 columns.
 fn told(report: &TrendReport) -> String {
     let robot = report.robot.as_deref().unwrap_or("robot");
@@ -206,7 +217,7 @@ fn told(report: &TrendReport) -> String {
         "offset\nmrad",
         "stretch\nmm",
         "creep\nmrad/month",
-        "re-tension",
+        "re-tension in\ndays",
     ];
     let rows = report.joints.iter().map(|j| {
         let limit = j.limits.iter().find(|l| l.kind == "re-tension");
@@ -216,7 +227,7 @@ fn told(report: &TrendReport) -> String {
             plus_minus(Some(j.offset_mrad)),
             plus_minus(j.elongation_mm),
             plus_minus(Some(j.rate_mrad_per_month)),
-            limit.map_or("–".into(), |l| l.said.clone()),
+            limit.map_or("–".into(), in_days),
         ]
     });
     let days = (report.joints.iter().map(|j| &j.first_day).min())
@@ -254,7 +265,10 @@ fn said(joint: &JointTrend) -> String {
             event.day, event.kind, event.meaning
         ));
     }
-    for limit in joint.limits.iter().filter(|l| l.kind != "re-tension") {
+    for limit in &joint.limits {
+        if joint.verdict.ends_with(&limit.said) {
+            continue;
+        }
         line(format!(
             "{} at {}: {}",
             limit.kind, limit.stated, limit.said
