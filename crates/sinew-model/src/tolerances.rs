@@ -59,8 +59,8 @@ impl Default for Tolerances {
             payload_kg: [0.25, 0.25],
             payload_reach_m: 0.05,
             motor_torque: 0.03,
-            viscoelastic: 0.015,
-            gear: 0.005,
+            viscoelastic: 0.01,
+            gear: 0.003,
         }
     }
 }

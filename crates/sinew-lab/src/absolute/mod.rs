@@ -12,6 +12,7 @@
 mod answer;
 mod blocks;
 mod file;
+mod said;
 mod warnings;
 mod watch;
 

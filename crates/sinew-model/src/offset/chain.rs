@@ -7,15 +7,14 @@ use crate::arm::PARAMETERS_PER_BODY;
 
 impl Prior {
     /// What changes from one day to the next is believed a little less: friction by a tenth of
-    /// its tolerance, stiffness by a quarter (a strand may have failed), everything else but
-    /// offsets and payload by a thirtieth.
+    /// its tolerance, everything else but offsets and payload by a thirtieth. A stiffness that fell
+    /// by more is found as a change.
     ///
     /// Variances add and stop at the prior's: a chain of recordings can't become surer of
     /// friction than friction is constant.
     pub fn age(&self, belief: &mut Belief) {
         use JointParameter as P;
         const FRICTION: f64 = 0.1;
-        const STIFFNESS: f64 = 0.25;
         const OTHER: f64 = 1.0 / 30.0;
         let d = self.dimension();
         if belief.covariance.len() != d * d {
@@ -34,13 +33,7 @@ impl Prior {
                     || within == P::Viscous as usize
                     || within == P::LoadFriction as usize
                     || (P::MotorBias as usize..P::Slack as usize).contains(&within));
-            let share = if in_joint && within == P::Compliance as usize {
-                STIFFNESS
-            } else if friction {
-                FRICTION
-            } else {
-                OTHER
-            };
+            let share = if friction { FRICTION } else { OTHER };
             let prior = fresh.covariance[k * d + k];
             let room = (prior - belief.covariance[k * d + k]).max(0.0);
             belief.covariance[k * d + k] += (share * share * prior).min(room);

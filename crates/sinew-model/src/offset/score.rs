@@ -75,8 +75,13 @@ impl MapEstimator {
         let (Some(first), Some(last)) = (blocks.first(), blocks.last()) else {
             return Vec::new();
         };
-        let from = if seek.continues { 0.0 } else { EDGE_S };
-        let span = (first.time_s + from, last.time_s - EDGE_S);
+        // A strand may have failed before the recording began, and what goes on from a belief may
+        // have changed with its first block; an offset or a load that is open anyway may not.
+        let possible = |what: What, time_s: f64| {
+            let early = seek.continues || matches!(what, What::Compliance(_));
+            let from = if early { 0.0 } else { EDGE_S };
+            (first.time_s + from..last.time_s - EDGE_S).contains(&time_s)
+        };
         let taken = |what: What, at_s: f64| {
             let mut changes = known.changes.iter();
             changes.any(|c| c.what == what && (c.at_s - at_s).abs() < SAME_S)
@@ -94,11 +99,11 @@ impl MapEstimator {
             for (sum, what) in sums.iter_mut().zip(kinds) {
                 sum.add(self, &fit.equations, *what, &weight);
             }
-            if !(span.0..span.1).contains(&block.time_s) {
-                continue;
-            }
             let at_s = block.time_s - 0.5 * self.block_s();
             for (k, what) in kinds.iter().enumerate() {
+                if !possible(*what, block.time_s) {
+                    continue;
+                }
                 let (gain, size) = sums[k].gain(&fit.covariance, &fit.step, &deviations[k]);
                 let worth = WORTH_TRYING + what.columns() as f64;
                 if gain > worth && !taken(*what, at_s) {

@@ -1,0 +1,353 @@
+//! The posterior in words and units.
+
+use super::answer::{
+    Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch,
+};
+use super::blocks::Recorded;
+use super::watch::{Watched, mean_temperature};
+use sinew_model::offset::{Belief, Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
+use sinew_model::robot::Robot;
+use sinew_model::transmission::Tendon;
+
+/// 97.5 % quantile of the normal distribution.
+const Z95: f64 = 1.96;
+/// An interval wider than this can't tell stretch from nothing, mrad.
+const USELESS_MRAD: f64 = 5.0;
+
+/// What is said of a recording.
+pub(super) fn said(
+    estimator: &MapEstimator,
+    robot: &Robot,
+    recorded: &Recorded,
+    watched: &Watched,
+    recording: &str,
+    baseline: Option<String>,
+) -> Absolute {
+    let prior = estimator.prior();
+    let poses = distinct_poses(&recorded.blocks);
+    let weights: Vec<f64> = watched
+        .stretches
+        .iter()
+        .flat_map(|(_, map)| map.weights.iter().copied())
+        .collect();
+    let elastic: Vec<usize> = (0..robot.arm.dof())
+        .filter(|&i| prior.is_elastic(i))
+        .collect();
+    let joints: Vec<AbsoluteJoint> = elastic
+        .iter()
+        .map(|&i| said_of_joint(prior, robot, recorded, watched, i))
+        .collect();
+    let offsets_at = |belief: &Belief| -> (Vec<f64>, Vec<f64>) {
+        elastic
+            .iter()
+            .map(|&i| {
+                let [mean, deviation] = belief.entry(prior.place(i, JointParameter::Offset));
+                (1e3 * mean, 1e3 * Z95 * deviation)
+            })
+            .unzip()
+    };
+    let series = watched
+        .stretches
+        .iter()
+        .map(|(from, map)| {
+            let (offset_mrad, interval_95_mrad) = offsets_at(&map.belief(prior));
+            Stretch {
+                from_s: recorded.blocks[*from].time_s,
+                to_s: recorded.blocks[from + map.weights.len() - 1].time_s,
+                offset_mrad,
+                interval_95_mrad,
+            }
+        })
+        .collect();
+    let mut payload_changes = Vec::new();
+    for (_, map) in &watched.stretches {
+        for (k, change) in map.changes.iter().enumerate() {
+            if change.what == What::Payload {
+                let [size, deviation] = map.change(prior, k);
+                payload_changes.push(PayloadChange {
+                    time_s: change.at_s,
+                    change_kg: size,
+                    interval_95_kg: Z95 * deviation,
+                });
+            }
+        }
+    }
+    let motor_torque = estimator.uses_motor_torque()
+        && recorded
+            .blocks
+            .iter()
+            .any(|b| b.motor_torque.iter().any(|t| t.is_finite()));
+    let [mass, mass_deviation] = watched.belief.entry(prior.payload_place());
+    let out = weights.iter().filter(|w| **w < HALF).count() as f64;
+    let temperature = mean_temperature(&recorded.blocks);
+    /// Clocks before the year 2000 don't tell the date.
+    const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
+    let mut said = Absolute {
+        robot: robot.name.clone(),
+        recording: recording.into(),
+        baseline,
+        start_time_utc_s: (recorded.start_time_ns > YEAR_2000_NS)
+            .then_some(recorded.start_time_ns as f64 * 1e-9),
+        duration_s: recorded.duration_s,
+        temperature_c: temperature.is_finite().then_some(temperature),
+        reference_temperature_c: watched
+            .before
+            .temperature_c
+            .is_finite()
+            .then_some(watched.before.temperature_c),
+        joints,
+        series,
+        course: course(estimator, recorded, watched, &elastic),
+        payload_kg: [mass, Z95 * mass_deviation],
+        payload_changes,
+        motor_torque,
+        left_out_share: out / weights.len().max(1) as f64,
+        left_out: left_out(&recorded.blocks, &weights),
+        poses,
+        noise_mrad: noise(watched, &elastic),
+        nuisance: nuisance(prior, robot, watched),
+        damaged: recorded.damaged,
+        warnings: Vec::new(),
+    };
+    said.warnings = super::warnings::warnings(&said, recorded);
+    said
+}
+
+/// The largest of the stretches' noise, per elastic joint, mrad.
+fn noise(watched: &Watched, elastic: &[usize]) -> Vec<f64> {
+    elastic
+        .iter()
+        .map(|&i| {
+            let noise = watched.stretches.iter().map(|(_, map)| map.noise_rad[i]);
+            1e3 * noise.fold(0.0, f64::max)
+        })
+        .collect()
+}
+
+fn said_of_joint(
+    prior: &Prior,
+    robot: &Robot,
+    recorded: &Recorded,
+    watched: &Watched,
+    joint: usize,
+) -> AbsoluteJoint {
+    let at = |p: JointParameter| watched.belief.entry(prior.place(joint, p));
+    let [offset, deviation] = at(JointParameter::Offset);
+    let interval = Z95 * deviation;
+    let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
+    let verdict = if !(interval_95_mrad <= USELESS_MRAD) {
+        "can't tell"
+    } else if offset_mrad.abs() <= interval_95_mrad {
+        "unchanged"
+    } else if offset_mrad > 0.0 {
+        "longer"
+    } else {
+        "shorter"
+    };
+    let mut steps = Vec::new();
+    for (_, map) in &watched.stretches {
+        for (k, change) in map.changes.iter().enumerate() {
+            match change.what {
+                What::Offset(i) if i == joint => steps.push(step(prior, map, k)),
+                What::Compliance(i) if i == joint && !with_slip(map, k) => {
+                    steps.push(softer(prior, map, k));
+                }
+                _ => {}
+            }
+        }
+    }
+    let transmission = robot.transmissions[joint].as_ref();
+    let tendon = transmission.and_then(|t| t.tendon.as_ref());
+    let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
+    let [compliance, compliance_deviation] = at(JointParameter::Compliance);
+    let slack = prior.is_antagonistic(joint).then(|| {
+        let [mean, deviation] = at(JointParameter::Slack);
+        [1e3 * mean, 1e3 * Z95 * deviation]
+    });
+    // The spring's deflection, up to the offset that is estimated.
+    let torques = recorded
+        .blocks
+        .iter()
+        .map(|b| stiffness / (1.0 + compliance) * (b.y[joint] - offset));
+    let (least, most) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
+        (a.min(t), b.max(t))
+    });
+    AbsoluteJoint {
+        name: robot.joint_names()[joint].clone(),
+        offset_mrad,
+        interval_95_mrad,
+        elongation_mm: tendon.map(|t| 1e3 * t.elongation_m(offset)),
+        interval_95_mm: tendon.map(|t| 1e3 * t.elongation_m(interval)),
+        verdict: verdict.into(),
+        retension_at_mm: tendon.and_then(|t| t.retension_at_m).map(|m| 1e3 * m),
+        limit_passed: tendon.and_then(|t| passed(t, offset, interval)),
+        steps,
+        stiffness_change_percent: [
+            100.0 * (1.0 / (1.0 + compliance) - 1.0),
+            100.0 * Z95 * compliance_deviation,
+        ],
+        slack_mrad: slack,
+        torque_range_nm: [least, most],
+    }
+}
+
+/// Whether the elongation at which to tension again is passed, as far as the interval tells.
+fn passed(tendon: &Tendon, offset: f64, interval: f64) -> Option<bool> {
+    let limit = tendon.retension_at_m?;
+    let [least, most] = [offset - interval, offset + interval].map(|x| tendon.elongation_m(x));
+    if least > limit {
+        Some(true)
+    } else if most < limit {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// Every block with the estimate at its time.
+fn course(
+    estimator: &MapEstimator,
+    recorded: &Recorded,
+    watched: &Watched,
+    elastic: &[usize],
+) -> Vec<Course> {
+    let prior = estimator.prior();
+    let mut out = Vec::with_capacity(recorded.blocks.len());
+    let mut residuals = vec![0.0; prior.joints()];
+    for (from, map) in &watched.stretches {
+        for (b, weight) in map.weights.iter().enumerate() {
+            let block = &recorded.blocks[from + b];
+            estimator.residuals(map, block, &mut residuals);
+            let (mut offset_mrad, mut interval_95_mrad) = (Vec::new(), Vec::new());
+            for &i in elastic {
+                let [mean, deviation] = map.offset_at(prior, i, block.time_s);
+                offset_mrad.push(1e3 * mean);
+                interval_95_mrad.push(1e3 * Z95 * deviation);
+            }
+            out.push(Course {
+                time_s: block.time_s,
+                weight: *weight,
+                block_mrad: elastic
+                    .iter()
+                    .zip(&offset_mrad)
+                    .map(|(&i, offset)| offset + 1e3 * residuals[i])
+                    .collect(),
+                offset_mrad,
+                interval_95_mrad,
+            });
+        }
+    }
+    out
+}
+
+/// Whether a change of stiffness came with a slip.
+fn with_slip(map: &MapEstimate, k: usize) -> bool {
+    let change = map.changes[k];
+    map.changes.iter().any(|c| {
+        matches!((c.what, change.what), (What::Offset(a), What::Compliance(b)) if a == b)
+            && c.at_s == change.at_s
+    })
+}
+
+/// A change of stiffness alone.
+fn softer(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+    let [softer, unsure] = map.change(prior, k);
+    Step {
+        time_s: map.changes[k].at_s,
+        size_mrad: 0.0,
+        interval_95_mrad: 0.0,
+        stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
+        kind: if softer > 0.0 {
+            "strand failure"
+        } else {
+            "stiffer"
+        }
+        .into(),
+    }
+}
+
+/// A step and what happened to the stiffness with it.
+fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+    let [size, deviation] = map.change(prior, k);
+    let change = map.changes[k];
+    let softer = map.changes.iter().position(|c| {
+        matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b)
+            && c.at_s == change.at_s
+    });
+    let softer = softer.map(|k| map.change(prior, k));
+    let failed = softer.is_some_and(|[softer, unsure]| softer > Z95 * unsure);
+    Step {
+        time_s: change.at_s,
+        size_mrad: 1e3 * size,
+        interval_95_mrad: 1e3 * Z95 * deviation,
+        stiffness_change_percent: softer
+            .map(|[softer, unsure]| [-100.0 * softer, 100.0 * Z95 * unsure]),
+        kind: if failed { "strand failure" } else { "slip" }.into(),
+    }
+}
+
+/// Everything estimated along, before and after.
+fn nuisance(prior: &Prior, robot: &Robot, watched: &Watched) -> Vec<Moved> {
+    /// What is held fixed isn't estimated.
+    const FIXED: f64 = 1e-8;
+    let names = robot.joint_names();
+    (0..prior.dimension())
+        .filter_map(|k| {
+            let entry = prior.describe(k)?;
+            let before = watched.before.entry(k);
+            let after = watched.belief.entry(k);
+            let offset = entry.joint.is_some_and(|i| {
+                prior.is_elastic(i) && k == prior.place(i, JointParameter::Offset)
+            });
+            if offset || before[1] < FIXED {
+                return None;
+            }
+            Some(Moved {
+                joint: entry.joint.map_or_else(String::new, |i| names[i].clone()),
+                name: entry.name.into(),
+                unit: entry.unit.into(),
+                prior: before,
+                posterior: after,
+                moved: after[1] < 0.8 * before[1] || (after[0] - before[0]).abs() > before[1],
+            })
+        })
+        .collect()
+}
+
+/// A block of less weight counts as left out.
+const HALF: f64 = 0.5;
+
+/// Stretches of at least a second that were mostly left out, the longest first, at most 20.
+fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
+    let mut found: Vec<LeftOut> = Vec::new();
+    for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < HALF) {
+        match found.last_mut() {
+            Some(last) if block.time_s - last.to_s < 0.5 => last.to_s = block.time_s + 0.1,
+            _ => found.push(LeftOut {
+                from_s: block.time_s - 0.1,
+                to_s: block.time_s + 0.1,
+            }),
+        }
+    }
+    found.retain(|s| s.to_s - s.from_s >= 1.0);
+    found.sort_by(|a, b| (b.to_s - b.from_s).total_cmp(&(a.to_s - a.from_s)));
+    found.truncate(20);
+    found
+}
+
+/// How many poses differ by more than 0.2 rad in some joint, greedily.
+fn distinct_poses(blocks: &[Block]) -> usize {
+    const APART_RAD: f64 = 0.2;
+    let mut poses: Vec<&[f64]> = Vec::new();
+    for block in blocks {
+        let new = poses.iter().all(|pose| {
+            pose.iter()
+                .zip(&block.q)
+                .any(|(a, b)| (a - b).abs() > APART_RAD)
+        });
+        if new && poses.len() < 100 {
+            poses.push(&block.q);
+        }
+    }
+    poses.len()
+}
