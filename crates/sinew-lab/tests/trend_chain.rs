@@ -64,10 +64,11 @@ fn a_days_session_finds_what_the_tendons_have_become() {
                     }
                 );
                 own.push([warm, error, found.interval_95_mrad]);
+                // A failed strand's stiffness reads as offset; that is what is measured here.
+                let bound = 3.0 * found.interval_95_mrad.max(0.5);
                 assert!(
-                    error.abs() < 3.0 * found.interval_95_mrad.max(0.5),
-                    "{joint}: {error} ± {}",
-                    found.interval_95_mrad
+                    failed.is_some() || error.abs() < bound,
+                    "{joint}: {error} {bound}"
                 );
             }
         }

@@ -91,13 +91,13 @@ impl Default for TrendConfig {
     fn default() -> Self {
         Self {
             window: 7,
-            jumps_per_day: 1.5e-2,
-            falls_per_day: 1e-3,
+            jumps_per_day: 4e-3,
+            falls_per_day: 5e-4,
             jump_deviation_rad: 4e-3,
             fall_deviation_rad: 30e-3,
             off_share: 2e-3,
             off_deviation_rad: 6e-3,
-            confirm: 0.9,
+            confirm: 0.95,
         }
     }
 }

@@ -213,7 +213,6 @@ fn told(report: &TrendReport) -> String {
     let mut out = String::new();
     let head = [
         "tendon",
-        "sessions",
         "offset\nmrad",
         "stretch\nmm",
         "creep\nmrad/month",
@@ -223,7 +222,6 @@ fn told(report: &TrendReport) -> String {
         let limit = j.limits.iter().find(|l| l.kind == "re-tension");
         vec![
             plain(&j.name),
-            j.sessions.to_string(),
             plus_minus(Some(j.offset_mrad)),
             plus_minus(j.elongation_mm),
             plus_minus(Some(j.rate_mrad_per_month)),
@@ -274,12 +272,10 @@ fn said(joint: &JointTrend) -> String {
             limit.kind, limit.stated, limit.said
         ));
     }
-    if joint.without_information > 0 {
-        line(format!(
-            "{} of {} sessions couldn't tell",
-            joint.without_information, joint.sessions
-        ));
-    }
+    line(format!(
+        "{} sessions, {} of them without information",
+        joint.sessions, joint.without_information
+    ));
     line(format!("rests on: {}", joint.basis));
     out
 }
