@@ -130,7 +130,7 @@ fn what_is_promised_is_what_simulated_robots_show() {
         .unwrap_or(2);
     let (mut errors, mut intervals) = (Vec::new(), Vec::new());
     for seed in 0..seeds {
-        for (name, error, interval) in visited(&robot, &proposal, 400 + seed) {
+        for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {
             let expected = proposal.expected.iter().find(|e| e.name == name).unwrap();
             println!(
                 "seed {seed} {name}: error {error:+.2}, ± {interval:.2}, expected ± {:.2} mrad",

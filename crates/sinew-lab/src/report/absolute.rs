@@ -27,7 +27,7 @@ pub(super) fn sections(page: Page, said: &Absolute) -> Page {
             format!("Joint {} since the baseline", joint.name),
             vec![Block::Figure(
                 Box::new(course(said, i)),
-                "Dots: what each block of 0.2 s says once everything else is taken off. Shaded: left out as contact or disturbance.".into(),
+                "Thin line: what each block of 0.2 s says once everything else is taken off. Grey: left out as contact or disturbance.".into(),
             )],
         );
     }
@@ -136,7 +136,7 @@ fn course(said: &Absolute, i: usize) -> Figure {
         )
         .line(Line::new("estimate", times, estimate).step());
     for left in &said.left_out {
-        panel = panel.span(left.from_s, left.to_s, "left out");
+        panel = panel.span(left.from_s, left.to_s, "");
     }
     for step in &joint.steps {
         panel = panel.event(

@@ -19,14 +19,14 @@ pub(super) fn learn(
     absolute::learn_recorded(robot, recorded, "session A")
 }
 
-/// `payload`: whether the gripper may hold something, which its user knows.
+/// The answer and what is known then. `payload`: whether the gripper may hold something, which its user knows.
 pub(super) fn watch(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
     baseline: &Baseline,
     payload: bool,
-) -> Result<Absolute, AbsoluteError> {
+) -> Result<(Absolute, Baseline), AbsoluteError> {
     absolute::watch_recorded(
         robot,
         recorded,
@@ -41,5 +41,4 @@ pub(super) fn watch(
             ..WatchOptions::default()
         },
     )
-    .map(|(said, _)| said)
 }

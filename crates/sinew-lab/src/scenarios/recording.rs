@@ -102,7 +102,7 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
     let payload = !plan.scenario.payloads.is_empty();
     let robot = &plan.robot;
     let (baseline, learned) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
-    let watched = estimator::watch(
+    let (watched, after_b) = estimator::watch(
         robot,
         &simulated.sessions[1],
         "session B",
@@ -120,7 +120,7 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
             .cloned(),
     );
     if steps {
-        watch_slips(plan, &simulated, &baseline, payload, &mut out).map_err(refused)?;
+        watch_slips(plan, &simulated, &after_b, payload, &mut out).map_err(refused)?;
     }
     Ok(out)
 }
@@ -186,7 +186,8 @@ fn watch_slips(
                 .collect(),
             ..whole.clone()
         };
-        estimator::watch(&plan.robot, &part, "session C", baseline, payload)
+        // C goes on where B ended, as one recording would.
+        estimator::watch(&plan.robot, &part, "session C", baseline, payload).map(|(said, _)| said)
     };
     let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<f64> {
         let joint = said.joints.iter().find(|j| j.name == name)?;

@@ -238,6 +238,7 @@ impl MapEstimator {
             let candidate = Candidate {
                 change: Change { at_s, ..change },
                 gain: 0.0,
+                rank: 0,
                 size: size.clone(),
             };
             let other = self.with_change(start, best, blocks, payload, candidate)?;
@@ -269,6 +270,7 @@ impl MapEstimator {
                     at_s: candidate.change.at_s,
                 },
                 gain: 0.0,
+                rank: 0,
                 size: alloc::vec![0.0],
             };
             let softer = self.with_change(start, &estimate, blocks, payload, softer)?;

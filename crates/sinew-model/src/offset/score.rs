@@ -11,13 +11,15 @@ use alloc::vec::Vec;
 /// A candidate is tried when half its chi-square exceeds this and one per unknown.
 const WORTH_TRYING: f64 = 8.0;
 /// Candidates that are put into the estimate per round, of each weighing.
-const TRIALS: [usize; 2] = [6, 3];
+const TRIALS: [usize; 2] = [10, 3];
 
 /// A change that may have happened.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub(super) change: Change,
     pub(super) gain: f64,
+    /// 0 for the best moment of its kind.
+    pub(super) rank: usize,
     /// Its entries as the score has them.
     pub(super) size: Vec<f64>,
 }
@@ -54,9 +56,15 @@ impl MapEstimator {
         for ((kinds, weighing), trials) in weighings.into_iter().zip(TRIALS) {
             if !kinds.is_empty() {
                 let fit = self.fit(start, known, blocks, payload, weighing)?;
-                let mut scored = self.score(known, blocks, payload, seek, &kinds, fit);
-                scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-                out.extend(scored.into_iter().take(trials));
+                let scored = self.score(known, blocks, payload, seek, &kinds, fit);
+                // The best of every kind before the second best of any: a failed strand and a
+                // slip look alike to the score, and must not crowd each other out.
+                let (mut first, mut second): (Vec<_>, Vec<_>) =
+                    scored.into_iter().partition(|c| c.rank == 0);
+                for some in [&mut first, &mut second] {
+                    some.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+                }
+                out.extend(first.into_iter().chain(second).take(trials));
             }
         }
         Ok(out)
@@ -112,10 +120,16 @@ impl MapEstimator {
                         Candidate {
                             change: Change { what: *what, at_s },
                             gain,
+                            rank: 0,
                             size,
                         },
                     );
                 }
+            }
+        }
+        for kind in &mut best {
+            for (rank, candidate) in kind.iter_mut().enumerate() {
+                candidate.rank = rank;
             }
         }
         best.into_iter().flatten().collect()
