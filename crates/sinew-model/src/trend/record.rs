@@ -132,7 +132,7 @@ pub enum TrendError {
 /// What a trend remembers: the filters before the last records, and those.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// [`Prior::fingerprint`].
+    /// [`super::Prior::fingerprint`].
     pub fingerprint: u64,
     /// Time of the filters, s.
     pub time_s: f64,
