@@ -91,6 +91,7 @@ impl Tolerances {
     ];
 
     /// Where a key's value goes, and its unit.
+    #[cfg(feature = "urdf")]
     pub(crate) fn slot(&mut self, key: &str) -> Option<(&mut f64, f64)> {
         const PERCENT: f64 = 0.01;
         const MILLI: f64 = 1e-3;

@@ -35,7 +35,7 @@ pub(crate) struct Simulate {
     /// Compression of an MCAP
     #[arg(long, value_enum, default_value = "zstd")]
     compression: Packing,
-    /// Run it without and with its [correction], and say how far the joints are from where they
+    /// Run it without and with its correction section, and say how far the joints are from where they
     /// should be and which contacts are missed or false
     #[arg(long)]
     control: bool,
