@@ -140,6 +140,26 @@ fn usage_errors_exit_with_2_and_name_value_and_unit() {
 }
 
 #[test]
+fn what_only_the_absolute_estimate_does_is_refused_without_it() {
+    let dir = simulated("4");
+    let robot = robot();
+    for option in [
+        ["--save", "x.baseline"].as_slice(),
+        &["--payload-kg", "0.5"],
+        &["--empty"],
+        &["--nuisance"],
+        &["--no-motor-torque"],
+    ] {
+        let mut args = vec!["estimate", "s.mcap", "--robot", robot.as_str()];
+        args.extend(option);
+        refused(&args, dir.path(), 2, &["--baseline", "--absolute"]);
+    }
+    let part = ["estimate", "s.mcap", "--robot", robot.as_str(), "--to", "3"];
+    refused(&part, dir.path(), 1, &["--to", "--baseline", "--absolute"]);
+    assert!(!dir.path().join("x.baseline").exists());
+}
+
+#[test]
 fn missing_files_exit_with_1_and_are_named() {
     let dir = tempfile::tempdir().unwrap();
     let robot = robot();

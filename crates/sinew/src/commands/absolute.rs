@@ -41,19 +41,19 @@ impl Part {
 #[command(next_help_heading = "Absolute estimate")]
 pub(crate) struct Watching {
     /// The gripper holds nothing (otherwise a payload is estimated along)
-    #[arg(long, conflicts_with = "payload_kg")]
+    #[arg(long, conflicts_with = "payload_kg", requires = "since")]
     empty: bool,
     /// The gripper holds this, kg, known to 2 % or as stated
-    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload)]
+    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload, requires = "since")]
     payload_kg: Option<Payload>,
     /// Leave a recorded motor torque out
-    #[arg(long)]
+    #[arg(long, requires = "since")]
     no_motor_torque: bool,
     /// Write what is known after this recording: the --baseline of the next one
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "since")]
     pub(crate) save: Option<PathBuf>,
     /// List everything estimated along, believed before and after
-    #[arg(long)]
+    #[arg(long, requires = "since")]
     pub(crate) nuisance: bool,
     #[command(flatten)]
     part: Part,
@@ -86,6 +86,16 @@ fn known_payload(text: &str) -> Result<Payload, String> {
 }
 
 impl Watching {
+    /// A part of the recording is for the absolute estimate alone; nothing asked for is ignored.
+    pub(crate) fn refuse_a_part(&self) -> Result<(), Failure> {
+        if self.part.from_s == 0.0 && self.part.to_s.is_none() {
+            return Ok(());
+        }
+        Err(Failure::Refused(
+            "--from and --to need --baseline FILE or --absolute: the paper's estimate uses the whole recording".into(),
+        ))
+    }
+
     /// Watches a recording, and saves what it taught where asked to.
     pub(crate) fn watch(
         &self,

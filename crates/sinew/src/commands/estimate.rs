@@ -31,10 +31,10 @@ pub(crate) struct Estimate {
     #[arg(long, value_name = "LOG2")]
     reference: Option<PathBuf>,
     /// Baseline made by `sinew baseline`: absolute offsets since then, with an interval
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "since")]
     baseline: Option<PathBuf>,
     /// Absolute offsets without a baseline: against the encoders' zero, with a wider interval
-    #[arg(long, conflicts_with = "baseline")]
+    #[arg(long, group = "since")]
     absolute: bool,
     #[command(flatten)]
     watching: super::absolute::Watching,
@@ -80,6 +80,9 @@ impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         self.check_files()?;
+        if self.baseline.is_none() && !self.absolute {
+            self.watching.refuse_a_part()?;
+        }
         let mut request = Request::new(self.log.clone());
         request.robot.clone_from(&self.robot);
         request.source = self.source.into();
