@@ -6,9 +6,7 @@
 pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize> {
     for i in 0..n {
         for k in 0..=i {
-            let (row_i, row_k) = (&l[i * n..i * n + k], &l[k * n..k * n + k]);
-            let dot: f64 = row_i.iter().zip(row_k).map(|(a, b)| a * b).sum();
-            let sum = a[i * n + k] - dot;
+            let sum = a[i * n + k] - dot(&l[i * n..i * n + k], &l[k * n..k * n + k]);
             if i == k {
                 if !(sum > 0.0 && sum.is_finite()) {
                     return Err(i);
@@ -22,19 +20,38 @@ pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize>
     Ok(())
 }
 
+/// Scalar product in four partial sums, which a processor adds side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
+    for (a, b) in a4.zip(b4) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    let [s0, s1, s2, s3] = sums;
+    (s0 + s1) + (s2 + s3) + rest
+}
+
 /// Solves `L Lᵀ x = b` in place.
 pub(crate) fn solve(l: &[f64], n: usize, x: &mut [f64]) {
     for i in 0..n {
-        for k in 0..i {
-            x[i] -= l[i * n + k] * x[k];
-        }
-        x[i] /= l[i * n + i];
+        let (known, rest) = x.split_at_mut(i);
+        let row = &l[i * n..i * n + i];
+        rest[0] = (rest[0] - dot(row, known)) / l[i * n + i];
     }
     for i in (0..n).rev() {
-        for k in i + 1..n {
-            x[i] -= l[k * n + i] * x[k];
+        let (open, known) = x.split_at_mut(i);
+        known[0] /= l[i * n + i];
+        for (x, l) in open.iter_mut().zip(&l[i * n..i * n + i]) {
+            *x -= l * known[0];
         }
-        x[i] /= l[i * n + i];
     }
 }
 
@@ -57,14 +74,35 @@ pub(crate) fn inverse(a: &[f64], n: usize) -> Result<alloc::vec::Vec<f64>, usize
     }
     let mut l = alloc::vec![0.0; n * n];
     factorise(&scaled, &mut l, n)?;
+    // L⁻¹ row by row, then A⁻¹ = L⁻ᵀ L⁻¹, its lower half, by rows of L⁻¹.
+    let mut inverse = alloc::vec![0.0; n * n];
+    for i in 0..n {
+        let (above, own) = inverse.split_at_mut(i * n);
+        let own = &mut own[..=i];
+        own[i] = 1.0;
+        for (k, row) in above.chunks_exact(n).enumerate() {
+            let factor = l[i * n + k];
+            for (x, above) in own.iter_mut().zip(&row[..=k]) {
+                *x -= factor * above;
+            }
+        }
+        for x in own {
+            *x /= l[i * n + i];
+        }
+    }
     let mut out = alloc::vec![0.0; n * n];
-    let mut column = alloc::vec![0.0; n];
-    for k in 0..n {
-        column.fill(0.0);
-        column[k] = 1.0;
-        solve(&l, n, &mut column);
-        for i in 0..n {
-            out[i * n + k] = column[i] * scale[i] * scale[k];
+    for (k, row) in inverse.chunks_exact(n).enumerate() {
+        for i in 0..=k {
+            let factor = row[i];
+            for (x, row) in out[i * n..=i * n + i].iter_mut().zip(row) {
+                *x += factor * row;
+            }
+        }
+    }
+    for i in 0..n {
+        for k in 0..=i {
+            out[i * n + k] *= scale[i] * scale[k];
+            out[k * n + i] = out[i * n + k];
         }
     }
     Ok(out)

@@ -2,6 +2,7 @@
 
 use super::features::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
+use super::solve::{Problem, Solution};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::score::{Candidate, Weighing};
 use alloc::vec::Vec;
@@ -63,7 +64,7 @@ struct Found {
     /// What it takes off the cost.
     gain: f64,
     candidate: Candidate,
-    estimate: MapEstimate,
+    solution: Solution,
 }
 
 impl MapEstimator {
@@ -85,200 +86,7 @@ impl MapEstimator {
         payload: Payload,
         seek: Seek,
     ) -> Result<MapEstimate, MapError> {
-        let mut best = self.solve(start, &[], payload, blocks)?;
-        for _ in 0..MOST {
-            let mut better: Option<Found> = None;
-            let candidates = self.candidates(start, &best, blocks, payload, seek)?;
-            for candidate in candidates {
-                let trial = self.with_change(start, &best, blocks, payload, candidate)?;
-                if trial.gain > better.as_ref().map_or(0.0, |b| b.gain) {
-                    better = Some(trial);
-                }
-            }
-            let Some(found) = better else { break };
-            let Some(better) = self.settled(start, &best, blocks, payload, found)? else {
-                break;
-            };
-            best = self.without_the_needless(start, better, blocks, payload)?;
-        }
-        if best.changes.len() > 1 {
-            best = self.retimed(start, best, blocks, payload, seek)?;
-        }
-        Ok(best)
-    }
-
-    /// Every slip's moment once more, now that the other changes are known.
-    fn retimed(
-        &self,
-        start: &Belief,
-        mut best: MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
-        seek: Seek,
-    ) -> Result<MapEstimate, MapError> {
-        for k in 0..best.changes.len() {
-            let change = best.changes[k];
-            if !matches!(change.what, What::Offset(_)) {
-                continue;
-            }
-            let others: Vec<Change> = best
-                .changes
-                .iter()
-                .filter(|c| **c != change)
-                .copied()
-                .collect();
-            let without = self.solve(start, &others, payload, blocks)?;
-            let fit = self.fit(start, &without, blocks, payload, Weighing::Cut)?;
-            let scored = self.score(&without, blocks, payload, seek, &[change.what], fit);
-            for candidate in scored {
-                let mut changes = best.changes.clone();
-                changes[k].at_s = candidate.change.at_s;
-                for c in &mut changes {
-                    let softer = matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b);
-                    if softer && c.at_s == change.at_s {
-                        c.at_s = candidate.change.at_s;
-                    }
-                }
-                let warm = best.state.clone();
-                let warm = Some((warm.as_slice(), &best));
-                let trial = self.solve_from(start, &changes, payload, blocks, warm)?;
-                if trial.cost < self.cost_at(start, &best, &trial, payload, blocks)? {
-                    best = trial;
-                }
-            }
-        }
-        Ok(best)
-    }
-
-    /// Drops changes that a later one has made needless.
-    fn without_the_needless(
-        &self,
-        start: &Belief,
-        mut best: MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
-    ) -> Result<MapEstimate, MapError> {
-        let mut k = 0;
-        while k < best.changes.len() {
-            let change = best.changes[k];
-            // A stiffness that was opened with a slip stays and goes with it.
-            let of_slip = |c: &Change| {
-                matches!((change.what, c.what), (What::Compliance(a), What::Offset(b)) if a == b)
-                    && c.at_s == change.at_s
-            };
-            if best.changes.iter().any(of_slip) {
-                k += 1;
-                continue;
-            }
-            let with_it = |c: &Change| {
-                *c == change
-                    || matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b)
-                        && c.at_s == change.at_s
-            };
-            let kept: Vec<Change> = best
-                .changes
-                .iter()
-                .filter(|c| !with_it(c))
-                .copied()
-                .collect();
-            if kept.is_empty() {
-                break;
-            }
-            let trial = self.solve(start, &kept, payload, blocks)?;
-            let worth = self.cost_at(start, &trial, &best, payload, blocks)? - best.cost;
-            if worth < KEEP + change.what.columns() as f64 {
-                best = trial;
-                k = 0;
-            } else {
-                k += 1;
-            }
-        }
-        Ok(best)
-    }
-
-    /// The estimate with one more change and what it takes off the cost.
-    fn with_change(
-        &self,
-        start: &Belief,
-        best: &MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
-        candidate: Candidate,
-    ) -> Result<Found, MapError> {
-        let mut changes = best.changes.clone();
-        changes.push(candidate.change);
-        let mut state = best.state.clone();
-        state.extend(&candidate.size);
-        let warm = Some((state.as_slice(), best));
-        let estimate = self.solve_from(start, &changes, payload, blocks, warm)?;
-        let before = self.cost_at(start, best, &estimate, payload, blocks)?;
-        Ok(Found {
-            gain: before - estimate.cost,
-            candidate,
-            estimate,
-        })
-    }
-
-    /// The best change with its moment and its stiffness settled, if it is sure.
-    fn settled(
-        &self,
-        start: &Belief,
-        best: &MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
-        mut found: Found,
-    ) -> Result<Option<MapEstimate>, MapError> {
-        let Candidate {
-            change, ref size, ..
-        } = found.candidate;
-        let size = size.clone();
-        // The score finds the moment to a block or two; the cost decides.
-        for shift in [-2.0, -1.0, 1.0, 2.0] {
-            let at_s = change.at_s + shift * self.block_s();
-            let candidate = Candidate {
-                change: Change { at_s, ..change },
-                gain: 0.0,
-                rank: 0,
-                size: size.clone(),
-            };
-            let other = self.with_change(start, best, blocks, payload, candidate)?;
-            if other.gain > found.gain {
-                found = other;
-            }
-        }
-        let Found {
-            gain,
-            mut estimate,
-            candidate,
-        } = found;
-        if gain < KEEP + change.what.columns() as f64 {
-            return Ok(None);
-        }
-        let [size, deviation] = estimate.change(self.prior(), estimate.changes.len() - 1);
-        let least = match change.what {
-            What::Payload => LEAST_LOAD_KG,
-            What::Offset(_) => LEAST_STEP_RAD,
-            What::Compliance(_) => LEAST_SOFTER,
-        };
-        if size.abs() < least || size.abs() < 4.0 * deviation {
-            return Ok(None);
-        }
-        if let What::Offset(joint) = change.what {
-            let softer = Candidate {
-                change: Change {
-                    what: What::Compliance(joint),
-                    at_s: candidate.change.at_s,
-                },
-                gain: 0.0,
-                rank: 0,
-                size: alloc::vec![0.0],
-            };
-            let softer = self.with_change(start, &estimate, blocks, payload, softer)?;
-            if softer.gain > KEEP_SOFTER {
-                estimate = softer.estimate;
-            }
-        }
-        Ok(Some(estimate))
+        Problem::new(self, start, payload, blocks)?.watch(seek)
     }
 
     /// What is believed of a change before: standard deviations of its entries.
@@ -298,6 +106,158 @@ impl MapEstimator {
             }
         }
     }
+}
+
+impl Problem<'_> {
+    fn watch(&self, seek: Seek) -> Result<MapEstimate, MapError> {
+        let mut best = self.solve(&[])?;
+        for _ in 0..MOST {
+            let mut better: Option<Found> = None;
+            for candidate in self.candidates(&best.estimate, seek)? {
+                let trial = self.with_change(&best.estimate, candidate)?;
+                if trial.gain > better.as_ref().map_or(0.0, |b| b.gain) {
+                    better = Some(trial);
+                }
+            }
+            let Some(found) = better else { break };
+            let Some(better) = self.settled(&best.estimate, found)? else {
+                break;
+            };
+            best = self.without_the_needless(better)?;
+        }
+        if best.estimate.changes.len() > 1 {
+            best = self.retimed(best, seek)?;
+        }
+        best.complete()
+    }
+
+    /// Every slip's moment once more, now that the other changes are known.
+    fn retimed(&self, mut best: Solution, seek: Seek) -> Result<Solution, MapError> {
+        for k in 0..best.estimate.changes.len() {
+            let change = best.estimate.changes[k];
+            if !matches!(change.what, What::Offset(_)) {
+                continue;
+            }
+            let changes = best.estimate.changes.iter().copied();
+            let others: Vec<Change> = changes.filter(|c| *c != change).collect();
+            let without = self.solve(&others)?.estimate;
+            let fit = self.fit(&without, Weighing::Cut)?;
+            for candidate in self.score(&without, seek, &[change.what], fit) {
+                let mut changes = best.estimate.changes.clone();
+                changes[k].at_s = candidate.change.at_s;
+                for c in &mut changes {
+                    if softens(c, &change) {
+                        c.at_s = candidate.change.at_s;
+                    }
+                }
+                let warm = Some((best.estimate.state.as_slice(), &best.estimate));
+                let trial = self.solve_from(&changes, warm)?;
+                if trial.estimate.cost < self.cost_at(&best.estimate, &trial.estimate) {
+                    best = trial;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// Drops changes that a later one has made needless.
+    fn without_the_needless(&self, mut best: Solution) -> Result<Solution, MapError> {
+        let mut k = 0;
+        while k < best.estimate.changes.len() {
+            let change = best.estimate.changes[k];
+            // A stiffness that was opened with a slip stays and goes with it.
+            if best.estimate.changes.iter().any(|c| softens(&change, c)) {
+                k += 1;
+                continue;
+            }
+            let changes = best.estimate.changes.iter().copied();
+            let kept: Vec<Change> = changes
+                .filter(|c| *c != change && !softens(c, &change))
+                .collect();
+            if kept.is_empty() {
+                break;
+            }
+            let trial = self.solve(&kept)?;
+            let worth = self.cost_at(&trial.estimate, &best.estimate) - best.estimate.cost;
+            if worth < KEEP + change.what.columns() as f64 {
+                best = trial;
+                k = 0;
+            } else {
+                k += 1;
+            }
+        }
+        Ok(best)
+    }
+
+    /// The estimate with one more change and what it takes off the cost.
+    fn with_change(&self, best: &MapEstimate, candidate: Candidate) -> Result<Found, MapError> {
+        let mut changes = best.changes.clone();
+        changes.push(candidate.change);
+        let mut state = best.state.clone();
+        state.extend(&candidate.size);
+        let solution = self.solve_from(&changes, Some((state.as_slice(), best)))?;
+        let before = self.cost_at(best, &solution.estimate);
+        Ok(Found {
+            gain: before - solution.estimate.cost,
+            candidate,
+            solution,
+        })
+    }
+
+    /// The best change with its moment and its stiffness settled, if it is sure.
+    fn settled(&self, best: &MapEstimate, mut found: Found) -> Result<Option<Solution>, MapError> {
+        let Candidate { change, size, .. } = found.candidate.clone();
+        // The score finds the moment to a block or two; the cost decides.
+        for shift in [-2.0, -1.0, 1.0, 2.0] {
+            let at_s = change.at_s + shift * self.estimator.block_s();
+            let candidate = Candidate {
+                change: Change { at_s, ..change },
+                gain: 0.0,
+                rank: 0,
+                size: size.clone(),
+            };
+            let other = self.with_change(best, candidate)?;
+            if other.gain > found.gain {
+                found = other;
+            }
+        }
+        if found.gain < KEEP + change.what.columns() as f64 {
+            return Ok(None);
+        }
+        let solution = found.solution;
+        let known = solution.clone().complete()?;
+        let [size, deviation] = known.change(self.estimator.prior(), known.changes.len() - 1);
+        let least = match change.what {
+            What::Payload => LEAST_LOAD_KG,
+            What::Offset(_) => LEAST_STEP_RAD,
+            What::Compliance(_) => LEAST_SOFTER,
+        };
+        if size.abs() < least || size.abs() < 4.0 * deviation {
+            return Ok(None);
+        }
+        if let What::Offset(joint) = change.what {
+            let softer = Candidate {
+                change: Change {
+                    what: What::Compliance(joint),
+                    at_s: found.candidate.change.at_s,
+                },
+                gain: 0.0,
+                rank: 0,
+                size: alloc::vec![0.0],
+            };
+            let softer = self.with_change(&known, softer)?;
+            if softer.gain > KEEP_SOFTER {
+                return Ok(Some(softer.solution));
+            }
+        }
+        Ok(Some(solution))
+    }
+}
+
+/// Whether `softer` is the loss of stiffness that was opened with `slip`.
+fn softens(softer: &Change, slip: &Change) -> bool {
+    softer.at_s == slip.at_s
+        && matches!((softer.what, slip.what), (What::Compliance(a), What::Offset(b)) if a == b)
 }
 
 /// What a joint's offset is made of at a time: its entry and every change to it before.

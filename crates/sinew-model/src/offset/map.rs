@@ -16,11 +16,10 @@
 //! annealed from a wide scale so that the start doesn't matter.
 
 use super::changes::{Change, offset_columns};
-use super::equation::{Equation, Equations, Side};
+use super::equation::{Equations, Side};
 use super::features::{Block, FeatureConfig};
-use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload, Prior};
-use crate::cholesky;
+use super::solve::Problem;
 use alloc::vec::Vec;
 
 /// Why there is no estimate.
@@ -62,8 +61,6 @@ pub struct MapEstimate {
     pub weights: Vec<f64>,
     /// Half the robust chi-square of data and prior.
     pub cost: f64,
-    /// Variance of a block's mean over that of independent noise, per block.
-    pub(super) inflation: Vec<f64>,
 }
 
 impl MapEstimate {
@@ -133,14 +130,6 @@ pub struct MapEstimator {
     motor_torque: bool,
 }
 
-/// Scales of the redescending weight, in standard deviations: one Gauss–Newton step each. The
-/// equations are so nearly linear that one step per scale is within 1 % of many.
-const SCALES: [f64; 10] = [40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0];
-/// The same from a start that is nearly right.
-const WARM_SCALES: [f64; 5] = [12.0, 6.0, 3.5, 3.0, 3.0];
-/// The scale that decides.
-const SCALE: f64 = 3.0;
-
 impl MapEstimator {
     /// An estimator for the priors of a robot and blocks made with `features`.
     pub fn new(prior: Prior, features: &FeatureConfig) -> Self {
@@ -191,87 +180,8 @@ impl MapEstimator {
         payload: Payload,
         blocks: &[Block],
     ) -> Result<MapEstimate, MapError> {
-        self.solve_from(start, changes, payload, blocks, None)
-    }
-
-    /// [`MapEstimator::solve`] from a state that is nearly right, with its noise.
-    pub(super) fn solve_from(
-        &self,
-        start: &Belief,
-        changes: &[Change],
-        payload: Payload,
-        blocks: &[Block],
-        warm: Option<(&[f64], &MapEstimate)>,
-    ) -> Result<MapEstimate, MapError> {
-        let d = self.prior.dimension();
-        if start.mean.len() != d || start.covariance.len() != d * d {
-            return Err(MapError::Dimension {
-                expected: d,
-                found: start.mean.len(),
-            });
-        }
-        if blocks.is_empty() {
-            return Err(MapError::NoData);
-        }
-        let n = self.prior.joints();
-        let total = d + changes.iter().map(|c| c.what.columns()).sum::<usize>();
-        let prior_information = self.prior_information(start, changes, payload, total)?;
-        let mut state = start.mean.clone();
-        state.resize(total, 0.0);
-        let origin = state.clone();
-        let mut at = MapEstimate {
-            changes: changes.to_vec(),
-            state,
-            covariance: Vec::new(),
-            temperature_c: start.temperature_c,
-            noise_rad: alloc::vec![1e-3; n],
-            motor_noise_nm: (0..n).map(|i| self.motor_floor(i)).collect(),
-            weights: alloc::vec![1.0; blocks.len()],
-            cost: 0.0,
-            inflation: pose_runs(blocks)
-                .iter()
-                .map(|r| r.max(self.inflation))
-                .collect(),
-        };
-        let mut scales = SCALES.as_slice();
-        if let Some((state, known)) = warm {
-            at.state.copy_from_slice(state);
-            at.noise_rad.copy_from_slice(&known.noise_rad);
-            at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
-            scales = &WARM_SCALES;
-        }
-        let mut normal = Normal::new(total);
-        let mut residuals = Residuals::new(n, blocks.len());
-        for (stage, &scale) in scales.iter().enumerate() {
-            normal.start(&prior_information, &origin, &at.state);
-            for (b, block) in blocks.iter().enumerate() {
-                self.equations(&at, block, &mut normal.equations);
-                let chi = self.chi(&normal.equations, &at);
-                let w = scale * scale / (scale * scale + chi);
-                at.weights[b] = w * w;
-                residuals.keep(b, &normal.equations);
-                for k in 0..normal.equations.list.len() {
-                    let e = normal.equations.list[k];
-                    let information = w * w * self.information_of(&e, &at, b);
-                    normal.add(&e, information);
-                }
-            }
-            normal.solve()?;
-            for (x, step) in at.state.iter_mut().zip(&normal.gradient) {
-                *x += step;
-            }
-            // Noise from the residuals, once they mean something.
-            if stage >= 2 || warm.is_some() {
-                for i in 0..n {
-                    at.noise_rad[i] = residuals.noise(i, Side::Link).max(self.noise_floor_rad);
-                    at.motor_noise_nm[i] = residuals.noise(i, Side::Motor).max(self.motor_floor(i));
-                }
-            }
-        }
-        normal.mirror();
-        at.covariance = cholesky::inverse(&normal.information, total).map_err(MapError::Prior)?;
-        at.cost = self.cost(&prior_information, &origin, &at, &at, blocks);
-        Ok(at)
+        let problem = Problem::new(self, start, payload, blocks)?;
+        problem.solve(changes)?.complete()
     }
 
     /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
@@ -326,117 +236,4 @@ impl MapEstimator {
             out,
         );
     }
-
-    /// Mean square of a block's residuals over what they may be.
-    pub(super) fn chi(&self, equations: &Equations, at: &MapEstimate) -> f64 {
-        let sum: f64 = equations
-            .list
-            .iter()
-            .map(|e| e.residual * e.residual / variance(e, at))
-            .sum();
-        sum / equations.list.len().max(1) as f64
-    }
-
-    /// Information of an equation of block `b` at full weight.
-    pub(super) fn information_of(&self, e: &Equation, at: &MapEstimate, b: usize) -> f64 {
-        1.0 / (variance(e, at) * at.inflation[b])
-    }
-
-    fn prior_information(
-        &self,
-        start: &Belief,
-        changes: &[Change],
-        payload: Payload,
-        total: usize,
-    ) -> Result<Vec<f64>, MapError> {
-        let d = self.prior.dimension();
-        let own = cholesky::inverse(&start.covariance, d).map_err(MapError::Prior)?;
-        let mut information = alloc::vec![0.0; total * total];
-        for i in 0..d {
-            information[i * total..i * total + d].copy_from_slice(&own[i * d..(i + 1) * d]);
-        }
-        let mut k = d;
-        for change in changes {
-            for deviation in self.change_deviations(change.what, payload) {
-                information[k * total + k] = 1.0 / (deviation * deviation);
-                k += 1;
-            }
-        }
-        Ok(information)
-    }
-
-    /// Normal equations of the prior alone around the state `x`.
-    pub(super) fn prior_equations(
-        &self,
-        start: &Belief,
-        changes: &[Change],
-        payload: Payload,
-        x: &[f64],
-    ) -> Result<(Vec<f64>, Vec<f64>), MapError> {
-        let total = x.len();
-        let information = self.prior_information(start, changes, payload, total)?;
-        let mut origin = start.mean.clone();
-        origin.resize(total, 0.0);
-        let gradient = (0..total)
-            .map(|i| {
-                (0..total)
-                    .map(|k| information[i * total + k] * (origin[k] - x[k]))
-                    .sum()
-            })
-            .collect();
-        Ok((information, gradient))
-    }
-
-    /// Cost of `at` if the noise were that of `noise`.
-    pub(super) fn cost_at(
-        &self,
-        start: &Belief,
-        at: &MapEstimate,
-        noise: &MapEstimate,
-        payload: Payload,
-        blocks: &[Block],
-    ) -> Result<f64, MapError> {
-        let total = at.state.len();
-        let information = self.prior_information(start, &at.changes, payload, total)?;
-        let mut origin = start.mean.clone();
-        origin.resize(total, 0.0);
-        Ok(self.cost(&information, &origin, at, noise, blocks))
-    }
-
-    fn cost(
-        &self,
-        prior_information: &[f64],
-        origin: &[f64],
-        at: &MapEstimate,
-        noise: &MapEstimate,
-        blocks: &[Block],
-    ) -> f64 {
-        let total = at.state.len();
-        let mut cost = 0.0;
-        for i in 0..total {
-            for k in 0..total {
-                cost += 0.5
-                    * prior_information[i * total + k]
-                    * (at.state[i] - origin[i])
-                    * (at.state[k] - origin[k]);
-            }
-        }
-        let mut equations = Equations::default();
-        for (b, block) in blocks.iter().enumerate() {
-            self.equations(at, block, &mut equations);
-            let chi = self.chi(&equations, noise);
-            let count = equations.list.len() as f64;
-            cost += 0.5 * count * SCALE * SCALE * chi / (SCALE * SCALE + chi) / noise.inflation[b];
-        }
-        cost
-    }
-}
-
-/// Variance of an equation's residual.
-fn variance(e: &Equation, at: &MapEstimate) -> f64 {
-    let noise = match e.side {
-        Side::Link => at.noise_rad[e.joint],
-        Side::Motor => at.motor_noise_nm[e.joint],
-    };
-    noise * noise + e.unsure * e.unsure
 }

@@ -11,6 +11,7 @@ mod observer;
 mod prior;
 mod recursive;
 mod score;
+mod solve;
 
 pub use changes::{Change, Seek, What};
 pub use features::{Block, FeatureConfig, FeatureObserver};

@@ -3,49 +3,95 @@
 use super::equation::{Equation, Equations, Side};
 use super::features::Block;
 use super::map::MapError;
+use super::prior::PER_JOINT;
 use crate::cholesky;
 use alloc::vec::Vec;
 
 /// Normal equations under construction, the lower half.
 pub(super) struct Normal {
-    pub(super) total: usize,
+    total: usize,
+    /// First entry of the bodies in the state.
+    bodies: usize,
     pub(super) information: Vec<f64>,
-    pub(super) factor: Vec<f64>,
+    factor: Vec<f64>,
     pub(super) gradient: Vec<f64>,
-    pub(super) equations: Equations,
+    /// Link and motor row of the joint at work, `total` each; zero between joints.
+    dense: [Vec<f64>; 2],
 }
 
 impl Normal {
-    pub(super) fn new(total: usize) -> Self {
+    pub(super) fn new(total: usize, bodies: usize) -> Self {
         Self {
             total,
+            bodies,
             information: alloc::vec![0.0; total * total],
             factor: alloc::vec![0.0; total * total],
             gradient: alloc::vec![0.0; total],
-            equations: Equations::default(),
+            dense: [alloc::vec![0.0; total], alloc::vec![0.0; total]],
         }
     }
 
     pub(super) fn start(&mut self, prior: &[f64], origin: &[f64], x: &[f64]) {
-        let total = self.total;
         self.information.copy_from_slice(prior);
-        for i in 0..total {
-            self.gradient[i] = (0..total)
-                .map(|k| prior[i * total + k] * (origin[k] - x[k]))
-                .sum();
+        for (g, row) in self.gradient.iter_mut().zip(prior.chunks_exact(self.total)) {
+            let terms = row.iter().zip(origin).zip(x);
+            *g = terms.map(|((p, origin), x)| p * (origin - x)).sum();
         }
     }
 
-    pub(super) fn add(&mut self, e: &Equation, information: f64) {
-        let row = &mut self.equations.rows[e.from..e.to];
-        row.sort_unstable_by_key(|(place, _)| *place);
-        for (at, &(i, vi)) in row.iter().enumerate() {
-            let scaled = information * vi;
-            self.gradient[i] += scaled * e.residual;
-            let line = &mut self.information[i * self.total..(i + 1) * self.total];
-            for &(k, vk) in &row[..=at] {
-                line[k] += scaled * vk;
+    /// Adds the equations of a block, each with the information it carries.
+    pub(super) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
+        let mut rest = equations.list.as_slice();
+        while let Some(first) = rest.first() {
+            let both = rest.get(1).is_some_and(|e| e.joint == first.joint);
+            let (own, others) = rest.split_at(1 + usize::from(both));
+            self.add_joint(&equations.rows, own, &information);
+            rest = others;
+        }
+    }
+
+    /// Link and motor equation of a joint move the same entries: both go in at once, dense over
+    /// the joint's own entries and over those from its first body on.
+    fn add_joint(
+        &mut self,
+        rows: &[(usize, f64)],
+        own: &[Equation],
+        information: &impl Fn(&Equation) -> f64,
+    ) {
+        let Some(joint) = own.first().map(|e| e.joint) else {
+            return;
+        };
+        let mine = joint * PER_JOINT..(joint + 1) * PER_JOINT;
+        let mut shared = self.total;
+        let mut weights = [0.0; 2];
+        for ((e, dense), weight) in own.iter().zip(&mut self.dense).zip(&mut weights) {
+            *weight = information(e);
+            for &(i, value) in &rows[e.from..e.to] {
+                dense[i] = value;
+                self.gradient[i] += *weight * value * e.residual;
+                if i >= self.bodies && value != 0.0 {
+                    shared = shared.min(i);
+                }
             }
+        }
+        let [link, motor] = &mut self.dense;
+        for i in mine.clone().chain(shared..self.total) {
+            let factors = [weights[0] * link[i], weights[1] * motor[i]];
+            if factors == [0.0; 2] {
+                continue;
+            }
+            let line = &mut self.information[i * self.total..=i * self.total + i];
+            let (own, rest) = if i < self.bodies {
+                (mine.start..i + 1, 0..0)
+            } else {
+                (mine.clone(), shared..i + 1)
+            };
+            add_rows(&mut line[own.clone()], factors, &link[own.clone()], &motor[own]);
+            add_rows(&mut line[rest.clone()], factors, &link[rest.clone()], &motor[rest]);
+        }
+        for dense in [link, motor] {
+            dense[mine.clone()].fill(0.0);
+            dense[shared..].fill(0.0);
         }
     }
 
@@ -55,14 +101,11 @@ impl Normal {
         cholesky::solve(&self.factor, self.total, &mut self.gradient);
         Ok(())
     }
+}
 
-    /// Copies the lower half to the upper.
-    pub(super) fn mirror(&mut self) {
-        for i in 0..self.total {
-            for k in 0..i {
-                self.information[k * self.total + i] = self.information[i * self.total + k];
-            }
-        }
+fn add_rows(line: &mut [f64], [a, b]: [f64; 2], link: &[f64], motor: &[f64]) {
+    for ((x, link), motor) in line.iter_mut().zip(link).zip(motor) {
+        *x += a * link + b * motor;
     }
 }
 
@@ -147,6 +190,9 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -2,9 +2,9 @@
 
 use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
 use super::equation::{Equations, Side};
-use super::features::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
-use super::prior::{Belief, Payload};
+use super::prior::Payload;
+use super::solve::{Problem, chi, covariance};
 use crate::cholesky;
 use alloc::vec::Vec;
 
@@ -24,17 +24,14 @@ pub(super) struct Candidate {
     pub(super) size: Vec<f64>,
 }
 
-impl MapEstimator {
+impl Problem<'_> {
     /// The most telling changes of every kind, by score.
     pub(super) fn candidates(
         &self,
-        start: &Belief,
         known: &MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
         seek: Seek,
     ) -> Result<Vec<Candidate>, MapError> {
-        let prior = self.prior();
+        let prior = self.estimator.prior();
         let mut offsets = Vec::new();
         if seek.offsets {
             let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
@@ -48,7 +45,7 @@ impl MapEstimator {
         });
         let softer: Vec<What> = softer.collect();
         offsets.extend(softer);
-        if seek.payload && payload != Payload::Empty {
+        if seek.payload && self.payload != Payload::Empty {
             loads.push(What::Payload);
         }
         // A change that lasts for most of a recording is taken for noise by the median; what good
@@ -63,8 +60,8 @@ impl MapEstimator {
         let weighings = [(offsets, Weighing::Cut), (loads, Weighing::Huber)];
         for ((kinds, weighing), trials) in weighings.into_iter().zip(TRIALS) {
             if !kinds.is_empty() {
-                let fit = self.fit(start, known, blocks, payload, weighing)?;
-                let scored = self.score(known, blocks, payload, seek, &kinds, fit);
+                let fit = self.fit(known, weighing)?;
+                let scored = self.score(known, seek, &kinds, fit);
                 // The best of every kind before the second best of any: a failed strand and a
                 // slip look alike to the score, and must not crowd each other out.
                 let (mut first, mut second): (Vec<_>, Vec<_>) =
@@ -82,13 +79,11 @@ impl MapEstimator {
     pub(super) fn score(
         &self,
         known: &MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
         seek: Seek,
         kinds: &[What],
         mut fit: Fit,
     ) -> Vec<Candidate> {
-        let (Some(first), Some(last)) = (blocks.first(), blocks.last()) else {
+        let (Some(first), Some(last)) = (self.blocks.first(), self.blocks.last()) else {
             return Vec::new();
         };
         // A strand may have failed before the recording began, and what goes on from a belief may
@@ -105,17 +100,17 @@ impl MapEstimator {
         let total = known.state.len();
         let deviations: Vec<Vec<f64>> = kinds
             .iter()
-            .map(|k| self.change_deviations(*k, payload))
+            .map(|k| self.estimator.change_deviations(*k, self.payload))
             .collect();
         let mut sums: Vec<Sum> = kinds.iter().map(|k| Sum::new(k.columns(), total)).collect();
         let mut best: Vec<Vec<Candidate>> = alloc::vec![Vec::new(); kinds.len()];
-        for block in blocks.iter().rev() {
+        for block in self.blocks.iter().rev() {
             let weight = fit.weights.pop().unwrap_or_default();
-            self.equations(known, block, &mut fit.equations);
+            self.estimator.equations(known, block, &mut fit.equations);
             for (sum, what) in sums.iter_mut().zip(kinds) {
-                sum.add(self, &fit.equations, *what, &weight);
+                sum.add(self.estimator, &fit.equations, *what, &weight);
             }
-            let at_s = block.time_s - 0.5 * self.block_s();
+            let at_s = block.time_s - 0.5 * self.estimator.block_s();
             for (k, what) in kinds.iter().enumerate() {
                 if !possible(*what, block.time_s) {
                     continue;
@@ -144,45 +139,25 @@ impl MapEstimator {
     }
 
     /// A weighted fit around a known estimate.
-    pub(super) fn fit(
-        &self,
-        start: &Belief,
-        known: &MapEstimate,
-        blocks: &[Block],
-        payload: Payload,
-        weighing: Weighing,
-    ) -> Result<Fit, MapError> {
+    pub(super) fn fit(&self, known: &MapEstimate, weighing: Weighing) -> Result<Fit, MapError> {
         let total = known.state.len();
         let mut equations = Equations::default();
-        let (mut information, mut gradient) =
-            self.prior_equations(start, &known.changes, payload, &known.state)?;
-        let mut weights = Vec::with_capacity(blocks.len());
-        for (b, block) in blocks.iter().enumerate() {
-            self.equations(known, block, &mut equations);
-            let chi = self.chi(&equations, known);
-            let whole = weighing.weight(chi);
-            let weight: Vec<f64> = equations
-                .list
-                .iter()
-                .map(|e| whole * self.information_of(e, known, b))
-                .collect();
-            for (e, weight) in equations.list.iter().zip(&weight) {
-                let row = &equations.rows[e.from..e.to];
-                for &(i, vi) in row {
-                    gradient[i] += weight * vi * e.residual;
-                    for &(k, vk) in row {
-                        information[i * total + k] += weight * vi * vk;
-                    }
-                }
-            }
-            weights.push(weight);
+        let mut normal = self.prior_equations(known);
+        let mut weights = Vec::with_capacity(self.blocks.len());
+        for (b, block) in self.blocks.iter().enumerate() {
+            self.estimator.equations(known, block, &mut equations);
+            let whole = weighing.weight(chi(&equations, known));
+            let information = |e: &_| whole * self.information_of(e, known, b);
+            normal.add(&equations, information);
+            weights.push(equations.list.iter().map(information).collect());
         }
-        let covariance = cholesky::inverse(&information, total).map_err(MapError::Prior)?;
+        let covariance = covariance(&normal.information, total)?;
+        let gradient = &normal.gradient;
         let step = (0..total)
             .map(|i| {
                 covariance[i * total..(i + 1) * total]
                     .iter()
-                    .zip(&gradient)
+                    .zip(gradient)
                     .map(|(c, g)| c * g)
                     .sum()
             })

@@ -1,0 +1,244 @@
+//! Gauss–Newton on the posterior of one recording.
+
+use super::changes::Change;
+use super::equation::{Equation, Equations, Side};
+use super::features::Block;
+use super::map::{MapError, MapEstimate, MapEstimator};
+use super::normal::{Normal, Residuals, pose_runs};
+use super::prior::{Belief, Payload};
+use crate::cholesky;
+use alloc::vec::Vec;
+
+/// Scales of the redescending weight, in standard deviations: one Gauss–Newton step each. The
+/// equations are so nearly linear that one step per scale is within 1 % of many.
+const SCALES: [f64; 10] = [40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0];
+/// The same from a start that is nearly right.
+const WARM_SCALES: [f64; 5] = [12.0, 6.0, 3.5, 3.0, 3.0];
+/// The scale that decides.
+const SCALE: f64 = 3.0;
+
+/// A recording, and what is believed before it.
+pub(super) struct Problem<'a> {
+    pub(super) estimator: &'a MapEstimator,
+    start: &'a Belief,
+    /// Inverse of the covariance of `start`.
+    information: Vec<f64>,
+    /// What was opened in `start`; it sets what a change of payload may be.
+    pub(super) payload: Payload,
+    pub(super) blocks: &'a [Block],
+    /// Variance of a block's mean over that of independent noise, per block.
+    inflation: Vec<f64>,
+}
+
+/// An estimate, and the information its covariance is the inverse of.
+#[derive(Clone)]
+pub(super) struct Solution {
+    /// Without its covariance.
+    pub(super) estimate: MapEstimate,
+    /// Lower half.
+    information: Vec<f64>,
+}
+
+impl Solution {
+    /// The estimate with its covariance.
+    pub(super) fn complete(self) -> Result<MapEstimate, MapError> {
+        let Self {
+            mut estimate,
+            information,
+        } = self;
+        estimate.covariance = covariance(&information, estimate.state.len())?;
+        Ok(estimate)
+    }
+}
+
+/// Inverse of an information matrix of which only the lower half is filled.
+pub(super) fn covariance(lower: &[f64], total: usize) -> Result<Vec<f64>, MapError> {
+    cholesky::inverse(lower, total).map_err(MapError::Prior)
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        estimator: &'a MapEstimator,
+        start: &'a Belief,
+        payload: Payload,
+        blocks: &'a [Block],
+    ) -> Result<Self, MapError> {
+        let d = estimator.prior().dimension();
+        if start.mean.len() != d || start.covariance.len() != d * d {
+            return Err(MapError::Dimension {
+                expected: d,
+                found: start.mean.len(),
+            });
+        }
+        if blocks.is_empty() {
+            return Err(MapError::NoData);
+        }
+        Ok(Self {
+            estimator,
+            start,
+            information: covariance(&start.covariance, d)?,
+            payload,
+            blocks,
+            inflation: pose_runs(blocks)
+                .iter()
+                .map(|r| r.max(estimator.inflation()))
+                .collect(),
+        })
+    }
+
+    /// The estimate with changes at known moments.
+    pub(super) fn solve(&self, changes: &[Change]) -> Result<Solution, MapError> {
+        self.solve_from(changes, None)
+    }
+
+    /// [`Problem::solve`] from a state that is nearly right, with its noise.
+    pub(super) fn solve_from(
+        &self,
+        changes: &[Change],
+        warm: Option<(&[f64], &MapEstimate)>,
+    ) -> Result<Solution, MapError> {
+        let n = self.estimator.prior().joints();
+        let total = self.total(changes);
+        let prior = self.prior_information(changes, total);
+        let origin = self.origin(total);
+        let mut at = MapEstimate {
+            changes: changes.to_vec(),
+            state: origin.clone(),
+            covariance: Vec::new(),
+            temperature_c: self.start.temperature_c,
+            noise_rad: alloc::vec![1e-3; n],
+            motor_noise_nm: (0..n).map(|i| self.estimator.motor_floor(i)).collect(),
+            weights: alloc::vec![1.0; self.blocks.len()],
+            cost: 0.0,
+        };
+        let mut scales = SCALES.as_slice();
+        if let Some((state, known)) = warm {
+            at.state.copy_from_slice(state);
+            at.noise_rad.copy_from_slice(&known.noise_rad);
+            at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
+            scales = &WARM_SCALES;
+        }
+        let mut normal = Normal::new(total, self.estimator.prior().body_start());
+        let mut residuals = Residuals::new(n, self.blocks.len());
+        let mut equations = Equations::default();
+        for (stage, &scale) in scales.iter().enumerate() {
+            normal.start(&prior, &origin, &at.state);
+            for (b, block) in self.blocks.iter().enumerate() {
+                self.estimator.equations(&at, block, &mut equations);
+                let chi = chi(&equations, &at);
+                let w = scale * scale / (scale * scale + chi);
+                at.weights[b] = w * w;
+                residuals.keep(b, &equations);
+                normal.add(&equations, |e| w * w * self.information_of(e, &at, b));
+            }
+            normal.solve()?;
+            for (x, step) in at.state.iter_mut().zip(&normal.gradient) {
+                *x += step;
+            }
+            // Noise from the residuals, once they mean something.
+            if stage >= 2 || warm.is_some() {
+                let floor = self.estimator.noise_floor_rad();
+                for i in 0..n {
+                    at.noise_rad[i] = residuals.noise(i, Side::Link).max(floor);
+                    at.motor_noise_nm[i] = residuals
+                        .noise(i, Side::Motor)
+                        .max(self.estimator.motor_floor(i));
+                }
+            }
+        }
+        at.cost = self.cost(&prior, &origin, &at, &at);
+        Ok(Solution {
+            estimate: at,
+            information: normal.information,
+        })
+    }
+
+    /// Length of the state with so many changes.
+    fn total(&self, changes: &[Change]) -> usize {
+        let more: usize = changes.iter().map(|c| c.what.columns()).sum();
+        self.start.mean.len() + more
+    }
+
+    /// Mean before the recording; no change.
+    fn origin(&self, total: usize) -> Vec<f64> {
+        let mut origin = self.start.mean.clone();
+        origin.resize(total, 0.0);
+        origin
+    }
+
+    /// Information of an equation of block `b` at full weight.
+    pub(super) fn information_of(&self, e: &Equation, at: &MapEstimate, b: usize) -> f64 {
+        1.0 / (variance(e, at) * self.inflation[b])
+    }
+
+    fn prior_information(&self, changes: &[Change], total: usize) -> Vec<f64> {
+        let d = self.start.mean.len();
+        let mut information = alloc::vec![0.0; total * total];
+        for (row, own) in information
+            .chunks_exact_mut(total)
+            .zip(self.information.chunks_exact(d))
+        {
+            row[..d].copy_from_slice(own);
+        }
+        let mut k = d;
+        for change in changes {
+            for deviation in self.estimator.change_deviations(change.what, self.payload) {
+                information[k * total + k] = 1.0 / (deviation * deviation);
+                k += 1;
+            }
+        }
+        information
+    }
+
+    /// Normal equations around `at`, with nothing but the prior in them yet.
+    pub(super) fn prior_equations(&self, at: &MapEstimate) -> Normal {
+        let total = at.state.len();
+        let mut normal = Normal::new(total, self.estimator.prior().body_start());
+        let prior = self.prior_information(&at.changes, total);
+        normal.start(&prior, &self.origin(total), &at.state);
+        normal
+    }
+
+    /// Cost of `at` if the noise were that of `noise`.
+    pub(super) fn cost_at(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
+        let total = at.state.len();
+        let information = self.prior_information(&at.changes, total);
+        self.cost(&information, &self.origin(total), at, noise)
+    }
+
+    fn cost(&self, prior: &[f64], origin: &[f64], at: &MapEstimate, noise: &MapEstimate) -> f64 {
+        let total = at.state.len();
+        let from: Vec<f64> = at.state.iter().zip(origin).map(|(x, o)| x - o).collect();
+        let mut cost = 0.0;
+        for (row, xi) in prior.chunks_exact(total).zip(&from) {
+            let along: f64 = row.iter().zip(&from).map(|(p, x)| p * x).sum();
+            cost += 0.5 * xi * along;
+        }
+        let mut equations = Equations::default();
+        for (block, inflation) in self.blocks.iter().zip(&self.inflation) {
+            self.estimator.equations(at, block, &mut equations);
+            let chi = chi(&equations, noise);
+            let count = equations.list.len() as f64;
+            cost += 0.5 * count * SCALE * SCALE * chi / (SCALE * SCALE + chi) / inflation;
+        }
+        cost
+    }
+}
+
+/// Mean square of a block's residuals over what they may be.
+pub(super) fn chi(equations: &Equations, at: &MapEstimate) -> f64 {
+    let squares = equations
+        .list
+        .iter()
+        .map(|e| e.residual * e.residual / variance(e, at));
+    squares.sum::<f64>() / equations.list.len().max(1) as f64
+}
+
+/// Variance of an equation's residual.
+fn variance(e: &Equation, at: &MapEstimate) -> f64 {
+    let noise = match e.side {
+        Side::Link => at.noise_rad[e.joint],
+        Side::Motor => at.motor_noise_nm[e.joint],
+    };
+    noise * noise + e.unsure * e.unsure
+}
