@@ -127,6 +127,7 @@ fn draws_are_those_of_the_protocol() {
     assert_eq!(named("S8b").encoder.joint_bits, Some(12));
     assert!(s5.payloads.is_empty() && s5.random_contacts.is_none());
     assert_eq!(named("S6").payloads[0].mass_kg, uniform(0.0, 0.5));
+    assert_eq!(named("S6").payloads[0].com_spread_m, [0.01, 0.01, 0.05]);
     assert!(named("S6").random_contacts.is_none());
     let contacts = named("S8").random_contacts.unwrap();
     assert_eq!((contacts.fraction, contacts.from_to_s.0), (0.1, 60.0));

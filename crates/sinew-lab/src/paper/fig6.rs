@@ -228,6 +228,7 @@ fn payload(robot: &Robot, shoulder: usize, nominal: &Estimator) -> Result<Senten
         line: 0,
         mass_kg: Draw::Fixed(0.1),
         com_m: [0.0; 3],
+        com_spread_m: [0.0; 3],
         attach_s: 0.0,
         release_s: f64::INFINITY,
     });

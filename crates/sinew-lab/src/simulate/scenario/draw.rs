@@ -113,6 +113,7 @@ pub(crate) enum Stream {
     /// Draws that came to the language later: those before them must not move.
     Later = 6,
     Correction = 7,
+    Grip = 8,
 }
 
 /// The stream of a seed.

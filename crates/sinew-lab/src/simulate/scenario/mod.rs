@@ -271,6 +271,8 @@ pub struct Payload {
     pub mass_kg: Draw,
     /// Centre of mass in the link's frame, m.
     pub com_m: [f64; 3],
+    /// Drawn evenly within ± this about `com_m`, m.
+    pub com_spread_m: [f64; 3],
     /// Held from, s.
     pub attach_s: f64,
     /// Held until, s.

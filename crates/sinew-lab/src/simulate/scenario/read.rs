@@ -326,6 +326,10 @@ fn payload(s: &Section<'_>) -> Result<Payload, SimulateError> {
     if release_s <= attach_s {
         return Err(s.refuse("release_s", "later than attach_s"));
     }
+    let com_spread_m = s.vec3("com_spread_m")?.unwrap_or([0.0; 3]);
+    if com_spread_m.iter().any(|x| *x < 0.0) {
+        return Err(s.refuse("com_spread_m", "0 or more in every direction"));
+    }
     Ok(Payload {
         link: link(s)?,
         line: s.line(),
@@ -333,6 +337,7 @@ fn payload(s: &Section<'_>) -> Result<Payload, SimulateError> {
             .draw("mass_kg", Bound::NotNegative)?
             .ok_or_else(|| s.missing("mass_kg", "how heavy it is"))?,
         com_m: s.vec3("com_m")?.unwrap_or([0.0; 3]),
+        com_spread_m,
         attach_s,
         release_s,
     })

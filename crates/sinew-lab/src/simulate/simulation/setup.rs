@@ -6,6 +6,7 @@ use crate::simulate::drawn::{
 };
 use crate::simulate::plant::State;
 use crate::simulate::scenario::{Stream, rng};
+use rand::RngExt;
 use sinew_model::robot::Robot;
 
 impl Simulation {
@@ -43,13 +44,16 @@ impl Simulation {
         let empty = true_arm(robot, scenario, &mut truth_rng)?;
         let drives = drives(scenario, &names, &transmissions, &mut truth_rng);
         let temperature = draw_temperature(scenario, &names, &mut truth_rng);
+        let mut grip_rng = rng(robot_seed, Stream::Grip);
         let payloads: Vec<DrawnPayload> = scenario
             .payloads
             .iter()
             .map(|p| DrawnPayload {
                 link: p.link.clone(),
                 mass_kg: p.mass_kg.sample(&mut truth_rng),
-                com_m: p.com_m,
+                com_m: std::array::from_fn(|k| {
+                    p.com_m[k] + p.com_spread_m[k] * (2.0 * grip_rng.random::<f64>() - 1.0)
+                }),
                 attach_s: p.attach_s,
                 release_s: p.release_s,
             })

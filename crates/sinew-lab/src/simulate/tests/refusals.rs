@@ -104,6 +104,10 @@ fn each_refusal_names_file_line_key_value_and_unit() {
             &["payloads[0].mass_kg = -0.1 (kg)"],
         ),
         (
+            "[motion]\nkind = \"hold\"\n[[payloads]]\nlink = \"tool\"\nmass_kg = 0.1\ncom_spread_m = [0, -0.1, 0]",
+            &["payloads[0].com_spread_m", "0 or more in every direction"],
+        ),
+        (
             "[motion]\nkind = \"hold\"\n[[contacts]]\nlink = \"tool\"\nstart_s = 1\nduration_s = 1\nforce_n = [1, 2]",
             &["contacts[0].force_n", "three numbers"],
         ),
