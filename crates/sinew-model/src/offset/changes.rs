@@ -2,9 +2,9 @@
 
 use super::features::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
-use super::solve::{Problem, Solution};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::score::{Candidate, Weighing};
+use super::solve::{Problem, Solution};
 use alloc::vec::Vec;
 
 /// What changes.

@@ -86,8 +86,18 @@ impl Normal {
             } else {
                 (mine.clone(), shared..i + 1)
             };
-            add_rows(&mut line[own.clone()], factors, &link[own.clone()], &motor[own]);
-            add_rows(&mut line[rest.clone()], factors, &link[rest.clone()], &motor[rest]);
+            add_rows(
+                &mut line[own.clone()],
+                factors,
+                &link[own.clone()],
+                &motor[own],
+            );
+            add_rows(
+                &mut line[rest.clone()],
+                factors,
+                &link[rest.clone()],
+                &motor[rest],
+            );
         }
         for dense in [link, motor] {
             dense[mine.clone()].fill(0.0);

@@ -22,7 +22,7 @@ fn a_good_one_is_accepted() {
 
 #[test]
 fn each_refusal_names_file_line_key_value_and_unit() {
-    let cases: [(&str, &[&str]); 24] = [
+    let cases: [(&str, &[&str]); 25] = [
         ("", &["bad.toml", "[motion]"]),
         ("duration_s = ", &["bad.toml"]),
         ("duration_s = nan", &["motion"]),
