@@ -164,3 +164,25 @@ fn one_recording_is_judged_against_its_own_truth() {
         assert!(joint.interval_95_mrad > 0.2 * bound);
     }
 }
+
+#[test]
+fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
+    let plan = Plan::named("U3").unwrap();
+    for seed in [4002, 4008] {
+        let recording = record(&plan, seed, false).unwrap();
+        for joint in &recording.joints {
+            let (error, interval) = (joint.error_mrad, joint.interval_95_mrad);
+            assert!(
+                error.abs() < interval,
+                "{seed} {}: {error} ± {interval}",
+                joint.name
+            );
+        }
+        let said = |w: &String| w.contains("stiffness changed by");
+        assert!(
+            recording.warnings.iter().any(said),
+            "{:?}",
+            recording.warnings
+        );
+    }
+}

@@ -88,7 +88,8 @@ pub struct Step {
     pub interval_95_mrad: f64,
     /// Stiffness lost or gained with it, %, and half its 95 % interval; `None`: no change seen.
     pub stiffness_change_percent: Option<[f64; 2]>,
-    /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, else "slip".
+    /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, else "slip";
+    /// "softer since before" and "stiffer since before" where the recording began so.
     pub kind: String,
 }
 

@@ -145,12 +145,13 @@ fn said_of_joint(
         "shorter"
     };
     let mut steps = Vec::new();
-    for (_, map) in &watched.stretches {
+    for (from, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
             match change.what {
                 What::Offset(i) if i == joint => steps.push(step(prior, map, k)),
                 What::Compliance(i) if i == joint && !with_slip(map, k) => {
-                    steps.push(softer(prior, map, k));
+                    let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
+                    steps.extend(softer(prior, map, k, first_s));
                 }
                 _ => {}
             }
@@ -249,22 +250,31 @@ fn with_slip(map: &MapEstimate, k: usize) -> bool {
     })
 }
 
-/// A change of stiffness alone.
-fn softer(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+/// A change of stiffness alone; one since before the first block only where it is sure, because
+/// stiffness is opened then on suspicion.
+fn softer(prior: &Prior, map: &MapEstimate, k: usize, first_s: f64) -> Option<Step> {
     let [softer, unsure] = map.change(prior, k);
-    Step {
-        time_s: map.changes[k].at_s,
+    let before = map.changes[k].at_s <= first_s;
+    if before && softer.abs() < Z95 * unsure {
+        return None;
+    }
+    let kind = match (softer > 0.0, before) {
+        (true, true) => SOFTER_SINCE,
+        (false, true) => "stiffer since before",
+        (true, false) => "strand failure",
+        (false, false) => "stiffer",
+    };
+    Some(Step {
+        time_s: map.changes[k].at_s.max(0.0),
         size_mrad: 0.0,
         interval_95_mrad: 0.0,
         stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
-        kind: if softer > 0.0 {
-            "strand failure"
-        } else {
-            "stiffer"
-        }
-        .into(),
-    }
+        kind: kind.into(),
+    })
 }
+
+/// A loss of stiffness that was there when the recording began.
+pub(super) const SOFTER_SINCE: &str = "softer since before";
 
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {

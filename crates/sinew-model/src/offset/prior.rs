@@ -78,8 +78,9 @@ pub const UNKNOWN_OFFSET_RAD: f64 = 0.03;
 pub const TENSIONED_OFFSET_RAD: f64 = 1e-5;
 /// What half a dead zone may be before anything is known, rad.
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
-/// Standard deviation of what lies anywhere in −1…1.
-const STUCK: f64 = 0.577;
+/// Standard deviation of where in −1…1 friction stands. A joint at rest came there by sliding, or
+/// was pushed there by its rope: an end is more likely than the middle (evenly spread: 0.58).
+const STUCK: f64 = 0.85;
 /// Standard deviation of what is held fixed, in its own unit.
 const FIXED: f64 = 1e-9;
 
