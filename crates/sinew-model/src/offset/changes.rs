@@ -1,6 +1,6 @@
 //! Sudden changes within a recording: a slip, a failed strand, a load picked up or put down.
 
-use super::features::Block;
+use super::block::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::score::{Candidate, Weighing};

@@ -1,7 +1,7 @@
 //! A block's equations, linearised: what is expected, and how it moves with the state.
 
+use super::block::{Block, ENCODER};
 use super::changes::{Change, What};
-use super::features::{Block, ENCODER};
 use super::prior::{JointParameter as P, PAYLOAD, Prior};
 use crate::arm::PARAMETERS_PER_BODY;
 use alloc::vec::Vec;

@@ -18,6 +18,7 @@
 //!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
+use super::block::{Block, ENCODER};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
 use crate::error::{is_input, is_time_step};
@@ -51,102 +52,11 @@ impl Default for FeatureConfig {
     }
 }
 
-/// Averages over one block.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// Middle of the block, s since the first sample.
-    pub time_s: f64,
-    /// Filtered joint position at the end of the block, `n`, rad.
-    pub q: Vec<f64>,
-    /// Filtered `theta_measured − q`, `n`, rad.
-    pub y: Vec<f64>,
-    /// The same with a memory of half a minute: what a viscoelastic rope creeps after, `n`, rad.
-    pub y_slow: Vec<f64>,
-    /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
-    pub phi: Vec<f64>,
-    /// Joint position like `y`, `n`, rad.
-    pub turned: Vec<f64>,
-    /// Friction state, −1…1, `n`, as far as it is known.
-    pub z: Vec<f64>,
-    /// Half of what it may be: 1 until the joint has moved, 0 once it has slid, `n`.
-    pub z_unknown: Vec<f64>,
-    /// Joint velocity, `n`, rad/s.
-    pub dq: Vec<f64>,
-    /// Friction state times the size of the spring's torque over its stiffness, `n`, rad.
-    pub z_load: Vec<f64>,
-    /// Sine and cosine of once and twice `q`, `n × 4`.
-    pub encoder: Vec<f64>,
-    /// Temperature, °C; NaN where not recorded.
-    pub temperature_c: f64,
-    /// Filtered motor torque, `n`, N·m; NaN where not recorded.
-    pub motor_torque: Vec<f64>,
-    /// Filtered motor acceleration, `n`, rad/s².
-    pub motor_acceleration: Vec<f64>,
-    /// Motor velocity, `n`, rad/s.
-    pub motor_velocity: Vec<f64>,
-    /// Friction state of the drive, −1…1, `n`.
-    pub motor_z: Vec<f64>,
-    /// Friction state of the drive times the size of the spring's torque over its stiffness,
-    /// `n`, rad.
-    pub motor_z_load: Vec<f64>,
-    /// Share of the time the motor stood, 0…1, `n`: its friction is unknown then.
-    pub motor_stood: Vec<f64>,
-}
-
-impl Block {
-    fn zero(n: usize, columns: usize) -> Self {
-        let zero = || alloc::vec![0.0; n];
-        Self {
-            time_s: 0.0,
-            q: zero(),
-            y: zero(),
-            y_slow: zero(),
-            phi: alloc::vec![0.0; n * columns],
-            turned: zero(),
-            z: zero(),
-            z_unknown: zero(),
-            dq: zero(),
-            z_load: zero(),
-            encoder: alloc::vec![0.0; n * ENCODER],
-            temperature_c: 0.0,
-            motor_torque: zero(),
-            motor_acceleration: zero(),
-            motor_velocity: zero(),
-            motor_z: zero(),
-            motor_z_load: zero(),
-            motor_stood: zero(),
-        }
-    }
-
-    /// What is averaged over a block.
-    fn sums(&mut self) -> [&mut Vec<f64>; 15] {
-        [
-            &mut self.y,
-            &mut self.y_slow,
-            &mut self.phi,
-            &mut self.turned,
-            &mut self.z,
-            &mut self.z_unknown,
-            &mut self.dq,
-            &mut self.z_load,
-            &mut self.encoder,
-            &mut self.motor_torque,
-            &mut self.motor_acceleration,
-            &mut self.motor_velocity,
-            &mut self.motor_z,
-            &mut self.motor_z_load,
-            &mut self.motor_stood,
-        ]
-    }
-}
-
 /// Memory of a viscoelastic rope within a session, s.
 const CREEP_S: f64 = 30.0;
 /// Travel after which friction surely points against it, rad: several times what quantisation makes
 /// a standing joint seem to move.
 const SURE_STROKE_RAD: f64 = 4e-3;
-/// Number of encoder columns per joint.
-pub(super) const ENCODER: usize = 4;
 /// Signals that are low-passed per joint.
 const LAGS: usize = 11 + ENCODER;
 

@@ -15,9 +15,10 @@
 //! residual of each block (all joints of a block share one weight: a contact shows at several),
 //! annealed from a wide scale so that the start doesn't matter.
 
+use super::block::Block;
 use super::changes::{Change, offset_columns};
 use super::equation::{Equations, Side};
-use super::features::{Block, FeatureConfig};
+use super::features::FeatureConfig;
 use super::prior::{Belief, Payload, Prior};
 use super::solve::Problem;
 use alloc::vec::Vec;

@@ -1,8 +1,10 @@
 //! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute
 //! offset estimated with everything that disguises itself as one.
 
+mod block;
 mod chain;
 mod changes;
+mod config;
 mod equation;
 mod features;
 mod map;
@@ -13,13 +15,12 @@ mod recursive;
 mod score;
 mod solve;
 
+pub use block::Block;
 pub use changes::{Change, Seek, What};
-pub use features::{Block, FeatureConfig, FeatureObserver};
+pub use config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter};
+pub use features::{FeatureConfig, FeatureObserver};
 pub use map::{MapError, MapEstimate, MapEstimator};
-pub use observer::{
-    Comparison, OffsetConfig, OffsetConfigError, OffsetObserver, Sample, TorqueSource,
-    VelocityFilter,
-};
+pub use observer::{OffsetObserver, Sample};
 pub use prior::{
     Belief, Entry, JointParameter, JointPrior, Payload, Prior, TENSIONED_OFFSET_RAD,
     UNKNOWN_OFFSET_RAD,

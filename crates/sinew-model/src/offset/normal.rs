@@ -1,7 +1,7 @@
 //! Normal equations, residuals and what correlates them.
 
+use super::block::Block;
 use super::equation::{Equation, Equations, Side};
-use super::features::Block;
 use super::map::MapError;
 use super::prior::PER_JOINT;
 use crate::cholesky;

@@ -1,118 +1,12 @@
 //! One step from a sample to every joint's offset.
 
+use super::config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
-use crate::observer::{FirstOrder, GainError, MomentumObserver, StateVariableFilter};
+use crate::observer::{FirstOrder, MomentumObserver, StateVariableFilter};
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
-
-/// Where the elastic torque comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TorqueSource {
-    /// Link-side momentum observer: needs masses, no torque sensor.
-    #[default]
-    Observer,
-    /// Measured joint torque `tau_el`.
-    TorqueSensor,
-    /// Motor-side momentum, eq. (2): needs `tau_m`, reflected inertia and motor friction. Never
-    /// the default, because motor friction hides the elastic torque when the arm stands still.
-    Motor,
-}
-
-/// Whether `theta − q` lags like the torque it is compared with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Comparison {
-    /// `theta` and `q` go through the same filters as the observed torque: motion cancels.
-    #[default]
-    Matched,
-    /// The paper's: a lagging torque against `theta − q` as measured, so that motion shows up.
-    Paper,
-}
-
-/// Where joint velocities come from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum VelocityFilter {
-    /// A [`StateVariableFilter`] of this cut-off on every position (and torque) that enters.
-    StateVariable {
-        /// `ω`, rad/s.
-        cutoff_rad_per_s: f64,
-    },
-    /// Velocities of the recording, positions unfiltered.
-    Recorded,
-}
-
-/// How offsets are estimated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OffsetConfig {
-    /// Where `tau_el` comes from.
-    pub source: TorqueSource,
-    /// Lag treatment.
-    pub comparison: Comparison,
-    /// Observer gain `K_I`, 1/s.
-    pub gain_per_s: f64,
-    /// Where velocities come from.
-    pub velocity: VelocityFilter,
-}
-
-impl Default for OffsetConfig {
-    /// Observer, matched, `K_I` = 20 1/s, filter at 40 rad/s: the middle of what serves 12–14 bit
-    /// encoders.
-    fn default() -> Self {
-        Self {
-            source: TorqueSource::Observer,
-            comparison: Comparison::Matched,
-            gain_per_s: 20.0,
-            velocity: VelocityFilter::StateVariable {
-                cutoff_rad_per_s: 40.0,
-            },
-        }
-    }
-}
-
-/// Why an estimator could not be built.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OffsetConfigError {
-    /// One transmission per joint is needed.
-    #[error("{found} transmissions for an arm of {expected} joints")]
-    Length {
-        /// Joints of the arm.
-        expected: usize,
-        /// Transmissions given.
-        found: usize,
-    },
-    /// A gain nobody can use.
-    #[error(transparent)]
-    Gain(#[from] GainError),
-    /// A cut-off nobody can use.
-    #[error("velocity filter at {cutoff_rad_per_s} rad/s; it must be above 0 and at most 1e6")]
-    VelocityFilter {
-        /// Cut-off given, rad/s.
-        cutoff_rad_per_s: f64,
-    },
-    /// A stiffness nobody can build.
-    #[error(
-        "stiffness of joint {joint} is {stiffness_nm_per_rad} N·m/rad; it must be finite and above 0"
-    )]
-    Stiffness {
-        /// Index of the joint.
-        joint: usize,
-        /// Stiffness given, N·m/rad.
-        stiffness_nm_per_rad: f64,
-    },
-    /// The motor source without a motor inertia.
-    #[error("joint {joint} has no motor inertia, which the motor source needs")]
-    MotorInertia {
-        /// Index of the joint.
-        joint: usize,
-    },
-    /// The motor source needs motor velocities, which only the filter gives.
-    #[error(
-        "the motor source needs the velocity filter: recorded velocities are the joint's, not the motor's"
-    )]
-    MotorVelocity,
-}
 
 /// One sample of a robot. Slices have one entry per joint.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,6 +1,6 @@
 //! What is unknown about a robot, with what is believed of it before a recording.
 
-use super::features::ENCODER;
+use super::block::ENCODER;
 use crate::arm::{Arm, PARAMETERS_PER_BODY};
 use crate::tolerances::Tolerances;
 use crate::transmission::Transmission;

@@ -1,7 +1,7 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 
+use super::block::Block;
 use super::equation::{Equation, Equations, Side};
-use super::features::Block;
 use super::map::MapEstimator;
 use super::prior::{Belief, JointParameter, PAYLOAD, PER_JOINT};
 use crate::StepError;

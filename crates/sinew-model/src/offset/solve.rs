@@ -1,8 +1,8 @@
 //! Gauss–Newton on the posterior of one recording.
 
+use super::block::Block;
 use super::changes::Change;
 use super::equation::{Equation, Equations, Side};
-use super::features::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload};
