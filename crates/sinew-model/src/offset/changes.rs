@@ -48,6 +48,9 @@ pub(super) const SAME_S: f64 = 2.0;
 /// What a change must take off the cost to be kept, beyond one per unknown: about five standard
 /// deviations, because every moment of every joint is a chance to be fooled.
 const KEEP: f64 = 12.0;
+/// A candidate that takes less than this off the cost in two steps is not fitted to the end: on
+/// recordings without a change it is below 3, and a change is kept from 13 on.
+const WORTH_A_FIT: f64 = 3.0;
 /// What a loss of stiffness with a slip must take off it: two and a half standard deviations.
 const KEEP_SOFTER: f64 = 3.0;
 /// The same for what changed before the recording began: one moment only, not every one. Without
@@ -120,6 +123,9 @@ impl Problem<'_> {
         for _ in 0..MOST {
             let mut better: Option<Found> = None;
             for candidate in self.candidates(&best.estimate, seek)? {
+                if self.gain_at_a_glance(&best.estimate, &candidate)? < WORTH_A_FIT {
+                    continue;
+                }
                 let trial = self.with_change(&best.estimate, candidate)?;
                 if trial.gain > better.as_ref().map_or(0.0, |b| b.gain) {
                     better = Some(trial);
@@ -182,8 +188,8 @@ impl Problem<'_> {
                         c.at_s = candidate.change.at_s;
                     }
                 }
-                let warm = Some((best.estimate.state.as_slice(), &best.estimate));
-                let trial = self.solve_from(&changes, warm)?;
+                let known = &best.estimate;
+                let trial = self.solve_from(&changes, &known.state, known)?;
                 if trial.estimate.cost < self.cost_at(&best.estimate, &trial.estimate) {
                     best = trial;
                 }
@@ -224,13 +230,17 @@ impl Problem<'_> {
         Ok(best)
     }
 
+    /// What a change takes off the cost, roughly.
+    fn gain_at_a_glance(&self, best: &MapEstimate, candidate: &Candidate) -> Result<f64, MapError> {
+        let (changes, state) = candidate.with(best);
+        let estimate = self.glance_from(&changes, &state, best)?.estimate;
+        Ok(self.cost_at(best, &estimate) - estimate.cost)
+    }
+
     /// The estimate with one more change and what it takes off the cost.
     fn with_change(&self, best: &MapEstimate, candidate: Candidate) -> Result<Found, MapError> {
-        let mut changes = best.changes.clone();
-        changes.push(candidate.change);
-        let mut state = best.state.clone();
-        state.extend(&candidate.size);
-        let solution = self.solve_from(&changes, Some((state.as_slice(), best)))?;
+        let (changes, state) = candidate.with(best);
+        let solution = self.solve_from(&changes, &state, best)?;
         let before = self.cost_at(best, &solution.estimate);
         Ok(Found {
             gain: before - solution.estimate.cost,

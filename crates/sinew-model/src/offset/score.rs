@@ -24,6 +24,16 @@ pub(super) struct Candidate {
     pub(super) size: Vec<f64>,
 }
 
+impl Candidate {
+    /// Changes and state of `best` with this one more.
+    pub(super) fn with(&self, best: &MapEstimate) -> (Vec<Change>, Vec<f64>) {
+        let (mut changes, mut state) = (best.changes.clone(), best.state.clone());
+        changes.push(self.change);
+        state.extend(&self.size);
+        (changes, state)
+    }
+}
+
 impl Problem<'_> {
     /// The most telling changes of every kind, by score.
     pub(super) fn candidates(

@@ -14,6 +14,8 @@ use alloc::vec::Vec;
 const SCALES: [f64; 10] = [40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0];
 /// The same from a start that is nearly right.
 const WARM_SCALES: [f64; 5] = [12.0, 6.0, 3.5, 3.0, 3.0];
+/// The same for what is only looked at.
+const GLANCE_SCALES: [f64; 2] = [6.0, 3.0];
 /// The scale that decides.
 const SCALE: f64 = 3.0;
 
@@ -88,13 +90,33 @@ impl<'a> Problem<'a> {
 
     /// The estimate with changes at known moments.
     pub(super) fn solve(&self, changes: &[Change]) -> Result<Solution, MapError> {
-        self.solve_from(changes, None)
+        self.descend(changes, &SCALES, None)
     }
 
     /// [`Problem::solve`] from a state that is nearly right, with its noise.
     pub(super) fn solve_from(
         &self,
         changes: &[Change],
+        state: &[f64],
+        known: &MapEstimate,
+    ) -> Result<Solution, MapError> {
+        self.descend(changes, &WARM_SCALES, Some((state, known)))
+    }
+
+    /// [`Problem::solve_from`] in two steps: enough to see whether changes are worth more.
+    pub(super) fn glance_from(
+        &self,
+        changes: &[Change],
+        state: &[f64],
+        known: &MapEstimate,
+    ) -> Result<Solution, MapError> {
+        self.descend(changes, &GLANCE_SCALES, Some((state, known)))
+    }
+
+    fn descend(
+        &self,
+        changes: &[Change],
+        scales: &[f64],
         warm: Option<(&[f64], &MapEstimate)>,
     ) -> Result<Solution, MapError> {
         let n = self.estimator.prior().joints();
@@ -111,12 +133,10 @@ impl<'a> Problem<'a> {
             weights: alloc::vec![1.0; self.blocks.len()],
             cost: 0.0,
         };
-        let mut scales = SCALES.as_slice();
         if let Some((state, known)) = warm {
             at.state.copy_from_slice(state);
             at.noise_rad.copy_from_slice(&known.noise_rad);
             at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
-            scales = &WARM_SCALES;
         }
         let mut normal = Normal::new(total, self.estimator.prior().body_start());
         let mut residuals = Residuals::new(n, self.blocks.len());
