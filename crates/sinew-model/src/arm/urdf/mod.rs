@@ -14,12 +14,15 @@
 //! body can have (identified models contain such), a joint that carries no mass and a negative
 //! friction are accepted with a warning. A negative friction counts as none.
 
+mod links;
+
 use super::{Arm, ArmBuilder, ArmError, BodyInertia, BodySpec, GRAVITY_M_S2, JointKind, Pose};
-use crate::vec3::{Mat3, Vec3, norm};
+use crate::vec3::{Vec3, norm};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use links::Odd;
 
 /// How to read a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,15 +154,6 @@ struct Reader<'a> {
     root: usize,
     warnings: Vec<String>,
     odd: Odd,
-}
-
-/// Names of what is odd, gathered so that one warning speaks of all.
-#[derive(Default)]
-struct Odd {
-    inertia_without_mass: Vec<String>,
-    not_definite: Vec<String>,
-    triangle: Vec<String>,
-    negative_friction: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
@@ -399,84 +393,6 @@ impl<'a> Reader<'a> {
             },
         })
     }
-
-    /// Mass properties of a link in its own frame.
-    fn link_body(&mut self, link: &urdf_rs::Link) -> Result<BodyInertia, UrdfError> {
-        let i = &link.inertial.inertia;
-        let body = BodyInertia {
-            mass: link.inertial.mass.value,
-            com: [0.0; 3],
-            inertia: [
-                [i.ixx, i.ixy, i.ixz],
-                [i.ixy, i.iyy, i.iyz],
-                [i.ixz, i.iyz, i.izz],
-            ],
-        };
-        let place = format!("link '{}'", link.name);
-        super::build::check_body(&place, &body)?;
-        let pose = urdf_pose(&link.inertial.origin);
-        let placed = body.seen_from(&pose);
-        super::build::check_body(&place, &placed)?;
-        let odd = &mut self.odd;
-        if body.mass == 0.0 && body.inertia != [[0.0; 3]; 3] {
-            odd.inertia_without_mass.push(link.name.clone());
-        } else if !is_positive_semidefinite(&body.inertia) {
-            odd.not_definite.push(link.name.clone());
-        } else if !obeys_triangle(&body.inertia) {
-            odd.triangle.push(link.name.clone());
-        }
-        Ok(placed)
-    }
-
-    fn friction(
-        &mut self,
-        joint: &str,
-        what: &'static str,
-        value: f64,
-        unit: &str,
-    ) -> Result<f64, UrdfError> {
-        if !value.is_finite() {
-            return Err(ArmError::NotFinite {
-                place: format!("joint '{joint}'"),
-                what,
-                value,
-            }
-            .into());
-        }
-        if value < 0.0 {
-            self.odd
-                .negative_friction
-                .push(format!("{joint} ({what} {value:.3} {unit})"));
-        }
-        Ok(value.max(0.0))
-    }
-}
-
-impl Odd {
-    fn sentences(&self) -> Vec<String> {
-        [
-            (
-                &self.inertia_without_mass,
-                "link with an inertia but no mass (0 kg), check its <mass>",
-            ),
-            (
-                &self.not_definite,
-                "link with an inertia that is not positive definite, which no body has; used as it stands, a simulation may refuse it",
-            ),
-            (
-                &self.triangle,
-                "link with principal inertias that break the triangle inequality, which no body has (identified models do); used as they stand",
-            ),
-            (
-                &self.negative_friction,
-                "joint with a negative friction in the URDF; it counts as 0",
-            ),
-        ]
-        .iter()
-        .filter(|(names, _)| !names.is_empty())
-        .map(|(names, text)| format!("{text}: {}", names.join(", ")))
-        .collect()
-    }
 }
 
 fn limits(joint: &urdf_rs::Joint) -> JointLimits {
@@ -492,34 +408,4 @@ fn limits(joint: &urdf_rs::Joint) -> JointLimits {
 
 fn urdf_pose(pose: &urdf_rs::Pose) -> Pose {
     Pose::from_xyz_rpy(pose.xyz.0, pose.rpy.0)
-}
-
-/// Whether every principal minor is at least zero, up to rounding of the entries.
-fn is_positive_semidefinite(a: &Mat3) -> bool {
-    // Sixteen roundings per product of entries as large as the trace.
-    let size = (a[0][0].abs() + a[1][1].abs() + a[2][2].abs()).max(f64::MIN_POSITIVE);
-    let eps = 16.0 * f64::EPSILON;
-    let minor = |i: usize, k: usize| a[i][i] * a[k][k] - a[i][k] * a[i][k];
-    let det = a[0][0] * minor(1, 2) - a[0][1] * (a[0][1] * a[2][2] - a[1][2] * a[0][2])
-        + a[0][2] * (a[0][1] * a[1][2] - a[1][1] * a[0][2]);
-    (0..3).all(|i| a[i][i] >= -eps * size)
-        && [(0, 1), (0, 2), (1, 2)]
-            .iter()
-            .all(|&(i, k)| minor(i, k) >= -eps * size * size)
-        && det >= -eps * size * size * size
-}
-
-/// Whether the second mass moments `½ tr(I) 1 − I` are those of a body.
-fn obeys_triangle(a: &Mat3) -> bool {
-    let half_trace = 0.5 * (a[0][0] + a[1][1] + a[2][2]);
-    let mut moments = a.map(|row| row.map(|x| -x));
-    for (i, row) in moments.iter_mut().enumerate() {
-        row[i] += half_trace;
-    }
-    // Values in files are rounded to a few digits; a thin rod sits on the border.
-    let slack = 1e-3 * half_trace;
-    for (i, row) in moments.iter_mut().enumerate() {
-        row[i] += slack;
-    }
-    is_positive_semidefinite(&moments)
 }
