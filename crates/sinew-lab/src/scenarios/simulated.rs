@@ -108,10 +108,7 @@ impl Simulated {
         let told_s = end_of_b_s - 1.0 / plan.scenario.sample_rate_hz;
         Self {
             truth_mrad: (0..plan.robot.arm.dof())
-                .map(|i| {
-                    let (physical, injected) = simulation.offset_at(i, told_s);
-                    1e3 * (physical + injected)
-                })
+                .map(|i| 1e3 * simulation.offset_at(i, told_s).sum())
                 .collect(),
             slips: simulation
                 .offsets()

@@ -149,10 +149,7 @@ impl Truth {
             names.iter().cloned().zip((0..names.len()).map(f)).collect()
         };
         let drives = simulation.drives();
-        let sum = |i: usize, t: f64| {
-            let (physical, injected) = simulation.offset_at(i, t);
-            physical + injected
-        };
+        let sum = |i: usize, t: f64| simulation.offset_at(i, t).sum();
         let frame_s = 1.0 / scenario.sample_rate_hz;
         // Just before the end of B: a step that opens the next session isn't part of it.
         let told_at = scenario
@@ -248,10 +245,7 @@ fn touch(c: &Contact) -> Touch {
 /// Offset of joint `i` over time: an even grid and both sides of every corner, without the points
 /// that lie on a straight line anyway.
 fn course(simulation: &Simulation, i: usize, duration_s: f64) -> Vec<[f64; 2]> {
-    let value = |t: f64| {
-        let (physical, injected) = simulation.offset_at(i, t);
-        physical + injected
-    };
+    let value = |t: f64| simulation.offset_at(i, t).sum();
     // Just before a jump; far below a sample.
     const BEFORE_S: f64 = 1e-6;
     let mut times: Vec<f64> = (0..=COURSE_POINTS)

@@ -6,6 +6,7 @@
 
 mod correction;
 mod draw;
+mod happens;
 mod names;
 mod profile;
 mod read;
@@ -327,6 +328,10 @@ pub enum OffsetKind {
     Injected,
     /// The rope is longer: `tau_el = K (theta_measured − delta_e − q)`.
     Physical,
+    /// The motor's encoder has slipped: its reading is so much larger, for the controller too.
+    MotorEncoder,
+    /// The joint's encoder has slipped: its reading is so much smaller.
+    JointEncoder,
 }
 
 /// A tendon offset over time.

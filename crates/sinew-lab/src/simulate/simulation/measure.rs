@@ -39,18 +39,24 @@ impl Simulation {
         for i in 0..self.names.len() {
             let (q, dq) = (self.plant.state.q[i], self.plant.state.dq[i]);
             let theta = self.plant.state.theta[i];
-            let (physical, injection) = self.offset_at(i, t);
+            let parts = self.offset_at(i, t);
+            let injection = parts.injected;
             let tau_el = self.truth.tau_el[i];
             self.truth.q_d[i] = self.q_d[i];
             self.truth.dq_d[i] = self.dq_d[i];
             self.truth.q[i] = q;
             self.truth.dq[i] = dq;
             self.truth.theta[i] = theta;
-            self.truth.delta_e[i] = physical + injected(theta, injection) - theta;
+            self.truth.delta_e[i] = parts.physical
+                + parts.motor_encoder
+                + parts.joint_encoder
+                + injected(theta, injection)
+                - theta;
             let drift = self.temperature.drift_rad_per_k[i] * warmer;
-            self.frame.q[i] = self.sensors.joint(i, q);
+            self.frame.q[i] = self.sensors.joint(i, q) - parts.joint_encoder;
             let shown = self.shown_theta(i, rate);
-            self.frame.theta[i] = self.sensors.motor(i, shown, injection, drift);
+            self.frame.theta[i] =
+                self.sensors.motor(i, shown, injection, drift) + parts.motor_encoder;
             if record.dq {
                 self.frame.dq[i] = self.sensors.velocity(dq);
             }
@@ -82,10 +88,11 @@ impl Simulation {
     pub(crate) fn shown_without_noise(&self, i: usize) -> (f64, f64) {
         let truth = &self.truth;
         let warmer = self.temperature.at(truth.time_s) - self.temperature.reference_c;
-        let injection = self.offset_at(i, truth.time_s).1;
+        let parts = self.offset_at(i, truth.time_s);
+        let drift = self.temperature.drift_rad_per_k[i] * warmer;
         (
-            self.sensors.eccentric(i, truth.q[i], truth.q[i]),
-            injected(truth.theta[i], injection) + self.temperature.drift_rad_per_k[i] * warmer,
+            self.sensors.eccentric(i, truth.q[i], truth.q[i]) - parts.joint_encoder,
+            injected(truth.theta[i], parts.injected) + parts.motor_encoder + drift,
         )
     }
 

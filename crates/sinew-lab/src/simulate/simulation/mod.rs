@@ -34,12 +34,33 @@ pub struct TrueState {
     /// Motor position as its encoder would show it without error, rad: with a physical offset
     /// in it, without an injected one.
     pub theta: Vec<f64>,
-    /// Offset in the recorded motor position, rad: physical, plus injected where it was added.
+    /// Offset in `theta_measured − q`, rad: physical, of slipped encoders, plus injected where it
+    /// was added.
     pub delta_e: Vec<f64>,
     /// Elastic torque, N·m.
     pub tau_el: Vec<f64>,
     /// Torque of contacts, N·m.
     pub tau_ext: Vec<f64>,
+}
+
+/// What the offset of a joint is made of, rad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct OffsetParts {
+    /// The rope is longer.
+    pub(crate) physical: f64,
+    /// Added to the recorded motor position by the paper's rule.
+    pub(crate) injected: f64,
+    /// The motor's encoder reads too much.
+    pub(crate) motor_encoder: f64,
+    /// The joint's encoder reads too little.
+    pub(crate) joint_encoder: f64,
+}
+
+impl OffsetParts {
+    /// What `theta_measured − q` shows of it.
+    pub(crate) fn sum(self) -> f64 {
+        self.physical + self.injected + self.motor_encoder + self.joint_encoder
+    }
 }
 
 /// A simulated robot that is recorded frame by frame, in constant memory.
@@ -88,6 +109,8 @@ pub struct Simulation {
     dq_d: Vec<f64>,
     ddq_d: Vec<f64>,
     tau_m: Vec<f64>,
+    /// Motor position as the controller reads it.
+    theta_read: Vec<f64>,
     delta_e: Vec<f64>,
     stiffness_scale: Vec<f64>,
     forces: Vec<PointForce>,
@@ -138,14 +161,16 @@ impl Simulation {
         &self.truth
     }
 
-    /// Offset of joint `i` at `t`, s, as the scenario has it: `(physical, injected)`, rad.
-    pub(crate) fn offset_at(&self, i: usize, t: f64) -> (f64, f64) {
-        let mut sum = (0.0, 0.0);
+    /// Offset of joint `i` at `t`, s, as the scenario has it.
+    pub(crate) fn offset_at(&self, i: usize, t: f64) -> OffsetParts {
+        let mut sum = OffsetParts::default();
         for o in self.offsets.iter().filter(|o| o.joint == i) {
             let value = o.size_rad * o.shape.at(t);
             match o.kind {
-                OffsetKind::Physical => sum.0 += value,
-                OffsetKind::Injected => sum.1 += value,
+                OffsetKind::Physical => sum.physical += value,
+                OffsetKind::Injected => sum.injected += value,
+                OffsetKind::MotorEncoder => sum.motor_encoder += value,
+                OffsetKind::JointEncoder => sum.joint_encoder += value,
             }
         }
         sum
@@ -154,8 +179,7 @@ impl Simulation {
     /// What is known of joint `i` at `t`, s, to whoever corrects a recording: injected offsets
     /// included.
     pub fn known_at(&self, i: usize, t: f64) -> JointCorrection {
-        let (physical, injected) = self.offset_at(i, t);
-        self.known.of_joint(i, physical + injected)
+        self.known.of_joint(i, self.offset_at(i, t).sum())
     }
 
     /// Whether what is known changes with the true offset.
@@ -220,14 +244,17 @@ impl Simulation {
             if self.known.follows_truth() {
                 for i in 0..self.names.len() {
                     // The set-point needs what the spring feels; an injected offset it doesn't.
-                    let known = self.known.of_joint(i, self.offset_at(i, t).0);
+                    let known = self.known.of_joint(i, self.offset_at(i, t).physical);
                     self.controller.know(i, &known)?;
                 }
             }
-            let s = &self.plant.state;
+            for i in 0..self.names.len() {
+                self.theta_read[i] = self.plant.state.theta[i] + self.offset_at(i, t).motor_encoder;
+            }
             let wanted = [&self.q_d[..], &self.dq_d, &self.ddq_d];
+            let dtheta = &self.plant.state.dtheta;
             self.controller
-                .step(wanted, &s.theta, &s.dtheta, &mut self.tau_m)
+                .step(wanted, &self.theta_read, dtheta, &mut self.tau_m)
                 .map_err(|e| diverged(t, e))?;
         }
         Ok(())
@@ -238,7 +265,7 @@ impl Simulation {
             self.delta_e.fill(0.0);
         } else {
             for i in 0..self.names.len() {
-                self.delta_e[i] = self.offset_at(i, t).0;
+                self.delta_e[i] = self.offset_at(i, t).physical;
             }
         }
         let warmer = self.temperature.at(t) - self.temperature.reference_c;

@@ -159,6 +159,7 @@ impl Simulation {
             dq_d: zero.clone(),
             ddq_d: zero.clone(),
             tau_m: zero.clone(),
+            theta_read: zero.clone(),
             delta_e: zero.clone(),
             stiffness_scale: vec![1.0; n],
             forces: Vec::new(),

@@ -1,0 +1,203 @@
+//! The keys of what happens in a scenario: loads, contacts, offsets, jams, faults.
+
+use super::super::SimulateError;
+use super::draw::Draw;
+use super::read::list;
+use super::table::{Bound, Section};
+use super::*;
+
+fn link(s: &Section<'_>) -> Result<String, SimulateError> {
+    s.text("link")?
+        .ok_or_else(|| s.missing("link", "a link of the URDF, such as \"tool\""))
+}
+
+pub(super) fn payload(s: &Section<'_>) -> Result<Payload, SimulateError> {
+    let attach_s = s.number("attach_s", Bound::NotNegative)?.unwrap_or(0.0);
+    let release_s = s
+        .number("release_s", Bound::NotNegative)?
+        .unwrap_or(f64::INFINITY);
+    if release_s <= attach_s {
+        return Err(s.refuse("release_s", "later than attach_s"));
+    }
+    let com_spread_m = s.vec3("com_spread_m")?.unwrap_or([0.0; 3]);
+    if com_spread_m.iter().any(|x| *x < 0.0) {
+        return Err(s.refuse("com_spread_m", "0 or more in every direction"));
+    }
+    Ok(Payload {
+        link: link(s)?,
+        line: s.line(),
+        mass_kg: s
+            .draw("mass_kg", Bound::NotNegative)?
+            .ok_or_else(|| s.missing("mass_kg", "how heavy it is"))?,
+        com_m: s.vec3("com_m")?.unwrap_or([0.0; 3]),
+        com_spread_m,
+        attach_s,
+        release_s,
+    })
+}
+
+pub(super) fn contact(s: &Section<'_>) -> Result<Contact, SimulateError> {
+    Ok(Contact {
+        start_s: s.need("start_s", Bound::NotNegative, "when it begins")?,
+        duration_s: s.need("duration_s", Bound::Positive, "how long it lasts")?,
+        link: link(s)?,
+        line: s.line(),
+        point_m: s.vec3("point_m")?.unwrap_or([0.0; 3]),
+        force_n: s
+            .vec3("force_n")?
+            .ok_or_else(|| s.missing("force_n", "the force [x, y, z] in the base frame"))?,
+        rise_s: s.number("rise_s", Bound::NotNegative)?.unwrap_or(0.0),
+    })
+}
+
+pub(super) fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, SimulateError> {
+    let from = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
+    let to = s
+        .number("to_s", Bound::NotNegative)?
+        .unwrap_or(f64::INFINITY);
+    if to <= from {
+        return Err(s.refuse("to_s", "later than from_s"));
+    }
+    let out = RandomContacts {
+        fraction: s.need(
+            "fraction",
+            Bound::Within(0.0, 0.95),
+            "the share of the time",
+        )?,
+        link: link(s)?,
+        line: s.line(),
+        point_m: s.vec3("point_m")?.unwrap_or([0.0; 3]),
+        force_n: s
+            .draw("force_n", Bound::NotNegative)?
+            .ok_or_else(|| s.missing("force_n", "its size, { min = …, max = … }"))?,
+        duration_s: s
+            .draw("duration_s", Bound::Positive)?
+            .ok_or_else(|| s.missing("duration_s", "its length, { min = …, max = … }"))?,
+        rise_s: s.number("rise_s", Bound::NotNegative)?.unwrap_or(0.0),
+        from_to_s: (from, to),
+    };
+    s.finish()?;
+    Ok(out)
+}
+
+pub(super) fn offset(s: &Section<'_>) -> Result<Offset, SimulateError> {
+    let kind = match s.text("kind")?.as_deref() {
+        Some("injected") => OffsetKind::Injected,
+        Some("physical") => OffsetKind::Physical,
+        Some("motor-encoder") => OffsetKind::MotorEncoder,
+        Some("joint-encoder") => OffsetKind::JointEncoder,
+        _ => {
+            let must = "\"injected\" (added to the recording, as the paper does), \"physical\" (the rope is longer), \"motor-encoder\" or \"joint-encoder\" (it has slipped)";
+            return Err(s.refuse("kind", must));
+        }
+    };
+    let time = |key, why| s.need(key, Bound::NotNegative, why);
+    let mut later_s = Draw::Fixed(0.0);
+    let mut size = s.draw("rad", Bound::Within(-1.0, 1.0))?;
+    let shapes = "\"constant\", \"step\", \"ramp\", \"exponential\" or \"table\"";
+    let shape = match s.text("shape")?.as_deref() {
+        None | Some("constant") => Shape::Constant,
+        Some("step") => {
+            let at = s.draw("at_s", Bound::NotNegative)?;
+            match at.ok_or_else(|| s.missing("at_s", "when it slips"))? {
+                Draw::Fixed(at_s) => Shape::Step { at_s },
+                drawn => {
+                    later_s = drawn;
+                    Shape::Step { at_s: 0.0 }
+                }
+            }
+        }
+        Some("ramp") => {
+            let from_s = time("from_s", "when it starts")?;
+            let to_s = time("to_s", "when it is complete")?;
+            if to_s <= from_s {
+                return Err(s.refuse("to_s", "later than from_s"));
+            }
+            Shape::Ramp { from_s, to_s }
+        }
+        Some("exponential") => Shape::Exponential {
+            from_s: s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0),
+            time_constant_s: s.need("time_constant_s", Bound::Positive, "how fast it grows")?,
+        },
+        Some("table") => {
+            size = Some(size.unwrap_or(Draw::Fixed(1.0)));
+            Shape::Table(
+                s.pairs("table_s_rad", Bound::Within(-1.0, 1.0))?
+                    .ok_or_else(|| s.missing("table_s_rad", "pairs [time, offset]"))?,
+            )
+        }
+        Some(_) => return Err(s.refuse("shape", shapes)),
+    };
+    Ok(Offset {
+        joint: s
+            .text("joint")?
+            .ok_or_else(|| s.missing("joint", "whose tendon stretches"))?,
+        line: s.line(),
+        kind,
+        size_rad: size.ok_or_else(|| s.missing("rad", "the size of the offset"))?,
+        shape,
+        later_s,
+    })
+}
+
+pub(super) fn jam(s: &Section<'_>) -> Result<Jam, SimulateError> {
+    let from_s = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
+    let to_s = s
+        .number("to_s", Bound::NotNegative)?
+        .unwrap_or(f64::INFINITY);
+    if to_s <= from_s {
+        return Err(s.refuse("to_s", "later than from_s"));
+    }
+    Ok(Jam {
+        joint: s
+            .text("joint")?
+            .ok_or_else(|| s.missing("joint", "which joint sticks"))?,
+        line: s.line(),
+        torque_nm: s.need("torque_nm", Bound::NotNegative, "what it takes to move it")?,
+        from_s,
+        to_s,
+    })
+}
+
+pub(super) fn session(s: &Section<'_>) -> Result<Session, SimulateError> {
+    let from_s = s.need("from_s", Bound::NotNegative, "when it begins")?;
+    let to_s = s.need("to_s", Bound::Positive, "when it ends")?;
+    if to_s <= from_s {
+        return Err(s.refuse("to_s", "later than from_s"));
+    }
+    Ok(Session {
+        name: s
+            .text("name")?
+            .ok_or_else(|| s.missing("name", "what to call it"))?,
+        from_s,
+        to_s,
+    })
+}
+
+pub(super) fn record(s: &Section<'_>) -> Result<Record, SimulateError> {
+    let flag = |key| -> Result<bool, SimulateError> { Ok(s.flag(key)?.unwrap_or(false)) };
+    Ok(Record {
+        dq: flag("dq")?,
+        tau_el: flag("tau_el")?,
+        tau_m: flag("tau_m")?,
+        tau_ext: flag("tau_ext")?,
+        temperature: flag("temperature")?,
+    })
+}
+
+pub(super) fn faults(s: &Section<'_>) -> Result<Faults, SimulateError> {
+    let share = |key| -> Result<f64, SimulateError> {
+        Ok(s.number(key, Bound::Within(0.0, 0.9))?.unwrap_or(0.0))
+    };
+    Ok(Faults {
+        dropout_fraction: share("dropout_fraction")?,
+        duplicate_fraction: share("duplicate_fraction")?,
+        late_fraction: share("late_fraction")?,
+        gaps_s: list(s, "gaps", |gap| {
+            Ok((
+                gap.need("start_s", Bound::NotNegative, "when it begins")?,
+                gap.need("duration_s", Bound::Positive, "how long it lasts")?,
+            ))
+        })?,
+    })
+}
