@@ -1,6 +1,6 @@
 //! A recording as blocks of features.
 
-use crate::estimate::{EstimateError, Progress, Request};
+use crate::estimate::{EstimateError, Injection, Progress, Request, check_injections};
 use crate::robot_dir::{self, LoadedRobot};
 use sinew_log::Frame;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, MapError};
@@ -86,6 +86,8 @@ pub struct Recorder {
     last_ns: Option<i64>,
     segment: u32,
     first_s: Option<f64>,
+    /// Offsets to add: joint, from this time of the recording on, rad.
+    injections: Vec<(usize, f64, f64)>,
     out: Recorded,
 }
 
@@ -101,6 +103,7 @@ impl Recorder {
             last_ns: None,
             segment: 0,
             first_s: None,
+            injections: Vec::new(),
             out: Recorded {
                 elastic: (0..robot.arm.dof())
                     .filter(|&i| robot.transmissions[i].is_some())
@@ -108,6 +111,21 @@ impl Recorder {
                 ..Recorded::default()
             },
         }
+    }
+
+    /// Adds offsets to the motor positions on the way, as `--inject` asks; those of joints the robot
+    /// doesn't have are left out.
+    #[must_use]
+    pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
+        self.injections = injections
+            .iter()
+            .filter_map(|i| {
+                let joint = robot.arm.joint_index(&i.joint)?;
+                let from_s = i.from_s.unwrap_or(f64::NEG_INFINITY);
+                Some((joint, from_s, i.offset_rad))
+            })
+            .collect();
+        self
     }
 
     /// Takes the frame at `time_s` of the recording.
@@ -125,6 +143,11 @@ impl Recorder {
             } else {
                 frame.q[i]
             };
+        }
+        for &(joint, from_s, offset_rad) in &self.injections {
+            if time_s >= from_s {
+                self.theta[joint] += offset_rad;
+            }
         }
         if frame.q.iter().chain(&self.theta).any(|x| !x.is_finite()) {
             self.out.frames_missing += 1;
@@ -176,6 +199,7 @@ pub(super) fn read(
     let robot = &loaded.robot;
     let names: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
     recording.select(&names).map_err(EstimateError::from)?;
+    check_injections(request, &loaded)?;
     let mismatch = |why: String| {
         AbsoluteError::Estimate(EstimateError::Mismatch {
             file: request.log.display().to_string(),
@@ -193,7 +217,8 @@ pub(super) fn read(
             )));
         }
     }
-    let mut recorder = Recorder::new(robot, config, request.open.gap_s);
+    let mut recorder = Recorder::new(robot, config, request.open.gap_s)
+        .with_injections(robot, &request.injections);
     let mut start_ns = None;
     let mut frames = 0u64;
     while let Some(frame) = recording.next_frame().map_err(EstimateError::from)? {

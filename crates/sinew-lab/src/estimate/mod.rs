@@ -16,6 +16,10 @@
 //! | a joint without motor position or stiffness | no estimate for it; its motion still counts |
 //! | an offset above 200 mrad | reported with a warning: units, gear ratio, sign or zero |
 
+mod basis;
+mod checks;
+mod csv;
+mod doubts;
 mod replay;
 mod request;
 mod result;
@@ -23,6 +27,7 @@ mod run;
 mod series;
 mod tally;
 
+pub(crate) use checks::check_injections;
 pub use request::{EstimateError, Progress, Request};
 pub use result::{
     Basis, Difference, Estimate, Injection, JointEstimate, Loss, RecordingInfo, RobotInfo, Series,
