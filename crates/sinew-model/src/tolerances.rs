@@ -39,6 +39,9 @@ pub struct Tolerances {
     pub viscoelastic: f64,
     /// Gear ratio, relative.
     pub gear: f64,
+    /// What `theta − q` may show of an unloaded spring right after tensioning, rad; 0 where the
+    /// encoders are zeroed then.
+    pub zero_rad: f64,
 }
 
 impl Default for Tolerances {
@@ -61,13 +64,14 @@ impl Default for Tolerances {
             motor_torque: 0.03,
             viscoelastic: 0.01,
             gear: 0.003,
+            zero_rad: 0.0,
         }
     }
 }
 
 impl Tolerances {
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 20] = [
+    pub const KEYS: [&'static str; 21] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -88,6 +92,7 @@ impl Tolerances {
         "motor_torque_percent",
         "viscoelastic_percent",
         "gear_percent",
+        "zero_mrad",
     ];
 
     /// Where a key's value goes, and its unit.
@@ -115,6 +120,7 @@ impl Tolerances {
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
             "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
             "gear_percent" => (&mut self.gear, PERCENT),
+            "zero_mrad" => (&mut self.zero_rad, MILLI),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
             _ => return None,
         })

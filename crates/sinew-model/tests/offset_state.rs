@@ -11,7 +11,7 @@ const K: f64 = 20.0;
 const MASS_KG: f64 = 0.5;
 const LENGTH_M: f64 = 0.3;
 const G: f64 = 9.80665;
-const JOINT_PARAMETERS: usize = JointParameter::Gear as usize + 1;
+const JOINT_PARAMETERS: usize = JointParameter::Zero as usize + 1;
 
 /// A point mass on a massless rod, hanging straight down at `q = 0`.
 fn pendulum(extra: &str) -> Result<Robot, RobotError> {

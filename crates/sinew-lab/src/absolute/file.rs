@@ -39,7 +39,7 @@ pub struct Baseline {
 
 impl Baseline {
     const FORMAT: &'static str = "sinew-baseline";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     pub(super) fn new(
         robot: &Robot,

@@ -161,6 +161,7 @@ fn said_of_joint(
     let tendon = transmission.and_then(|t| t.tendon.as_ref());
     let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
     let [compliance, compliance_deviation] = at(JointParameter::Compliance);
+    let [zero, _] = at(JointParameter::Zero);
     let slack = prior.is_antagonistic(joint).then(|| {
         let [mean, deviation] = at(JointParameter::Slack);
         [1e3 * mean, 1e3 * Z95 * deviation]
@@ -169,7 +170,7 @@ fn said_of_joint(
     let torques = recorded
         .blocks
         .iter()
-        .map(|b| stiffness / (1.0 + compliance) * (b.y[joint] - offset));
+        .map(|b| stiffness / (1.0 + compliance) * (b.y[joint] - offset - zero));
     let (least, most) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
         (a.min(t), b.max(t))
     });

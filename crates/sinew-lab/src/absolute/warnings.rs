@@ -54,7 +54,7 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
     for (joint, noise) in said.joints.iter().zip(&said.noise_mrad) {
         if *noise > NOISY_MRAD {
             out.push(format!(
-                "{}: {noise:.1} mrad of the reading fits nothing: a gear ratio, an axis, the clock between the encoders or a viscoelastic rope may differ from the description",
+                "{}: {noise:.1} mrad of the reading fits nothing: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
                 joint.name
             ));
         }

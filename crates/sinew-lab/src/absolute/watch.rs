@@ -135,6 +135,7 @@ pub fn watch_recorded(
         }
         None => {
             let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
+            prior.hold_zero(&mut fresh);
             fresh.temperature_c = mean_temperature(&recorded.blocks);
             fresh
         }

@@ -24,7 +24,8 @@ impl Prior {
         for k in 0..self.payload_place() {
             let within = k % PER_JOINT;
             let in_joint = k < self.body_start();
-            let of_recording = [P::Offset, P::Slack, P::Stuck];
+            // The zero is what it was when the ropes were tensioned: what comes later is an offset.
+            let of_recording = [P::Offset, P::Slack, P::Stuck, P::Zero];
             if in_joint && of_recording.iter().any(|p| within == *p as usize) {
                 continue;
             }
@@ -64,6 +65,7 @@ impl Prior {
             ("friction at the start, −1…1", ""),
             ("viscoelastic share", ""),
             ("gear ratio error", ""),
+            ("encoders' zero", "rad"),
         ];
         const BODY: [(&str, &str); PARAMETERS_PER_BODY] = [
             ("mass error", "kg"),
@@ -99,8 +101,8 @@ impl Prior {
     /// What `a` and `b` learned apart from `common`, which both started from, put together.
     ///
     /// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once.
-    /// Offsets and payload belong to a recording, not to the robot: they are opened in the
-    /// result, as in `common`.
+    /// Offsets and payload belong to a recording, the encoders' zero to a tensioning, not to the
+    /// robot: they are opened in the result, as in `common`.
     ///
     /// # Errors
     /// [`super::MapError`] when lengths or covariances are no beliefs of this robot.
@@ -120,6 +122,7 @@ impl Prior {
                 });
             }
             self.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+            self.open_zero(belief);
             self.open_payload(belief, Payload::Unknown);
         }
         let (mut information, mut vector) = (alloc::vec![0.0; d * d], alloc::vec![0.0; d]);

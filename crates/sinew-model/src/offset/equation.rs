@@ -117,7 +117,7 @@ impl Prior {
         let linear = kappa * soft * tau;
         let cubic = at(P::Stiffening);
         let encoder = &block.encoder[i * ENCODER..(i + 1) * ENCODER];
-        let offset = active.sum(x, self.place(i, P::Offset));
+        let offset = active.sum(x, self.place(i, P::Offset)) + at(P::Zero);
         // The slow part of the deflection, and how far the joint has turned.
         let (slow, turned) = (block.y_slow[i] - offset, block.turned[i]);
         let mut expected = offset + linear + at(P::Viscoelastic) * slow + at(P::Gear) * turned
@@ -138,6 +138,7 @@ impl Prior {
         let per_torque = slope * kappa * soft;
         let from = out.rows.len();
         active.push(&mut out.rows, self.place(i, P::Offset), 1.0);
+        out.rows.push((self.place(i, P::Zero), 1.0));
         active.push(
             &mut out.rows,
             self.place(i, P::Compliance),

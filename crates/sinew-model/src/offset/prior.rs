@@ -65,10 +65,13 @@ pub enum JointParameter {
     Viscoelastic,
     /// Error of the gear ratio, relative.
     Gear,
+    /// What `theta_measured − q` shows of an unloaded spring right after tensioning, rad: where the
+    /// encoders were zeroed.
+    Zero,
 }
 
 /// Entries per joint.
-pub(super) const PER_JOINT: usize = JointParameter::Gear as usize + 1;
+pub(super) const PER_JOINT: usize = JointParameter::Zero as usize + 1;
 /// Payload: mass, and three first moments beside where it is expected.
 pub(super) const PAYLOAD: usize = 4;
 
@@ -282,6 +285,7 @@ impl Prior {
         set(P::Stuck, 0.0, STUCK);
         set(P::Viscoelastic, 0.0, t.viscoelastic);
         set(P::Gear, 0.0, t.gear);
+        set(P::Zero, 0.0, t.zero_rad);
         set(P::MotorScale, 0.0, t.motor_torque);
         let drive = joint.motor_coulomb_nm;
         set(
@@ -349,6 +353,21 @@ impl Prior {
             (0.0, moment),
             (0.0, moment),
         ]
+    }
+
+    /// The encoders' zero is forgotten, as when the ropes are tensioned anew.
+    pub fn open_zero(&self, belief: &mut Belief) {
+        let deviation = self.tolerances.zero_rad.max(FIXED);
+        for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
+            belief.open(self.place(i, JointParameter::Zero), 0.0, deviation);
+        }
+    }
+
+    /// Offsets are taken against the encoders' zero, wherever that is.
+    pub fn hold_zero(&self, belief: &mut Belief) {
+        for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
+            belief.open(self.place(i, JointParameter::Zero), 0.0, FIXED);
+        }
     }
 
     /// Whatever the gripper held is forgotten.
