@@ -132,7 +132,7 @@ impl Prior {
             for i in 0..d {
                 for k in 0..d {
                     information[i * d + k] += sign * part[i * d + k];
-                    vector[i] += sign * part[i * d + k] * (belief.mean[k] - common.mean[k]);
+                    vector[i] += sign * part[i * d + k] * (belief.mean[k] - inputs[0].mean[k]);
                 }
             }
         }
