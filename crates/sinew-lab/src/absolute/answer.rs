@@ -91,6 +91,10 @@ pub struct Step {
     /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, else "slip";
     /// "softer since before" and "stiffer since before" where the recording began so.
     pub kind: String,
+    /// Of a slip: "rope", "motor encoder", "joint encoder" or "can't be told"; else empty.
+    pub cause: String,
+    /// The same in a sentence.
+    pub cause_said: String,
 }
 
 /// A load picked up or put down.

@@ -1,5 +1,6 @@
 //! A recording as blocks of features.
 
+use super::jumps::Jumps;
 use crate::estimate::{EstimateError, Injection, Progress, Request, check_injections};
 use crate::robot_dir::{self, LoadedRobot};
 use sinew_log::Frame;
@@ -66,6 +67,8 @@ pub struct Recorded {
     pub frames_missing: u64,
     /// Whether the file was damaged.
     pub damaged: bool,
+    /// What jumped between two samples.
+    pub jumps: Jumps,
 }
 
 impl Recorded {
@@ -108,6 +111,7 @@ impl Recorder {
                 elastic: (0..robot.arm.dof())
                     .filter(|&i| robot.transmissions[i].is_some())
                     .collect(),
+                jumps: Jumps::new(robot.arm.dof()),
                 ..Recorded::default()
             },
         }
@@ -153,6 +157,7 @@ impl Recorder {
             self.out.frames_missing += 1;
             return;
         }
+        self.out.jumps.push(time_s, &self.theta, &frame.q);
         let gap = self
             .last_ns
             .is_some_and(|l| frame.time_ns - l > self.gap_ns);

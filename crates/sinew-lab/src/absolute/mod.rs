@@ -12,6 +12,7 @@
 mod answer;
 mod blocks;
 mod file;
+mod jumps;
 mod said;
 mod warnings;
 mod watch;
@@ -19,5 +20,6 @@ mod watch;
 pub use answer::{Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch};
 pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
+pub use jumps::{Cause, Jumps, Why, quickness};
 pub use sinew_model::offset::Payload;
 pub use watch::{WatchOptions, estimator, learn, learn_recorded, watch, watch_recorded};

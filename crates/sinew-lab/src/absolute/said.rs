@@ -4,6 +4,7 @@ use super::answer::{
     Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch,
 };
 use super::blocks::Recorded;
+use super::jumps::quickness;
 use super::watch::{Watched, mean_temperature};
 use sinew_model::offset::{Belief, Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
 use sinew_model::robot::Robot;
@@ -148,7 +149,11 @@ fn said_of_joint(
     for (from, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
             match change.what {
-                What::Offset(i) if i == joint => steps.push(step(prior, map, k)),
+                What::Offset(i) if i == joint => {
+                    let mut step = step(prior, map, k);
+                    tell_cause(&mut step, robot, recorded, joint);
+                    steps.push(step);
+                }
                 What::Compliance(i) if i == joint && !with_slip(map, k) => {
                     let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
                     steps.extend(softer(prior, map, k, first_s));
@@ -271,11 +276,33 @@ fn softer(prior: &Prior, map: &MapEstimate, k: usize, first_s: f64) -> Option<St
         interval_95_mrad: 0.0,
         stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
         kind: kind.into(),
+        cause: String::new(),
+        cause_said: String::new(),
     })
 }
 
 /// A loss of stiffness that was there when the recording began.
 pub(super) const SOFTER_SINCE: &str = "softer since before";
+
+/// Which of rope and encoders slipped.
+fn tell_cause(step: &mut Step, robot: &Robot, recorded: &Recorded, joint: usize) {
+    let nearest = recorded
+        .blocks
+        .partition_point(|b| b.time_s < step.time_s)
+        .min(recorded.blocks.len().saturating_sub(1));
+    let (Some(block), Some(t)) = (recorded.blocks.get(nearest), &robot.transmissions[joint]) else {
+        return;
+    };
+    if step.kind != "slip" {
+        return;
+    }
+    let (stiffness, inertia) = (t.stiffness_nm_per_rad, t.motor_inertia_kg_m2);
+    let quickness = quickness(&robot.arm, &block.q, joint, stiffness, inertia);
+    let size = [1e-3 * step.size_mrad, 1e-3 * step.interval_95_mrad];
+    let cause = recorded.jumps.cause(joint, step.time_s, size, quickness);
+    step.cause = cause.name().into();
+    step.cause_said = cause.sentence().into();
+}
 
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
@@ -294,6 +321,8 @@ fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
         stiffness_change_percent: softer
             .map(|[softer, unsure]| [-100.0 * softer, 100.0 * Z95 * unsure]),
         kind: if failed { "strand failure" } else { "slip" }.into(),
+        cause: String::new(),
+        cause_said: String::new(),
     }
 }
 

@@ -211,7 +211,7 @@ fn events(said: &Absolute) -> Vec<String> {
                 report::rounded(step.interval_95_mrad, 2),
                 step.time_s,
                 if step.kind == "slip" {
-                    "a slip of the rope or of an encoder"
+                    &step.cause_said
                 } else {
                     "a strand has failed"
                 }

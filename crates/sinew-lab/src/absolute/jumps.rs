@@ -1,0 +1,296 @@
+//! Whether it was the rope or an encoder: which reading jumped, and how fast.
+//!
+//! From positions alone a slip of the rope and one of an encoder are the same step of
+//! `theta − q` at every torque. The moment itself tells them apart. Masses can't jump: when a rope
+//! slips by `Δ`, the spring's torque drops by `K Δ` at once and both ends follow with finite
+//! accelerations, so that within one sample `h` no reading moves by more than
+//!
+//! ```text
+//! 1.4 K Δ h² max(1/J, (M⁻¹)ᵢᵢ)          (J: motor, M: mass matrix of the arm)
+//! ```
+//!
+//! beyond its course. A reading that moves by all of `Δ` between two samples has itself slipped;
+//! a joint's encoder does so downwards. The jump of a reading `x` between two samples is measured
+//! against a line through the four samples on either side (least squares; a common curvature
+//! cancels),
+//!
+//! ```text
+//! s = Σₖ wₖ (x₊ₖ − x₋ₖ),     w = 0.85, 0.45, 0.05, −0.35
+//! ```
+//!
+//! and compared with what noise and quantisation do every second. Where that is too much, where
+//! samples are missing, or the arm is too quick for the rate of the recording, it can't be told.
+//! An encoder that creeps over tens of milliseconds looks like a rope.
+
+use sinew_model::arm::{Arm, ArmWorkspace};
+
+/// Samples on either side of a jump.
+const SIDE: usize = 4;
+const WEIGHTS: [f64; SIDE] = [0.85, 0.45, 0.05, -0.35];
+/// Over this time the largest jump is kept, s.
+const SLOT_S: f64 = 1.0;
+/// A found change's moment is known to this, s.
+const WITHIN_S: f64 = 2.5;
+/// A jump counts from so many times on what is usual.
+const CLEAR: f64 = 3.0;
+/// Samples whose distance differs by more than this share of it can't be compared.
+const UNEVEN: f64 = 0.5;
+
+/// What made an offset change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// The motor's reading jumped between two samples, the joint's did not.
+    MotorEncoder,
+    /// The joint's reading jumped between two samples, the motor's did not.
+    JointEncoder,
+    /// Neither jumped: motor or joint moved, as a rope lets them.
+    Rope,
+    /// The recording doesn't tell, and why not.
+    Unknown(Why),
+}
+
+/// Why a cause can't be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// Samples are missing around the change.
+    Missing,
+    /// The change is not large against noise and quantisation.
+    Noise,
+    /// Between two samples the arm itself could have moved as far.
+    Rate,
+    /// Both readings jumped.
+    Both,
+}
+
+impl Cause {
+    /// In a word or two, for tables and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MotorEncoder => "motor encoder",
+            Self::JointEncoder => "joint encoder",
+            Self::Rope => "rope",
+            Self::Unknown(_) => "can't be told",
+        }
+    }
+
+    /// In a sentence's end.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::MotorEncoder => {
+                "the motor encoder's reading jumped between two samples: it slipped, not the rope"
+            }
+            Self::JointEncoder => {
+                "the joint encoder's reading jumped between two samples: it slipped, not the rope"
+            }
+            Self::Rope => "no reading jumped, motor or joint moved: the rope slipped",
+            Self::Unknown(Why::Missing) => {
+                "rope or encoder: can't be told, samples are missing around it"
+            }
+            Self::Unknown(Why::Noise) => {
+                "rope or encoder: can't be told, it is too small for the encoders' noise"
+            }
+            Self::Unknown(Why::Rate) => {
+                "rope or encoder: can't be told, the recording's rate is too low"
+            }
+            Self::Unknown(Why::Both) => "rope or encoder: can't be told, both readings jumped",
+        }
+    }
+}
+
+/// The largest jump of a reading in a slot of time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Jump {
+    time_s: f64,
+    size_rad: f64,
+}
+
+/// A slot of time: the largest jump of every reading.
+#[derive(Debug, Clone, PartialEq)]
+struct Slot {
+    from_s: f64,
+    /// Motor readings, then joint readings, `2 n`.
+    largest: Vec<Jump>,
+}
+
+/// The jumps of a recording's readings, sample by sample. Memory: `32 n` bytes a second.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Jumps {
+    joints: usize,
+    /// The last `2 SIDE` samples, the oldest first: time, motor and joint readings.
+    times: Vec<f64>,
+    readings: Vec<Vec<f64>>,
+    slots: Vec<Slot>,
+    /// When samples were missing or came unevenly, s.
+    blind: Vec<[f64; 2]>,
+    /// Sum and number of the samples' distances, s.
+    sum_s: f64,
+    steps: u64,
+    last_s: Option<f64>,
+}
+
+impl Jumps {
+    /// For an arm of `joints`.
+    pub fn new(joints: usize) -> Self {
+        Self {
+            joints,
+            ..Self::default()
+        }
+    }
+
+    /// Takes a sample at `time_s`: motor and joint readings, rad.
+    pub fn push(&mut self, time_s: f64, theta: &[f64], q: &[f64]) {
+        if let Some(last_s) = self.last_s {
+            let step_s = time_s - last_s;
+            let usual_s = self.step_s();
+            if self.steps > 20 && (step_s - usual_s).abs() > UNEVEN * usual_s {
+                self.mark_blind(last_s, time_s);
+                self.times.clear();
+                self.readings.clear();
+            }
+            // A gap is no step.
+            if step_s > 0.0 && (self.steps < 20 || step_s < 10.0 * usual_s) {
+                self.sum_s += step_s;
+                self.steps += 1;
+            }
+        }
+        self.last_s = Some(time_s);
+        let reading = if self.readings.len() == 2 * SIDE {
+            self.times.remove(0);
+            let mut oldest = self.readings.remove(0);
+            oldest.clear();
+            oldest
+        } else {
+            Vec::with_capacity(2 * self.joints)
+        };
+        self.times.push(time_s);
+        self.readings.push(reading);
+        if let Some(newest) = self.readings.last_mut() {
+            newest.extend(theta);
+            newest.extend(q);
+        }
+        if self.readings.len() == 2 * SIDE {
+            self.measure();
+        }
+    }
+
+    fn measure(&mut self) {
+        let time_s = 0.5 * (self.times[SIDE - 1] + self.times[SIDE]);
+        if self
+            .slots
+            .last()
+            .is_none_or(|s| time_s >= s.from_s + SLOT_S)
+        {
+            self.slots.push(Slot {
+                from_s: time_s,
+                largest: vec![Jump::default(); 2 * self.joints],
+            });
+        }
+        let Some(slot) = self.slots.last_mut() else {
+            return;
+        };
+        for (i, largest) in slot.largest.iter_mut().enumerate() {
+            let size_rad: f64 = WEIGHTS
+                .iter()
+                .enumerate()
+                .map(|(k, w)| w * (self.readings[SIDE + k][i] - self.readings[SIDE - 1 - k][i]))
+                .sum();
+            if size_rad.abs() > largest.size_rad.abs() {
+                *largest = Jump { time_s, size_rad };
+            }
+        }
+    }
+
+    fn mark_blind(&mut self, from_s: f64, to_s: f64) {
+        match self.blind.last_mut() {
+            Some(last) if from_s - last[1] < 0.1 => last[1] = to_s,
+            _ => self.blind.push([from_s, to_s]),
+        }
+    }
+
+    /// Mean distance of samples, s.
+    fn step_s(&self) -> f64 {
+        self.sum_s / self.steps.max(1) as f64
+    }
+
+    /// What noise, quantisation and motion usually make in a second, rad: the upper quartile.
+    fn usual_rad(&self, reading: usize) -> f64 {
+        let mut sizes: Vec<f64> = self
+            .slots
+            .iter()
+            .map(|s| s.largest[reading].size_rad.abs())
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes
+            .get(3 * sizes.len() / 4)
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+
+    /// A jump of `size_rad`, to `unsure_rad`, of a reading around `at_s`.
+    fn jumped(&self, reading: usize, at_s: f64, size_rad: f64, unsure_rad: f64) -> bool {
+        self.slots.iter().map(|s| s.largest[reading]).any(|j| {
+            (j.time_s - at_s).abs() < WITHIN_S && (j.size_rad - size_rad).abs() < unsure_rad
+        })
+    }
+
+    /// What made the offset of a joint change by `size_rad ± unsure_rad` around `at_s`.
+    ///
+    /// `quickness`: acceleration per deflection of the joint's spring, `K max(1/J, (M⁻¹)ᵢᵢ)`,
+    /// 1/s² (see [`quickness`]).
+    pub fn cause(
+        &self,
+        joint: usize,
+        at_s: f64,
+        [size_rad, unsure_rad]: [f64; 2],
+        quickness: f64,
+    ) -> Cause {
+        /// Share of a slip that the arm may follow by within a sample.
+        const FOLLOWS: f64 = 0.3;
+        const PER_STEP: f64 = 1.4;
+        let (theta, q) = (joint, self.joints + joint);
+        if joint >= self.joints || self.slots.is_empty() {
+            return Cause::Unknown(Why::Missing);
+        }
+        let near = |[from_s, to_s]: &[f64; 2]| *from_s < at_s + WITHIN_S && *to_s > at_s - WITHIN_S;
+        if self.blind.iter().any(near) {
+            return Cause::Unknown(Why::Missing);
+        }
+        let usual = [theta, q].map(|reading| self.usual_rad(reading));
+        let clear = usual.map(|usual| size_rad.abs() > CLEAR * usual);
+        let step_s = self.step_s();
+        // Not a number where the arm is none: nothing is claimed then.
+        if !(PER_STEP * quickness * step_s * step_s < FOLLOWS) {
+            return Cause::Unknown(Why::Rate);
+        }
+        let tolerance = |usual: f64| unsure_rad.max(0.25 * size_rad.abs()).max(1.5 * usual);
+        let motor = clear[0] && self.jumped(theta, at_s, size_rad, tolerance(usual[0]));
+        let joint = clear[1] && self.jumped(q, at_s, -size_rad, tolerance(usual[1]));
+        match (motor, joint) {
+            (true, true) => Cause::Unknown(Why::Both),
+            (true, false) => Cause::MotorEncoder,
+            (false, true) => Cause::JointEncoder,
+            (false, false) if clear == [true; 2] => Cause::Rope,
+            (false, false) => Cause::Unknown(Why::Noise),
+        }
+    }
+}
+
+/// Acceleration per deflection, `K max(1/J, (M⁻¹)ᵢᵢ)`, 1/s², of joint `i` at pose `q`; NaN without
+/// the motor's inertia or where the masses make no arm.
+pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option<f64>) -> f64 {
+    let n = arm.dof();
+    let mut ws = ArmWorkspace::new(arm);
+    let (rest, mut torque) = (vec![0.0; n], vec![0.0; n]);
+    let (mut free, mut driven) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+    let unloaded = arm.forward_dynamics(&mut ws, q, &rest, &torque, &mut free);
+    if let Some(torque) = torque.get_mut(i) {
+        *torque = 1.0;
+    }
+    let loaded = arm.forward_dynamics(&mut ws, q, &rest, &torque, &mut driven);
+    let (Ok(()), Ok(()), Some(inertia), Some(a), Some(b)) =
+        (unloaded, loaded, inertia, free.get(i), driven.get(i))
+    else {
+        return f64::NAN;
+    };
+    stiffness * (1.0 / inertia).max(b - a)
+}
