@@ -13,6 +13,7 @@ mod answer;
 mod blocks;
 mod file;
 mod jumps;
+mod merge;
 mod said;
 mod warnings;
 mod watch;
@@ -21,5 +22,9 @@ pub use answer::{Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange,
 pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
 pub use jumps::{Cause, Jumps, Why, quickness};
+pub use merge::{MergeOptions, Pooled, merge};
 pub use sinew_model::offset::Payload;
-pub use watch::{WatchOptions, estimator, learn, learn_recorded, watch, watch_recorded};
+pub use watch::{
+    WatchOptions, estimator, learn, learn_from, learn_recorded, learn_recorded_from, watch,
+    watch_recorded,
+};

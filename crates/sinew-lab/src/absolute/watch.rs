@@ -43,9 +43,23 @@ pub fn learn(
     window: Window,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
+    learn_from(request, window, None, progress)
+}
+
+/// [`learn`], going on from what is known already (a baseline with its file's name): of this robot
+/// before it was tensioned again, or of its type.
+///
+/// # Errors
+/// [`AbsoluteError`].
+pub fn learn_from(
+    request: &Request,
+    window: Window,
+    known: Option<(&Baseline, &str)>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Baseline, Absolute), AbsoluteError> {
     let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
     let file = request.log.display().to_string();
-    learn_recorded(&loaded.robot, &recorded, &file)
+    learn_recorded_from(&loaded.robot, &recorded, &file, known)
 }
 
 /// [`learn`] from blocks; `name` of the recording for the answer and errors.
@@ -57,15 +71,37 @@ pub fn learn_recorded(
     recorded: &Recorded,
     name: &str,
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
+    learn_recorded_from(robot, recorded, name, None)
+}
+
+/// [`learn_from`] from blocks; `name` of the recording for the answer and errors.
+///
+/// # Errors
+/// [`AbsoluteError`].
+pub fn learn_recorded_from(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    known: Option<(&Baseline, &str)>,
+) -> Result<(Baseline, Absolute), AbsoluteError> {
     let options = WatchOptions {
         payload: Payload::Empty,
         ..WatchOptions::default()
     };
     let estimator = estimator(robot, &options);
-    let mut start = estimator
-        .prior()
-        .belief(Payload::Empty, TENSIONED_OFFSET_RAD);
-    start.temperature_c = mean_temperature(&recorded.blocks);
+    let prior = estimator.prior();
+    let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let temperature_c = mean_temperature(&recorded.blocks);
+    if let Some((known, file)) = known {
+        start = known.belief(robot, prior, file)?;
+        prior.age(&mut start);
+        // Zero is what the tendons are now, at this temperature.
+        prior.refer_to(&mut start, temperature_c);
+        prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
+        prior.open_zero(&mut start);
+        prior.open_payload(&mut start, Payload::Empty);
+    }
+    start.temperature_c = temperature_c;
     let nothing = Seek {
         offsets: false,
         payload: false,

@@ -4,11 +4,11 @@ use crate::args::Opening;
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
-use clap::Args;
+use clap::{Args, Subcommand};
 use sinew_lab::absolute;
 use sinew_lab::estimate::Request;
 use sinew_lab::report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Learn a baseline from a recording taken right after tensioning
 ///
@@ -16,17 +16,28 @@ use std::path::PathBuf;
 /// show. The gripper is empty; a dozen poses that move every joint through its range in a minute
 /// are a good recording. Then: sinew estimate LOG --baseline FILE
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sinew baseline first-day.mcap --robot robots/biorob-like --out first-day.baseline")]
+#[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "Example:\n  \
+    sinew baseline first-day.mcap --robot robots/biorob-like --out first-day.baseline"
+)]
 pub(crate) struct Baseline {
+    #[command(subcommand)]
+    merge: Option<Part>,
     /// Recording taken right after tensioning
-    log: PathBuf,
+    #[arg(required = true)]
+    log: Option<PathBuf>,
     /// Robot's folder [default: beside LOG, then the current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
     /// Where the baseline goes
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Option<PathBuf>,
+    /// What is known already: of this robot before it was tensioned again, or of its type
+    /// (sinew baseline merge)
     #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    start: Option<PathBuf>,
     #[command(flatten)]
     window: super::absolute::Part,
     #[command(flatten)]
@@ -39,24 +50,45 @@ pub(crate) struct Baseline {
     quiet: bool,
 }
 
+// What else there is to do with baselines.
+#[derive(Debug, Subcommand)]
+enum Part {
+    Merge(super::baseline_merge::Merge),
+}
+
 impl Baseline {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(
-            &[("--out", self.out.as_path())],
-            &[("the recording", self.log.as_path())],
-        )?;
+        match (&self.merge, &self.log, &self.out) {
+            (Some(Part::Merge(merge)), ..) => merge.run(),
+            (None, Some(log), Some(out)) => self.learn(log, out),
+            // clap asks for both.
+            _ => Err(Failure::Refused("LOG and --out FILE are needed".into())),
+        }
+    }
+
+    fn learn(&self, log: &Path, out: &Path) -> Result<Finish, Failure> {
+        let mut inputs = vec![("the recording", log)];
+        inputs.extend(self.start.iter().map(|p| ("--start", p.as_path())));
+        check_outputs(&[("--out", out)], &inputs)?;
+        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
         let window = self.window.window()?;
-        let mut request = Request::new(self.log.clone());
+        let known = self.start.as_ref().map(|path| {
+            let read = absolute::Baseline::read(path).map_err(refused)?;
+            Ok::<_, Failure>((read, path.display().to_string()))
+        });
+        let known = known.transpose()?;
+        let mut request = Request::new(log.to_path_buf());
         request.robot.clone_from(&self.robot);
         request.open = self.opening.options()?;
         let bar = Bar::new("learning", self.quiet);
-        let learned = absolute::learn(&request, window, &mut |at| {
+        let known = known.as_ref().map(|(b, file)| (b, file.as_str()));
+        let learned = absolute::learn_from(&request, window, known, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         });
         drop(bar);
-        let (baseline, said) = learned.map_err(|e| Failure::Refused(e.to_string()))?;
-        baseline.write(&self.out)?;
+        let (baseline, said) = learned.map_err(refused)?;
+        baseline.write(out)?;
         if !self.quiet && !self.json {
             for warning in said.warnings.iter().filter(|w| !w.starts_with("without")) {
                 complain("warning", &plain(warning));
@@ -95,7 +127,7 @@ impl Baseline {
         ));
         text.push('\n');
         text.push_str(&paragraph(
-            &plain(&format!("baseline written to {}", self.out.display())),
+            &plain(&format!("baseline written to {}", out.display())),
             2,
         ));
         answer(&text)?;

@@ -2,6 +2,7 @@
 
 pub(crate) mod absolute;
 pub(crate) mod baseline;
+mod baseline_merge;
 pub(crate) mod bench;
 mod bench_read_camera;
 mod control;

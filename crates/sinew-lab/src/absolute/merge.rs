@@ -1,0 +1,273 @@
+//! What several recordings learned, put together: of one robot, or of robots of one type.
+//!
+//! Both in information form ([`Prior::merge`], [`Prior::pool_bodies`]), so that what all started
+//! from counts once and order doesn't matter.
+//!
+//! | | recordings of one robot | robots of one type |
+//! |---|---|---|
+//! | masses, first moments, inertias of the links | together | together, up to what differs between two |
+//! | stiffness, stiffening, friction, encoders, gear, motor torque | together | each robot's own: as robot.toml says |
+//! | offsets, the encoders' zero, slack, what the gripper holds | of a recording: forgotten | forgotten |
+//!
+//! A rope's stiffness depends on how it was made fast, an encoder's error on how it was glued:
+//! what a data sheet gives a tolerance for is drawn anew for every robot. Links are cut from the
+//! same drawing, and it is the drawing that the robots' description gets wrong.
+
+use super::answer::Moved;
+use super::blocks::AbsoluteError;
+use super::file::Baseline;
+use sinew_model::offset::{Belief, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD};
+use sinew_model::robot::Robot;
+
+/// How beliefs are put together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MergeOptions {
+    /// The recordings are of several robots of one type.
+    pub fleet: bool,
+    /// How far the masses of two robots of a type may differ, relative, one standard deviation;
+    /// first moments and inertias in proportion to their tolerances.
+    pub scatter: f64,
+}
+
+impl Default for MergeOptions {
+    fn default() -> Self {
+        Self {
+            fleet: false,
+            scatter: 0.01,
+        }
+    }
+}
+
+/// What became surer.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Pooled {
+    /// The robot.
+    pub robot: String,
+    /// All recordings it rests on.
+    pub recordings: Vec<String>,
+    /// Temperature that offsets and stiffness refer to, °C.
+    pub temperature_c: Option<f64>,
+    /// Everything that is estimated along: believed at the start, and now.
+    pub nuisance: Vec<Moved>,
+}
+
+/// Puts together what `parts` (baselines with their files' names) learned from `common`, the file
+/// they all started from; `None`: from the tolerances of robot.toml, as `sinew baseline` does.
+///
+/// The result is a start for `sinew baseline --start`; its offsets are unknown, and so is the
+/// encoders' zero where robot.toml doesn't say that it is known.
+///
+/// # Errors
+/// [`AbsoluteError::Baseline`]: a file of another robot or stiffness, fewer than two files, one that
+/// didn't start from `common`, a recording that would count twice, temperatures some have and some
+/// don't.
+pub fn merge(
+    robot: &Robot,
+    parts: &[(&Baseline, &str)],
+    common: Option<(&Baseline, &str)>,
+    options: &MergeOptions,
+) -> Result<(Baseline, Pooled), AbsoluteError> {
+    let estimator = super::estimator(robot, &super::WatchOptions::default());
+    let prior = estimator.prior();
+    let known = common.map_or(0, |(c, _)| c.recordings.len());
+    check_recordings(parts, common, options.fleet)?;
+    let mut fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let mut start = match common {
+        None => fresh.clone(),
+        Some((baseline, file)) => {
+            // Whoever goes on from a baseline after a pause believes it a little less.
+            let mut belief = baseline.belief(robot, prior, file)?;
+            prior.age(&mut belief);
+            belief
+        }
+    };
+    let mut learned = Vec::new();
+    for (baseline, file) in parts {
+        learned.push((baseline.belief(robot, prior, file)?, *file));
+    }
+    let reference_c = reference(parts, common)?;
+    // Where a recording starts from robot.toml, its prior is about its own temperature.
+    let started = |own_c: f64| {
+        let mut start = start.clone();
+        if common.is_none() {
+            start.temperature_c = own_c;
+        }
+        prior.refer_to(&mut start, reference_c);
+        start
+    };
+    let refused = |file: &str, error| AbsoluteError::Map {
+        file: file.into(),
+        error,
+    };
+    let mut all = Vec::new();
+    for (belief, file) in &learned {
+        let before = started(belief.temperature_c);
+        let mut after = belief.clone();
+        prior.refer_to(&mut after, reference_c);
+        all.push(([before, after], *file));
+    }
+    start.temperature_c = reference_c;
+    fresh.temperature_c = reference_c;
+    let belief = if options.fleet {
+        let alike = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
+        let pairs: Vec<[Belief; 2]> = all.into_iter().map(|(pair, _)| pair).collect();
+        let mut belief = prior
+            .pool_bodies(&pairs, alike)
+            .map_err(|error| refused(parts[0].1, error))?;
+        belief.temperature_c = f64::NAN;
+        belief
+    } else {
+        let mut together = start.clone();
+        prior.open_offsets(&mut together, UNKNOWN_OFFSET_RAD);
+        prior.open_zero(&mut together);
+        prior.open_payload(&mut together, Payload::Unknown);
+        for ([before, after], file) in &all {
+            together = prior
+                .merge(before, &together, after)
+                .map_err(|error| refused(file, error))?;
+        }
+        together.temperature_c = reference_c;
+        together
+    };
+    let mut recordings: Vec<String> = common.map_or_else(Vec::new, |(c, _)| c.recordings.clone());
+    for (part, _) in parts {
+        recordings.extend(
+            part.recordings[known.min(part.recordings.len())..]
+                .iter()
+                .cloned(),
+        );
+    }
+    let end_time_ns = parts.iter().map(|(b, _)| b.end_time_ns).max().unwrap_or(0);
+    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, &belief);
+    let pooled = Pooled {
+        robot: robot.name.clone(),
+        recordings,
+        temperature_c: baseline.temperature_c,
+        nuisance: nuisance(
+            prior,
+            robot,
+            if options.fleet { &fresh } else { &start },
+            &belief,
+        ),
+    };
+    Ok((baseline, pooled))
+}
+
+/// Every file must go on from the common one, and no recording may count twice.
+fn check_recordings(
+    parts: &[(&Baseline, &str)],
+    common: Option<(&Baseline, &str)>,
+    fleet: bool,
+) -> Result<(), AbsoluteError> {
+    let wrong = |file: &str, why: String| AbsoluteError::Baseline {
+        file: file.into(),
+        why,
+    };
+    if parts.len() < 2 {
+        let file = parts.first().map_or("merge", |(_, file)| file);
+        return Err(wrong(
+            file,
+            "is alone; merging needs two files or more".into(),
+        ));
+    }
+    let known: &[String] = common.map_or(&[], |(c, _)| &c.recordings);
+    let mut seen: Vec<(&String, &str)> = Vec::new();
+    for (part, file) in parts {
+        let rest = part
+            .recordings
+            .strip_prefix(known)
+            .filter(|r| !r.is_empty());
+        let Some(rest) = rest else {
+            let common = common.map_or("", |(_, file)| file);
+            return Err(wrong(
+                file,
+                format!(
+                    "does not go on from {common}: it rests on {}, that on {}",
+                    part.recordings.join(", "),
+                    known.join(", ")
+                ),
+            ));
+        };
+        if common.is_none() && rest.len() > 1 {
+            return Err(wrong(
+                file,
+                format!(
+                    "rests on {} recordings; name the file all of them started from with --common",
+                    rest.len()
+                ),
+            ));
+        }
+        for name in rest {
+            // Robots of a type may be recorded under the same name.
+            if let (false, Some((_, other))) = (fleet, seen.iter().find(|(n, _)| *n == name)) {
+                return Err(wrong(
+                    file,
+                    format!("rests on {name} as {other} does; it would count twice"),
+                ));
+            }
+            seen.push((name, file));
+        }
+    }
+    Ok(())
+}
+
+/// The temperature the result refers to: the common file's, else the last recording's.
+fn reference(
+    parts: &[(&Baseline, &str)],
+    common: Option<(&Baseline, &str)>,
+) -> Result<f64, AbsoluteError> {
+    let with = parts.iter().find(|(b, _)| b.temperature_c.is_some());
+    let without = parts.iter().find(|(b, _)| b.temperature_c.is_none());
+    if let (Some((_, with)), Some((_, without))) = (with, without) {
+        return Err(AbsoluteError::Baseline {
+            file: (*without).into(),
+            why: format!(
+                "was learned without a temperature, {with} with one; stiffness can't be put together then"
+            ),
+        });
+    }
+    let last = parts.iter().map(|(b, _)| *b).max_by(|a, b| {
+        let end = a.end_time_ns.cmp(&b.end_time_ns);
+        end.then_with(|| {
+            a.temperature_c
+                .partial_cmp(&b.temperature_c)
+                .unwrap_or(std::cmp::Ordering::Equal)
+        })
+    });
+    let common = common.and_then(|(c, _)| c.temperature_c);
+    Ok(common
+        .or(last.and_then(|b| b.temperature_c))
+        .unwrap_or(f64::NAN))
+}
+
+/// Everything but offsets and payload, before and after.
+fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Vec<Moved> {
+    /// What is held fixed isn't estimated.
+    const FIXED: f64 = 1e-8;
+    let names = robot.joint_names();
+    let of_recording = [
+        JointParameter::Offset,
+        JointParameter::Slack,
+        JointParameter::Stuck,
+        JointParameter::Zero,
+    ];
+    (0..prior.payload_place())
+        .filter_map(|k| {
+            let entry = prior.describe(k)?;
+            let joint = entry.joint?;
+            let (prior_, posterior) = (before.entry(k), after.entry(k));
+            if of_recording.iter().any(|p| k == prior.place(joint, *p)) || prior_[1] < FIXED {
+                return None;
+            }
+            Some(Moved {
+                joint: names[joint].clone(),
+                name: entry.name.into(),
+                unit: entry.unit.into(),
+                prior: prior_,
+                posterior,
+                moved: posterior[1] < 0.8 * prior_[1]
+                    || (posterior[0] - prior_[0]).abs() > prior_[1],
+            })
+        })
+        .collect()
+}
