@@ -178,7 +178,7 @@ fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
                 joint.name
             );
         }
-        let said = |w: &String| w.contains("stiffness changed by");
+        let said = |w: &String| w.contains("than what was known before this recording");
         assert!(
             recording.warnings.iter().any(said),
             "{:?}",

@@ -15,6 +15,7 @@ mod file;
 mod jumps;
 mod merge;
 mod said;
+mod stiffness;
 mod warnings;
 mod watch;
 

@@ -5,13 +5,14 @@ use super::answer::{
 };
 use super::blocks::Recorded;
 use super::jumps::quickness;
+use super::stiffness;
 use super::watch::{Watched, mean_temperature};
 use sinew_model::offset::{Belief, Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
 /// 97.5 % quantile of the normal distribution.
-const Z95: f64 = 1.96;
+pub(super) const Z95: f64 = 1.96;
 /// An interval wider than this can't tell stretch from nothing, mrad.
 const USELESS_MRAD: f64 = 5.0;
 
@@ -111,6 +112,8 @@ pub(super) fn said(
         warnings: Vec::new(),
     };
     said.warnings = super::warnings::warnings(&said, recorded);
+    said.warnings
+        .extend(stiffness::suspected(prior, robot, recorded, watched));
     said
 }
 
@@ -154,9 +157,9 @@ fn said_of_joint(
                     tell_cause(&mut step, robot, recorded, joint);
                     steps.push(step);
                 }
-                What::Compliance(i) if i == joint && !with_slip(map, k) => {
+                What::Compliance(i) if i == joint && !stiffness::with_slip(map, k) => {
                     let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
-                    steps.extend(softer(prior, map, k, first_s));
+                    steps.extend(stiffness::alone(prior, map, k, first_s));
                 }
                 _ => {}
             }
@@ -246,43 +249,6 @@ fn course(
     }
     out
 }
-
-/// Whether a change of stiffness came with a slip.
-fn with_slip(map: &MapEstimate, k: usize) -> bool {
-    let change = map.changes[k];
-    map.changes.iter().any(|c| {
-        matches!((c.what, change.what), (What::Offset(a), What::Compliance(b)) if a == b)
-            && c.at_s == change.at_s
-    })
-}
-
-/// A change of stiffness alone; one since before the first block only where it is sure, because
-/// stiffness is opened then on suspicion.
-fn softer(prior: &Prior, map: &MapEstimate, k: usize, first_s: f64) -> Option<Step> {
-    let [softer, unsure] = map.change(prior, k);
-    let before = map.changes[k].at_s <= first_s;
-    if before && softer.abs() < Z95 * unsure {
-        return None;
-    }
-    let kind = match (softer > 0.0, before) {
-        (true, true) => SOFTER_SINCE,
-        (false, true) => "stiffer since before",
-        (true, false) => "strand failure",
-        (false, false) => "stiffer",
-    };
-    Some(Step {
-        time_s: map.changes[k].at_s.max(0.0),
-        size_mrad: 0.0,
-        interval_95_mrad: 0.0,
-        stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
-        kind: kind.into(),
-        cause: String::new(),
-        cause_said: String::new(),
-    })
-}
-
-/// A loss of stiffness that was there when the recording began.
-pub(super) const SOFTER_SINCE: &str = "softer since before";
 
 /// Which of rope and encoders slipped.
 fn tell_cause(step: &mut Step, robot: &Robot, recorded: &Recorded, joint: usize) {

@@ -2,7 +2,6 @@
 
 use super::answer::Absolute;
 use super::blocks::Recorded;
-use super::said::SOFTER_SINCE;
 
 /// A contact longer than this looks like something that happened for good, s.
 const LASTING_S: f64 = 8.0;
@@ -30,14 +29,6 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
                 "{}: its torque hardly changed ({:.2} to {:.2} N·m), so stretch can't be told from a wrong stiffness or payload; poses that load it differently would help",
                 joint.name, joint.torque_range_nm[0], joint.torque_range_nm[1]
             ));
-        }
-        for step in joint.steps.iter().filter(|s| s.kind == SOFTER_SINCE) {
-            if let Some([change, interval]) = step.stiffness_change_percent {
-                out.push(format!(
-                    "{}: stiffness changed by {change:.1} ± {interval:.1} % before this recording began; strands may have failed",
-                    joint.name
-                ));
-            }
         }
         let lost = joint.steps.iter().filter(|s| s.kind == "slip");
         for step in lost {
