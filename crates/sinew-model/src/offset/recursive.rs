@@ -74,6 +74,19 @@ impl RecursiveOffsets {
         })
     }
 
+    /// Starts from the noise an earlier recording left ([`super::MapEstimate::noise_rad`],
+    /// [`super::MapEstimate::motor_noise_nm`]) instead of finding it within the first ten seconds;
+    /// values that are no noise are left out.
+    pub fn expect_noise(&mut self, link_rad: &[f64], motor_nm: &[f64]) {
+        for (noise, known) in self.noise.iter_mut().zip([link_rad, motor_nm]) {
+            for (noise, known) in noise.iter_mut().zip(known) {
+                if *known > 0.0 && known.is_finite() {
+                    *noise = *known;
+                }
+            }
+        }
+    }
+
     /// Takes a block; returns its weight, 0 (left out as disturbed) to 1.
     ///
     /// # Errors
