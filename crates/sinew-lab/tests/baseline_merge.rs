@@ -95,6 +95,7 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
             .map(|t| t.as_ref().map_or(0.0, |t| t.stiffness_nm_per_rad))
             .collect(),
         recordings: recordings.iter().map(|r| (*r).into()).collect(),
+        before: Vec::new(),
         end_time_ns: end_s * 1_000_000_000,
         temperature_c: belief
             .temperature_c
@@ -104,6 +105,8 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
         covariance_lower: (0..d)
             .flat_map(|i| belief.covariance[i * d..=i * d + i].to_vec())
             .collect(),
+        noise_rad: vec![3e-4; robot.joint_names().len()],
+        motor_noise_nm: vec![0.04; robot.joint_names().len()],
     }
 }
 
@@ -142,6 +145,7 @@ fn merging_is_estimating_from_both_together_in_any_order() {
                 order.iter().map(|&k| (&files[k].0, files[k].1)).collect();
             let (merged, said) = merge(&robot, &parts, None, &ROBOT).unwrap();
             assert_eq!(merged.recordings.len(), 3);
+            assert!((merged.noise_rad[0] - 3e-4).abs() < 1e-12);
             let belief = merged.belief(&robot, &prior, "merged").unwrap();
             let apart = apart(&belief, &both);
             println!("order {order:?}: {apart:.1e} deviations from all together");
@@ -228,6 +232,19 @@ fn what_does_not_go_together_is_refused() {
     let chain = baseline(&robot, &belief, &["a", "c"], 60);
     let chain_said = refused(&[(&b, "b"), (&chain, "chain")], None);
     assert!(chain_said.contains("--common"), "{chain_said}");
+    let again = Baseline {
+        before: vec!["a".into()],
+        ..b.clone()
+    };
+    let again = refused(&[(&a, "a"), (&again, "again")], None);
+    assert!(again.contains("--common"), "{again}");
+    let fleet = merge(&robot, &[(&a, "a"), (&b, "b")], Some((&a, "a")), &FLEET);
+    assert!(
+        fleet
+            .unwrap_err()
+            .to_string()
+            .contains("leave --common out")
+    );
     let unrelated = refused(&[(&chain, "chain"), (&b, "b")], Some((&a, "a")));
     assert!(unrelated.contains("does not go on from a"), "{unrelated}");
     let cold = Baseline {

@@ -27,6 +27,8 @@ pub struct Baseline {
     pub stiffness_nm_per_rad: Vec<f64>,
     /// Recordings it was learned from, the first right after tensioning.
     pub recordings: Vec<String>,
+    /// Recordings from before the ropes were tensioned that it went on from (`--start`).
+    pub before: Vec<String>,
     /// When the last recording ended, ns on its own clock.
     pub end_time_ns: i64,
     /// Temperature the offsets refer to, °C.
@@ -35,6 +37,12 @@ pub struct Baseline {
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
     pub covariance_lower: Vec<f64>,
+    /// Noise the last recording left at every joint, rad, where
+    /// [`RecursiveOffsets::expect_noise`](sinew_model::offset::RecursiveOffsets::expect_noise)
+    /// begins; empty: unknown.
+    pub noise_rad: Vec<f64>,
+    /// The same of the motor's torque, N·m.
+    pub motor_noise_nm: Vec<f64>,
 }
 
 impl Baseline {
@@ -46,6 +54,7 @@ impl Baseline {
         recordings: Vec<String>,
         end_time_ns: i64,
         belief: &Belief,
+        [noise_rad, motor_noise_nm]: [Vec<f64>; 2],
     ) -> Self {
         let d = belief.mean.len();
         let lower = (0..d)
@@ -58,6 +67,7 @@ impl Baseline {
             joints: robot.joint_names().to_vec(),
             stiffness_nm_per_rad: stiffness(robot),
             recordings,
+            before: Vec::new(),
             end_time_ns,
             temperature_c: belief
                 .temperature_c
@@ -65,7 +75,18 @@ impl Baseline {
                 .then_some(belief.temperature_c),
             mean: belief.mean.clone(),
             covariance_lower: lower,
+            noise_rad,
+            motor_noise_nm,
         }
+    }
+
+    /// Every recording it rests on, in order.
+    pub(super) fn rests_on(&self) -> Vec<String> {
+        self.before
+            .iter()
+            .chain(&self.recordings)
+            .cloned()
+            .collect()
     }
 
     /// Writes the file, whole or not at all.
@@ -111,7 +132,8 @@ impl Baseline {
         }
         let read: Self = serde_json::from_str(&text).map_err(not)?;
         let d = read.mean.len();
-        let numbers = read.mean.iter().chain(&read.covariance_lower);
+        let noise = read.noise_rad.iter().chain(&read.motor_noise_nm);
+        let numbers = read.mean.iter().chain(&read.covariance_lower).chain(noise);
         if read.covariance_lower.len() != d * (d + 1) / 2 || numbers.clone().any(|x| !x.is_finite())
         {
             return Err(wrong("its numbers are damaged; make it again".into()));

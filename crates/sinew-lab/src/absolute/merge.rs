@@ -69,11 +69,10 @@ pub fn merge(
 ) -> Result<(Baseline, Pooled), AbsoluteError> {
     let estimator = super::estimator(robot, &super::WatchOptions::default());
     let prior = estimator.prior();
-    let known = common.map_or(0, |(c, _)| c.recordings.len());
-    check_recordings(parts, common, options.fleet)?;
-    let mut fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let recordings = check_recordings(parts, common, options.fleet)?;
+    let reference_c = reference(parts, common)?;
     let mut start = match common {
-        None => fresh.clone(),
+        None => prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD),
         Some((baseline, file)) => {
             // Whoever goes on from a baseline after a pause believes it a little less.
             let mut belief = baseline.belief(robot, prior, file)?;
@@ -83,82 +82,67 @@ pub fn merge(
     };
     let mut learned = Vec::new();
     for (baseline, file) in parts {
-        learned.push((baseline.belief(robot, prior, file)?, *file));
-    }
-    let reference_c = reference(parts, common)?;
-    // Where a recording starts from robot.toml, its prior is about its own temperature.
-    let started = |own_c: f64| {
-        let mut start = start.clone();
+        let mut after = baseline.belief(robot, prior, file)?;
+        let mut before = start.clone();
         if common.is_none() {
-            start.temperature_c = own_c;
+            // What robot.toml says is about the recording's own temperature.
+            before.temperature_c = after.temperature_c;
         }
-        prior.refer_to(&mut start, reference_c);
-        start
-    };
-    let refused = |file: &str, error| AbsoluteError::Map {
-        file: file.into(),
+        prior.refer_to(&mut before, reference_c);
+        prior.refer_to(&mut after, reference_c);
+        learned.push([before, after]);
+    }
+    if common.is_none() {
+        start.temperature_c = reference_c;
+    }
+    let refused = |error| AbsoluteError::Map {
+        file: parts.first().map_or("", |(_, file)| file).into(),
         error,
     };
-    let mut all = Vec::new();
-    for (belief, file) in &learned {
-        let before = started(belief.temperature_c);
-        let mut after = belief.clone();
-        prior.refer_to(&mut after, reference_c);
-        all.push(([before, after], *file));
-    }
-    start.temperature_c = reference_c;
-    fresh.temperature_c = reference_c;
-    let belief = if options.fleet {
+    let (belief, noise) = if options.fleet {
         let alike = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
-        let pairs: Vec<[Belief; 2]> = all.into_iter().map(|(pair, _)| pair).collect();
-        let mut belief = prior
-            .pool_bodies(&pairs, alike)
-            .map_err(|error| refused(parts[0].1, error))?;
+        let mut belief = prior.pool_bodies(&learned, alike).map_err(refused)?;
         belief.temperature_c = f64::NAN;
-        belief
+        (belief, Default::default())
     } else {
         let mut together = start.clone();
         prior.open_offsets(&mut together, UNKNOWN_OFFSET_RAD);
         prior.open_zero(&mut together);
         prior.open_payload(&mut together, Payload::Unknown);
-        for ([before, after], file) in &all {
-            together = prior
-                .merge(before, &together, after)
-                .map_err(|error| refused(file, error))?;
+        for [before, after] in &learned {
+            together = prior.merge(before, &together, after).map_err(refused)?;
         }
-        together.temperature_c = reference_c;
-        together
+        let rad = parts.iter().map(|(b, _)| &b.noise_rad[..]);
+        let nm = parts.iter().map(|(b, _)| &b.motor_noise_nm[..]);
+        (together, [middle(rad), middle(nm)])
     };
-    let mut recordings: Vec<String> = common.map_or_else(Vec::new, |(c, _)| c.recordings.clone());
-    for (part, _) in parts {
-        recordings.extend(
-            part.recordings[known.min(part.recordings.len())..]
-                .iter()
-                .cloned(),
-        );
-    }
     let end_time_ns = parts.iter().map(|(b, _)| b.end_time_ns).max().unwrap_or(0);
-    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, &belief);
+    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, &belief, noise);
     let pooled = Pooled {
         robot: robot.name.clone(),
         recordings,
         temperature_c: baseline.temperature_c,
-        nuisance: nuisance(
-            prior,
-            robot,
-            if options.fleet { &fresh } else { &start },
-            &belief,
-        ),
+        nuisance: nuisance(prior, robot, &start, &belief),
     };
     Ok((baseline, pooled))
 }
 
-/// Every file must go on from the common one, and no recording may count twice.
+/// Root mean square, joint by joint; as long as the shortest.
+fn middle<'a>(noise: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
+    let joints = noise.clone().map(<[f64]>::len).min().unwrap_or(0);
+    let parts = noise.clone().count().max(1) as f64;
+    (0..joints)
+        .map(|i| (noise.clone().map(|n| n[i] * n[i]).sum::<f64>() / parts).sqrt())
+        .collect()
+}
+
+/// All recordings the result rests on: every file must go on from the common one, and none may
+/// count twice.
 fn check_recordings(
     parts: &[(&Baseline, &str)],
     common: Option<(&Baseline, &str)>,
     fleet: bool,
-) -> Result<(), AbsoluteError> {
+) -> Result<Vec<String>, AbsoluteError> {
     let wrong = |file: &str, why: String| AbsoluteError::Baseline {
         file: file.into(),
         why,
@@ -170,20 +154,24 @@ fn check_recordings(
             "is alone; merging needs two files or more".into(),
         ));
     }
-    let known: &[String] = common.map_or(&[], |(c, _)| &c.recordings);
-    let mut seen: Vec<(&String, &str)> = Vec::new();
+    if let (true, Some((_, file))) = (fleet, common) {
+        return Err(wrong(
+            file,
+            "robots of a type have no common start but robot.toml; leave --common out".into(),
+        ));
+    }
+    let known = common.map_or_else(Vec::new, |(c, _)| c.rests_on());
+    let mut seen: Vec<(String, &str)> = Vec::new();
     for (part, file) in parts {
-        let rest = part
-            .recordings
-            .strip_prefix(known)
-            .filter(|r| !r.is_empty());
+        let whole = part.rests_on();
+        let rest = whole.strip_prefix(&known[..]).filter(|r| !r.is_empty());
         let Some(rest) = rest else {
-            let common = common.map_or("", |(_, file)| file);
             return Err(wrong(
                 file,
                 format!(
-                    "does not go on from {common}: it rests on {}, that on {}",
-                    part.recordings.join(", "),
+                    "does not go on from {}: it rests on {}, that on {}",
+                    common.map_or("", |(_, file)| file),
+                    whole.join(", "),
                     known.join(", ")
                 ),
             ));
@@ -199,16 +187,19 @@ fn check_recordings(
         }
         for name in rest {
             // Robots of a type may be recorded under the same name.
-            if let (false, Some((_, other))) = (fleet, seen.iter().find(|(n, _)| *n == name)) {
+            if let (false, Some((_, other))) = (fleet, seen.iter().find(|(n, _)| n == name)) {
                 return Err(wrong(
                     file,
                     format!("rests on {name} as {other} does; it would count twice"),
                 ));
             }
-            seen.push((name, file));
+            seen.push((name.clone(), file));
         }
     }
-    Ok(())
+    Ok(known
+        .into_iter()
+        .chain(seen.into_iter().map(|(name, _)| name))
+        .collect())
 }
 
 /// The temperature the result refers to: the common file's, else the last recording's.

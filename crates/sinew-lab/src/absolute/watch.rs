@@ -108,12 +108,14 @@ pub fn learn_recorded_from(
         continues: false,
     };
     let watched = stretches(&estimator, start, recorded, &options, nothing, name)?;
-    let baseline = Baseline::new(
+    let mut baseline = Baseline::new(
         robot,
         vec![name.into()],
         recorded.end_time_ns,
         &watched.belief,
+        watched.noise(),
     );
+    baseline.before = known.map_or_else(Vec::new, |(known, _)| known.rests_on());
     let mut said = said(&estimator, robot, recorded, &watched, name, None);
     if said.poses < 6 {
         said.warnings.push(format!(
@@ -185,7 +187,14 @@ pub fn watch_recorded(
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());
-    let next = Baseline::new(robot, recordings, recorded.end_time_ns, &watched.belief);
+    let mut next = Baseline::new(
+        robot,
+        recordings,
+        recorded.end_time_ns,
+        &watched.belief,
+        watched.noise(),
+    );
+    next.before = baseline.map_or_else(Vec::new, |(b, _)| b.before.clone());
     let said = said(&estimator, robot, recorded, &watched, name, first);
     Ok((said, next))
 }
@@ -198,6 +207,16 @@ pub(super) struct Watched {
     pub(super) belief: Belief,
     /// Estimate of every stretch, with the index of its first block.
     pub(super) stretches: Vec<(usize, MapEstimate)>,
+}
+
+impl Watched {
+    /// Noise of the last stretch's link (rad) and motor (N·m) equations, per joint.
+    fn noise(&self) -> [Vec<f64>; 2] {
+        let last = self.stretches.last();
+        last.map_or_else(Default::default, |(_, map)| {
+            [map.noise_rad.clone(), map.motor_noise_nm.clone()]
+        })
+    }
 }
 
 /// Estimates stretch by stretch, each from what the last one left.

@@ -229,6 +229,9 @@ impl<'r> Search<'r> {
                 temperature_c: None,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
+                before: Vec::new(),
+                noise_rad: Vec::new(),
+                motor_noise_nm: Vec::new(),
             },
             rests_on: String::new(),
         };

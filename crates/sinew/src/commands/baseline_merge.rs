@@ -28,7 +28,7 @@ pub(crate) struct Merge {
     #[arg(long, value_name = "START")]
     common: Option<PathBuf>,
     /// The baselines are of several robots of one type
-    #[arg(long)]
+    #[arg(long, conflicts_with = "common")]
     fleet: bool,
     /// With --fleet: how far the masses of two robots may differ, % (one standard deviation)
     #[arg(long, value_name = "PERCENT", default_value_t = 1.0, requires = "fleet", value_parser = scatter)]
