@@ -1,7 +1,7 @@
 //! Mass and friction of links and joints, and what is odd about them.
 
-use super::super::{ArmError, BodyInertia};
-use super::{Reader, UrdfError, urdf_pose};
+use super::super::{ArmError, BodyInertia, Pose};
+use super::{JointLimits, Reader, UrdfError};
 use crate::vec3::Mat3;
 use alloc::format;
 use alloc::string::String;
@@ -94,6 +94,21 @@ impl Odd {
         .map(|(names, text)| format!("{text}: {}", names.join(", ")))
         .collect()
     }
+}
+
+pub(super) fn limits(joint: &urdf_rs::Joint) -> JointLimits {
+    let l = &joint.limit;
+    let endless = joint.joint_type == urdf_rs::JointType::Continuous;
+    JointLimits {
+        lower: if endless { f64::NEG_INFINITY } else { l.lower },
+        upper: if endless { f64::INFINITY } else { l.upper },
+        effort: l.effort,
+        velocity: l.velocity,
+    }
+}
+
+pub(super) fn urdf_pose(pose: &urdf_rs::Pose) -> Pose {
+    Pose::from_xyz_rpy(pose.xyz.0, pose.rpy.0)
 }
 
 /// Whether every principal minor is at least zero, up to rounding of the entries.

@@ -22,7 +22,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use links::Odd;
+use links::{Odd, limits, urdf_pose};
 
 /// How to read a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -393,19 +393,4 @@ impl<'a> Reader<'a> {
             },
         })
     }
-}
-
-fn limits(joint: &urdf_rs::Joint) -> JointLimits {
-    let l = &joint.limit;
-    let endless = joint.joint_type == urdf_rs::JointType::Continuous;
-    JointLimits {
-        lower: if endless { f64::NEG_INFINITY } else { l.lower },
-        upper: if endless { f64::INFINITY } else { l.upper },
-        effort: l.effort,
-        velocity: l.velocity,
-    }
-}
-
-fn urdf_pose(pose: &urdf_rs::Pose) -> Pose {
-    Pose::from_xyz_rpy(pose.xyz.0, pose.rpy.0)
 }
