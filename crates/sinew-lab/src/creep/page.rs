@@ -4,9 +4,10 @@ use super::analyze::{Analysis, Scatter};
 use super::fit::Fit;
 use super::isochronous::Isochrone;
 use super::page_tables::{
-    coverage_table, fit_blocks, group_table, isochrone_table, odd_blocks, reading_blocks,
-    recovery_table, result_table, source_blocks, test_table,
+    coverage_table, fit_blocks, group_table, isochrone_table, odd_blocks, rank_table,
+    reading_blocks, recovery_table, result_table, source_blocks, test_table,
 };
+use super::rank::Rank;
 use super::withhold::Coverage;
 use crate::plot::Figure;
 use crate::report::{Block, Page};
@@ -49,6 +50,8 @@ pub struct Contents<'a> {
     pub conditions: Conditions,
     /// Specimens.
     pub analyses: &'a [Analysis],
+    /// Ropes in the order of their strain.
+    pub ranks: &'a [Rank],
     /// Repeats.
     pub groups: &'a [Scatter],
     /// Strain against load at the same times.
@@ -70,6 +73,7 @@ pub fn page(contents: Contents<'_>) -> Page {
         sources,
         conditions,
         analyses,
+        ranks,
         groups,
         isochrones,
         fits,
@@ -95,6 +99,9 @@ pub fn page(contents: Contents<'_>) -> Page {
         .collect();
     blocks.push(Block::Table(result_table(analyses)));
     page = page.section("Creep", blocks);
+    if !ranks.is_empty() {
+        page = page.section("Ranking", vec![Block::Table(rank_table(ranks))]);
+    }
     if groups.iter().any(|g| g.specimens > 1) {
         page = page.section("Groups", vec![Block::Table(group_table(groups))]);
     }

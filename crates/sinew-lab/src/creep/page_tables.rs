@@ -1,10 +1,11 @@
 //! Tables of the report of a creep test.
 
-use super::analyze::{Analysis, Scatter};
+use super::analyze::{Analysis, Interval, Scatter};
 use super::fit::Fit;
 use super::isochronous::Isochrone;
 use super::page::{Conditions, Source};
 use super::picture::short;
+use super::rank::Rank;
 use super::withhold::Coverage;
 use crate::report::{Block, Table};
 
@@ -214,6 +215,46 @@ pub(super) fn result_table(analyses: &[Analysis]) -> Table {
                     }),
                     a.saturation_s.map_or("–".into(), duration),
                     a.saturated.map_or("–", |s| if s { "yes" } else { "no" }).into(),
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// Ropes in the order of their strain.
+pub(super) fn rank_table(ranks: &[Rank]) -> Table {
+    let with = |i: &Interval| format!("{} ({} to {})", short(i.value), short(i.low), short(i.high));
+    let after = ranks.first().map_or(0.0, |r| r.at_s) / 60.0;
+    Table {
+        caption: format!(
+            "Strain after {} min; brackets are 95 % intervals of a rope's mean. Ropes whose \
+             intervals overlap share a rank.",
+            short(after)
+        ),
+        head: [
+            "rank",
+            "rope",
+            "specimens",
+            "strain, %",
+            "m_E, %/h",
+            "between specimens",
+        ]
+        .map(String::from)
+        .to_vec(),
+        rows: ranks
+            .iter()
+            .map(|r| {
+                vec![
+                    r.rank.to_string(),
+                    r.name.clone(),
+                    r.specimens.to_string(),
+                    with(&r.strain_percent),
+                    r.slope_percent_per_h.as_ref().map_or("–".into(), with),
+                    format!(
+                        "{} %, {}",
+                        short(100.0 * r.scatter),
+                        r.scatter_source.words()
+                    ),
                 ]
             })
             .collect(),

@@ -39,19 +39,18 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
         _ => ("s", 1.0),
     };
     let label = if logarithmic {
-        format!("log_{{10}} of time in {unit}")
+        "time".to_owned()
     } else {
         format!("time ({unit})")
     };
     let place = |t: f64| {
-        if logarithmic {
-            (t / seconds).log10()
-        } else {
-            t / seconds
-        }
+        if logarithmic { t.log10() } else { t / seconds }
     };
     let percent = |v: &[f64]| -> Vec<f64> { v.iter().map(|e| 100.0 * e).collect() };
     let mut panel = Panel::new("", label, "strain (%)");
+    if logarithmic {
+        panel = panel.x_times();
+    }
     for (index, p) in plotted.iter().enumerate() {
         let colour = Colour::CYCLE[index % Colour::CYCLE.len()];
         let dash = match index / Colour::CYCLE.len() {

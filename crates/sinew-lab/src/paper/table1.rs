@@ -118,11 +118,16 @@ fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
 
 /// Final strain and slope of every rope with their intervals.
 fn figure(tests: &[Test]) -> Figure {
+    // The first row stands on top, as in the table.
+    let names: Vec<(f64, String)> = tests
+        .iter()
+        .enumerate()
+        .map(|(i, t)| ((tests.len() - i) as f64, t.product.clone()))
+        .collect();
     let panel = |label: &str, of: &dyn Fn(&Test) -> Interval| {
-        let mut panel = Panel::new("", label, "rope, from the last row up");
+        let mut panel = Panel::new("", label, "").y_names(names.clone());
         let mut right = 0.0f64;
         for (i, t) in tests.iter().enumerate() {
-            // The first row stands on top, as in the table.
             let (y, v) = ((tests.len() - i) as f64, of(t));
             right = right.max(v.high);
             panel = panel
@@ -135,12 +140,10 @@ fn figure(tests: &[Test]) -> Figure {
                     Line::new("", vec![v.value, v.value], vec![y - 0.2, y + 0.2])
                         .colour(Colour::Blue)
                         .width(4.0),
-                )
-                .note(v.high, y, format!(" {}", t.product));
+                );
         }
-        // Room for the names to the right of the bars.
         panel
-            .x_range(0.0, 1.75 * right)
+            .x_range(0.0, 1.05 * right)
             .y_range(0.3, tests.len() as f64 + 0.7)
     };
     let end = |t: &Test| Interval::of(t.end[0], &t.end[1..]);

@@ -11,6 +11,8 @@ pub(super) struct Axis {
     decimals: usize,
     /// Tick numbers are multiples of `10^exponent`.
     exponent: i32,
+    /// What stands at the ticks instead of numbers; empty: numbers.
+    names: Vec<String>,
 }
 
 /// Tick numbers from here on are written as multiples of a power of ten.
@@ -49,7 +51,32 @@ impl Axis {
             ticks,
             decimals: decimals_of(step / unit),
             exponent,
+            names: Vec::new(),
         }
+    }
+
+    /// The same with names at places instead of numbers: those inside that `fits` lets stand beside
+    /// the ones before.
+    pub(super) fn named(
+        mut self,
+        names: &[(f64, String)],
+        fits: impl Fn(&[(f64, String)], &(f64, String)) -> bool,
+    ) -> Self {
+        if names.is_empty() {
+            return self;
+        }
+        let slack = 1e-6 * (self.high - self.low);
+        let inside = |at: f64| at >= self.low - slack && at <= self.high + slack;
+        let mut taken: Vec<(f64, String)> = Vec::new();
+        for name in names.iter().filter(|n| inside(n.0)) {
+            if fits(&taken, name) {
+                taken.push(name.clone());
+            }
+        }
+        taken.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (self.ticks, self.names) = taken.into_iter().unzip();
+        self.exponent = 0;
+        self
     }
 
     /// Where a value lies, 0 at `low` and 1 at `high`.
@@ -57,8 +84,12 @@ impl Axis {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// The number at a tick.
+    /// The number or name at a tick.
     pub(super) fn number(&self, value: f64) -> String {
+        let named = self.ticks.iter().position(|t| *t == value);
+        if let Some(name) = named.and_then(|i| self.names.get(i)) {
+            return name.clone();
+        }
         let scaled = value / 10f64.powi(self.exponent);
         let text = format!("{scaled:.*}", self.decimals);
         if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) {

@@ -1,23 +1,22 @@
 //! Writes a figure as SVG.
 
-use super::label::{escape_xml, markup, shorten, width};
+use super::data::{Tenths, band_opacity, draw_band, draw_line, place};
+use super::label::{escape_xml, markup, shorten};
 use super::layout::{
     Entry, LABEL_PX, LEGEND_PX, Layout, MARGIN, PANEL_TITLE_PX, Placed, Rect, SAMPLE, SUBTITLE_PX,
     Sample, TICK_PX, TITLE_PX, arrange,
 };
-use super::{Band, Colour, Dash, Figure, Line, Mark, Series};
+use super::words::draw_words;
+use super::{Dash, Figure, Mark, Series};
 use std::fmt::Write as _;
 
 /// The carried font first, so that SVG and PNG agree where it is installed.
 const FAMILY: &str = "Roboto, 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif";
 const INK: &str = "#1d1f24";
-const MUTED: &str = "#5a606b";
+pub(super) const MUTED: &str = "#5a606b";
 const AXIS: &str = "#80858f";
 const GRID: &str = "#e7e9ee";
 const REFERENCE: &str = "#6c727d";
-const MARK_PX: f64 = 11.5;
-/// A line with more points than this per px keeps the first, last, smallest and largest of each.
-const POINTS_PER_PX: usize = 4;
 
 pub(super) fn svg(figure: &Figure) -> String {
     let layout = arrange(figure);
@@ -67,7 +66,7 @@ fn description(figure: &Figure) -> String {
     words.join("; ")
 }
 
-fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, words: &str) {
+pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, words: &str) {
     let _ = writeln!(
         out,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" {style}>{}</text>",
@@ -197,7 +196,7 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
     }
 }
 
-fn dash(dash: Dash, width_px: f64) -> String {
+pub(super) fn dash(dash: Dash, width_px: f64) -> String {
     match dash {
         Dash::Solid => String::new(),
         Dash::Dashed => format!(
@@ -233,151 +232,6 @@ fn draw_entry(out: &mut String, entry: &Entry) {
         ),
     };
     text(out, x + SAMPLE + 5.0, y, LEGEND_PX, "", &entry.name);
-}
-
-fn band_opacity(colour: Colour) -> f64 {
-    match colour {
-        Colour::Sky | Colour::Amber => 0.38,
-        _ => 0.22,
-    }
-}
-
-/// A place of the data in tenths of a px inside the plot.
-///
-/// Clamped to 1000 px outside, where it is cut off anyhow, so that no renderer sees huge numbers.
-fn place(placed: &Placed<'_>, x: f64, y: f64) -> Option<Point> {
-    let Rect { w, h, .. } = placed.plot;
-    let px = w * placed.x.position(x);
-    let py = h * (1.0 - placed.y.position(y));
-    (px.is_finite() && py.is_finite()).then(|| {
-        let tenth = |v: f64, size: f64| (10.0 * v.clamp(-1000.0, size + 1000.0)).round() as i64;
-        (tenth(px, w), tenth(py, h))
-    })
-}
-
-/// Adds one stretch without gaps to path data, as differences, which are short to write.
-fn push_path(path: &mut String, points: impl Iterator<Item = Point>) {
-    let mut last: Option<Point> = None;
-    for (x, y) in points {
-        match last {
-            None => {
-                let _ = write!(path, "M{} {}", Tenths(x), Tenths(y));
-            }
-            Some(old) if old == (x, y) => continue,
-            Some((old_x, old_y)) => {
-                let _ = write!(path, "l{} {}", Tenths(x - old_x), Tenths(y - old_y));
-            }
-        }
-        last = Some((x, y));
-    }
-}
-
-/// Tenths of a px.
-type Point = (i64, i64);
-
-struct Tenths(i64);
-
-impl std::fmt::Display for Tenths {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let sign = if self.0 < 0 { "-" } else { "" };
-        let (whole, tenth) = (self.0.abs() / 10, self.0.abs() % 10);
-        match tenth {
-            0 => write!(f, "{sign}{whole}"),
-            _ => write!(f, "{sign}{whole}.{tenth}"),
-        }
-    }
-}
-
-fn draw_line(out: &mut String, placed: &Placed<'_>, line: &Line) {
-    let mut path = String::new();
-    let mut dots = String::new();
-    let points: Vec<Option<Point>> = line
-        .x
-        .iter()
-        .zip(&line.y)
-        .map(|(&x, &y)| place(placed, x, y))
-        .collect();
-    for stretch in points.split(Option::is_none) {
-        let stretch: Vec<Point> = stretch.iter().flatten().copied().collect();
-        match stretch.as_slice() {
-            [] => {}
-            [(x, y)] => {
-                let _ = write!(dots, "M{} {}h0", Tenths(*x), Tenths(*y));
-            }
-            _ if line.step => {
-                let corners = stretch.windows(2).flat_map(|p| [p[0], (p[1].0, p[0].1)]);
-                push_path(&mut path, corners.chain(stretch.last().copied()));
-            }
-            _ => push_path(&mut path, thinned(&stretch, placed.plot.w).into_iter()),
-        }
-    }
-    let (colour, width_px) = (line.colour.hex(), line.width_px);
-    if !path.is_empty() {
-        let _ = writeln!(
-            out,
-            "<path d=\"{path}\" stroke=\"{colour}\" stroke-width=\"{width_px}\" \
-             stroke-linejoin=\"round\" fill=\"none\"{}/>",
-            dash(line.dash, width_px)
-        );
-    }
-    if !dots.is_empty() {
-        let _ = writeln!(
-            out,
-            "<path d=\"{dots}\" stroke=\"{colour}\" stroke-width=\"{}\" stroke-linecap=\"round\" fill=\"none\"/>",
-            1.6 * width_px
-        );
-    }
-}
-
-/// Keeps first, lowest, highest and last point of every px column when there are very many.
-fn thinned(points: &[Point], width_px: f64) -> Vec<Point> {
-    if points.len() <= POINTS_PER_PX * width_px.max(1.0) as usize {
-        return points.to_vec();
-    }
-    let mut kept = Vec::new();
-    for column in points.chunk_by(|a, b| a.0.div_euclid(10) == b.0.div_euclid(10)) {
-        let indices = 0..column.len();
-        let highest = indices.clone().min_by_key(|&i| column[i].1).unwrap_or(0);
-        let lowest = indices.max_by_key(|&i| column[i].1).unwrap_or(0);
-        let mut four = [0, highest, lowest, column.len() - 1];
-        four.sort_unstable();
-        kept.extend(four.map(|i| column[i]));
-    }
-    kept
-}
-
-fn draw_band(out: &mut String, placed: &Placed<'_>, band: &Band) {
-    let edges: Vec<Option<(Point, Point)>> = band
-        .x
-        .iter()
-        .zip(band.low.iter().zip(&band.high))
-        .map(|(&x, (&low, &high))| Some((place(placed, x, low)?, place(placed, x, high)?)))
-        .collect();
-    let mut path = String::new();
-    for stretch in edges.split(Option::is_none) {
-        if stretch.is_empty() {
-            continue;
-        }
-        let mut upper: Vec<Point> = stretch.iter().flatten().map(|e| e.1).collect();
-        let mut lower: Vec<Point> = stretch.iter().flatten().map(|e| e.0).collect();
-        if let ([(x, high)], [(_, low)]) = (&upper[..], &lower[..]) {
-            // A single interval is shown one px wide rather than not at all.
-            (upper, lower) = (
-                vec![(x - 5, *high), (x + 5, *high)],
-                vec![(x - 5, *low), (x + 5, *low)],
-            );
-        }
-        push_path(&mut path, upper.into_iter().chain(lower.into_iter().rev()));
-        path.push('Z');
-    }
-    if !path.is_empty() {
-        let _ = writeln!(
-            out,
-            "<path d=\"{path}\" fill=\"{}\" fill-opacity=\"{}\"/>",
-            band.colour.hex(),
-            band_opacity(band.colour)
-        );
-    }
 }
 
 fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {
@@ -418,122 +272,4 @@ fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {
         }
         Mark::Note { .. } => {}
     }
-}
-
-/// The words of the marks, over the data, each at the first of its places that is free.
-fn draw_words(out: &mut String, placed: &Placed<'_>) {
-    let Rect { w, h, .. } = placed.plot;
-    let frame = Rect {
-        x: 0.0,
-        y: 0.0,
-        w,
-        h,
-    };
-    let line = MARK_PX + 3.0;
-    let mut taken: Vec<Rect> = Vec::new();
-    let data = points(placed);
-    for mark in &placed.panel.marks {
-        let at =
-            |x: f64, y: f64| place(placed, x, y).map(|(x, y)| (x as f64 / 10.0, y as f64 / 10.0));
-        let (words, corners): (&str, Vec<(f64, f64)>) = match mark {
-            Mark::Note { x, y, text } => {
-                let Some((px, py)) = at(*x, *y) else { continue };
-                let tw = width(text, MARK_PX);
-                let rows = [0.0, -line, line].map(|dy| py - line / 2.0 + dy);
-                (
-                    text,
-                    rows.iter().flat_map(|&y| [(px, y), (px - tw, y)]).collect(),
-                )
-            }
-            Mark::Reference { y, label } => {
-                let Some((_, py)) = at(placed.x.low, *y) else {
-                    continue;
-                };
-                let right = w - width(label, MARK_PX) - 4.0;
-                let rows = [py - line - 1.0, py + 1.0];
-                (
-                    label,
-                    [right, 4.0]
-                        .iter()
-                        .flat_map(|&x| rows.map(|y| (x, y)))
-                        .collect(),
-                )
-            }
-            Mark::Event { x, label } => {
-                let Some((px, _)) = at(*x, placed.y.low) else {
-                    continue;
-                };
-                (label, beside(px, width(label, MARK_PX), line))
-            }
-            Mark::Span { from, to, label } => {
-                let Some((px, _)) = at(from.min(*to), placed.y.low) else {
-                    continue;
-                };
-                (label, beside(px, width(label, MARK_PX), line))
-            }
-        };
-        if words.is_empty() {
-            continue;
-        }
-        let tw = width(words, MARK_PX);
-        let boxes = corners.into_iter().map(|(x, y)| Rect {
-            x,
-            y,
-            w: tw,
-            h: line,
-        });
-        let free = |b: &Rect| frame.contains(b) && !taken.iter().any(|t| t.overlaps(b));
-        // Of the free places, the first of those that hide the least data.
-        let spot = boxes.filter(free).min_by_key(|b| hidden(&data, b));
-        if let Some(spot) = spot {
-            let style = format!(
-                "fill=\"{MUTED}\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\""
-            );
-            text(
-                out,
-                spot.x,
-                spot.y + 0.85 * MARK_PX + 1.0,
-                MARK_PX,
-                &style,
-                words,
-            );
-            taken.push(spot);
-        }
-    }
-}
-
-/// Places for a word at the top of a vertical line: right of it, left of it, up to three rows down.
-fn beside(px: f64, tw: f64, line: f64) -> Vec<(f64, f64)> {
-    (0..3)
-        .flat_map(|row| {
-            let y = 2.0 + f64::from(row) * line;
-            [(px + 4.0, y), (px - tw - 4.0, y)]
-        })
-        .collect()
-}
-
-/// Every point of the data, px.
-fn points(placed: &Placed<'_>) -> Vec<(f64, f64)> {
-    let mut all = Vec::new();
-    let mut add = |xs: &[f64], ys: &[f64]| {
-        let places = xs.iter().zip(ys).filter_map(|(&x, &y)| place(placed, x, y));
-        all.extend(places.map(|(x, y)| (x as f64 / 10.0, y as f64 / 10.0)));
-    };
-    for series in &placed.panel.series {
-        match series {
-            Series::Line(line) => add(&line.x, &line.y),
-            Series::Band(band) => {
-                add(&band.x, &band.low);
-                add(&band.x, &band.high);
-            }
-        }
-    }
-    all
-}
-
-fn hidden(data: &[(f64, f64)], area: &Rect) -> usize {
-    let inside = |&&(x, y): &&(f64, f64)| {
-        (area.x..=area.x + area.w).contains(&x) && (area.y..=area.y + area.h).contains(&y)
-    };
-    data.iter().filter(inside).count()
 }

@@ -143,7 +143,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
         let x = x_extent(panel);
         let y = y_extent(panel, x);
         let count = (heights[i / columns] / 27.0).clamp(3.0, 7.0) as usize;
-        let left = Axis::new(y.0, y.1, count);
+        let left = Axis::new(y.0, y.1, count).named(&panel.y_names, |_, _| true);
         let right = panel
             .y_right
             .as_ref()
@@ -206,7 +206,7 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
         panels.push(Placed {
             panel,
             plot,
-            x: x_axis(x, plot.w),
+            x: x_axis(x, plot.w, &panel.x_names),
             y,
             right,
             title,
@@ -238,7 +238,17 @@ fn number_width(axis: &Axis) -> f64 {
 }
 
 /// As many ticks as have room for their numbers.
-fn x_axis(range: (f64, f64), plot_w: f64) -> Axis {
+fn x_axis(range: (f64, f64), plot_w: f64, names: &[(f64, String)]) -> Axis {
+    if !names.is_empty() {
+        let axis = Axis::new(range.0, range.1, 2);
+        let px = plot_w / (axis.high - axis.low);
+        return axis.named(names, |taken, name| {
+            taken.iter().all(|other| {
+                let words = 0.5 * (width(&other.1, TICK_PX) + width(&name.1, TICK_PX));
+                px * (other.0 - name.0).abs() > words + 14.0
+            })
+        });
+    }
     let mut count = (plot_w / 45.0).clamp(2.0, 10.0) as usize;
     loop {
         let axis = Axis::new(range.0, range.1, count);

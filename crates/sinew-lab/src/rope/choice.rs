@@ -23,7 +23,7 @@ impl Selection {
                 return None;
             }
             let room = (0.15 * (high - low)).max(0.1 * high);
-            let (left, right) = (low - room, high + 4.0 * room);
+            let (left, right) = (low - room, high + 2.5 * room);
             let tick = 0.008 * (right - left);
             for (i, c) in self.candidates.iter().enumerate() {
                 let Some(at) = x(c) else { continue };
@@ -67,8 +67,7 @@ impl Selection {
                 "{}; bars are 95 % intervals from the catalogue's uncertainty",
                 self.duty
             ))
-            .size(1000.0, 420.0)
-            .columns(2);
+            .size(820.0, 860.0);
         for panel in [
             panel("rope diameter (mm)", &|c| c.diameter_mm),
             panel("weight (g/m), where published", &|c| c.weight_g_per_m),

@@ -129,13 +129,20 @@ impl Compare {
             write_csv(path, &text)?;
         }
         if let Some(path) = &self.files.report {
-            let named: Vec<(String, &creep::Analysis)> =
-                tests.groups.iter().cloned().zip(&tests.analyses).collect();
+            // Specimens of no group are ropes of their own, not repeats.
+            let named: Vec<(String, &creep::Analysis)> = tests
+                .groups
+                .iter()
+                .cloned()
+                .zip(&tests.analyses)
+                .filter(|(group, _)| group != "all")
+                .collect();
             let page = creep::page(Contents {
                 title: "Creep of ropes compared".to_owned(),
                 sources: &tests.sources,
                 conditions: self.files.conditions(),
                 analyses: &tests.analyses,
+                ranks: &ranks,
                 groups: &creep::scatter(&named),
                 failures: &tests.failures,
                 figures: vec![(figure, String::new())],

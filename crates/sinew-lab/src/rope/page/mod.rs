@@ -77,13 +77,6 @@ fn page(title: String, subtitle: String) -> Page {
     }
 }
 
-/// Powers of ten of an hour: the axis of what goes with the logarithm of time.
-const LOG_HOURS: &str = "log_{10} of the time in hours";
-
-fn log_hours(time_s: f64) -> f64 {
-    (time_s / HOUR_S).log10()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! A plan of pretension as a page.
 
-use super::{LOG_HOURS, bracketed, log_hours, notices, page, spoken, table};
+use super::{bracketed, notices, page, spoken, table};
 use crate::plot::{Colour, Dash, Figure, Line, Panel};
 use crate::report::{Block, Page, rounded};
 use crate::rope::pretension::{Plan, Schedule};
@@ -107,7 +107,7 @@ fn schedules(p: &Plan) -> Block {
 }
 
 fn plan_figure(p: &Plan) -> Figure {
-    let mut bedding = Panel::new("", LOG_HOURS, "still to come (mm)");
+    let mut bedding = Panel::new("", "held for", "still to come (mm)").x_times();
     let mut tensions: Vec<f64> = p.procedures.iter().map(|q| q.tension_n).collect();
     tensions.dedup();
     for (n, colour) in tensions.iter().zip(Colour::CYCLE) {
@@ -115,17 +115,19 @@ fn plan_figure(p: &Plan) -> Figure {
             .procedures
             .iter()
             .filter(|q| q.tension_n == *n)
-            .map(|q| (log_hours(q.duration_s), q.still_to_come_mm.value))
+            .map(|q| (q.duration_s.log10(), q.still_to_come_mm.value))
             .unzip();
         let line = Line::new(format!("{} N", rounded(*n, 3)), x, y).colour(colour);
         bedding = bedding.line(line);
     }
-    let mut strung = Panel::new("", LOG_HOURS, "tension (N)").reference(p.lowest_n, "lowest");
+    let mut strung = Panel::new("", "time since it was strung", "tension (N)")
+        .x_times()
+        .reference(p.lowest_n, "lowest");
     for (word, s, colour) in [
         ("as it comes", &p.schedule_new, Colour::Orange),
         ("bedded in", &p.schedule_bedded, Colour::Blue),
     ] {
-        let x = s.left_alone.time_s.iter().map(|t| log_hours(*t)).collect();
+        let x = s.left_alone.time_s.iter().map(|t| t.log10()).collect();
         let line = Line::new(word, x, s.left_alone.tension_n.clone());
         strung = strung.line(line.colour(colour).dash(Dash::Solid));
     }

@@ -1,6 +1,6 @@
 //! A prediction as a page.
 
-use super::{LOG_HOURS, bracketed, facts, log_hours, notices, page, spoken, table};
+use super::{bracketed, facts, notices, page, spoken, table};
 use crate::plot::{Band, Figure, Line, Panel};
 use crate::report::{Block, Page, rounded};
 use crate::rope::draws::Interval;
@@ -19,26 +19,22 @@ pub fn predicted(p: &Prediction) -> Page {
     }
     first.extend(notices(&p.warnings));
     if p.readings.len() > 1 {
-        let x: Vec<f64> = p.readings.iter().map(|r| log_hours(r.time_s)).collect();
+        let x: Vec<f64> = p.readings.iter().map(|r| r.time_s.log10()).collect();
         let of = |f: &dyn Fn(&Interval) -> f64| -> Vec<f64> {
             let all = p.readings.iter().map(|r| &r.since_tensioned_mm);
             all.map(f).collect()
         };
-        // Room for the last word.
-        let (from, to) = (x[0], x[x.len() - 1]);
-        let room = 0.08 * (to - from);
-        let mut panel = Panel::new("", LOG_HOURS, "elongation since tensioned (mm)")
-            .x_range(from, to + room)
+        let most = of(&|i| i.high).into_iter().fold(0.0, f64::max);
+        let panel = Panel::new("", "time", "elongation since tensioned (mm)")
+            .y_range(0.0, 1.06 * most)
             .band(Band::new(
                 "95 % of the draws",
                 x.clone(),
                 of(&|i| i.low),
                 of(&|i| i.high),
             ))
-            .line(Line::new("catalogue's values", x.clone(), of(&|i| i.value)));
-        for (r, x) in p.readings.iter().zip(x) {
-            panel = panel.note(x, r.since_tensioned_mm.value, spoken(r.time_s));
-        }
+            .line(Line::new("catalogue's values", x.clone(), of(&|i| i.value)))
+            .x_times();
         let figure = Figure::new("").size(820.0, 360.0).panel(panel);
         first.push(Block::Figure(Box::new(figure), String::new()));
     }
@@ -59,27 +55,27 @@ pub fn predicted(p: &Prediction) -> Page {
         "of that unloading leaves, mm",
     ];
     let s = &p.summary;
+    let celsius = [
+        s.temperature_min_c,
+        s.temperature_mean_c,
+        s.temperature_max_c,
+    ];
+    let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
     let mut basis = vec![facts([
         ("duty", p.duty.clone()),
-        ("one cycle", spoken(s.duration_s)),
+        (
+            "one cycle",
+            if constant {
+                "always the same".into()
+            } else {
+                spoken(s.duration_s)
+            },
+        ),
         (
             "tension",
-            format!(
-                "{} to {} N, mean {} N",
-                rounded(s.tension_min_n, 3),
-                rounded(s.tension_max_n, 3),
-                rounded(s.tension_mean_n, 3)
-            ),
+            span([s.tension_min_n, s.tension_mean_n, s.tension_max_n], "N"),
         ),
-        (
-            "temperature",
-            format!(
-                "{} to {} °C, mean {} °C",
-                rounded(s.temperature_min_c, 3),
-                rounded(s.temperature_max_c, 3),
-                rounded(s.temperature_mean_c, 3)
-            ),
-        ),
+        ("temperature", span(celsius, "°C")),
         ("strand", format!("{} mm", rounded(p.length_mm, 4))),
         (
             "read at",
@@ -114,4 +110,17 @@ pub fn predicted(p: &Prediction) -> Page {
         .section("", first)
         .section("Readings", vec![table(&head, rows.collect())])
         .section("What it rests on", basis)
+}
+
+/// Least, mean and most; one number where they are the same.
+fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
+    if least == most {
+        return format!("{} {unit}", rounded(mean, 3));
+    }
+    format!(
+        "{} to {} {unit}, mean {} {unit}",
+        rounded(least, 3),
+        rounded(most, 3),
+        rounded(mean, 3)
+    )
 }

@@ -90,14 +90,18 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
             }
         }
     }
-    let limits = Block::Table(Table {
-        rows: asked(constraints),
-        ..Table::default()
-    });
-    let fell = Block::Table(Table {
-        rows: rejected.collect(),
-        ..Table::default()
-    });
+    let rows_or = |rows: Vec<Vec<String>>, none: &str| {
+        if rows.is_empty() {
+            Block::Paragraph(none.into())
+        } else {
+            Block::Table(Table {
+                rows,
+                ..Table::default()
+            })
+        }
+    };
+    let limits = rows_or(asked(constraints), "No constraint.");
+    let fell = rows_or(rejected.collect(), "None.");
     page("Which rope".into(), format!("{}, for {time}", s.duty))
         .section("", first)
         .section(

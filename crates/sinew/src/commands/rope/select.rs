@@ -107,6 +107,21 @@ impl Select {
     }
 }
 
+/// A long name on two lines, cut at a hyphen.
+fn in_two(name: &str) -> String {
+    /// What the numbers leave of 80 columns.
+    const ROOM: usize = 26;
+    let cut = name
+        .char_indices()
+        .filter(|(_, c)| *c == '-')
+        .map(|(at, _)| at + 1)
+        .rfind(|at| name[..*at].chars().count() <= ROOM);
+    match cut {
+        Some(at) if name.chars().count() > ROOM => format!("{}\n{}", &name[..at], &name[at..]),
+        _ => name.to_owned(),
+    }
+}
+
 fn told(s: &Selection) -> String {
     let mut out = paragraph(
         &plain(&format!(
@@ -133,7 +148,7 @@ fn told(s: &Selection) -> String {
         .map(|c| {
             let mark = if c.pareto { " *" } else { "" };
             vec![
-                plain(&format!("{}{mark}", c.rope)),
+                in_two(&(plain(&c.rope) + mark)),
                 bracketed(c.elongation_mm, 2).replace(" to ", "–"),
                 format!("{:.0} %", 100.0 * c.least_share),
                 rounded(c.stiffness_n_per_mm.value, 2),
