@@ -7,7 +7,7 @@
 
 use super::Duty;
 use super::duty::Stretch;
-use sinew_model::rope::{Law, LoadError, State};
+use sinew_model::rope::{Law, LoadError, Rates, State};
 
 /// Stretches run one by one before the slow equation takes over.
 const EXACT_STRETCHES: f64 = 1_000.0;
@@ -22,6 +22,8 @@ pub struct History<'a> {
     law: &'a Law,
     duty: &'a Duty,
     cycle_s: f64,
+    /// Of the stretches under one load; made when years are leaped over.
+    rates: Vec<Option<Rates>>,
     /// Where it is.
     state: State,
     time_s: f64,
@@ -35,6 +37,7 @@ impl<'a> History<'a> {
             law,
             duty,
             cycle_s: duty.stretches.iter().map(|s| s.duration_s).sum(),
+            rates: Vec::new(),
             state,
             time_s: 0.0,
             whole_cycles: 0.0,
@@ -107,6 +110,15 @@ impl<'a> History<'a> {
     /// Many cycles at once.
     fn leap(&mut self, cycles: f64) -> Result<(), LoadError> {
         let start = self.state;
+        if self.rates.is_empty() {
+            let rates = |s: &Stretch| (s.from == s.to).then(|| self.law.rates(s.from)).transpose();
+            self.rates = self
+                .duty
+                .stretches
+                .iter()
+                .map(rates)
+                .collect::<Result<_, _>>()?;
+        }
         // Slope and constant of each affine map, from two runs that share everything else.
         let zero = State {
             bedding_percent: start.bedding_percent,
@@ -151,12 +163,23 @@ impl<'a> History<'a> {
     /// `db/dn` at bedding-in `b`: what a cycle adds, less what a difference overstates against a
     /// derivative, `D (1 − D'/2)`.
     fn slow_rate(&self, b: f64) -> Result<f64, LoadError> {
-        let added = |b: f64| {
-            let state = State {
-                bedding_percent: b,
-                ..State::default()
-            };
-            Ok(self.cycle(state)?.bedding_percent - b)
+        // Bedding-in minds nothing of the rest of the state.
+        let added = |from: f64| {
+            let mut b = from;
+            for (s, rates) in self.duty.stretches.iter().zip(&self.rates) {
+                b = match rates {
+                    Some(rates) => self.law.bedded(b, rates, s.duration_s),
+                    None => {
+                        let mut state = State {
+                            bedding_percent: b,
+                            ..State::default()
+                        };
+                        run_stretch(self.law, &mut state, s, s.duration_s)?;
+                        state.bedding_percent
+                    }
+                };
+            }
+            Ok(b - from)
         };
         let d = added(b)?;
         if d <= 0.0 {
@@ -171,9 +194,10 @@ impl<'a> History<'a> {
         let full = self.law.bedding_percent();
         let mut left = cycles;
         let mut h = 1.0f64;
+        // The rate at the end of a step is the one at the start of the next.
+        let mut k1 = self.slow_rate(b)?;
         while left > 0.0 {
             h = h.min(left);
-            let k1 = self.slow_rate(b)?;
             // What can still come doesn't show in any figure.
             if k1 * left <= 1e-9 * full {
                 return Ok(b + k1 * left);
@@ -186,6 +210,7 @@ impl<'a> History<'a> {
             let error = h * (-5.0 / 72.0 * k1 + k2 / 12.0 + k3 / 9.0 - k4 / 8.0);
             let ratio = error.abs() / (TOLERANCE * full);
             if ratio <= 1.0 || h <= 1.0 {
+                k1 = if next > b { k4 } else { self.slow_rate(b)? };
                 b = next.max(b);
                 left -= h;
             }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
 use sinew_model::rope::{Law, Load, LoadError, State};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Readings made where nothing else is asked for.
 pub const TIMES_DEFAULT_S: [f64; 4] = [HOUR_S, DAY_S, MONTH_S, YEAR_S];
@@ -144,6 +145,18 @@ pub enum PredictError {
 /// # Errors
 /// [`PredictError`].
 pub fn predict(rope: &CatalogueRope, request: &Request) -> Result<Prediction, PredictError> {
+    predict_watched(rope, request, &|_| {})
+}
+
+/// [`predict`], telling how many draws are done; not in order, from several threads.
+///
+/// # Errors
+/// [`PredictError`].
+pub fn predict_watched(
+    rope: &CatalogueRope,
+    request: &Request,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Prediction, PredictError> {
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
     let read_at = request.read_at.unwrap_or(Load::celsius(
@@ -159,8 +172,11 @@ pub fn predict(rope: &CatalogueRope, request: &Request) -> Result<Prediction, Pr
         },
         StrandError::Routing(error) => error.into(),
     })?;
+    let finished = AtomicUsize::new(0);
     let drawn: Vec<Vec<Mean>> = in_parallel(&draws.laws, |law| {
-        strand(law, request, read_at, &times).ok()
+        let means = strand(law, request, read_at, &times).ok();
+        done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        means
     })
     .into_iter()
     .flatten()

@@ -230,6 +230,22 @@ impl Law {
         Ok(())
     }
 
+    /// Bedding-in alone after a duration, %: [`Law::advance`] without what it doesn't depend on.
+    /// Starts from `bedding_percent`; a duration below 0 or not a number counts as 0.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    #[must_use]
+    pub fn bedded(&self, bedding_percent: f64, rates: &Rates, duration_s: f64) -> f64 {
+        let mut state = State {
+            bedding_percent,
+            ..State::default()
+        };
+        let target = rates.bedding_target_percent;
+        self.bed_in(&mut state, target, rates.bedding_per_s, duration_s.max(0.0));
+        state.bedding_percent
+    }
+
     /// Strain of a stretch of rope in a state under a load.
     ///
     /// # Errors

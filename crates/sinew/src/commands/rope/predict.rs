@@ -4,7 +4,7 @@ use super::asked::Asked;
 use super::values::newtons;
 use super::{Ropes, find};
 use crate::files::check_outputs;
-use crate::terminal::{Failure, Finish, answer};
+use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
 use sinew_lab::output::write_file;
@@ -59,7 +59,12 @@ impl Predict {
         };
         let rope = find(&catalogue, name)?;
         understood.request.read_at = Asked::read_at(self.read_at, self.asked.temperature());
-        let found = predict::predict(rope, &understood.request)?;
+        let draws = understood.request.draws as f64;
+        let bar = Bar::new("draws", self.quiet);
+        let found = predict::predict_watched(rope, &understood.request, &|done| {
+            bar.set(done as f64, draws);
+        })?;
+        drop(bar);
         if let Some(path) = &self.report {
             write_file(path, page::predicted(&found).html().as_bytes())?;
         }
