@@ -141,6 +141,10 @@ impl Residuals for Search<'_> {
     fn residuals(&self, x: &[f64]) -> Vec<f64> {
         self.0.likelihood_residuals(x, None)
     }
+
+    fn slopes(&self, x: &[f64]) -> Vec<f64> {
+        self.0.likelihood_slopes(x)
+    }
 }
 
 /// Replicates of a bootstrap: the 2.5 % quantile rests on eight of them.

@@ -57,6 +57,15 @@ impl Shape {
         }
     }
 
+    /// Derivative of [`Self::value`] with the place, at a value.
+    pub fn slope(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            value * (self.upper / self.lower).ln()
+        } else {
+            self.upper - self.lower
+        }
+    }
+
     /// The place of a value, within 0 and 1.
     pub fn place(&self, value: f64) -> f64 {
         let place = if self.logarithmic {
@@ -219,6 +228,39 @@ impl Law {
             Law::Stretched => out[0] = -(-(t / shape[0]).powf(shape[1])).exp_m1(),
             Law::Line => out[0] = t / REFERENCE_S,
             Law::Rope => {}
+        }
+    }
+
+    /// Derivatives of `Σ_j c_j φ_j(t)` with the shapes; zero before the step.
+    pub fn slopes(self, shape: &[f64], c: &[f64], t: f64, out: &mut [f64]) {
+        out.fill(0.0);
+        if t <= 0.0 {
+            return;
+        }
+        match self {
+            Law::LogTime => out[0] = -c[0] * t / (shape[0] * (shape[0] + t)),
+            Law::Findley => {
+                let u = (t / REFERENCE_S).ln();
+                out[0] = c[0] * (shape[0] * u).exp() * u;
+            }
+            Law::Burgers => {
+                let u = t / shape[0];
+                out[0] = -c[1] * u / shape[0] * (-u).exp();
+            }
+            Law::KelvinVoigt => {
+                let (fast, slow) = (t / shape[0], t / (shape[0] * shape[1]));
+                let slow = c[1] * slow * (-slow).exp();
+                out[0] = -(c[0] * fast * (-fast).exp() + slow) / shape[0];
+                out[1] = -slow / shape[1];
+            }
+            Law::Stretched => {
+                let u = (t / shape[0]).ln();
+                let power = (shape[1] * u).exp();
+                let common = c[0] * power * (-power).exp();
+                out[0] = -common * shape[1] / shape[0];
+                out[1] = common * u;
+            }
+            Law::Line | Law::Rope => {}
         }
     }
 }

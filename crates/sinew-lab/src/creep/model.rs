@@ -4,17 +4,13 @@ use super::CreepError;
 use super::curve::Curve;
 use super::fit::FitOptions;
 use super::law::{Law, Shape, Term};
-use super::linear::{self, Solution};
-use super::noise::{Clock, Filter, Noise, SHARE_MAX};
+use super::linear::Solution;
+use super::noise::{Clock, Noise, SHARE_MAX};
 use super::records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
 use super::rope_law::RopePlan;
 
-/// Gas constant, J/(mol K), exact since 2019.
-const GAS: f64 = 8.314_462_618_153_24;
 /// Reference of the temperature shift, K: 23 °C, the standard atmosphere of ISO 291.
 pub const REFERENCE_K: f64 = 296.15;
-/// 0 °C in K.
-const ZERO_C_K: f64 = 273.15;
 
 /// Which parameters curves have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -48,9 +44,9 @@ pub(super) struct Model {
     pub(super) terms: Vec<Term>,
     /// The rope law's part of the work.
     pub(super) rope: Option<RopePlan>,
-    law_shapes: usize,
-    exponent: Option<usize>,
-    activation: Option<usize>,
+    pub(super) law_shapes: usize,
+    pub(super) exponent: Option<usize>,
+    pub(super) activation: Option<usize>,
     pub(super) noise: NoiseKind,
     pub(super) memory: Shape,
     pub(super) clock: Clock,
@@ -235,170 +231,6 @@ impl Model {
                 share: x[self.shapes.len()] * SHARE_MAX,
                 memory: self.memory.value(x[self.shapes.len() + 1]),
             },
-        }
-    }
-
-    /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
-    /// the ε₀. Beside them the strain that no coefficient enters, m/m.
-    pub(super) fn rows(
-        &self,
-        values: &[f64],
-        curve: &Curve,
-        times: &[f64],
-        shared: usize,
-    ) -> (Vec<f64>, Option<Vec<f64>>) {
-        if let Some(plan) = &self.rope {
-            let (rows, offset) = plan.rows(&values[..self.law_shapes], curve, times);
-            return (rows, Some(offset));
-        }
-        let mut rows = vec![0.0; times.len() * shared];
-        if shared > 0 {
-            for (row, &t) in rows.chunks_mut(shared).zip(times) {
-                self.row(values, curve, t, row);
-            }
-        }
-        (rows, None)
-    }
-
-    /// Boltzmann's superposition of the law's answers to the steps before `t`.
-    fn row(&self, values: &[f64], curve: &Curve, t: f64, out: &mut [f64]) {
-        let terms = self.terms.len();
-        out.fill(0.0);
-        let mut response = [0.0; 4];
-        let response = &mut response[..terms];
-        let shift = match (self.activation, curve.temperature_c) {
-            (Some(index), Some(celsius)) => {
-                (values[index] * 1e3 / GAS * (1.0 / REFERENCE_K - 1.0 / (celsius + ZERO_C_K))).exp()
-            }
-            _ => 1.0,
-        };
-        let power = self.exponent.map_or(1.0, |index| values[index]);
-        let level = |load: f64| {
-            if power == 1.0 {
-                load
-            } else {
-                load.signum() * load.abs().powf(power)
-            }
-        };
-        let mut before = 0.0;
-        for &(start, load) in &curve.steps {
-            if start > t {
-                break;
-            }
-            let now = level(load);
-            self.law
-                .respond(&values[..self.law_shapes], (t - start) * shift, response);
-            for (out, r) in out.iter_mut().zip(response.iter()) {
-                *out += (now - before) * r;
-            }
-            if out.len() > terms {
-                out[terms] += now - before;
-            }
-            before = now;
-        }
-    }
-
-    /// Columns of a block, and its readings less what no coefficient enters, over the scale.
-    fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (n, p) = (block.readings, block.positive.len());
-        let shared = p - block.members.len();
-        let mut columns = vec![0.0; n * p];
-        let mut y = Vec::with_capacity(n);
-        for (place, &member) in block.members.iter().enumerate() {
-            let curve = &self.curves[member];
-            let (rows, offset) = self.rows(values, curve, &curve.time_s, shared);
-            for (i, strain) in curve.strain.iter().enumerate() {
-                let at = y.len();
-                for j in 0..shared {
-                    columns[j * n + at] = rows[i * shared + j];
-                }
-                columns[(shared + place) * n + at] = 1.0;
-                y.push((strain - offset.as_ref().map_or(0.0, |o| o[i])) / self.scale);
-            }
-        }
-        (columns, y)
-    }
-
-    /// Solves the linear problem at a place of the nonlinear parameters.
-    pub(super) fn solve(&self, x: &[f64], information: bool) -> Point {
-        self.solve_with(x, information, None)
-    }
-
-    /// The same with one coefficient kept at a value (its solution reads 0).
-    pub(super) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
-        let values = self.values(x);
-        let noise = self.noise_at(x);
-        let mut point = Point {
-            noise,
-            solutions: Vec::with_capacity(self.blocks.len()),
-            squares: 0.0,
-            log_det_noise: 0.0,
-            log_det_information: 0.0,
-            residuals: Vec::with_capacity(self.readings),
-        };
-        let mut filter = Filter::default();
-        for (b, block) in self.blocks.iter().enumerate() {
-            let (n, p) = (block.readings, block.positive.len());
-            let (mut columns, mut y) = self.columns(block, &values);
-            if let Some(fixed) = fixed.filter(|f| f.block == b) {
-                let column = &mut columns[fixed.column * n..(fixed.column + 1) * n];
-                for (y, c) in y.iter_mut().zip(column) {
-                    *y -= fixed.value * *c;
-                    *c = 0.0;
-                }
-            }
-            if information {
-                point.log_det_information -= linear::log_det(&mut columns.clone(), n, p);
-            }
-            let mut at = 0;
-            for &member in &block.members {
-                let curve = &self.curves[member];
-                let end = at + curve.time_s.len();
-                filter.prepare(&self.clocks[member], &curve.count, noise);
-                point.log_det_noise += filter.log_det;
-                filter.whiten(&mut y[at..end]);
-                for j in 0..p {
-                    filter.whiten(&mut columns[j * n + at..j * n + end]);
-                }
-                at = end;
-            }
-            let (whitened, target) = (columns.clone(), y.clone());
-            let solution = linear::solve(&mut columns, &mut y, &block.positive);
-            for i in 0..n {
-                let fitted: f64 = (0..p).map(|j| whitened[j * n + i] * solution.beta[j]).sum();
-                point.residuals.push(target[i] - fitted);
-            }
-            point.squares += solution.squares;
-            point.log_det_information += solution.log_det;
-            point.solutions.push(solution);
-        }
-        point
-    }
-
-    /// Residuals whose squares have their minimum where the likelihood has its maximum:
-    /// `r̃ |K|^{1/2n}`, since `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
-    pub(super) fn likelihood_residuals(&self, x: &[f64], fixed: Option<Fixed>) -> Vec<f64> {
-        let point = self.solve_with(x, false, fixed);
-        let factor = (0.5 * point.log_det_noise / self.readings as f64).exp();
-        point.residuals.iter().map(|r| r * factor).collect()
-    }
-
-    /// Logarithm of the likelihood with the coefficients and the size of the noise integrated
-    /// out (restricted likelihood), flat in the places of the nonlinear parameters.
-    pub(super) fn log_restricted(&self, x: &[f64]) -> f64 {
-        if x.iter().any(|x| !(0.0..=1.0).contains(x)) {
-            return f64::NEG_INFINITY;
-        }
-        let point = self.solve(x, true);
-        let free = self.readings.saturating_sub(self.coefficients()).max(1) as f64;
-        let value = -0.5
-            * (point.log_det_noise
-                + point.log_det_information
-                + free * point.squares.max(f64::MIN_POSITIVE).ln());
-        if value.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            value
         }
     }
 }

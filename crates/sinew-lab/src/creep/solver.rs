@@ -13,6 +13,25 @@ pub trait Residuals {
     fn parameters(&self) -> usize;
     /// Residuals at `x`; their number doesn't change.
     fn residuals(&self, x: &[f64]) -> Vec<f64>;
+
+    /// Their derivatives, parameter after parameter; central differences where nothing better is
+    /// known.
+    fn slopes(&self, x: &[f64]) -> Vec<f64> {
+        /// Step of the differences: the cube root of the rounding error balances truncation.
+        const STEP: f64 = 6e-6;
+        let mut at = x.to_vec();
+        let mut slopes = Vec::new();
+        for j in 0..x.len() {
+            let (low, high) = ((x[j] - STEP).max(0.0), (x[j] + STEP).min(1.0));
+            at[j] = high;
+            let up = self.residuals(&at);
+            at[j] = low;
+            let down = self.residuals(&at);
+            at[j] = x[j];
+            slopes.extend(up.iter().zip(&down).map(|(u, d)| (u - d) / (high - low)));
+        }
+        slopes
+    }
 }
 
 /// How a search ended.
@@ -73,28 +92,12 @@ impl Jacobian for Adapter<'_> {
     type Jacobian = DenseMatrix;
 
     fn jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
-        /// Step of the differences: the cube root of the rounding error balances truncation.
-        const STEP: f64 = 6e-6;
         let n = x.len();
-        let mut at = x.clone();
-        let columns: Vec<Vec<f64>> = (0..n)
-            .map(|j| {
-                let (low, high) = ((x[j] - STEP).max(0.0), (x[j] + STEP).min(1.0));
-                at[j] = high;
-                let up = self.problem.residuals(&at);
-                at[j] = low;
-                let down = self.problem.residuals(&at);
-                at[j] = x[j];
-                up.iter()
-                    .zip(&down)
-                    .map(|(u, d)| (u - d) / (high - low))
-                    .collect()
-            })
-            .collect();
-        let rows = columns.first().map_or(0, Vec::len);
-        let mut flat = Vec::with_capacity(rows * n);
+        let slopes = self.problem.slopes(x);
+        let rows = slopes.len() / n.max(1);
+        let mut flat = Vec::with_capacity(slopes.len());
         for i in 0..rows {
-            flat.extend(columns.iter().map(|column| column[i]));
+            flat.extend((0..n).map(|j| slopes[j * rows + i]));
         }
         Ok(DenseMatrix::from_row_slice(rows, n, &flat))
     }
