@@ -39,7 +39,7 @@ pub fn figure(joint: &JointTrend) -> Figure {
         .band(Band::new("known then, 95 %", days.clone(), low, high))
         .line(
             Line::new(
-                "sessions, at the reference temperature",
+                format!("sessions, at {} °C", rounded(joint.reference_c, 3)),
                 days.clone(),
                 s.at_reference_mrad.clone(),
             )
@@ -59,6 +59,18 @@ pub fn figure(joint: &JointTrend) -> Figure {
         if limit.limit_mrad < 1.5 * top && limit.kind == "re-tension" {
             panel = panel.reference(limit.limit_mrad, limit.kind.clone());
         }
+    }
+    // The first session after a jump looks off until the next agrees with it.
+    let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * DAY_S);
+    let last_off = (0..s.off.len())
+        .rev()
+        .find(|i| s.off[*i] && !jumped(s.time_utc_s[*i]));
+    if let Some(i) = last_off {
+        panel = panel.note(
+            day(&s.time_utc_s[i]),
+            s.at_reference_mrad[i],
+            "off by itself",
+        );
     }
     for event in &joint.events {
         panel = panel.event(day(&event.time_utc_s), event.kind.clone());
@@ -165,7 +177,7 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
     if !joint.events.is_empty() {
         blocks.push(Block::Table(Table {
             caption: "Events".into(),
-            head: ["seen from", "what", "by, mrad", "sure", "meaning"]
+            head: ["seen from", "what", "by, mrad", "sure"]
                 .map(String::from)
                 .to_vec(),
             rows: (joint.events.iter())
@@ -179,11 +191,17 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
                         } else {
                             format!("{:.1} %, {}", 100.0 * e.probability, e.confirmed_day)
                         },
-                        e.meaning.clone(),
                     ]
                 })
                 .collect(),
         }));
+        // Too long for a table's cell.
+        let meanings = joint.events.iter();
+        blocks.push(Block::List(
+            meanings
+                .map(|e| format!("{}: {}", e.day, e.meaning))
+                .collect(),
+        ));
     }
     let mut facts = vec![
         ["Forecast rests on".to_string(), joint.basis.clone()],

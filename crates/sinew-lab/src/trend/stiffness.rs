@@ -6,6 +6,8 @@ use super::result::With95;
 
 /// Sessions on either side that are compared.
 const SESSIONS: usize = 10;
+/// Sessions from which their scatter is worth more than what they state.
+const ENOUGH: usize = 5;
 
 /// Change of the stiffness over a moment, % and half its 95 % interval: weighted means of up to ten
 /// sessions on either side. `None` where fewer than two on a side state it.
@@ -17,8 +19,8 @@ pub(super) fn change(records: &[SessionRecord], time_utc_s: f64) -> Option<With9
     Some([after[0] - before[0], Z95 * half])
 }
 
-/// Weighted mean and its standard error; sessions of one baseline share most of their error, so
-/// that the scatter counts where it is larger.
+/// Weighted mean and its standard error. Sessions of one baseline share most of the error they state, which
+/// their difference doesn't have: from five sessions on the scatter counts, before that the larger of both.
 fn mean<'a>(records: impl Iterator<Item = &'a SessionRecord>) -> Option<[f64; 2]> {
     let values: Vec<[f64; 2]> = records
         .filter_map(|r| r.stiffness_percent)
@@ -33,7 +35,16 @@ fn mean<'a>(records: impl Iterator<Item = &'a SessionRecord>) -> Option<[f64; 2]
     let n = values.len() as f64;
     let scatter = values.iter().map(|[v, _]| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let stated = 1.0 / (sum.sqrt() * Z95);
-    Some([mean, stated.max((scatter / n).sqrt())])
+    // Scatter of few is known badly (Student's factor for five), and never as small as nothing.
+    const STUDENT: f64 = 1.4;
+    const LEAST: f64 = 0.05;
+    let seen = STUDENT * (scatter / n).sqrt();
+    let error = if values.len() < ENOUGH {
+        stated.max(seen)
+    } else {
+        seen.max(LEAST * stated)
+    };
+    Some([mean, error])
 }
 
 /// What a sudden lengthening may be.
