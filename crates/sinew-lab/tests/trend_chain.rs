@@ -1,109 +1,157 @@
-//! The errors of a daily session, measured on the whole chain: what the surrogate of the simulated years
-//! is made of.
-//!
-//! `SINEW_CHAIN=2 SINEW_DAYS=40 cargo test --release -p sinew-lab --test trend_chain -- --nocapture`
-//! prints the statistics of so many robots and sessions; the ordinary run makes do with two sessions.
+//! Sessions of a simulated year through the whole chain: recorded, estimated, kept, gone on with.
 
 use sinew_lab::robot_dir;
-use sinew_lab::trend::year::chain::{Chain, Day};
-use sinew_lab::trend::year::surrogate::Failure;
+use sinew_lab::rope::Catalogue;
+use sinew_lab::trend::year::chain::{ChainRequest, Session, SessionKind, statistics};
+use sinew_lab::trend::year::{RobotYear, YearError, YearRequest, run_chain};
 use std::path::Path;
 
-fn number(name: &str) -> Option<usize> {
-    std::env::var(name).ok().and_then(|s| s.parse().ok())
+/// Sessions of a robot whose tendons creep by their ropes' laws.
+fn lived(chain: &ChainRequest, days: usize) -> Result<Vec<(Vec<Session>, RobotYear)>, YearError> {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
+    let robot = robot_dir::load(&place, None).expect("a robot").robot;
+    let catalogue = Catalogue::shipped().expect("ropes");
+    let request = YearRequest {
+        robots: 1,
+        seed: 500,
+        forecasters: Vec::new(),
+        ..YearRequest::default()
+    };
+    let mut out = Vec::new();
+    run_chain(
+        &robot,
+        &catalogue,
+        &request,
+        chain,
+        days,
+        &mut |done, all| assert!(done <= all && all == days),
+        &mut |sessions, year| out.push((sessions, year)),
+    )?;
+    Ok(out)
 }
 
 #[test]
-fn a_days_session_finds_what_the_tendons_have_become() {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    let robot = robot_dir::load(&place, None).unwrap().robot;
-    let folder = tempfile::tempdir().unwrap();
-    let (robots, days) = (
-        number("SINEW_CHAIN").unwrap_or(1),
-        number("SINEW_DAYS").unwrap_or(2),
+fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sessions.jsonl");
+    let mut chain = ChainRequest::new(SessionKind::Check);
+    chain.out = Some(path.clone());
+    let first = lived(&chain, 2).expect("two days").remove(0).0;
+    assert_eq!(first.len(), 2);
+    for session in &first {
+        assert_eq!(session.payload_kg, 0.0);
+        assert_eq!(session.joints.len(), 4);
+        for joint in &session.joints {
+            let [offset, half] = joint.offset_mrad.expect("a check can tell");
+            let error = offset - joint.truth_mrad;
+            // Half a millirad for the drift that no single session can know.
+            assert!(error.abs() < half + 0.5, "{session:?}");
+        }
+    }
+    // Stopped in the middle of a line.
+    let text = std::fs::read_to_string(&path).expect("a file");
+    assert_eq!(text.lines().count(), 3);
+    std::fs::write(&path, &text[..text.len() - 100]).expect("written");
+    let again = lived(&chain, 2).expect("gone on").remove(0).0;
+    assert_eq!(again, first);
+    assert_eq!(std::fs::read_to_string(&path).expect("a file"), text);
+    // Not somebody else's.
+    chain.kind = SessionKind::Work;
+    let refused = lived(&chain, 2).expect_err("other sessions").to_string();
+    assert!(refused.contains("check sessions"), "{refused}");
+    std::fs::write(&path, "time,joint\n1,2\n").expect("written");
+    let refused = lived(&chain, 2).expect_err("no sessions").to_string();
+    assert!(refused.contains("is not a file of"), "{refused}");
+    assert_eq!(
+        std::fs::read_to_string(&path).expect("still there"),
+        "time,joint\n1,2\n"
     );
-    let joints = ["shoulder_pitch", "elbow"];
-    // Errors by joint: robot, day, warming, error, stated half width, failed.
-    let mut rows: Vec<[Vec<[f64; 3]>; 2]> = Vec::new();
-    for seed in 0..robots as u64 {
-        let chain = Chain::new(&robot, &place, folder.path(), 500 + seed, 21.0).unwrap();
-        let mut own = [Vec::new(), Vec::new()];
-        for i in 0..days {
-            let warm = 7.0 * (i as f64 * 2.399).sin();
-            let failed = (i >= days / 2).then(|| {
-                let failure = Failure {
-                    day: 0,
-                    size_mrad: 3.0,
-                    stiffness_percent: 6.0,
-                };
-                ("shoulder_pitch".to_string(), failure)
-            });
-            let creep = 1e-3 * (5.0 + 0.1 * i as f64);
-            let day = Day {
-                day: i + 1,
-                offsets_rad: joints.map(|j| (j.to_string(), creep)).to_vec(),
-                temperature_c: 21.0 + warm,
-                failed: failed.clone(),
-            };
-            let said = chain.session(&day).unwrap();
-            for (joint, own) in joints.iter().zip(&mut own) {
-                let found = said.joints.iter().find(|j| j.name == *joint).unwrap();
-                let jump = match &failed {
-                    Some((j, f)) if j == joint => f.size_mrad,
-                    _ => 0.0,
-                };
-                let error = found.offset_mrad - 1e3 * creep - jump;
-                println!(
-                    "robot {seed} day {:3} {warm:+5.1} K {joint}: {error:+.3} ± {:.3} mrad{}",
-                    i + 1,
-                    found.interval_95_mrad,
-                    if failed.is_some() {
-                        ", strand failed"
-                    } else {
-                        ""
-                    }
-                );
-                own.push([warm, error, found.interval_95_mrad]);
-                // A failed strand's stiffness reads as offset; that is what is measured here.
-                let bound = 3.0 * found.interval_95_mrad.max(0.5);
-                assert!(
-                    failed.is_some() || error.abs() < bound,
-                    "{joint}: {error} {bound}"
-                );
-            }
-        }
-        rows.push(own);
-    }
-    for (k, joint) in joints.iter().enumerate() {
-        for (seed, own) in rows.iter().enumerate() {
-            statistics(&format!("robot {seed} {joint}"), &own[k], days / 2);
-        }
-    }
 }
 
-/// Mean, drift and scatter before the failure, and what the failure's stiffness adds.
-fn statistics(name: &str, rows: &[[f64; 3]], half: usize) {
-    let n = half as f64;
-    if half < 3 {
-        return;
+#[test]
+fn a_days_work_carries_what_it_likes() {
+    let work = ChainRequest::new(SessionKind::Work);
+    let (sessions, year) = lived(&work, 2).expect("two days").remove(0);
+    assert!(year.tendons.is_empty());
+    let carried: Vec<f64> = sessions.iter().map(|s| s.payload_kg).collect();
+    assert!(carried[0] != carried[1], "{carried:?}");
+    for joint in sessions.iter().flat_map(|s| &s.joints) {
+        let Some([offset, half]) = joint.offset_mrad else {
+            continue;
+        };
+        let error = offset - joint.truth_mrad;
+        assert!(error.abs() < 2.0 * half + 0.5, "{joint:?}");
     }
-    let mean = |f: &dyn Fn(&[f64; 3]) -> f64, r: &[[f64; 3]]| {
-        r.iter().map(f).sum::<f64>() / r.len() as f64
-    };
-    let before = &rows[..half];
-    let (mw, me) = (mean(&|r| r[0], before), mean(&|r| r[1], before));
-    let drift =
-        mean(&|r| (r[0] - mw) * (r[1] - me), before) / mean(&|r| (r[0] - mw).powi(2), before);
-    let left: Vec<f64> = before
-        .iter()
-        .map(|r| r[1] - me - drift * (r[0] - mw))
-        .collect();
-    let scatter = (left.iter().map(|e| e * e).sum::<f64>() / (n - 2.0)).sqrt();
-    let neighbours = left.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (n * scatter * scatter);
-    let after = mean(&|r| r[1] - drift * (r[0] - mw), &rows[half..]) - me;
-    println!(
-        "{name}: mean {me:+.2}, drift {drift:+.3} mrad/K, scatter {scatter:.2} mrad, \
-         neighbours {neighbours:+.2}, stated ± {:.2}, failure adds {after:+.2}",
-        mean(&|r| r[2], rows)
+    // Of two sessions there is nothing to say.
+    let (errors, failures) = statistics(&[sessions]);
+    assert_eq!(errors[0].robots, 0);
+    assert_eq!(errors[0].sessions, 2);
+    assert!(failures.is_empty());
+}
+
+/// What sessions would say whose errors are known.
+fn made(fails: Option<usize>) -> Vec<Session> {
+    use sinew_lab::trend::year::chain::SessionJoint;
+    (1..=40)
+        .map(|day| {
+            let warm = 6.0 * (0.3 * day as f64).sin();
+            let lost = f64::from(u8::from(fails.is_some_and(|f| day >= f)));
+            let left = if day % 2 == 0 { 0.1 } else { -0.1 };
+            let truth = 0.05 * day as f64 + 3.0 * lost;
+            Session {
+                seed: 1,
+                day,
+                true_temperature_c: 21.0 + warm,
+                temperature_c: 21.0 + warm,
+                payload_kg: 0.0,
+                left_out_share: 0.0,
+                joints: vec![SessionJoint {
+                    name: "elbow".into(),
+                    truth_mrad: truth,
+                    offset_mrad: Some([truth + 0.4 - 0.2 * warm + left + 2.0 * lost, 1.0]),
+                    true_stiffness_percent: -6.0 * lost,
+                    stiffness_percent: [0.1 * warm - 1.5 * lost, 2.0],
+                    steps: 0,
+                }],
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn known_errors_come_back_from_the_statistics() {
+    let (errors, failures) = statistics(&[made(None), made(None)]);
+    let e = &errors[0];
+    assert_eq!((e.robots, e.sessions), (2, 80));
+    // A mean over days that aren't quite symmetric in temperature: 0.4 − 0.2 · mean(warm).
+    let mean = (1..=40)
+        .map(|d| 6.0 * (0.3 * f64::from(d)).sin())
+        .sum::<f64>()
+        / 40.0;
+    assert!(
+        (e.bias_mrad - (0.4 - 0.2 * mean).abs()).abs() < 0.02,
+        "{e:?}"
+    );
+    assert!((e.drift_mrad_per_k - 0.2).abs() < 0.01, "{e:?}");
+    assert!((e.scatter_mrad - 0.1).abs() < 0.01, "{e:?}");
+    assert!((e.correlation[0].1 + 1.0).abs() < 0.05, "{e:?}");
+    assert!(
+        (e.stiffness_drift_percent_per_k - 0.1).abs() < 1e-9,
+        "{e:?}"
+    );
+    assert!(failures.is_empty());
+    let (errors, failures) = statistics(&[made(Some(21))]);
+    // Nothing after the failure counts as the session's error.
+    assert_eq!(errors[0].sessions, 20);
+    let f = &failures[0];
+    assert!((f.size_mrad - 3.05).abs() < 1e-9, "{f:?}");
+    assert!((f.lost_percent - 6.0).abs() < 1e-9, "{f:?}");
+    // Ten sessions on either side of what also drifts: the sums are exact.
+    let warm = |d: usize| 6.0 * (0.3 * d as f64).sin();
+    let turn = ((21..31).map(warm).sum::<f64>() - (11..21).map(warm).sum::<f64>()) / 10.0;
+    assert!((f.seen_mrad - 5.05 + 0.2 * turn).abs() < 1e-9, "{f:?}");
+    assert!(
+        (f.seen_lost_percent - 1.5 + 0.1 * turn).abs() < 1e-9,
+        "{f:?}"
     );
 }

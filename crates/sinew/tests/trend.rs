@@ -93,6 +93,12 @@ fn json_names_what_happened_and_files_may_come_in_pieces() {
     assert!((size - 2.9).abs() < 0.8, "{size}");
 }
 
+/// `sinew trend simulate-year` of one robot.
+fn year<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let start = ["trend", "simulate-year", "--robot", "robots/biorob-like"];
+    [&start[..], &["--robots", "1"], more].concat()
+}
+
 #[test]
 fn what_is_wrong_is_refused_with_its_place() {
     for (args, code, words) in [
@@ -110,6 +116,16 @@ fn what_is_wrong_is_refused_with_its_place() {
             vec!["trend", SESSIONS, "--robot", "robots/none"],
             1,
             "robots/none",
+        ),
+        (year(&["--chained"]), 2, "--chain"),
+        (year(&["--days", "20"]), 2, "--chain"),
+        (year(&["--chain", "--days", "366"]), 2, "366"),
+        (year(&["--session", "play"]), 2, "check"),
+        (year(&["--chain", "--session", "hard"]), 1, "--chain away"),
+        (
+            year(&["--chain", "--days", "1", "--out", SESSIONS]),
+            1,
+            "is not a file of simulated sessions",
         ),
     ] {
         let output = sinew(&args);

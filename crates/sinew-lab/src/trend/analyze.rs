@@ -320,6 +320,7 @@ fn feed(
             time_s,
             offset_rad: record.offset_mrad.map(|[y, i]| [1e-3 * y, 1e-3 * i / Z95]),
             temperature_c: record.temperature_c,
+            stiffness: (record.stiffness_percent).map(|[v, i]| [0.01 * v, 0.01 * i / Z95]),
         })?;
         let [mean, deviation] = trend.now().offset_rad;
         let [offset, interval] = record.offset_mrad.unwrap_or([f64::NAN; 2]);

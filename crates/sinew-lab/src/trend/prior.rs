@@ -10,7 +10,7 @@ use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Curve, Prior, generic_curves, node_times_s};
 
 /// Draws of the law that stand for the rope.
-pub const CURVES: usize = 48;
+pub const CURVES: usize = 200;
 /// Share of the prior that trusts no rope law: the law may be wrong, and its last delay is a day.
 const GENERIC_SHARE: f64 = 0.2;
 /// Deviation of a drawn curve's amplitude: strands, pretension and pulleys aren't as stated.

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_model::trend::{
-    Component, Entry, Event, Prior, Record, State, Trend, TrendConfig, TrendError,
+    Component, Entry, Event, Prior, Record, State, Stiffness, Trend, TrendConfig, TrendError,
 };
 
 /// Version written.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What a trend remembers, to go on from later: some tens of kilobytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,10 @@ pub struct StoredTrend {
     pub records: u64,
     /// The filters.
     pub filters: Vec<StoredFilter>,
+    /// The stiffness: means, lower triangle of the covariance, shape and rate.
+    pub stiffness: [f64; 7],
+    /// Sessions that reported one.
+    pub stiffness_sessions: u64,
     /// Last entries.
     pub entries: Vec<StoredEntry>,
     /// Events so far; a size that is missing is that of a stated tensioning.
@@ -44,6 +48,8 @@ pub enum StoredEntry {
         offset_rad: Option<[f64; 2]>,
         /// °C.
         temperature_c: Option<f64>,
+        /// Stiffness over nominal less 1 and standard deviation.
+        stiffness: Option<[f64; 2]>,
     },
     /// A confirmed jump.
     Jump {
@@ -76,7 +82,7 @@ pub struct StoredEvent {
 #[non_exhaustive]
 pub enum StoredTrendError {
     /// Written by a later program.
-    #[error("the trend has version {0}; this program reads version 1")]
+    #[error("the trend has version {0}; this program reads version 2")]
     Version(u32),
     /// Another prior, or damaged.
     #[error(transparent)]
@@ -94,6 +100,12 @@ impl From<&Trend> for StoredTrend {
             filters: (state.components.iter())
                 .map(|c| StoredFilter(c.curve, c.noise, c.log_weight, c.mean, c.covariance))
                 .collect(),
+            stiffness: {
+                let s = state.stiffness;
+                let ([m0, m1], [c0, c1, c2]) = (s.mean, s.covariance);
+                [m0, m1, c0, c1, c2, s.shape, s.rate]
+            },
+            stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().filter_map(entry).collect(),
             events: (state.events.iter())
                 .map(|e| StoredEvent {
@@ -115,10 +127,12 @@ fn entry(entry: &Entry) -> Option<StoredEntry> {
             time_s,
             offset_rad,
             temperature_c,
+            stiffness,
         }) => StoredEntry::Session {
             time_s,
             offset_rad,
             temperature_c,
+            stiffness,
         },
         Entry::Jump {
             time_s,
@@ -143,6 +157,7 @@ impl StoredTrend {
             return Err(StoredTrendError::Version(self.version));
         }
         let fingerprint = u64::from_str_radix(&self.prior, 16).map_err(|_| TrendError::State)?;
+        let [m0, m1, c0, c1, c2, shape, rate] = self.stiffness;
         let state = State {
             fingerprint,
             time_s: self.time_s,
@@ -157,16 +172,25 @@ impl StoredTrend {
                     },
                 )
                 .collect(),
+            stiffness: Stiffness {
+                mean: [m0, m1],
+                covariance: [c0, c1, c2],
+                shape,
+                rate,
+                sessions: self.stiffness_sessions,
+            },
             entries: (self.entries.into_iter())
                 .map(|e| match e {
                     StoredEntry::Session {
                         time_s,
                         offset_rad,
                         temperature_c,
+                        stiffness,
                     } => Entry::Record(Record {
                         time_s,
                         offset_rad,
                         temperature_c,
+                        stiffness,
                     }),
                     StoredEntry::Jump {
                         time_s,

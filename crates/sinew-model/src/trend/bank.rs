@@ -126,6 +126,8 @@ impl Bank {
             p[entry(AMPLITUDE, AMPLITUDE)] += walk;
             p[entry(AMPLITUDE, LEVEL)] += 0.5 * walk * step;
             p[entry(LEVEL, LEVEL)] += walk * step * step / 3.0;
+            // Creep comes in steps: a day of hard work does what ten others don't.
+            p[entry(LEVEL, LEVEL)] += prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0);
             let phi = libm::exp(-dt / noise.slow_time_s);
             c.mean[SLOW] *= phi;
             for k in 0..SLOW {

@@ -32,6 +32,8 @@ impl Trend {
         let mut best: Option<Best> = None;
         // Filters before each entry, so that a hypothesis begins where it differs.
         let mut before = start;
+        let mut stiffness = self.stiffness;
+        let reference_c = self.prior.temperature_ref_c;
         let mut so_far = 0.0;
         let inside = self.entries.iter().filter(|e| informative(e)).count() as u64;
         let mut earlier = self.records - inside.min(self.records);
@@ -44,7 +46,9 @@ impl Trend {
                 // Two records before say what the level was.
                 if earlier >= 2 && !follows_event {
                     let days = ((time_s - last_s) / DAY_S).clamp(0.1, 30.0);
-                    for found in self.hypotheses(&before, i, so_far - none + libm::log(days)) {
+                    let support = stiffness.support(&self.entries[i..], reference_c);
+                    let log_prior = so_far - none + libm::log(days);
+                    for found in self.hypotheses(&before, i, log_prior, support) {
                         all.add(found.odds);
                         jumps.add(found.odds);
                         if best.is_none_or(|b| found.odds > b.odds) {
@@ -56,6 +60,7 @@ impl Trend {
                 last_s = time_s;
             }
             so_far += self.run(&mut before, core::slice::from_ref(&entry)).0;
+            stiffness.take(&entry, reference_c);
         }
         let probability = libm::exp(jumps.value() - all.value());
         added.jump_probability = if probability.is_finite() {
@@ -68,20 +73,22 @@ impl Trend {
         };
         added.suspected_s = Some(time_of(&self.entries[best.at]));
         if best.agreed && added.jump_probability > self.config.confirm {
-            added.confirmed = Some(self.confirm(best, now_s, added.jump_probability));
+            added.confirmed = self.confirm(best, now_s, added.jump_probability);
             added.suspected_s = None;
             added.jump_probability = 0.0;
         }
     }
 
-    /// A jump and a large one before entry `at`; `log_prior` is added to the logarithms of their odds.
-    fn hypotheses(&self, before: &Bank, at: usize, log_prior: f64) -> [Best; 2] {
+    /// A jump and a large one before entry `at`; `log_prior` is added to the logarithms of their odds,
+    /// to the jump's also the stiffness' `support`.
+    fn hypotheses(&self, before: &Bank, at: usize, log_prior: f64, support: f64) -> [Best; 2] {
         let tail = &self.entries[at..];
+        let config = &self.config;
         [
-            (self.config.jumps_per_day, self.config.jump_deviation_rad),
-            (self.config.falls_per_day, self.config.fall_deviation_rad),
+            (config.jumps_per_day, config.jump_deviation_rad, support),
+            (config.falls_per_day, config.fall_deviation_rad, 0.0),
         ]
-        .map(|(rate, deviation_rad)| {
+        .map(|(rate, deviation_rad, support)| {
             let mut bank = before.clone();
             bank.advance(&self.prior, time_of(&tail[0]));
             bank.open(LEVEL, deviation_rad);
@@ -91,7 +98,7 @@ impl Trend {
                 .zip(&off)
                 .filter(|(e, off)| informative(e) && !**off);
             Best {
-                odds: evidence + log_prior + libm::log(rate),
+                odds: evidence + log_prior + libm::log(rate) + support,
                 at,
                 deviation_rad,
                 agreed: agree.count() >= 2,
@@ -99,8 +106,9 @@ impl Trend {
         })
     }
 
-    /// Writes a jump before entry `at` down and opens the level there.
-    fn confirm(&mut self, best: Best, now_s: f64, probability: f64) -> Event {
+    /// Writes a jump before entry `at` down and opens the level there; `None` where it is too small to
+    /// speak of.
+    fn confirm(&mut self, best: Best, now_s: f64, probability: f64) -> Option<Event> {
         let Best {
             at, deviation_rad, ..
         } = best;
@@ -132,6 +140,9 @@ impl Trend {
         let mut bank = self.anchor.clone();
         self.run(&mut bank, &self.entries);
         self.current = bank;
+        if size_rad.abs() < self.config.least_jump_rad {
+            return None;
+        }
         let event = Event {
             time_s,
             after_s,
@@ -142,6 +153,6 @@ impl Trend {
             tensioned,
         };
         self.events.push(event);
-        event
+        Some(event)
     }
 }

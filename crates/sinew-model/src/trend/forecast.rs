@@ -88,7 +88,9 @@ impl Trend {
             // A factor of mean 1; the level takes the mean of both ends.
             let variance = pace_error * pace_error * folds;
             let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
-            level += 0.5 * (1.0 + factor) * amplitude * step;
+            let crept = 0.5 * (1.0 + factor) * amplitude * step;
+            let jerk = libm::sqrt(self.prior().step_rad * crept.max(0.0));
+            level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
             amplitude *= factor;
             whole[i] = level;
             offset[i] = level + state[TAKEN_OUT];

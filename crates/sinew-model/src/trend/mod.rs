@@ -7,7 +7,8 @@
 //! offset record = J + R + α (T − T_ref) + u(t) + w σ_i e,   e ~ N(0, 1)
 //! J  what the rope really lengthened since the baseline: dJ = a(t) dc(t), and jumps
 //! c  creep curve over time since tensioning; a > 0 its amplitude here and now,
-//!    da = δ a dW(ln t): no curve is quite right, so the pace may leave it by δ per e-fold of time
+//!    da = δ a dW(ln t): no curve is quite right, so the pace may leave it by δ per e-fold of time;
+//!    creep comes in steps of some 0.07 mrad, as days of hard work come: Var[dJ] = step a dc
 //! R  what re-tensionings have taken out (as a rule below 0)
 //! α  drift of the estimate with temperature
 //! u  error that sessions share: Ornstein–Uhlenbeck, deviation σ_u, time τ_u
@@ -25,7 +26,9 @@
 //! held against "it didn't", and "this one record is off" against both. A jump that is likelier than not
 //! is a suspicion; it is confirmed when a second record agrees and the odds pass a threshold, and
 //! withdrawn by itself when the next record doesn't. After a confirmed jump the level is open. A
-//! fall by much of the offset is a re-tensioning nobody wrote down.
+//! fall by much of the offset is a re-tensioning nobody wrote down. Where sessions report the stiffness as
+//! well ([`Stiffness`]), a loss that comes with the jump makes it likelier, up to a factor of 75; stiffness
+//! alone never makes one.
 //!
 //! **Forecast.** Paths are drawn from the posterior, and where each passes a limit is read off
 //! ([`Trend::paths`], [`first_passage`]). Further jumps aren't forecast.
@@ -48,6 +51,7 @@ mod jump;
 mod now;
 mod prior;
 mod record;
+mod stiffness;
 mod tracker;
 
 pub use bank::{Component, STATES};
@@ -56,4 +60,5 @@ pub use forecast::{Paths, first_passage};
 pub use now::Now;
 pub use prior::{Noise, Prior, generic_noises};
 pub use record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+pub use stiffness::Stiffness;
 pub use tracker::Trend;

@@ -1,6 +1,7 @@
 //! What goes into a trend and what comes out.
 
 use super::bank::Component;
+use super::stiffness::Stiffness;
 use alloc::vec::Vec;
 
 /// What one session said.
@@ -12,6 +13,8 @@ pub struct Record {
     pub offset_rad: Option<[f64; 2]>,
     /// Temperature, °C; `None`: not known.
     pub temperature_c: Option<f64>,
+    /// Stiffness over nominal less 1 and its own standard deviation; `None`: not known.
+    pub stiffness: Option<[f64; 2]>,
 }
 
 /// What happened, in the order of time.
@@ -85,6 +88,8 @@ pub struct TrendConfig {
     pub off_deviation_rad: f64,
     /// Probability from which a jump is confirmed.
     pub confirm: f64,
+    /// A jump below this is taken into account and not reported: nobody's failed strand, rad.
+    pub least_jump_rad: f64,
 }
 
 impl Default for TrendConfig {
@@ -98,6 +103,7 @@ impl Default for TrendConfig {
             off_share: 2e-3,
             off_deviation_rad: 6e-3,
             confirm: 0.95,
+            least_jump_rad: 1e-3,
         }
     }
 }
@@ -108,7 +114,7 @@ impl Default for TrendConfig {
 pub enum TrendError {
     /// NaN, infinite, or a deviation that isn't above 0.
     #[error(
-        "a record's time, offset, deviation and temperature must be finite numbers, the deviation above 0"
+        "a record's time, offset, stiffness, deviations and temperature must be finite numbers, deviations above 0"
     )]
     NotFinite,
     /// Earlier than the last.
@@ -138,6 +144,8 @@ pub struct State {
     pub time_s: f64,
     /// The filters.
     pub components: Vec<Component>,
+    /// The stiffness before the last entries.
+    pub stiffness: Stiffness,
     /// Last entries.
     pub entries: Vec<Entry>,
     /// Events so far.

@@ -3,6 +3,7 @@
 use super::bank::{Bank, Component, LEVEL, OffRecords, TAKEN_OUT};
 use super::prior::Prior;
 use super::record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+use super::stiffness::Stiffness;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -13,6 +14,8 @@ pub struct Trend {
     pub(super) config: TrendConfig,
     /// Before the window.
     pub(super) anchor: Bank,
+    /// The same of the stiffness.
+    pub(super) stiffness: Stiffness,
     pub(super) entries: Vec<Entry>,
     /// After the last entry.
     pub(super) current: Bank,
@@ -35,6 +38,7 @@ impl Trend {
             prior,
             config,
             anchor,
+            stiffness: Stiffness::new(),
             entries: Vec::new(),
             events: Vec::new(),
             records: 0,
@@ -57,6 +61,7 @@ impl Trend {
             || state.components.is_empty()
             || !state.time_s.is_finite()
             || !state.components.iter().all(possible)
+            || !state.stiffness.is_possible()
         {
             return Err(TrendError::State);
         }
@@ -64,6 +69,7 @@ impl Trend {
             time_s: state.time_s,
             components: state.components,
         };
+        out.stiffness = state.stiffness;
         out.entries = state.entries;
         out.events = state.events;
         out.records = state.records;
@@ -81,6 +87,7 @@ impl Trend {
             fingerprint: self.prior.fingerprint(),
             time_s: self.anchor.time_s,
             components: self.anchor.components.clone(),
+            stiffness: self.stiffness,
             entries: self.entries.clone(),
             events: self.events.clone(),
             records: self.records,
@@ -124,9 +131,9 @@ impl Trend {
     pub fn add(&mut self, record: Record) -> Result<Added, TrendError> {
         let finite = record.time_s.is_finite()
             && record.temperature_c.is_none_or(f64::is_finite)
-            && record
-                .offset_rad
-                .is_none_or(|[y, s]| y.is_finite() && s.is_finite() && s > 0.0);
+            && [record.offset_rad, record.stiffness]
+                .iter()
+                .all(|p| p.is_none_or(|[y, s]| y.is_finite() && s.is_finite() && s > 0.0));
         if !finite {
             return Err(TrendError::NotFinite);
         }
@@ -244,6 +251,7 @@ impl Trend {
             );
             self.run(&mut bank, &[first]);
             self.anchor = bank;
+            self.stiffness.take(&first, self.prior.temperature_ref_c);
         }
     }
 }

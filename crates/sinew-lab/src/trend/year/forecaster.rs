@@ -46,6 +46,8 @@ impl Forecaster {
     ) -> Result<Prior, CatalogueError> {
         let pretension_n = tendon.pretension_n.unwrap_or(60.0);
         const SEED: u64 = 1;
+        /// Season and work leave the pace nowhere quite constant.
+        const PACE_ERRORS: [f64; 2] = [0.15, 0.5];
         let mut out = match self {
             Self::Rope => Prior::new(prior::rope_curves(
                 rope,
@@ -57,17 +59,22 @@ impl Forecaster {
             )?),
             Self::Generic => Prior::new(prior::generic(Some(tendon))),
             Self::Oracle => Prior {
-                noises: vec![Noise {
-                    slow_deviation_rad: 1e-3 * errors.slow_mrad,
-                    slow_time_s: prior::days(errors.slow_days),
-                    // Of a t distribution's deviation.
-                    white_scale: errors.white_mrad / errors.stated_mrad
-                        * (errors.white_freedom / (errors.white_freedom - 2.0)).sqrt(),
-                    pace_error: 0.15,
-                    log_weight: 0.0,
-                }],
+                noises: PACE_ERRORS
+                    .map(|pace_error| Noise {
+                        // Days of work differ, and so do days of creep.
+                        slow_deviation_rad: 1e-3 * errors.slow_mrad.max(0.05),
+                        slow_time_s: prior::days(errors.slow_days),
+                        // What the thermometer's error adds is the drift's, of this robot.
+                        white_scale: errors
+                            .white_deviation_mrad()
+                            .hypot(errors.drift_mrad_per_k * errors.thermometer_k)
+                            / errors.stated_mrad,
+                        pace_error,
+                        log_weight: 0.0,
+                    })
+                    .to_vec(),
                 temperature_deviation_rad_per_k: 1e-3 * errors.drift_mrad_per_k,
-                level_deviation_rad: 1e-3 * errors.slow_mrad.max(0.05),
+                level_deviation_rad: 1e-3 * errors.slow_mrad.hypot(errors.bias_mrad).max(0.05),
                 ..Prior::new(true_curves(rope, tendon, curves)?)
             },
         };
@@ -88,7 +95,7 @@ fn true_curves(
     let mut out = Vec::with_capacity(count);
     for i in 0..count as u64 {
         let temperature_c = truth::temperatures_c(&mut rng);
-        let year = truth::draw(rope, tendon, &temperature_c, SEED + 1 + i)?;
+        let year = truth::draw(rope, tendon, &temperature_c, SEED + 1 + i, true)?;
         let end = year.creep_rad.len() - 1;
         let values: Vec<f64> = node_times_s()
             .iter()

@@ -6,6 +6,7 @@
 
 pub mod chain;
 mod forecaster;
+mod life;
 mod robot;
 mod summary;
 pub mod surrogate;
@@ -17,6 +18,8 @@ pub use summary::{Summary, summary};
 
 use crate::robot_dir::RobotDirError;
 use crate::rope::{Catalogue, CatalogueError};
+use chain::{ChainError, ChainRequest, Session};
+use life::WATCHED;
 use robot::Fleet;
 use sinew_model::robot::Robot;
 use surrogate::SessionErrors;
@@ -36,6 +39,8 @@ pub struct YearRequest {
     pub forecasters: Vec<Forecaster>,
     /// Curves of the one that knows the law.
     pub oracle_curves: usize,
+    /// Robots at a time.
+    pub jobs: usize,
 }
 
 impl Default for YearRequest {
@@ -47,6 +52,7 @@ impl Default for YearRequest {
             errors: SessionErrors::default(),
             forecasters: Forecaster::ALL.to_vec(),
             oracle_curves: 200,
+            jobs: std::thread::available_parallelism().map_or(1, usize::from),
         }
     }
 }
@@ -66,13 +72,16 @@ pub enum YearError {
         "joint '{0}' has no tendon with a rope and a pretension in robot.toml; a year needs them"
     )]
     Joint(String),
+    /// A simulated session.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
     /// The trend refused its prior.
     #[error(transparent)]
     Trend(#[from] sinew_model::trend::TrendError),
 }
 
 /// Lives through the years of `request` that aren't in `done` yet; each finished robot is handed to
-/// `finished` in the order of seeds. Several at a time, the same whatever their number.
+/// `finished` in the order of seeds. Up to `jobs` at a time, the same whatever their number.
 ///
 /// # Errors
 /// [`YearError`]; robots handed over before stay.
@@ -87,12 +96,42 @@ pub fn run(
     let seeds: Vec<u64> = (request.seed..request.seed + request.robots)
         .filter(|s| !done.contains(s))
         .collect();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    for batch in seeds.chunks(threads) {
+    for batch in seeds.chunks(request.jobs.max(1)) {
         let years = crate::rope::parallel::in_parallel(batch, |seed| fleet.year(*seed));
         for year in years {
             finished(year?);
         }
+    }
+    Ok(())
+}
+
+/// Years through the whole chain: simulates every robot's sessions of the first `days` (a year at most) and
+/// gives them to the forecasters. `progress` is told how many of how many sessions are done, `finished` is
+/// handed each robot's sessions and what became of them.
+///
+/// # Errors
+/// [`YearError`]; sessions finished before are in the file of `chain`.
+pub fn run_chain(
+    robot: &Robot,
+    catalogue: &Catalogue,
+    request: &YearRequest,
+    chain: &ChainRequest,
+    days: usize,
+    progress: &mut dyn FnMut(usize, usize),
+    finished: &mut dyn FnMut(Vec<Session>, RobotYear),
+) -> Result<(), YearError> {
+    let fleet = Fleet::new(robot, catalogue, request)?;
+    let seeds: Vec<u64> = (request.seed..request.seed + request.robots).collect();
+    let mut lives = Vec::with_capacity(seeds.len());
+    for life in crate::rope::parallel::in_parallel(&seeds, |seed| fleet.life(*seed)) {
+        lives.push(life?);
+    }
+    let days = days.clamp(1, WATCHED);
+    let sessions = chain::sessions(robot, &request.joints, &lives, days, chain, progress)?;
+    let both: Vec<_> = lives.iter().zip(&sessions).collect();
+    let years = crate::rope::parallel::in_parallel(&both, |(life, own)| fleet.chained(life, own));
+    for (own, year) in sessions.into_iter().zip(years) {
+        finished(own, year?);
     }
     Ok(())
 }

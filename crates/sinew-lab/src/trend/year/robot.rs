@@ -1,22 +1,22 @@
 //! One robot's year, seen by every forecaster.
 
+use super::chain::Session;
 use super::forecaster::Forecaster;
+use super::life::{Life, Roped, WATCHED, roped};
 use super::surrogate::{self, Failure};
-use super::truth::{self, TendonYear};
+use super::truth::TendonYear;
 use super::{YearError, YearRequest};
+use crate::rope::Catalogue;
 use crate::rope::draws::quantile;
-use crate::rope::{Catalogue, CatalogueRope};
-use rand::{RngExt as _, SeedableRng as _};
+use crate::trend::analyze::Z95;
+use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
-use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Prior, Record, Trend, TrendConfig, first_passage};
 
 const DAY_S: f64 = 86_400.0;
-/// Days records are taken for.
-const WATCHED: usize = 365;
 /// Days forecasts are made on.
 const FORECAST_DAYS: [usize; 3] = [60, 90, 120];
 /// An alarm belongs to a failure when its record is this close to it, days.
@@ -47,6 +47,8 @@ pub struct TendonResult {
     pub found_after_days: Option<f64>,
     /// Days of confirmed changes that weren't there.
     pub false_alarm_days: Vec<f64>,
+    /// Days of confirmed changes that were there and no failure: a hard day's work stretched the rope.
+    pub sudden_creep_days: Vec<f64>,
     /// RMS of the filtered offset against the truth, mrad.
     pub error_rms_mrad: f64,
     /// Forecasts.
@@ -69,8 +71,8 @@ pub struct Forecast {
 /// What all years share.
 pub(super) struct Fleet<'a> {
     request: &'a YearRequest,
-    tendons: Vec<(String, &'a Tendon, &'a CatalogueRope)>,
-    /// Per tendon and forecaster.
+    roped: Vec<Roped<'a>>,
+    /// Per watched tendon and forecaster.
     priors: Vec<Vec<(Forecaster, Prior)>>,
 }
 
@@ -80,70 +82,93 @@ impl<'a> Fleet<'a> {
         catalogue: &'a Catalogue,
         request: &'a YearRequest,
     ) -> Result<Self, YearError> {
-        let mut tendons = Vec::new();
+        let roped = roped(robot, catalogue, &request.joints)?;
         let mut priors = Vec::new();
-        for joint in &request.joints {
-            let tendon = robot
-                .arm
-                .joint_index(joint)
-                .and_then(|i| robot.transmissions[i].as_ref())
-                .and_then(|t| t.tendon.as_ref())
-                .filter(|t| t.pretension_n.is_some())
-                .ok_or_else(|| YearError::Joint(joint.clone()))?;
-            let name = tendon
-                .rope
-                .as_ref()
-                .ok_or_else(|| YearError::Joint(joint.clone()))?;
-            let rope = catalogue.find(name)?;
+        for r in roped.iter().filter(|r| r.watched) {
             let mut own = Vec::new();
             for &who in &request.forecasters {
-                own.push((
-                    who,
-                    who.prior(rope, tendon, &request.errors, request.oracle_curves)?,
-                ));
+                let curves = request.oracle_curves;
+                own.push((who, who.prior(r.rope, r.tendon, &request.errors, curves)?));
             }
-            tendons.push((joint.clone(), tendon, rope));
             priors.push(own);
         }
         Ok(Self {
             request,
-            tendons,
+            roped,
             priors,
         })
     }
 
+    /// What truly happens to the robot of a seed.
+    pub(super) fn life(&self, seed: u64) -> Result<Life, YearError> {
+        Life::draw(seed, &self.roped)
+    }
+
+    /// The year of a seed, its sessions drawn.
     pub(super) fn year(&self, seed: u64) -> Result<RobotYear, YearError> {
-        // Seeds of neighbours and tendons must not be each other's.
-        let base = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let mut rng = ChaCha8Rng::seed_from_u64(base);
-        let temperature_c = truth::temperatures_c(&mut rng);
-        let failed = rng.random_range(0..self.tendons.len());
-        let failure = Failure {
-            day: rng.random_range(10..WATCHED - 10),
-            size_mrad: rng.random_range(2.0..4.0),
-            stiffness_percent: rng.random_range(2.0..8.0),
-        };
+        let life = self.life(seed)?;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5e55_1011_0000_0000);
+        let records: Vec<Vec<Record>> = life
+            .tendons
+            .iter()
+            .take(self.priors.len())
+            .map(|(joint, year)| {
+                let own = life.failure_of(joint);
+                let errors = &self.request.errors;
+                let days = &year.creep_rad[..=WATCHED];
+                surrogate::records(days, &life.temperature_c, own, errors, &mut rng)
+            })
+            .collect();
+        self.judge(&life, &records)
+    }
+
+    /// The year of a life whose sessions were simulated.
+    pub(super) fn chained(
+        &self,
+        life: &Life,
+        sessions: &[Session],
+    ) -> Result<RobotYear, YearError> {
+        let records: Vec<Vec<Record>> = life
+            .tendons
+            .iter()
+            .take(self.priors.len())
+            .map(|(joint, _)| sessions.iter().filter_map(|s| record(s, joint)).collect())
+            .collect();
+        self.judge(life, &records)
+    }
+
+    /// Gives each watched tendon's records to the forecasters.
+    fn judge(&self, life: &Life, records: &[Vec<Record>]) -> Result<RobotYear, YearError> {
         let mut tendons = Vec::new();
-        for (i, (joint, tendon, rope)) in self.tendons.iter().enumerate() {
-            let year = truth::draw(rope, tendon, &temperature_c, base ^ (7919 * (i as u64 + 1)))?;
-            let own = (i == failed).then_some(failure);
-            let errors = &self.request.errors;
-            let records =
-                surrogate::records(&year.creep_rad, &temperature_c, own, errors, &mut rng);
-            for (who, prior) in &self.priors[i] {
-                let mut result = watch(prior, temperature_c[0], &records, &year, own, seed)?;
+        for (i, priors) in self.priors.iter().enumerate() {
+            let (joint, year) = &life.tendons[i];
+            let own = life.failure_of(joint);
+            for (who, prior) in priors {
+                let reference_c = life.temperature_c[0];
+                let mut result = watch(prior, reference_c, &records[i], year, own, life.seed)?;
                 result.forecaster = *who;
                 result.joint.clone_from(joint);
                 tendons.push(result);
             }
         }
         Ok(RobotYear {
-            seed,
-            failed_joint: self.tendons[failed].0.clone(),
-            failure,
+            seed: life.seed,
+            failed_joint: life.failed_joint.clone(),
+            failure: life.failure,
             tendons,
         })
     }
+}
+
+/// What the trend is told of a simulated session.
+fn record(session: &Session, joint: &str) -> Option<Record> {
+    let own = session.joints.iter().find(|j| j.name == joint)?;
+    Some(Record {
+        time_s: session.day as f64 * DAY_S,
+        offset_rad: own.offset_mrad.map(|[y, i]| [1e-3 * y, 1e-3 * i / Z95]),
+        temperature_c: Some(session.temperature_c),
+        stiffness: Some(own.stiffness_percent.map(|v| 0.01 * v)).map(|[v, i]| [v, i / Z95]),
+    })
 }
 
 /// Gives a year's records to a trend, day by day.
@@ -166,6 +191,7 @@ fn watch(
         joint: String::new(),
         found_after_days: None,
         false_alarm_days: Vec::new(),
+        sudden_creep_days: Vec::new(),
         error_rms_mrad: 0.0,
         forecasts: Vec::new(),
     };
@@ -174,7 +200,7 @@ fn watch(
         year.creep_rad[day] + jump.map_or(0.0, |f| 1e-3 * f.size_mrad)
     };
     let (mut squares, mut counted) = (0.0, 0.0);
-    for record in &records[..WATCHED] {
+    for record in records {
         let day = (record.time_s / DAY_S).round() as usize;
         if let Some(event) = trend.add(*record)?.confirmed {
             let at = event.time_s / DAY_S;
@@ -182,6 +208,9 @@ fn watch(
             match failure.filter(|f| (at - f.day as f64).abs() <= NEAR_DAYS) {
                 Some(f) if out.found_after_days.is_none() => {
                     out.found_after_days = Some(event.confirmed_s / DAY_S - f.day as f64);
+                }
+                _ if sudden(&year.creep_rad, at.round() as usize) => {
+                    out.sudden_creep_days.push(event.confirmed_s / DAY_S);
                 }
                 _ => out.false_alarm_days.push(event.confirmed_s / DAY_S),
             }
@@ -205,6 +234,21 @@ fn watch(
     }
     out.error_rms_mrad = 1e3 * (squares / f64::max(counted, 1.0)).sqrt();
     Ok(out)
+}
+
+/// Whether the rope itself grew by at least as much as is reported more than on the days around, within a day
+/// of `day`.
+fn sudden(creep_rad: &[f64], day: usize) -> bool {
+    let grown = |d: usize| match (
+        d.checked_sub(1).and_then(|b| creep_rad.get(b)),
+        creep_rad.get(d),
+    ) {
+        (Some(before), Some(then)) => then - before,
+        _ => 0.0,
+    };
+    let least = TrendConfig::default().least_jump_rad;
+    (day.saturating_sub(1).max(2)..=day + 1)
+        .any(|d| grown(d) - grown(d - 1).max(grown(d + 1)) >= least)
 }
 
 /// Mean of the present offset, rad.

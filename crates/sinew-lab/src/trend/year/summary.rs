@@ -22,6 +22,8 @@ pub struct Summary {
     pub delay_median_days: f64,
     /// False alarms.
     pub false_alarms: usize,
+    /// Confirmed changes that were a hard day's creep.
+    pub sudden_creep: usize,
     /// Per robot and year.
     pub false_alarms_per_robot_year: f64,
     /// RMS of the tracked offset against the truth, mrad: median over tendons.
@@ -93,6 +95,7 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
         found: delays.len(),
         delay_median_days: quantile(&delays, 0.5).unwrap_or(f64::NAN),
         false_alarms,
+        sudden_creep: own.iter().map(|(_, t)| t.sudden_creep_days.len()).sum(),
         false_alarms_per_robot_year: false_alarms as f64 / years.len() as f64,
         tracking_rms_mrad: quantile(&rms, 0.5).unwrap_or(f64::NAN),
         forecasts: days

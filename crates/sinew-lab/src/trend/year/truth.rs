@@ -37,7 +37,8 @@ pub fn temperatures_c(rng: &mut ChaCha8Rng) -> Vec<f64> {
         .collect()
 }
 
-/// Draws a tendon's year: law from the rope's uncertainty, work from what robots do.
+/// Draws a tendon's year: law from the rope's uncertainty, work from what robots do. `creeping`: drawn
+/// again until it grows enough for a forecast to mean something.
 ///
 /// # Errors
 /// [`CatalogueError::NoLaw`].
@@ -46,6 +47,7 @@ pub fn draw(
     tendon: &Tendon,
     temperature_c: &[f64],
     seed: u64,
+    creeping: bool,
 ) -> Result<TendonYear, CatalogueError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let pretension_n = tendon.pretension_n.unwrap_or(60.0);
@@ -56,7 +58,7 @@ pub fn draw(
         else {
             continue;
         };
-        if creep_rad[180] - creep_rad[60] < LEAST_GROWTH_RAD {
+        if creeping && creep_rad[180] - creep_rad[60] < LEAST_GROWTH_RAD {
             continue;
         }
         let normal: f64 = StandardNormal.sample(&mut rng);

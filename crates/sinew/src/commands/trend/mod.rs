@@ -1,6 +1,7 @@
 //! `sinew trend`: months of offsets, events, and the day a limit is passed.
 
 mod year;
+mod year_told;
 
 use crate::files::check_outputs;
 use crate::nearest::nearest;

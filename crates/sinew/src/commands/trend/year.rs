@@ -1,15 +1,20 @@
 //! `sinew trend simulate-year`: how good the trend is on years whose truth is known.
 
+use super::year_told::{errors_told, told};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
-use crate::text::{paragraph, table};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use sinew_lab::report::rounded;
 use sinew_lab::rope::Catalogue;
-use sinew_lab::trend::year::{self, RobotYear, Summary, YearRequest};
+use sinew_lab::trend::year::chain::{ChainRequest, SessionKind, statistics};
+use sinew_lab::trend::year::surrogate::SessionErrors;
+use sinew_lab::trend::year::{self, RobotYear, YearRequest};
 use sinew_lab::{output, robot_dir};
+use sinew_model::robot::Robot;
 use std::path::{Path, PathBuf};
+
+/// Sessions of a whole year.
+const YEAR_DAYS: u64 = 365;
 
 /// Live through simulated years of robots: what the trend finds, how far its forecasts hold
 ///
@@ -19,7 +24,9 @@ use std::path::{Path, PathBuf};
 /// law and only lacks its parameters says what is reachable at all.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
-    sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl")]
+    sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl\n  \
+    sinew trend simulate-year --robot robots/biorob-like --robots 6 --chain --days 20\n\n\
+    A run that was stopped goes on where it was with the same --out.")]
 pub(super) struct SimulateYear {
     /// Robot's folder
     #[arg(long, value_name = "DIR")]
@@ -38,7 +45,22 @@ pub(super) struct SimulateYear {
     /// Seed of the first robot; the others follow
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Keep each robot's year in a file, one JSON document a line; goes on where an earlier run ended
+    /// Simulate every session and estimate its offsets, instead of drawing what that gives
+    #[arg(long)]
+    chain: bool,
+    /// What the robot does while it is recorded
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Check)]
+    session: Kind,
+    /// Each session starts from what the last one learned, not from the first day's baseline
+    #[arg(long, requires = "chain")]
+    chained: bool,
+    /// Sessions of each robot, one a day
+    #[arg(long, value_name = "N", default_value_t = 365, requires = "chain", value_parser = clap::value_parser!(u64).range(1..=365))]
+    days: u64,
+    /// Threads [default: as many as the machine has]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// Keep years (with --chain: sessions) in a file, one JSON document a line
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print one JSON document instead of the table
@@ -49,30 +71,68 @@ pub(super) struct SimulateYear {
     quiet: bool,
 }
 
+/// What a session is like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// The same 24 poses every day, empty gripper, no contact
+    Check,
+    /// A minute of work: random poses, unknown payload, contacts
+    Work,
+    /// Errors larger than measured on either; not with --chain
+    Hard,
+}
+
+impl Kind {
+    fn errors(self) -> SessionErrors {
+        match self {
+            Self::Check => SessionErrors::check(),
+            Self::Work => SessionErrors::work(),
+            Self::Hard => SessionErrors::hard(),
+        }
+    }
+}
+
 impl SimulateYear {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(path) = &self.out {
+            check_outputs(&[("--out", path)], &[])?;
+        }
         let loaded = robot_dir::load(&self.robot, None)?;
         let catalogue = Catalogue::shipped()?;
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
         let request = YearRequest {
             robots: self.robots,
             seed: self.seed,
             joints: self.joints.clone(),
+            errors: self.session.errors(),
+            jobs: self.jobs.unwrap_or(cores) as usize,
             ..YearRequest::default()
         };
+        if self.chain {
+            self.chain(&loaded.robot, &catalogue, request)
+        } else {
+            self.drawn(&loaded.robot, &catalogue, &request)
+        }
+    }
+
+    /// Years whose sessions are drawn.
+    fn drawn(
+        &self,
+        robot: &Robot,
+        catalogue: &Catalogue,
+        request: &YearRequest,
+    ) -> Result<Finish, Failure> {
         // What must be the same for years to belong together.
         let header = json!({
             "format": "sinew-years",
-            "version": 1,
+            "version": 2,
             "sinew_version": env!("CARGO_PKG_VERSION"),
-            "robot": loaded.robot.name,
+            "robot": robot.name,
             "joints": request.joints,
             "errors": request.errors,
         });
         let mut years = match &self.out {
-            Some(path) => {
-                check_outputs(&[("--out", path)], &[])?;
-                kept(path, &header)?
-            }
+            Some(path) => kept(path, &header)?,
             None => Vec::new(),
         };
         let asked = self.seed..self.seed + self.robots;
@@ -80,7 +140,7 @@ impl SimulateYear {
         let bar = Bar::new("years", self.quiet);
         let mut failed = None;
         let total = self.robots as f64;
-        year::run(&loaded.robot, &catalogue, &request, &done, &mut |y| {
+        year::run(robot, catalogue, request, &done, &mut |y| {
             years.push(y);
             let here = years.iter().filter(|y| asked.contains(&y.seed)).count();
             bar.set(here as f64, total);
@@ -104,6 +164,73 @@ impl SimulateYear {
         }
         Ok(Finish::Complete)
     }
+
+    /// Years whose sessions are simulated and estimated.
+    fn chain(
+        &self,
+        robot: &Robot,
+        catalogue: &Catalogue,
+        mut request: YearRequest,
+    ) -> Result<Finish, Failure> {
+        let kind = match self.session {
+            Kind::Check => SessionKind::Check,
+            Kind::Work => SessionKind::Work,
+            Kind::Hard => {
+                return Err(Failure::Refused(
+                    "--session hard draws errors that no simulated session has; leave --chain away"
+                        .into(),
+                ));
+            }
+        };
+        let whole = self.days >= YEAR_DAYS;
+        if !whole {
+            // Part of a year shows the sessions' errors; a trend of it would be judged unfairly.
+            request.forecasters.clear();
+        }
+        let chain = ChainRequest {
+            kind,
+            chained: self.chained,
+            jobs: request.jobs,
+            out: self.out.clone(),
+        };
+        let bar = Bar::new("sessions", self.quiet);
+        let (mut years, mut sessions) = (Vec::new(), Vec::new());
+        year::run_chain(
+            robot,
+            catalogue,
+            &request,
+            &chain,
+            self.days as usize,
+            &mut |done, all| bar.set(done as f64, all as f64),
+            &mut |own, year| {
+                sessions.push(own);
+                years.push(year);
+            },
+        )?;
+        drop(bar);
+        let (errors, failures) = statistics(&sessions);
+        let summary = year::summary(&years);
+        if self.json {
+            let document = json!({
+                "robot": robot.name,
+                "session": kind,
+                "chained": self.chained,
+                "errors": errors,
+                "failures": failures,
+                "summary": summary,
+                "years": if whole { years } else { Vec::new() },
+            });
+            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
+        } else {
+            let mut text = errors_told(&errors, &failures);
+            if whole {
+                text.push('\n');
+                text.push_str(&told(&summary));
+            }
+            answer(&text)?;
+        }
+        Ok(Finish::Complete)
+    }
 }
 
 /// Years of an earlier run.
@@ -120,7 +247,7 @@ fn kept(path: &Path, header: &Value) -> Result<Vec<RobotYear>, Failure> {
         .and_then(|l| serde_json::from_str::<Value>(l).ok());
     if first.as_ref() != Some(header) {
         return Err(Failure::Refused(format!(
-            "{place} holds no years of this robot, these joints and this program; name another --out"
+            "{place} holds no years of this robot, these joints, --session and program; name another --out"
         )));
     }
     lines
@@ -140,58 +267,4 @@ fn keep(path: &Path, header: &Value, years: &[RobotYear]) -> Result<(), Failure>
         text.push('\n');
     }
     Ok(output::write_file(path, text.as_bytes())?)
-}
-
-fn told(summaries: &[Summary]) -> String {
-    let head = [
-        "forecaster",
-        "robots",
-        "found in 2 days",
-        "false alarms per year",
-        "tracking RMS\nmrad",
-    ];
-    let rows = summaries
-        .iter()
-        .map(|s| {
-            vec![
-                s.forecaster.name().into(),
-                s.robots.to_string(),
-                format!("{} of {}", s.found_two_days, s.failures),
-                rounded(s.false_alarms_per_robot_year, 2),
-                rounded(s.tracking_rms_mrad, 2),
-            ]
-        })
-        .collect();
-    let mut out = table(&head, rows, 1);
-    out.push('\n');
-    let head = [
-        "forecast by",
-        "on day",
-        "forecasts",
-        "median error\n% of day",
-        "% of rest",
-        "inside 90 %\n%",
-        "inside 95 %\n%",
-    ];
-    let mut rows = Vec::new();
-    for s in summaries {
-        for f in &s.forecasts {
-            rows.push(vec![
-                s.forecaster.name().into(),
-                rounded(f.made_day, 3),
-                f.forecasts.to_string(),
-                rounded(f.error_of_day_percent, 2),
-                rounded(f.error_of_rest_percent, 2),
-                rounded(f.covered_90_percent, 2),
-                rounded(f.covered_95_percent, 2),
-            ]);
-        }
-    }
-    out.push_str(&table(&head, rows, 1));
-    out.push('\n');
-    out + &paragraph(
-        "Error: median of |forecast - true day| over the true day, and over what was left until it. \
-         A forecast supposes no further failure and is held against the day without one.",
-        0,
-    )
 }
