@@ -1,0 +1,42 @@
+//! Any text as records of sessions, JSON or CSV: no panic; what is let through is finite, in order, and
+//! the trend takes it.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use sinew_lab::trend::{records_from_csv, records_from_json, sort};
+use sinew_model::trend::{Prior, Record, Trend, TrendConfig, generic_curves};
+
+fuzz_target!(|text: &str| {
+    let (kind, text) = text.split_at(text.chars().next().map_or(0, char::len_utf8));
+    let records = if kind == "c" {
+        records_from_csv(text, "r.csv")
+    } else {
+        records_from_json(text, "r.json")
+    };
+    let Ok(sorted) = records.and_then(|r| sort(r, None)) else {
+        return;
+    };
+    for (_, records) in sorted.joints {
+        assert!(records.windows(2).all(|w| w[0].time_utc_s < w[1].time_utc_s));
+        let mut curves = generic_curves(0.03);
+        curves.truncate(2);
+        let mut prior = Prior::new(curves);
+        prior.noises.truncate(2);
+        let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
+        let start = records.first().map_or(0.0, |r| r.time_utc_s);
+        for r in records.iter().take(40) {
+            assert!(r.offset_mrad.is_none_or(|[y, i]| y.is_finite() && i > 0.0));
+            let pair = |[v, i]: [f64; 2], unit: f64| [unit * v, unit * i / 1.96];
+            let record = Record {
+                time_s: r.time_utc_s - start + 3600.0,
+                offset_rad: r.offset_mrad.map(|p| pair(p, 1e-3)),
+                temperature_c: r.temperature_c,
+                stiffness: r.stiffness_percent.map(|p| pair(p, 1e-2)),
+            };
+            // Numbers whose squares overflow are refused, not taken.
+            if let Ok(added) = trend.add(record) {
+                assert!((0.0..=1.0 + 1e-9).contains(&added.jump_probability), "{added:?}");
+            }
+        }
+    }
+});
