@@ -67,7 +67,7 @@ impl SessionErrors {
     pub fn work() -> Self {
         Self {
             white_mrad: 0.29,
-            bias_mrad: 0.7,
+            bias_mrad: 0.35,
             stated_mrad: 0.52,
             stiffness_white_percent: 0.65,
             ..Self::check()
