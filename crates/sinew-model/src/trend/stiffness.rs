@@ -97,6 +97,10 @@ impl Stiffness {
         if ratio.is_nan() {
             return 0.0;
         }
+        // A strand takes stiffness along: what became stiffer speaks against one, however far it moved.
+        if lost.mean[0] >= self.mean[0] {
+            ratio = f64::NEG_INFINITY;
+        }
         libm::log(1.0 - STRANDS + STRANDS * libm::exp(ratio.min(MOST)))
     }
 
