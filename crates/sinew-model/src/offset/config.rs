@@ -28,7 +28,7 @@ pub enum Comparison {
 /// Where joint velocities come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityFilter {
-    /// A [`StateVariableFilter`] of this cut-off on every position (and torque) that enters.
+    /// A [`StateVariableFilter`](crate::observer::StateVariableFilter) of this cut-off on every position (and torque) that enters.
     StateVariable {
         /// `ω`, rad/s.
         cutoff_rad_per_s: f64,
