@@ -48,6 +48,10 @@ fn a_stopped_run_goes_on_where_it_was() {
     let mut counted = Vec::new();
     run(&options(Some(&out), 2), &mut |done, _| counted.push(done)).unwrap();
     assert_eq!(counted, [2]);
+    // Two runs at once kept the same recording: it counts once.
+    let last = text.lines().last().unwrap();
+    std::fs::write(&out, format!("{text}{last}\n")).unwrap();
+    assert_eq!(ran(&options(Some(&out), 2)), resumed);
 }
 
 #[test]

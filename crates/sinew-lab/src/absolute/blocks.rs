@@ -251,10 +251,14 @@ pub(super) fn read(
     out.damaged = recording.health().is_damaged();
     if out.blocks.is_empty() {
         return Err(mismatch(format!(
-            "has no {:.0} s of joint and motor positions in a row between {} and {} s, which the filters need to settle",
+            "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; record longer, or look for gaps with sinew log info",
             7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
             window.from_s,
-            window.to_s
+            if window.to_s.is_finite() {
+                format!(" up to {} s", window.to_s)
+            } else {
+                String::new()
+            }
         )));
     }
     Ok((loaded, out))

@@ -1,7 +1,9 @@
 //! Many recordings, in parallel, resumable.
 
-use super::journal::{Journal, Settings};
+use super::journal::Settings;
 use super::{Plan, Recording, ScenarioError, Summary, record};
+use crate::journal::Journal;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -44,9 +46,14 @@ pub fn run(
         }
     }
     let settings = Settings::new(checksum(), options.steps, options.motor_torque);
-    let (mut journal, done) = match &options.out {
+    let out = options.out.as_ref();
+    let wrong = |why: String| ScenarioError::Journal {
+        file: out.map_or_else(String::new, |path| path.display().to_string()),
+        why,
+    };
+    let (mut journal, done) = match out {
         Some(path) => {
-            let (journal, done) = Journal::open(path, &settings)?;
+            let (journal, done) = Journal::open(path, &settings).map_err(wrong)?;
             (Some(journal), done)
         }
         None => (None, Vec::new()),
@@ -58,9 +65,12 @@ pub fn run(
     let is = |r: &Recording, (plan, seed): (usize, u64)| {
         r.seed == seed && r.scenario == plans[plan].name
     };
+    // Two runs at once may have kept the same recording: it counts once.
+    let mut seen = BTreeSet::new();
     let mut recordings: Vec<Recording> = done
         .into_iter()
         .filter(|r| wanted.iter().any(|&w| is(r, w)))
+        .filter(|r| seen.insert((r.scenario.clone(), r.seed)))
         .collect();
     let missing: Vec<(usize, u64)> = wanted
         .iter()
@@ -88,7 +98,7 @@ pub fn run(
         for result in &receiver {
             let kept = result.and_then(|recording| {
                 if let Some(journal) = &mut journal {
-                    journal.add(&recording)?;
+                    journal.add(&recording).map_err(wrong)?;
                 }
                 Ok(recording)
             });

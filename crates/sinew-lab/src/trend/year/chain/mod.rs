@@ -16,8 +16,9 @@ pub use statistics::{FailureSeen, JointErrors, statistics};
 
 use super::life::Life;
 use crate::absolute::AbsoluteError;
+use crate::journal::Journal;
 use crate::simulate::SimulateError;
-use journal::{Journal, Settings};
+use journal::Settings;
 use session::ChainRobot;
 use sinew_model::robot::Robot;
 use std::collections::BTreeMap;
@@ -81,9 +82,15 @@ pub(super) fn sessions(
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<Vec<Session>>, ChainError> {
     let settings = Settings::new(robot, joints, request);
-    let (mut journal, kept) = match &request.out {
+    let out = request.out.as_ref();
+    let wrong = |why: String| ChainError::Journal {
+        file: out.map_or_else(String::new, |path| path.display().to_string()),
+        why,
+    };
+    let (mut journal, kept) = match out {
         Some(path) => {
-            let (journal, kept) = Journal::open(path, &settings)?;
+            let (journal, kept): (_, Vec<Session>) =
+                Journal::open(path, &settings).map_err(wrong)?;
             (Some(journal), kept)
         }
         None => (None, Vec::new()),
@@ -122,7 +129,7 @@ pub(super) fn sessions(
         for result in &receiver {
             let kept = result.and_then(|session: Session| {
                 if let Some(journal) = &mut journal {
-                    journal.add(&session)?;
+                    journal.add(&session).map_err(wrong)?;
                 }
                 Ok(session)
             });

@@ -1,0 +1,93 @@
+//! A file of results that a stopped run goes on with: a line of settings, then a line per result.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Read, Write};
+use std::path::Path;
+
+/// What all results of a file have in common.
+pub(crate) trait Settings: Serialize + DeserializeOwned + PartialEq {
+    /// What the first line begins with.
+    const HEAD: &'static str;
+    /// What the file holds, in words.
+    const HOLDS: &'static str;
+
+    /// Why results of `self` don't go with `wanted`.
+    fn difference(&self, wanted: &Self) -> String;
+}
+
+/// An open file of results.
+pub(crate) struct Journal {
+    file: File,
+}
+
+impl Journal {
+    /// Opens or starts the file; returns what is in it already. A last line that was cut off is
+    /// removed.
+    ///
+    /// # Errors
+    /// Why the file can't be used, and what to do.
+    pub(crate) fn open<S: Settings, R: DeserializeOwned>(
+        path: &Path,
+        settings: &S,
+    ) -> Result<(Self, Vec<R>), String> {
+        let io = |e: std::io::Error| format!("can't be used: {e}");
+        let mut file = OpenOptions::new()
+            .read(true)
+            // Two runs with one file repeat each other's work, but spoil nothing.
+            .append(true)
+            .create(true)
+            .open(path)
+            .map_err(io)?;
+        let mut text = String::new();
+        file.read_to_string(&mut text).map_err(|e| match e.kind() {
+            ErrorKind::InvalidData => "is not text; name another file".into(),
+            _ => io(e),
+        })?;
+        let whole = text.rfind('\n').map_or(0, |at| at + 1);
+        let mut lines = text[..whole].lines();
+        let mut done = Vec::new();
+        let foreign = || format!("is not a file of {}; name another", S::HOLDS);
+        match lines.next() {
+            None if !text.is_empty() && !text.starts_with(S::HEAD) => return Err(foreign()),
+            None => {}
+            Some(first) => {
+                let found: S = serde_json::from_str(first).map_err(|_| foreign())?;
+                if found != *settings {
+                    let why = found.difference(settings);
+                    return Err(format!(
+                        "holds {} of other settings: {why}; name another file",
+                        S::HOLDS
+                    ));
+                }
+                for (k, line) in lines.enumerate() {
+                    let result = serde_json::from_str(line);
+                    done.push(
+                        result.map_err(|e| format!("line {} is damaged: {e}; remove it", k + 2))?,
+                    );
+                }
+            }
+        }
+        file.set_len(whole as u64).map_err(io)?;
+        let mut journal = Self { file };
+        if whole == 0 {
+            journal.add(settings)?;
+        }
+        Ok((journal, done))
+    }
+
+    /// Adds a line.
+    ///
+    /// # Errors
+    /// Why it can't be written.
+    pub(crate) fn add<T: Serialize>(&mut self, value: &T) -> Result<(), String> {
+        let mut text = serde_json::to_string(value).map_err(|e| e.to_string())?;
+        text.push('\n');
+        // One call, so that a line is there as a whole unless the machine stops.
+        self.file
+            .write_all(text.as_bytes())
+            .and_then(|()| self.file.flush())
+            .map_err(|e| format!("can't write: {e}"))
+    }
+}
