@@ -20,7 +20,7 @@ fuzz_target!(|text: &str| {
     };
     let load = Load::celsius(0.1 * parameters.breaking_load_n, 30.0);
     let mut state = State::default();
-    let mut last = 0.0;
+    let mut last: f64 = 0.0;
     for seconds in [1.0, 1e3, 1e7] {
         law.hold(&mut state, load, seconds).expect("a tenth of the breaking load");
         let strain = law.strain(&state, load).expect("the same");

@@ -62,7 +62,7 @@ impl Default for Tolerances {
             payload_kg: [0.25, 0.25],
             payload_reach_m: 0.05,
             motor_torque: 0.03,
-            viscoelastic: 0.01,
+            viscoelastic: 0.02,
             gear: 0.003,
             zero_rad: 0.0,
         }

@@ -1,6 +1,7 @@
 //! The state of the absolute estimate: a pendulum whose every number is known in closed form.
 
 use sinew_model::arm::Arm;
+use sinew_model::correction::Spring;
 use sinew_model::offset::{
     Block, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator, Payload, Prior,
     RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
@@ -44,6 +45,8 @@ struct Truth {
     offset_rad: f64,
     compliance: f64,
     slack_rad: f64,
+    /// `c` of `τ = K x (1 + c x²)`, 1/rad².
+    cubic_per_rad2: f64,
     /// The offset grows by this at half time.
     step_rad: f64,
     /// Amplitude and middle of the swing, rad.
@@ -54,6 +57,7 @@ const PLAIN: Truth = Truth {
     offset_rad: 0.01,
     compliance: 0.1,
     slack_rad: 0.0,
+    cubic_per_rad2: 0.0,
     step_rad: 0.0,
     swing_rad: [1.2, 0.2],
 };
@@ -64,6 +68,7 @@ fn blocks(arm: &Arm, truth: Truth) -> Vec<Block> {
     let mut features = FeatureObserver::new(arm, FeatureConfig::default());
     let dt = 0.004;
     let [a, middle] = truth.swing_rad;
+    let spring = Spring::new(K / (1.0 + truth.compliance), truth.cubic_per_rad2).unwrap();
     let mut out = Vec::new();
     for k in 0..15_000 {
         let t = f64::from(k) * dt;
@@ -75,8 +80,7 @@ fn blocks(arm: &Arm, truth: Truth) -> Vec<Block> {
         if t > 30.0 {
             offset += truth.step_rad;
         }
-        let theta =
-            q + tau * (1.0 + truth.compliance) / K + offset + truth.slack_rad * tau.signum();
+        let theta = q + spring.deflection(tau).unwrap() + offset + truth.slack_rad * tau.signum();
         if features.step(dt, &[q], &[theta], &[f64::NAN], f64::NAN) == Ok(true) {
             out.push(features.block().clone());
         }
@@ -119,6 +123,35 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
     let [_, deviation] = map.offset(estimator.prior(), 0);
     let deflection = MASS_KG * G * LENGTH_M * 1.2_f64.sin() / K;
     assert!(deviation > 0.12 * deflection, "{deviation} of {deflection}");
+}
+
+#[test]
+fn a_stiffening_spring_is_followed_however_far_it_is_stretched() {
+    let mut robot = pendulum("").unwrap();
+    // All but offset and stiffening is known.
+    let known = &mut robot.tolerances;
+    (known.stiffness, known.mass, known.first_moment) = (1e-6, 1e-6, 1e-6);
+    (known.first_moment_across, known.encoder_rad) = (1e-6, 1e-9);
+    (known.viscoelastic, known.gear) = (1e-9, 1e-9);
+    known.stiffening_per_rad2 = [15.0, 10.0];
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let truth = Truth {
+        compliance: 0.0,
+        cubic_per_rad2: 30.0,
+        swing_rad: [1.2, 0.9],
+        ..PLAIN
+    };
+    let map = estimator
+        .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, truth))
+        .unwrap();
+    // At 4.2° of deflection the spring is 16 % stiffer than its first term says; the series of its
+    // inverse, cut after the cubic, is 3 c² d⁵ = 5.8 mrad off.
+    let [offset, _] = map.offset(estimator.prior(), 0);
+    assert!((offset - 0.01).abs() < 2e-5, "{offset}");
+    let place = estimator.prior().place(0, JointParameter::Stiffening);
+    let [cubic, _] = map.belief(estimator.prior()).entry(place);
+    assert!((cubic - 30.0).abs() < 0.2, "{cubic}");
 }
 
 #[test]
@@ -243,7 +276,7 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
     ));
 
     let mut aged = a.clone();
-    for _ in 0..2000 {
+    for _ in 0..20_000 {
         let before = aged.entry(place)[1];
         prior.age(&mut aged);
         assert!(aged.entry(place)[1] >= before);

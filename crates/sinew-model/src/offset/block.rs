@@ -14,8 +14,12 @@ pub struct Block {
     pub q: Vec<f64>,
     /// Filtered `theta_measured − q`, `n`, rad.
     pub y: Vec<f64>,
-    /// The same with a memory of half a minute: what a viscoelastic rope creeps after, `n`, rad.
+    /// `y` with a memory of half a minute: what a viscoelastic rope creeps after, `n`, rad.
     pub y_slow: Vec<f64>,
+    /// `(theta_measured − q)²`, filtered like `y`, `n`, rad².
+    pub y_square: Vec<f64>,
+    /// `(theta_measured − q)³`, filtered like `y`, `n`, rad³: a spring that stiffens.
+    pub y_cube: Vec<f64>,
     /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
     pub phi: Vec<f64>,
     /// Joint position like `y`, `n`, rad.
@@ -55,6 +59,8 @@ impl Block {
             q: zero(),
             y: zero(),
             y_slow: zero(),
+            y_square: zero(),
+            y_cube: zero(),
             phi: alloc::vec![0.0; n * columns],
             turned: zero(),
             z: zero(),
@@ -73,10 +79,12 @@ impl Block {
     }
 
     /// What is averaged over a block.
-    pub(super) fn sums(&mut self) -> [&mut Vec<f64>; 15] {
+    pub(super) fn sums(&mut self) -> [&mut Vec<f64>; 17] {
         [
             &mut self.y,
             &mut self.y_slow,
+            &mut self.y_square,
+            &mut self.y_cube,
             &mut self.phi,
             &mut self.turned,
             &mut self.z,

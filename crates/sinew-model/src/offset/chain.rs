@@ -7,7 +7,7 @@ use crate::arm::PARAMETERS_PER_BODY;
 
 impl Prior {
     /// What changes from one day to the next is believed a little less: friction by a tenth of
-    /// its tolerance, everything else but offsets and payload by a thirtieth. A stiffness that fell
+    /// its tolerance, everything else but offsets and payload by a hundredth. A stiffness that fell
     /// by more is found as a change.
     ///
     /// Variances add and stop at the prior's: a chain of recordings can't become surer of
@@ -15,7 +15,7 @@ impl Prior {
     pub fn age(&self, belief: &mut Belief) {
         use JointParameter as P;
         const FRICTION: f64 = 0.1;
-        const OTHER: f64 = 1.0 / 30.0;
+        const OTHER: f64 = 0.01;
         let d = self.dimension();
         if belief.covariance.len() != d * d {
             return;

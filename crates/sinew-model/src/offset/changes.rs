@@ -40,7 +40,9 @@ pub struct Seek {
 }
 
 /// Stiffness is opened by this at a suspected event, relative: what a failed strand takes along.
-pub(super) const STRAND: f64 = 0.05;
+const STRAND: f64 = 0.05;
+/// The same for all that failed between two recordings.
+const STRANDS: f64 = 0.1;
 /// Least data before and after a change, s: a contact doesn't last as long.
 pub(super) const EDGE_S: f64 = 5.0;
 /// Two changes of the same thing within this time are one, s.
@@ -95,7 +97,7 @@ impl MapEstimator {
         Problem::new(self, start, payload, blocks)?.watch(seek)
     }
 
-    /// What is believed of a change before: standard deviations of its entries.
+    /// What is believed of a change within the recording: standard deviations of its entries.
     pub(super) fn change_deviations(&self, what: What, payload: Payload) -> Vec<f64> {
         match what {
             What::Offset(_) => alloc::vec![UNKNOWN_OFFSET_RAD],
@@ -161,6 +163,14 @@ impl Problem<'_> {
         let trial = self.solve(&changes)?;
         let worth = self.cost_at(&best.estimate, &trial.estimate) - trial.estimate.cost;
         Ok(if worth < KEEP_SINCE { best } else { trial })
+    }
+
+    /// What is believed of a change before: standard deviations of its entries.
+    pub(super) fn deviations(&self, change: &Change) -> Vec<f64> {
+        match change.what {
+            What::Compliance(_) if self.is_since_before(change) => alloc::vec![STRANDS],
+            what => self.estimator.change_deviations(what, self.payload),
+        }
     }
 
     /// Whether a change was there from the first block on.

@@ -108,3 +108,30 @@ pub enum OffsetConfigError {
     )]
     MotorVelocity,
 }
+
+/// How features are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureConfig {
+    /// Pole of the matched low-pass, 1/s.
+    pub gain_per_s: f64,
+    /// Velocity filter, rad/s.
+    pub cutoff_rad_per_s: f64,
+    /// Regressors are computed at most this often, s: the filtered positions are smooth.
+    pub regressor_step_s: f64,
+    /// Length of a block, s.
+    pub block_s: f64,
+    /// Stroke over which joint friction builds up, rad (pre-sliding).
+    pub presliding_rad: f64,
+}
+
+impl Default for FeatureConfig {
+    fn default() -> Self {
+        Self {
+            gain_per_s: 3.0,
+            cutoff_rad_per_s: 60.0,
+            regressor_step_s: 4e-3,
+            block_s: 0.2,
+            presliding_rad: 1e-3,
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! From samples to block features: an equation per joint that is linear in what is unknown.
 //!
 //! ```text
-//! y = LP[theta_measured − q] = delta_e + s(κ τ) + encoder error(q) + noise
+//! LP[x + η x³] = κ τ,   x = theta_measured − q − delta_e − encoder error(q) − noise
 //! τ = Φ π + F_c LP[z] + F_v LP[dq] + μ LP[z |τ|],   Φ = K_I (P − LP[P]) − LP[A]
 //! ```
 //!
@@ -19,46 +19,20 @@
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
 use super::block::{Block, ENCODER};
+use super::config::FeatureConfig;
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{ExactPole, FirstOrder, StateVariableFilter};
 use alloc::vec::Vec;
 
-/// How features are made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeatureConfig {
-    /// Pole of the matched low-pass, 1/s.
-    pub gain_per_s: f64,
-    /// Velocity filter, rad/s.
-    pub cutoff_rad_per_s: f64,
-    /// Regressors are computed at most this often, s: the filtered positions are smooth.
-    pub regressor_step_s: f64,
-    /// Length of a block, s.
-    pub block_s: f64,
-    /// Stroke over which joint friction builds up, rad (pre-sliding).
-    pub presliding_rad: f64,
-}
-
-impl Default for FeatureConfig {
-    fn default() -> Self {
-        Self {
-            gain_per_s: 3.0,
-            cutoff_rad_per_s: 60.0,
-            regressor_step_s: 4e-3,
-            block_s: 0.2,
-            presliding_rad: 1e-3,
-        }
-    }
-}
-
 /// Memory of a viscoelastic rope within a session, s.
 const CREEP_S: f64 = 30.0;
 /// Travel after which friction surely points against it, rad: several times what quantisation makes
 /// a standing joint seem to move.
-const SURE_STROKE_RAD: f64 = 4e-3;
+const SURE_STROKE_RAD: f64 = 10e-3;
 /// Signals that are low-passed per joint.
-const LAGS: usize = 11 + ENCODER;
+const LAGS: usize = 13 + ENCODER;
 
 /// Makes blocks from samples.
 #[derive(Debug, Clone)]
@@ -319,6 +293,8 @@ impl FeatureObserver {
         for (i, lags) in self.lags.iter().enumerate() {
             let [
                 y,
+                y_square,
+                y_cube,
                 turned,
                 z,
                 z_unknown,
@@ -332,6 +308,8 @@ impl FeatureObserver {
                 encoder @ ..,
             ] = lags.each_ref().map(FirstOrder::output);
             s.y[i] += y;
+            s.y_square[i] += y_square;
+            s.y_cube[i] += y_cube;
             s.y_slow[i] += self.slow[i].output();
             s.turned[i] += turned;
             s.z[i] += z;
@@ -385,6 +363,8 @@ impl FeatureObserver {
         let stands = theta.rate().abs() < STANDS_RAD_PER_S;
         [
             deflection,
+            deflection * deflection,
+            deflection * deflection * deflection,
             q.value(),
             z,
             z_unknown,

@@ -6,7 +6,7 @@
 //! from.
 //!
 //! ```text
-//! y = delta_e + d − η d³ + encoder(q) + α_T ΔT + noise,     d = τ (1 + δκ + c_K ΔT) / K
+//! LP[x + η x³] = τ (1 + δκ + c_K ΔT) / K,   x = theta_measured − q − delta_e − encoder(q) − α_T ΔT
 //! τ = Φ (π₀ + δπ) + payload + F_c z + F_v dq + μ z |τ|
 //! u = (1 + k)(τ + J ddtheta + F_m z_m + F_vm dtheta + μ_m z_m |τ|) + b + noise
 //! ```
@@ -17,8 +17,8 @@
 
 use super::block::Block;
 use super::changes::{Change, offset_columns};
+use super::config::FeatureConfig;
 use super::equation::{Equations, Side};
-use super::features::FeatureConfig;
 use super::prior::{Belief, Payload, Prior};
 use super::solve::Problem;
 use alloc::vec::Vec;

@@ -11,6 +11,7 @@ mod fleet;
 mod map;
 mod normal;
 mod observer;
+mod payload;
 mod prior;
 mod recursive;
 mod score;
@@ -18,8 +19,10 @@ mod solve;
 
 pub use block::Block;
 pub use changes::{Change, Seek, What};
-pub use config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter};
-pub use features::{FeatureConfig, FeatureObserver};
+pub use config::{
+    Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
+};
+pub use features::FeatureObserver;
 pub use map::{MapError, MapEstimate, MapEstimator};
 pub use observer::{OffsetObserver, Sample};
 pub use prior::{

@@ -202,7 +202,7 @@ impl<'a> Problem<'a> {
         }
         let mut k = d;
         for change in changes {
-            for deviation in self.estimator.change_deviations(change.what, self.payload) {
+            for deviation in self.deviations(change) {
                 information[k * total + k] = 1.0 / (deviation * deviation);
                 k += 1;
             }
