@@ -5,6 +5,9 @@ use alloc::vec::Vec;
 /// Number of encoder columns per joint.
 pub(super) const ENCODER: usize = 4;
 
+/// Signals that are averaged.
+const SUMS: usize = 17;
+
 /// Averages over one block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
@@ -78,8 +81,49 @@ impl Block {
         }
     }
 
+    /// Whether `other` is of an arm of the same size.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        let columns = self.columns().into_iter().zip(other.columns());
+        let mut lengths = columns.map(|(a, b)| a.len() == b.len());
+        self.q.len() == other.q.len() && lengths.all(|same| same)
+    }
+
+    /// Makes this the same as `other`, which must [`Block::fits`], without allocating.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.time_s = other.time_s;
+        self.temperature_c = other.temperature_c;
+        self.q.clone_from(&other.q);
+        for (to, from) in self.sums().into_iter().zip(other.columns()) {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+    }
+
+    /// What [`Block::sums`] lends, to read.
+    fn columns(&self) -> [&[f64]; SUMS] {
+        [
+            &self.y,
+            &self.y_slow,
+            &self.y_square,
+            &self.y_cube,
+            &self.phi,
+            &self.turned,
+            &self.z,
+            &self.z_unknown,
+            &self.dq,
+            &self.z_load,
+            &self.encoder,
+            &self.motor_torque,
+            &self.motor_acceleration,
+            &self.motor_velocity,
+            &self.motor_z,
+            &self.motor_z_load,
+            &self.motor_stood,
+        ]
+    }
+
     /// What is averaged over a block.
-    pub(super) fn sums(&mut self) -> [&mut Vec<f64>; 17] {
+    pub(super) fn sums(&mut self) -> [&mut Vec<f64>; SUMS] {
         [
             &mut self.y,
             &mut self.y_slow,

@@ -1,4 +1,4 @@
-//! How the paper's estimate is made, and why it can't be.
+//! How the estimates are made, and what they can't be made from.
 
 use crate::observer::GainError;
 
