@@ -17,36 +17,49 @@ impl Heat {
         }
     }
 
+    /// `E/R (1/T_ref − 1/θ)`.
+    pub(super) fn exponent(self, energy_j_per_mol: f64) -> f64 {
+        energy_j_per_mol * self.per_energy
+    }
+
     /// `exp[E/R (1/T_ref − 1/θ)]`.
     pub(super) fn speed_up(self, energy_j_per_mol: f64) -> f64 {
-        let x = energy_j_per_mol * self.per_energy;
-        if x == 0.0 { 1.0 } else { exp(x) }
+        exp(self.exponent(energy_j_per_mol))
     }
 }
 
-/// `sinh x` for `x ≥ 0`; the series keeps full accuracy where the exponentials would cancel.
-pub(super) fn sinh(x: f64) -> f64 {
+/// `sinh x` for `x ≥ 0` and its `e^x`; the series keeps full accuracy where the exponentials would
+/// cancel.
+pub(super) fn sinh(x: f64, e: f64) -> f64 {
     if x < 0.3 {
         let s = x * x;
         let high = 1.0 / 5040.0 + s * (1.0 / 362_880.0 + s * (1.0 / 39_916_800.0));
         x * (1.0 + s * (1.0 / 6.0 + s * (1.0 / 120.0 + s * high)))
     } else {
-        let e = exp(x);
         0.5 * (e - 1.0 / e)
     }
 }
 
-/// `1 − exp(−x)` for `x ≥ 0` to a few units in the last place: what a first-order lag has closed.
+/// `1 − exp(−x)` for `x ≥ 0`: what a first-order lag has closed.
+pub(super) fn closed(x: f64) -> f64 {
+    let [closed] = closings([x]);
+    closed
+}
+
+/// `1 − exp(−x)` of each input, all `≥ 0`, to a few units in the last place.
 ///
 /// Below 0.03 a Taylor series (the ninth term is below 1e-17 of the first), because the
 /// difference would cancel; several times faster than a general `expm1`.
-pub(super) fn closed(x: f64) -> f64 {
-    if x < 0.03 {
+pub(super) fn closings<const N: usize>(x: [f64; N]) -> [f64; N] {
+    let series = |x: f64| {
         let high = 1.0 / 120.0 - x * (1.0 / 720.0 - x * (1.0 / 5040.0 - x * (1.0 / 40320.0)));
         x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * high))))
-    } else {
-        1.0 - exp(-x)
+    };
+    let mut out = x.map(|x| exp(-x));
+    for (out, x) in out.iter_mut().zip(x) {
+        *out = if x < 0.03 { series(x) } else { 1.0 - *out };
     }
+    out
 }
 
 /// `1 − exp(−a_v t/τ_i)` for the five decades.
@@ -67,7 +80,7 @@ pub(super) fn delayed_fractions(speed_times_s: f64) -> [f64; 5] {
         let p8 = p4 * (2.0 + p4);
         -(p8 + p2 + p8 * p2)
     };
-    let [tens, thousands, slowest] = PER_S.map(|per_s| closed(speed_times_s * per_s));
+    let [tens, thousands, slowest] = closings(PER_S.map(|per_s| speed_times_s * per_s));
     [
         tens,
         ten_times(thousands),

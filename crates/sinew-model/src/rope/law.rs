@@ -167,24 +167,8 @@ impl Law {
         if !state.is_possible() {
             return Err(LoadError::State);
         }
-        let lambda = self.load_ratio(load.tension_n);
-        let heat = Heat::new(load.temperature_k);
-        // Most steps of a long history raise no tension above all before: nothing beds in, and
-        // its rate need not be known.
-        let target = self.bedding_target(lambda);
-        if target > state.bedding_percent {
-            self.bed_in(state, target, self.bedding_per_s(heat), duration_s);
-        }
-        let speed = heat.speed_up(self.p.delayed_energy_j_per_mol);
-        self.delay(
-            state,
-            self.delayed_target(lambda, load.temperature_k),
-            speed,
-            duration_s,
-        );
-        state.flow_percent += self.flow_percent_per_s(lambda, heat) * duration_s;
-        let target = self.retraction_target(lambda, load.temperature_k);
-        self.retract(state, target, duration_s);
+        let rates = self.rates_at(self.load_ratio(load.tension_n), load.temperature_k);
+        self.go(state, &rates, duration_s);
         Ok(())
     }
 
@@ -217,6 +201,12 @@ impl Law {
         if !state.is_possible() {
             return Err(LoadError::State);
         }
+        self.go(state, rates, duration_s);
+        Ok(())
+    }
+
+    /// Every element under rates that last for a duration, both checked.
+    fn go(&self, state: &mut State, rates: &Rates, duration_s: f64) {
         let target = rates.bedding_target_percent;
         self.bed_in(state, target, rates.bedding_per_s, duration_s);
         self.delay(
@@ -227,7 +217,6 @@ impl Law {
         );
         state.flow_percent += rates.flow_percent_per_s * duration_s;
         self.retract(state, rates.retraction_target_percent, duration_s);
-        Ok(())
     }
 
     /// Bedding-in alone after a duration, %: [`Law::advance`] without what it doesn't depend on.
@@ -301,30 +290,33 @@ impl Law {
         Ok(())
     }
 
-    /// Rates at a checked load ratio and temperature.
+    /// Rates at a checked load ratio and temperature: six exponentials abreast, most of the cost
+    /// of a step.
     pub(super) fn rates_at(&self, lambda: f64, temperature_k: f64) -> Rates {
+        let (p, inverse) = (&self.p, &self.inverse);
         let heat = Heat::new(temperature_k);
+        let stress = lambda * inverse.flow_stress_ratio;
+        let [unbedded, bedding, delayed, flow, stressed, shrunk] = [
+            -lambda * inverse.bedding_load_ratio,
+            heat.exponent(p.bedding_energy_j_per_mol),
+            heat.exponent(p.delayed_energy_j_per_mol),
+            heat.exponent(p.flow_energy_j_per_mol),
+            stress,
+            -lambda * inverse.retraction_load_ratio,
+        ]
+        .map(exp);
         Rates {
-            bedding_target_percent: self.bedding_target(lambda),
-            bedding_per_s: self.bedding_per_s(heat),
+            bedding_target_percent: self.bedding_percent * (1.0 - unbedded),
+            bedding_per_s: bedding * inverse.bedding_per_s,
             delayed_target_percent: self.delayed_target(lambda, temperature_k),
-            delayed_speed: heat.speed_up(self.p.delayed_energy_j_per_mol),
-            flow_percent_per_s: self.flow_percent_per_s(lambda, heat),
-            retraction_target_percent: self.retraction_target(lambda, temperature_k),
+            delayed_speed: delayed,
+            flow_percent_per_s: 100.0 * p.flow_rate_per_s * flow * sinh(stress, stressed),
+            retraction_target_percent: self.retraction_full(temperature_k) * shrunk,
         }
     }
 
     pub(super) fn bedding_per_s(&self, heat: Heat) -> f64 {
         heat.speed_up(self.p.bedding_energy_j_per_mol) * self.inverse.bedding_per_s
-    }
-
-    fn flow_percent_per_s(&self, lambda: f64, heat: Heat) -> f64 {
-        let p = &self.p;
-        if p.flow_rate_per_s == 0.0 || lambda == 0.0 {
-            return 0.0;
-        }
-        let x = lambda * self.inverse.flow_stress_ratio;
-        100.0 * p.flow_rate_per_s * heat.speed_up(p.flow_energy_j_per_mol) * sinh(x)
     }
 
     pub(super) fn bedding_target(&self, lambda: f64) -> f64 {
@@ -337,12 +329,20 @@ impl Law {
     }
 
     pub(super) fn retraction_target(&self, lambda: f64, temperature_k: f64) -> f64 {
-        if self.p.retraction_percent == 0.0 || temperature_k <= RETRACTION_START_K {
+        match self.retraction_full(temperature_k) {
+            0.0 => 0.0,
+            full => full * exp(-lambda * self.inverse.retraction_load_ratio),
+        }
+    }
+
+    /// Retraction of a slack rope at a temperature, %.
+    fn retraction_full(&self, temperature_k: f64) -> f64 {
+        if temperature_k <= RETRACTION_START_K {
             return 0.0;
         }
         const PER_K: f64 = 1.0 / (RETRACTION_FULL_K - RETRACTION_START_K);
         let g = (temperature_k - RETRACTION_START_K) * PER_K;
-        self.p.retraction_percent * g.min(1.0) * exp(-lambda * self.inverse.retraction_load_ratio)
+        self.p.retraction_percent * g.min(1.0)
     }
 
     pub(super) fn bed_in(&self, state: &mut State, target: f64, per_s: f64, duration_s: f64) {
