@@ -115,6 +115,38 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
 }
 
 #[test]
+fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
+    let robot = robot();
+    let late = |text: String| {
+        no_contact(text)
+            + "\n[[offsets]]\njoint = \"shoulder_pitch\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 114.0\nrad = 0.005\n"
+    };
+    let watch = |cuts: &[f64]| {
+        let (parts, truth) = session(&robot, 14, late, cuts);
+        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let baseline = Some((&baseline, "A"));
+        let options = WatchOptions::default();
+        let (said, _) =
+            absolute::watch_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+        let doubted = said.warnings.iter().any(|w| w.contains("holds both"));
+        let joint = said.joints[PITCH].clone();
+        let error = joint.offset_mrad - truth[PITCH];
+        println!(
+            "{error:+.2} ± {:.2} {:?}",
+            joint.interval_95_mrad, joint.steps
+        );
+        assert_eq!(joint.steps.len(), 1);
+        assert!(error.abs() < joint.interval_95_mrad, "{error}");
+        (joint.interval_95_mrad, doubted)
+    };
+    let (interval, doubted) = watch(&[60.0, 120.0]);
+    assert!(doubted && interval > 4.5, "{interval}");
+    // Ten seconds later a contact would have ended.
+    let (interval, doubted) = watch(&[60.0, 130.0]);
+    assert!(!doubted && interval < 2.0, "{interval}");
+}
+
+#[test]
 fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     let robot = robot();
     let options = WatchOptions::default();

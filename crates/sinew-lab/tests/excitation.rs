@@ -130,7 +130,7 @@ fn what_is_promised_is_what_simulated_robots_show() {
         .unwrap_or(2);
     let (mut errors, mut intervals) = (Vec::new(), Vec::new());
     for seed in 0..seeds {
-        for (name, error, interval) in visited(&robot, &proposal, 700 + seed) {
+        for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {
             let expected = proposal.expected.iter().find(|e| e.name == name).unwrap();
             println!(
                 "seed {seed} {name}: error {error:+.2}, ± {interval:.2}, expected ± {:.2} mrad",
@@ -146,7 +146,6 @@ fn what_is_promised_is_what_simulated_robots_show() {
         "{seeds} robots: 1.96 RMSE and interval over the interval expected: {error:.2}, {interval:.2}"
     );
     assert!((1.0 / 1.5..1.5).contains(&interval), "{interval}");
-    // Over the 12 robots the factor was fitted on the errors were 1.4 times the interval; of a
-    // few robots the RMSE scatters by a quarter.
-    assert!(error < 2.0, "{error}");
+    // Over 30 robots the errors are 1.1 times the interval; of a few the RMSE scatters by a quarter.
+    assert!(error < 1.6, "{error}");
 }

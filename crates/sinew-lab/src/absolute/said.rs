@@ -137,17 +137,6 @@ fn said_of_joint(
 ) -> AbsoluteJoint {
     let at = |p: JointParameter| watched.belief.entry(prior.place(joint, p));
     let [offset, deviation] = at(JointParameter::Offset);
-    let interval = Z95 * deviation;
-    let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
-    let verdict = if !(interval_95_mrad <= USELESS_MRAD) {
-        "can't tell"
-    } else if offset_mrad.abs() <= interval_95_mrad {
-        "unchanged"
-    } else if offset_mrad > 0.0 {
-        "longer"
-    } else {
-        "shorter"
-    };
     let mut steps = Vec::new();
     for (from, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
@@ -165,6 +154,22 @@ fn said_of_joint(
             }
         }
     }
+    // A slip just before the end may be a contact that lasts: the interval holds both.
+    let doubtful = steps
+        .iter()
+        .filter(|s| super::warnings::may_end(s, recorded));
+    let doubt: f64 = doubtful.map(|s| 1e-3 * s.size_mrad.abs()).sum();
+    let interval = Z95 * deviation + doubt;
+    let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
+    let verdict = if !(interval_95_mrad <= USELESS_MRAD) {
+        "can't tell"
+    } else if offset_mrad.abs() <= interval_95_mrad {
+        "unchanged"
+    } else if offset_mrad > 0.0 {
+        "longer"
+    } else {
+        "shorter"
+    };
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());
     let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);

@@ -1,10 +1,12 @@
 //! What the reader of an answer should know.
 
-use super::answer::Absolute;
+use super::answer::{Absolute, Step};
 use super::blocks::Recorded;
 
 /// A contact longer than this looks like something that happened for good, s.
 const LASTING_S: f64 = 8.0;
+/// Causes of a slip that no contact looks like.
+const TOLD: [&str; 2] = ["motor encoder", "joint encoder"];
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, mrad.
 const POOR_MRAD: f64 = 10.0;
 /// More than this left unexplained is more than encoders and friction do, mrad.
@@ -13,6 +15,15 @@ const NOISY_MRAD: f64 = 1.0;
 const STUCK_MRAD: f64 = 5.0;
 /// A share left out above this makes what is left suspect.
 const MUCH: f64 = 0.35;
+
+/// Whether a slip may be a contact that had not ended yet: it came late, and no encoder
+/// slipped.
+pub(super) fn may_end(step: &Step, recorded: &Recorded) -> bool {
+    step.kind == "slip"
+        && !TOLD.contains(&step.cause.as_str())
+        && recorded.duration_s > 0.0
+        && recorded.end_s() - step.time_s < LASTING_S
+}
 
 /// Warnings for an answer.
 pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
@@ -30,16 +41,13 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
                 joint.name, joint.torque_range_nm[0], joint.torque_range_nm[1]
             ));
         }
-        let lost = joint.steps.iter().filter(|s| s.kind == "slip");
-        for step in lost {
-            if recorded.duration_s > 0.0 && recorded.end_s() - step.time_s < LASTING_S {
-                out.push(format!(
-                    "{}: the change at {:.0} s came {:.0} s before the end; a contact that lasts looks the same",
-                    joint.name,
-                    step.time_s,
-                    recorded.end_s() - step.time_s
-                ));
-            }
+        for step in joint.steps.iter().filter(|s| may_end(s, recorded)) {
+            out.push(format!(
+                "{}: the change at {:.0} s came {:.0} s before the end; a contact that lasts looks the same, so the interval holds both",
+                joint.name,
+                step.time_s,
+                recorded.end_s() - step.time_s
+            ));
         }
     }
     for (joint, noise) in said.joints.iter().zip(&said.noise_mrad) {

@@ -96,10 +96,10 @@ pub struct Expected {
 }
 
 /// Interval of simulated robots over that of the nominal one: those of scenario S6, which differ
-/// from their description in stiffness, masses and friction, show 2.5 times the interval (seeds 500
-/// to 511, 48 offsets; `tests/excitation.rs` holds it against others). Residuals and the baseline are worse than on a robot that is
-/// as described.
-const SEEN_OVER_NOMINAL: f64 = 2.5;
+/// from their description in stiffness, masses and friction, show 4 times the interval (seeds 700
+/// to 711, 48 offsets; `tests/excitation.rs` holds it against others). Residuals and the baseline
+/// are worse than on a robot that is as described.
+const SEEN_OVER_NOMINAL: f64 = 4.0;
 /// Share of the range at each end that poses stay away from.
 const MARGIN: f64 = 0.1;
 /// Share of the effort that holding a pose may take.
