@@ -21,19 +21,19 @@ impl Fit {
             .collect();
         let names = laws.iter().map(|l| match l {
             Law::LogTime => "log",
-            Law::Findley => "find",
-            Law::Burgers => "burg",
-            Law::KelvinVoigt => "kelv",
+            Law::Findley => "fin",
+            Law::Burgers => "bur",
+            Law::KelvinVoigt => "kv",
             Law::Stretched => "str",
             Law::Line | Law::Rope => "rope",
         });
-        let mut head = vec!["group", "tests", "not\nfitted", "creep\n%"];
+        let mut head = vec!["group", "n", "not", "creep\n%"];
         head.extend(names);
-        head.extend(["noise\n%", "untold"]);
+        head.extend(["noise\n%", "un-\ntold"]);
         format!(
             "\n{}\n{}",
             paragraph(
-                "Per group: median creep; tests in which each law has the smallest AICc; median noise of the readings about that law; tests in which a parameter of it is not identifiable.",
+                "Per group: tests, those not fitted, median creep; tests in which each law (log-time, findley, burgers, kelvin-voigt, stretched) has the smallest AICc; median noise of the readings about that law; tests in which a parameter of it can't be told.",
                 0
             ),
             table(&head, rows, 1)
@@ -68,15 +68,24 @@ fn row(
         plain(group),
         members.len().to_string(),
         (members.len() - best.len()).to_string(),
-        short(median(members.iter().map(|a| a.creep_percent).collect())),
+        strain(median(members.iter().map(|a| a.creep_percent).collect())),
     ];
     for law in laws {
         let won = best.iter().filter(|f| f.law == *law).count();
         cells.push(won.to_string());
     }
-    cells.push(short(median(
+    cells.push(strain(median(
         best.iter().map(|f| f.residual_percent).collect(),
     )));
     cells.push(best.iter().filter(untold).count().to_string());
     cells
+}
+
+/// A strain in a column of five.
+fn strain(percent: f64) -> String {
+    if percent.is_finite() && percent < 100.0 {
+        format!("{percent:.3}")
+    } else {
+        short(percent)
+    }
 }
