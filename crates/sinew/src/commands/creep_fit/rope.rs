@@ -58,7 +58,13 @@ impl Fit {
             data: data.join(", "),
             date: today(),
         };
-        Ok(Some(creep::rope_entry(fit, base, &from)?.to_toml()))
+        let entry = creep::rope_entry(fit, base, &from)?.to_toml();
+        // A folder of one's own ropes begins with the first.
+        if let Some(folder) = path.parent() {
+            let made = std::fs::create_dir_all(folder);
+            made.map_err(|e| refuse(format!("can't make folder {}: {e}", folder.display())))?;
+        }
+        Ok(Some(entry))
     }
 }
 
