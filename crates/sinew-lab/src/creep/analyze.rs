@@ -8,6 +8,15 @@ use super::law::Law;
 use super::record::{Prepared, Stage};
 use super::scan::median;
 
+/// A time of [`ISO_READINGS_S`] as the standard writes it: `3 min`, `50 h`.
+pub fn reading_time(time_s: f64) -> String {
+    if time_s < 3600.0 {
+        format!("{:.0} min", time_s / 60.0)
+    } else {
+        format!("{:.0} h", time_s / 3600.0)
+    }
+}
+
 /// Readings ISO 899-1 asks for, s: 1, 3, 6, 12, 30 min, 1, 2, 5, 10, 20, 50 … h.
 pub const ISO_READINGS_S: [f64; 15] = [
     60.0,

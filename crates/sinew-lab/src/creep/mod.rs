@@ -37,7 +37,7 @@ mod withhold;
 
 pub use analyze::{
     Analysis, AnalyzeOptions, ISO_READINGS_S, Interval, Reading, Recovery, SLOPE_FROM_S, Scatter,
-    analyze, scatter,
+    analyze, reading_time, scatter,
 };
 pub use curve::{Curve, Tension};
 pub use error::CreepError;

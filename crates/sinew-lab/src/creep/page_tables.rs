@@ -1,6 +1,6 @@
 //! Tables of the report of a creep test.
 
-use super::analyze::{Analysis, Interval, Scatter};
+use super::analyze::{Analysis, Interval, Scatter, reading_time};
 use super::fit::Fit;
 use super::isochronous::Isochrone;
 use super::page::{Conditions, Source};
@@ -72,7 +72,7 @@ pub(super) fn reading_blocks(analyses: &[Analysis]) -> Vec<Block> {
                     .iter()
                     .map(|r| {
                         vec![
-                            duration(r.time_s),
+                            reading_time(r.time_s),
                             format!("{:.4}", r.strain_percent),
                             r.modulus_mpa.map_or("–".into(), short),
                         ]
@@ -128,7 +128,7 @@ pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
             .map(|i| {
                 vec![
                     i.group.clone(),
-                    duration(i.time_s),
+                    reading_time(i.time_s),
                     i.points.len().to_string(),
                     format!("{} {}", short(i.secant), if i.stress { "MPa" } else { "N" }),
                     short(i.exponent.value),

@@ -168,7 +168,7 @@ fn told(tests: &Tests, scatter: &[creep::Scatter]) -> String {
                 .iter()
                 .map(|r| {
                     vec![
-                        format!("{} min", short(r.time_s / 60.0)),
+                        creep::reading_time(r.time_s),
                         format!("{:.4}", r.strain_percent),
                         r.modulus_mpa.map_or("–".into(), short),
                     ]
@@ -238,7 +238,7 @@ fn isochrones_told(isochrones: &[creep::Isochrone]) -> String {
             let unit = if i.stress { "MPa" } else { "N" };
             vec![
                 plain(&i.group),
-                format!("{} min", short(i.time_s / 60.0)),
+                creep::reading_time(i.time_s),
                 i.points.len().to_string(),
                 format!("{} {unit}", short(i.secant)),
                 short(i.exponent.value),
