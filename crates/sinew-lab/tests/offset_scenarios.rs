@@ -15,7 +15,11 @@ fn folder() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("SKIPPED: no recordings at {}", folder.display());
+    // Past the capture of a test that passes.
+    let _ = std::io::Write::write_fmt(
+        &mut std::io::stderr(),
+        format_args!("SKIPPED: no recordings at {}\n", folder.display()),
+    );
     None
 }
 

@@ -23,7 +23,11 @@ fn shared_models_agree() {
         .map(PathBuf::from)
         .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"));
     if !folder.join("fixtures").is_dir() {
-        println!("SKIPPED: no reference values at {}", folder.display());
+        // Past the capture of a test that passes.
+        let _ = std::io::Write::write_fmt(
+            &mut std::io::stderr(),
+            format_args!("SKIPPED: no reference values at {}\n", folder.display()),
+        );
         return;
     }
     assert!(check_folder(&folder) > 0);

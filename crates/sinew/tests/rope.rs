@@ -194,7 +194,11 @@ fn a_recordings_torques_become_a_duty() {
                 .is_some_and(|e| e == "mcap" || e == "csv" || e == "parquet")
         });
     let Some(log) = log else {
-        println!("SKIPPED: the example has no recording");
+        // Past the capture of a test that passes.
+        let _ = std::io::Write::write_fmt(
+            &mut std::io::stderr(),
+            format_args!("SKIPPED: the example has no recording\n"),
+        );
         return;
     };
     let log = log.display().to_string();

@@ -352,6 +352,32 @@ mod tests {
     }
 
     #[test]
+    fn a_thick_rope_needs_a_large_pulley() {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        // 20 mm over ropes of 0.9 to 2 mm: D/d is 10 on the thickest and 13 at 1.5 mm.
+        let limits = Constraints {
+            pulley_diameter_mm: Some(20.0),
+            bend_ratio_min: Some(12.0),
+            ..Constraints::default()
+        };
+        let found = select(&catalogue, &request(), &limits).expect("a selection");
+        let thick = "gottifredi-maffioli-sk99-ultra";
+        let reasons: Vec<&String> = found
+            .rejected
+            .iter()
+            .filter(|r| r.rope == thick)
+            .flat_map(|r| &r.reasons)
+            .collect();
+        let said = |r: &&String| r.contains("pulley over rope diameter 10.0 is below 12");
+        assert!(reasons.iter().any(said), "{:?}", found.rejected);
+        let thin = found
+            .candidates
+            .iter()
+            .any(|c| c.rope == "liros-dc000-0301");
+        assert!(thin, "{:?}", found.rejected);
+    }
+
+    #[test]
     fn heat_rejects_hmpe_and_keeps_aramid() {
         let catalogue = Catalogue::shipped().expect("shipped");
         let hot = Request {

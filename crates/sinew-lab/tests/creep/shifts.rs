@@ -37,7 +37,11 @@ fn published_shift_factors_are_met() {
     );
     let folder = shared.join("data/creep/pyvisco");
     if !folder.exists() {
-        eprintln!("SKIPPED: {} is not there", folder.display());
+        // Past the capture of a test that passes.
+        let _ = std::io::Write::write_fmt(
+            &mut std::io::stderr(),
+            format_args!("SKIPPED: {} is not there\n", folder.display()),
+        );
         return;
     }
     let file = read_test(&folder.join("time_user_raw.csv"), &TestOptions::default()).unwrap();
