@@ -145,7 +145,8 @@ impl RecursiveOffsets {
         if !self.young.first().is_some_and(|y| y.block.fits(block)) {
             return Err(StepError::Length);
         }
-        if block.y.iter().chain(&block.phi).any(|x| !x.is_finite()) {
+        let needed = [&block.y, &block.y_square, &block.y_cube, &block.phi];
+        if needed.into_iter().flatten().any(|x| !x.is_finite()) {
             return Err(StepError::NotFinite);
         }
         self.weigh_again();
