@@ -47,6 +47,8 @@ pub struct RecursiveOffsets {
     stood: f64,
     blocks: f64,
     weight: f64,
+    /// Mean weight of late: a filter that leaves most out has no say in what was right.
+    trust: f64,
     /// Blocks that are weighed once so far, a ring.
     young: Vec<Young>,
     /// Where the next block goes, which is where the oldest is.
@@ -105,6 +107,7 @@ impl RecursiveOffsets {
             stood: 0.0,
             blocks: 0.0,
             weight: 0.0,
+            trust: 1.0,
             young: alloc::vec![
                 Young {
                     block: Block::zero(n, n * PARAMETERS_PER_BODY),
@@ -164,6 +167,7 @@ impl RecursiveOffsets {
             self.follow_noise(&e, spread);
         }
         self.weight = redescending(chi / self.equations.list.len().max(1) as f64, scale);
+        self.trust += 0.05 * (self.weight - self.trust);
         self.keep(block, share);
         if share > 0.0 {
             for k in 0..self.equations.list.len() {
@@ -210,7 +214,7 @@ impl RecursiveOffsets {
             return;
         };
         let share = core::mem::take(&mut old.share);
-        if !(share > 0.0) {
+        if !(share > 0.0 && self.trust > 0.5) {
             return;
         }
         self.estimator.linearise(
@@ -333,7 +337,7 @@ impl RecursiveOffsets {
             }
         }
         // Nothing can take back more than is known.
-        const LEAST: f64 = 1e-3;
+        const LEAST: f64 = 0.5;
         let left = 1.0 + information * spread;
         if !(left > LEAST && left.is_finite()) || information == 0.0 {
             return;
