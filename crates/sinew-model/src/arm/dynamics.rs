@@ -1,7 +1,6 @@
 //! Inverse and forward dynamics.
 
 use super::mass_matrix::wrench_in_parent;
-use super::momentum::turn_back;
 use super::{Arm, ArmWorkspace, BodyState, Joint, JointKind};
 use crate::StepError;
 use crate::cholesky;
@@ -34,7 +33,8 @@ impl Arm {
         if !(finite(q) && finite(dq) && finite(ddq)) {
             return Err(StepError::NotFinite);
         }
-        self.newton_euler(ws, q, dq, Some(ddq));
+        self.place(ws, q);
+        self.newton_euler(ws, dq, Some(ddq));
         Ok(&ws.tau)
     }
 
@@ -57,7 +57,8 @@ impl Arm {
         if q.iter().chain(dq).any(|v| !v.is_finite()) {
             return Err(StepError::NotFinite);
         }
-        self.newton_euler(ws, q, dq, None);
+        self.place(ws, q);
+        self.newton_euler(ws, dq, None);
         Ok(&ws.tau)
     }
 
@@ -84,14 +85,15 @@ impl Arm {
         ddq: &mut [f64],
     ) -> Result<(), StepError> {
         let n = self.joints.len();
-        if tau.len() != n || ddq.len() != n {
+        if tau.len() != n || ddq.len() != n || dq.len() != n {
             return Err(StepError::Length);
         }
-        if tau.iter().any(|x| !x.is_finite()) {
+        if tau.iter().chain(dq).any(|x| !x.is_finite()) {
             return Err(StepError::NotFinite);
         }
         self.mass_matrix(ws, q)?;
-        self.bias_torque(ws, q, dq)?;
+        // The mass matrix has placed the bodies.
+        self.newton_euler(ws, dq, None);
         cholesky::factorise(&ws.mass_matrix, &mut ws.factor, n)
             .map_err(|joint| StepError::NotPositiveDefinite { joint })?;
         for ((out, tau), bias) in ddq.iter_mut().zip(tau).zip(&ws.tau) {
@@ -101,16 +103,15 @@ impl Arm {
         Ok(())
     }
 
-    /// Newton–Euler recursion to `ws.tau`. Lengths are checked by the caller.
-    fn newton_euler(&self, ws: &mut ArmWorkspace, q: &[f64], dq: &[f64], ddq: Option<&[f64]>) {
+    /// Newton–Euler recursion over placed bodies to `ws.tau`. Lengths are checked by the caller.
+    fn newton_euler(&self, ws: &mut ArmWorkspace, dq: &[f64], ddq: Option<&[f64]>) {
         // In `state`: `gamma` holds the linear acceleration of the origin with gravity in it,
         // `first_moment` the angular acceleration; `moment` and `force` the wrench.
         if let Some(base) = ws.state.first_mut() {
             base.gamma = scale(self.gravity, -1.0);
             base.first_moment = [0.0; 3];
         }
-        let motion = self.joints.iter().zip(q).zip(dq).enumerate();
-        for (i, ((joint, q), rate)) in motion {
+        for (i, (joint, rate)) in self.joints.iter().zip(dq).enumerate() {
             let acc = ddq.and_then(|a| a.get(i)).copied().unwrap_or(0.0);
             // A joint's slot comes after its parent's, so the split always succeeds.
             let Some((before, after)) = ws.state.split_at_mut_checked(i + 1) else {
@@ -120,7 +121,7 @@ impl Arm {
             else {
                 return;
             };
-            body.accelerate(joint, parent, *q, *rate, acc);
+            body.accelerate(joint, parent, *rate, acc);
         }
         let joints = self.joints.iter().zip(&mut ws.tau).enumerate();
         for (i, (joint, tau)) in joints.rev() {
@@ -135,7 +136,7 @@ impl Arm {
                 JointKind::Revolute => body.moment[2],
                 JointKind::Prismatic => body.force[2],
             };
-            let (moment, force) = wrench_in_parent(joint, body, body.moment, body.force);
+            let (moment, force) = wrench_in_parent(body, body.moment, body.force);
             parent.moment = add(parent.moment, moment);
             parent.force = add(parent.force, force);
         }
@@ -152,21 +153,11 @@ impl Arm {
 
 impl BodyState {
     /// Motion of a body from its parent's, and the wrench that needs.
-    fn accelerate(&mut self, joint: &Joint, parent: &Self, q: f64, rate: f64, acc: f64) {
-        let (wp, dwp) = (parent.omega, parent.first_moment);
-        let r = match joint.kind {
-            JointKind::Revolute => {
-                let (s, c) = libm::sincos(q);
-                (self.cos, self.sin, self.travel) = (c, s, 0.0);
-                joint.translation
-            }
-            JointKind::Prismatic => {
-                (self.cos, self.sin, self.travel) = (1.0, 0.0, q);
-                add(joint.translation, rotate(&joint.rotation, [0.0, 0.0, q]))
-            }
-        };
-        let (c, s) = (self.cos, self.sin);
-        let down = |x: Vec3| turn_back(c, s, rotate_back(&joint.rotation, x));
+    #[inline(always)]
+    fn accelerate(&mut self, joint: &Joint, parent: &Self, rate: f64, acc: f64) {
+        let (wp, dwp, r) = (parent.omega, parent.first_moment, self.origin);
+        let rotation = self.rotation;
+        let down = |x: Vec3| rotate_back(&rotation, x);
         let a_origin = add(parent.gamma, add(cross(dwp, r), cross(wp, cross(wp, r))));
         let w = down(wp);
         self.omega = w;

@@ -1,7 +1,6 @@
 //! Energies, for identities and the simulator's balance.
 
-use super::mass_matrix::pose_in_parent;
-use super::{Arm, ArmWorkspace, JointKind};
+use super::{Arm, ArmWorkspace};
 use crate::StepError;
 use crate::vec3::{add, dot, rotate, rotate_back, scale};
 
@@ -47,14 +46,7 @@ impl Arm {
             let joint = &self.joints[i];
             let (before, after) = ws.state.split_at_mut(i + 1);
             let (parent, body) = (&before[joint.parent_slot], &mut after[0]);
-            (body.cos, body.sin, body.travel) = match joint.kind {
-                JointKind::Revolute => {
-                    let (s, c) = libm::sincos(q[i]);
-                    (c, s, 0.0)
-                }
-                JointKind::Prismatic => (1.0, 0.0, q[i]),
-            };
-            let (rotation, origin) = pose_in_parent(joint, body);
+            let (rotation, origin) = joint.placed(q[i]);
             body.gamma = rotate_back(&rotation, parent.gamma);
             body.v = rotate_back(&rotation, add(parent.v, origin));
             let moment = add(scale(body.v, joint.mass), joint.first_moment);

@@ -1,11 +1,8 @@
 //! Mass matrix and its Cholesky factor.
 
-use super::momentum::turn;
-use super::{Arm, ArmWorkspace, Composite, Joint, JointKind};
+use super::{Arm, ArmWorkspace, BodyState, Composite, JointKind};
 use crate::StepError;
-use crate::vec3::{
-    Mat3, Vec3, add, add_scaled, cross, dot, mul, point_inertia, rotate, scale, transpose,
-};
+use crate::vec3::{Vec3, add, add_scaled, cross, dot, rotate, scale};
 
 impl Arm {
     /// Mass matrix `M(q)`, row-major `n × n`, symmetric, by the composite-rigid-body algorithm.
@@ -34,6 +31,21 @@ impl Arm {
         if q.iter().any(|x| !x.is_finite()) {
             return Err(StepError::NotFinite);
         }
+        self.place(ws, q);
+        self.composite_bodies(ws);
+        Ok(&ws.mass_matrix)
+    }
+
+    /// Poses of all bodies in their parents' frames, to `ws.state`. Lengths are the caller's care.
+    pub(super) fn place(&self, ws: &mut ArmWorkspace, q: &[f64]) {
+        for ((joint, body), q) in self.joints.iter().zip(ws.state.iter_mut().skip(1)).zip(q) {
+            (body.rotation, body.origin) = joint.placed(*q);
+        }
+    }
+
+    /// Mass matrix of the placed bodies, to `ws.mass_matrix`.
+    fn composite_bodies(&self, ws: &mut ArmWorkspace) {
+        let n = self.joints.len();
         for (joint, slot) in self.joints.iter().zip(ws.composite.iter_mut().skip(1)) {
             *slot = Composite {
                 mass: joint.mass,
@@ -41,24 +53,11 @@ impl Arm {
                 inertia: joint.inertia,
             };
         }
-        for (joint, (state, q)) in self
-            .joints
-            .iter()
-            .zip(ws.state.iter_mut().skip(1).zip(q.iter()))
-        {
-            (state.cos, state.sin, state.travel) = match joint.kind {
-                JointKind::Revolute => {
-                    let (s, c) = libm::sincos(*q);
-                    (c, s, 0.0)
-                }
-                JointKind::Prismatic => (1.0, 0.0, *q),
-            };
-        }
         for i in (0..n).rev() {
             let joint = &self.joints[i];
             let body = ws.composite[i + 1];
             if joint.parent_slot > 0 {
-                let seen = seen_from_parent(joint, &ws.state[i + 1], &body);
+                let seen = seen_from_parent(&ws.state[i + 1], &body);
                 let parent = &mut ws.composite[joint.parent_slot];
                 parent.mass += seen.mass;
                 parent.first_moment = add(parent.first_moment, seen.first_moment);
@@ -85,8 +84,7 @@ impl Arm {
                 if parent_slot == 0 {
                     break;
                 }
-                (moment, force) =
-                    wrench_in_parent(&self.joints[k], &ws.state[k + 1], moment, force);
+                (moment, force) = wrench_in_parent(&ws.state[k + 1], moment, force);
                 k = parent_slot - 1;
             }
         }
@@ -99,7 +97,6 @@ impl Arm {
                 }
             }
         }
-        Ok(&ws.mass_matrix)
     }
 
     /// Whether joint `a` carries joint `i` (or is it).
@@ -113,45 +110,40 @@ impl Arm {
 }
 
 /// Moment and force about the joint origin, seen from the parent's origin.
-pub(super) fn wrench_in_parent(
-    joint: &Joint,
-    state: &super::BodyState,
-    moment: Vec3,
-    force: Vec3,
-) -> (Vec3, Vec3) {
-    let e = &joint.rotation;
-    let f = turn(state.cos, state.sin, force);
-    let mut n = turn(state.cos, state.sin, moment);
-    n[0] -= state.travel * f[1];
-    n[1] += state.travel * f[0];
-    let (f, n) = (rotate(e, f), rotate(e, n));
-    (add(n, cross(joint.translation, f)), f)
+#[inline(always)]
+pub(super) fn wrench_in_parent(body: &BodyState, moment: Vec3, force: Vec3) -> (Vec3, Vec3) {
+    let (f, n) = (
+        rotate(&body.rotation, force),
+        rotate(&body.rotation, moment),
+    );
+    (add(n, cross(body.origin, f)), f)
 }
 
-/// `parent_from_child` of a joint at the state's `q`.
-pub(super) fn pose_in_parent(joint: &Joint, state: &super::BodyState) -> (Mat3, Vec3) {
-    let (c, s) = (state.cos, state.sin);
-    let rz = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
-    let slide = rotate(&joint.rotation, [0.0, 0.0, state.travel]);
-    (mul(&joint.rotation, &rz), add(joint.translation, slide))
-}
-
-fn seen_from_parent(joint: &Joint, state: &super::BodyState, body: &Composite) -> Composite {
-    let (rot, r) = pose_in_parent(joint, state);
-    let h = rotate(&rot, body.first_moment);
-    let turned = mul(&mul(&rot, &body.inertia), &transpose(&rot));
+#[inline(always)]
+fn seen_from_parent(state: &BodyState, body: &Composite) -> Composite {
+    let (rot, r, m) = (&state.rotation, state.origin, body.mass);
+    let h = rotate(rot, body.first_moment);
+    // R I Rᵀ, whose upper half is its lower half.
+    let half = [
+        rotate(&body.inertia, rot[0]),
+        rotate(&body.inertia, rot[1]),
+        rotate(&body.inertia, rot[2]),
+    ];
     // ∫ (x·x 1 − x xᵀ) dm with x = r + y
-    let mut inertia = add_scaled(&turned, &point_inertia(body.mass, r), 1.0);
-    let cross_term = 2.0 * dot(r, h);
+    let diagonal = m * dot(r, r) + 2.0 * dot(r, h);
+    let mut inertia = [[0.0; 3]; 3];
     for i in 0..3 {
-        for k in 0..3 {
-            inertia[i][k] -= r[i] * h[k] + h[i] * r[k];
+        for k in 0..=i {
+            let moment = m * r[i] * r[k] + r[i] * h[k] + h[i] * r[k];
+            let value = dot(rot[i], half[k]) - moment;
+            inertia[i][k] = value;
+            inertia[k][i] = value;
         }
-        inertia[i][i] += cross_term;
+        inertia[i][i] += diagonal;
     }
     Composite {
-        mass: body.mass,
-        first_moment: add(h, scale(r, body.mass)),
+        mass: m,
+        first_moment: add(h, scale(r, m)),
         inertia,
     }
 }

@@ -58,6 +58,28 @@ pub(crate) struct Joint {
     pub(crate) subtree_mass: f64,
 }
 
+impl Joint {
+    /// `parent_from_body` at `q`: the fixed rotation and the joint's own in one matrix, so that the
+    /// chain of joints waits for one product per joint, not two; and the origin.
+    #[inline(always)]
+    pub(crate) fn placed(&self, q: f64) -> (Mat3, Vec3) {
+        let (e, r) = (&self.rotation, self.translation);
+        match self.kind {
+            JointKind::Revolute => {
+                let (s, c) = libm::sincos(q);
+                // E Rz(q)
+                let turned =
+                    |row: &Vec3| [c * row[0] + s * row[1], c * row[1] - s * row[0], row[2]];
+                ([turned(&e[0]), turned(&e[1]), turned(&e[2])], r)
+            }
+            JointKind::Prismatic => (
+                *e,
+                [r[0] + q * e[0][2], r[1] + q * e[1][2], r[2] + q * e[2][2]],
+            ),
+        }
+    }
+}
+
 /// Where a link of the description ended up: on which joint, and at which pose.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LinkFrame {
@@ -81,11 +103,10 @@ pub struct Arm {
 /// Per-body intermediates of one pass.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BodyState {
-    /// cos and sin of a revolute `q` (1 and 0 for a prismatic joint).
-    pub(crate) cos: f64,
-    pub(crate) sin: f64,
-    /// Travel along z of a prismatic joint (0 for a revolute one), m.
-    pub(crate) travel: f64,
+    /// `parent_from_body` at the joint's `q`: rotation, and origin (with the travel of a prismatic
+    /// joint), m.
+    pub(crate) rotation: Mat3,
+    pub(crate) origin: Vec3,
     /// Angular velocity, body frame.
     pub(crate) omega: Vec3,
     /// Velocity of the body's origin, body frame.
@@ -133,7 +154,7 @@ impl ArmWorkspace {
         let n = arm.dof();
         let mut state = alloc::vec![BodyState::default(); n + 1];
         if let Some(base) = state.first_mut() {
-            base.cos = 1.0;
+            base.rotation = crate::vec3::IDENTITY;
             base.gamma = arm.gravity;
         }
         Self {

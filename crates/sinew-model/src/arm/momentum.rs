@@ -136,8 +136,7 @@ impl Arm {
 /// A joint at its `q` and `dq`, before anything is known of the others.
 #[derive(Clone, Copy)]
 struct Frame {
-    /// `parent_from_joint`: the fixed rotation and the joint's own in one matrix, so that the
-    /// chain of joints waits for one product per joint, not two.
+    /// `parent_from_body`.
     rotation: Mat3,
     /// Origin in the parent's frame, travel of a prismatic joint included, m.
     translation: Vec3,
@@ -150,40 +149,16 @@ struct Frame {
 impl Frame {
     #[inline(always)]
     fn new(joint: &Joint, q: f64, dq: f64) -> Self {
-        let (e, r) = (&joint.rotation, joint.translation);
-        match joint.kind {
-            JointKind::Revolute => {
-                let (s, c) = libm::sincos(q);
-                Self {
-                    // E Rz(q)
-                    rotation: [
-                        [
-                            c * e[0][0] + s * e[0][1],
-                            c * e[0][1] - s * e[0][0],
-                            e[0][2],
-                        ],
-                        [
-                            c * e[1][0] + s * e[1][1],
-                            c * e[1][1] - s * e[1][0],
-                            e[1][2],
-                        ],
-                        [
-                            c * e[2][0] + s * e[2][1],
-                            c * e[2][1] - s * e[2][0],
-                            e[2][2],
-                        ],
-                    ],
-                    translation: r,
-                    spin: dq,
-                    slide: 0.0,
-                }
-            }
-            JointKind::Prismatic => Self {
-                rotation: *e,
-                translation: [r[0] + q * e[0][2], r[1] + q * e[1][2], r[2] + q * e[2][2]],
-                spin: 0.0,
-                slide: dq,
-            },
+        let (rotation, translation) = joint.placed(q);
+        let (spin, slide) = match joint.kind {
+            JointKind::Revolute => (dq, 0.0),
+            JointKind::Prismatic => (0.0, dq),
+        };
+        Self {
+            rotation,
+            translation,
+            spin,
+            slide,
         }
     }
 }
@@ -401,16 +376,4 @@ fn project(joint: &Joint, motion: &Motion, load: &Load) -> (f64, f64, f64) {
             -joint.subtree_mass * gamma[2],
         ),
     }
-}
-
-/// `Rz(q) a`.
-#[inline(always)]
-pub(super) fn turn(cos: f64, sin: f64, a: Vec3) -> Vec3 {
-    [cos * a[0] - sin * a[1], sin * a[0] + cos * a[1], a[2]]
-}
-
-/// `Rz(q)ᵀ a`.
-#[inline(always)]
-pub(super) fn turn_back(cos: f64, sin: f64, a: Vec3) -> Vec3 {
-    [cos * a[0] + sin * a[1], cos * a[1] - sin * a[0], a[2]]
 }

@@ -1,7 +1,6 @@
 //! Forces at a link and changed masses: contacts, payloads, perturbed models.
 
 use super::build::{ArmError, BodyInertia, Pose, check_body};
-use super::mass_matrix::pose_in_parent;
 use super::{Arm, ArmWorkspace, JointKind};
 use crate::StepError;
 use crate::vec3::{Vec3, add, cross, mul, rotate, scale};
@@ -76,13 +75,12 @@ impl Arm {
             if joint.parent_slot == 0 {
                 return Ok(());
             }
-            (moment, force) =
-                super::mass_matrix::wrench_in_parent(joint, &ws.state[i + 1], moment, force);
+            (moment, force) = super::mass_matrix::wrench_in_parent(&ws.state[i + 1], moment, force);
             i = joint.parent_slot - 1;
         }
     }
 
-    /// `base_from_joint`, leaving sine and cosine of every ancestor in the workspace.
+    /// `base_from_joint`, leaving the pose of every ancestor in the workspace.
     fn joint_pose(
         &self,
         ws: &mut ArmWorkspace,
@@ -100,17 +98,10 @@ impl Arm {
         while slot > 0 {
             let j = &self.joints[slot - 1];
             let state = &mut ws.state[slot];
-            (state.cos, state.sin, state.travel) = match j.kind {
-                JointKind::Revolute => {
-                    let (s, c) = libm::sincos(q[slot - 1]);
-                    (c, s, 0.0)
-                }
-                JointKind::Prismatic => (1.0, 0.0, q[slot - 1]),
-            };
-            let (rotation, translation) = pose_in_parent(j, state);
+            (state.rotation, state.origin) = j.placed(q[slot - 1]);
             pose = Pose {
-                rotation: mul(&rotation, &pose.rotation),
-                translation: add(rotate(&rotation, pose.translation), translation),
+                rotation: mul(&state.rotation, &pose.rotation),
+                translation: add(rotate(&state.rotation, pose.translation), state.origin),
             };
             slot = j.parent_slot;
         }
