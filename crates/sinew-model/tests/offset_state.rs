@@ -361,3 +361,45 @@ fn a_bad_block_changes_nothing() {
         Err(MapError::NoData)
     );
 }
+
+/// How far a push of the arm during some blocks moves the offset that the recursive form has in
+/// the end, and its deviation; both in deviations of the calm run.
+fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f64) -> [f64; 2] {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let offset = |pushed_rad: f64| {
+        let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
+        for (k, block) in calm.iter().enumerate() {
+            let mut block = block.clone();
+            if pushed.contains(&k) {
+                block.y[0] += pushed_rad;
+            }
+            filter.step(&block).unwrap();
+        }
+        filter.offset(0)
+    };
+    let ([calm, deviation], [found, left]) = (offset(0.0), offset(pushed_rad));
+    let error = calm - PLAIN.offset_rad;
+    assert!(error.abs() < deviation, "{calm} ± {deviation}");
+    [(found - calm).abs() / deviation, left / deviation]
+}
+
+#[test]
+fn a_push_is_left_out_in_the_end_even_where_nothing_was_known() {
+    let calm = blocks(&pendulum("").unwrap().arm, PLAIN);
+    for first in [0, 3, 8, 15, 25, 60, 150] {
+        for (length, moved_most) in [(3, 0.05), (6, 0.05), (12, 0.3), (25, 1.0)] {
+            for pushed_mrad in [-200.0, -50.0, -20.0, 20.0, 50.0, 200.0] {
+                let [moved, deviation] =
+                    moved_by_push(&calm, first..first + length, 1e-3 * pushed_mrad);
+                let said = format!(
+                    "{length} blocks from {first} pushed by {pushed_mrad} mrad: {moved:.3}, {deviation:.3}"
+                );
+                println!("{said}");
+                assert!(moved < moved_most, "{said}");
+                assert!(deviation < 5.0, "{said}");
+            }
+        }
+    }
+}

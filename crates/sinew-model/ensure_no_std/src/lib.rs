@@ -15,7 +15,7 @@ use sinew_model::correction::{
     ContactDetector, ExternalTorqueObserver, JointCorrection, SetPoint,
 };
 use sinew_model::observer::MomentumObserver;
-use sinew_model::offset::{OffsetObserver, Sample};
+use sinew_model::offset::{FeatureObserver, OffsetObserver, RecursiveOffsets, Sample};
 
 unsafe extern "C" {
     /// Defined nowhere: a program in which a panic can be reached does not link.
@@ -103,6 +103,27 @@ pub unsafe extern "C" fn sinew_offset_step(
     sample: &Sample<'_>,
 ) -> i32 {
     i32::from(offset.step(dt_s, sample).is_err())
+}
+
+/// Step of the absolute offset's features, and of its recursive form where a block is full, as
+/// [`sinew_step`]. `x` holds `q`, `theta` and the motor torque, of any lengths.
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_absolute_step(
+    features: &mut FeatureObserver,
+    offsets: &mut RecursiveOffsets,
+    dt_s: f64,
+    x: &[&[f64]; 3],
+    temperature_c: f64,
+) -> i32 {
+    let [q, theta, torque] = x;
+    match features.step(dt_s, q, theta, torque, temperature_c) {
+        Ok(true) => i32::from(offsets.step(features.block()).is_err()),
+        Ok(false) => 0,
+        Err(_) => 1,
+    }
 }
 
 /// Set-points at rest and in motion, and a changed offset, as [`sinew_step`]. `x` holds `q_d`,

@@ -1,5 +1,6 @@
 //! How momentum and bias depend on the mass properties: the regressors of identification.
 
+use super::momentum::Moving;
 use super::{Arm, ArmWorkspace, JointKind};
 use crate::StepError;
 use crate::vec3::{Vec3, add, cross, rotate, scale};
@@ -66,13 +67,18 @@ impl Arm {
         out.a.fill(0.0);
         let columns = n * PARAMETERS_PER_BODY;
         for b in 0..n {
-            let (omega, v, _) = ws.moving[b + 1].velocities();
+            let Some((omega, v, _)) = ws.moving.get(b + 1).map(Moving::velocities) else {
+                return Err(StepError::Length);
+            };
             for k in 0..PARAMETERS_PER_BODY {
                 let mut unit = Unit::of(k, omega, v);
                 let mut i = b;
                 loop {
-                    let joint = &self.joints[i];
-                    let (w, v, g) = ws.moving[i + 1].velocities();
+                    let (Some(joint), Some(body)) = (self.joints.get(i), ws.moving.get(i + 1))
+                    else {
+                        return Err(StepError::Length);
+                    };
+                    let (w, v, g) = body.velocities();
                     let (m, f, s) = (unit.moment, unit.force, unit.first_moment);
                     let (p, a) = match joint.kind {
                         JointKind::Revolute => (
@@ -86,12 +92,13 @@ impl Arm {
                         }
                     };
                     let at = i * columns + b * PARAMETERS_PER_BODY + k;
-                    out.p[at] = p;
-                    out.a[at] = a;
+                    if let (Some(to_p), Some(to_a)) = (out.p.get_mut(at), out.a.get_mut(at)) {
+                        (*to_p, *to_a) = (p, a);
+                    }
                     if joint.parent_slot == 0 {
                         break;
                     }
-                    let (rotation, origin) = ws.moving[i + 1].placement();
+                    let (rotation, origin) = body.placement();
                     let force = rotate(&rotation, unit.force);
                     unit = Unit {
                         mass: unit.mass,

@@ -54,6 +54,13 @@ pub struct Block {
     pub motor_stood: Vec<f64>,
 }
 
+/// What both have room for; unlike `copy_from_slice` it has no way to panic.
+pub(super) fn copy(to: &mut [f64], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+    }
+}
+
 impl Block {
     pub(super) fn zero(n: usize, columns: usize) -> Self {
         let zero = || alloc::vec![0.0; n];
@@ -92,10 +99,9 @@ impl Block {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;
         self.temperature_c = other.temperature_c;
-        self.q.clone_from(&other.q);
+        copy(&mut self.q, &other.q);
         for (to, from) in self.sums().into_iter().zip(other.columns()) {
-            to.clear();
-            to.extend_from_slice(from);
+            copy(to, from);
         }
     }
 

@@ -3,7 +3,7 @@
 use super::block::{Block, ENCODER};
 use super::changes::{Change, What};
 use super::payload::payload_torque;
-use super::prior::{JointParameter as P, PAYLOAD, Prior};
+use super::prior::{JointParameter as P, PAYLOAD, PER_JOINT, Prior};
 use crate::arm::PARAMETERS_PER_BODY;
 use alloc::vec::Vec;
 
@@ -33,25 +33,49 @@ pub(super) struct Equation {
 }
 
 /// Equations of one block, reused from block to block.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Equations {
     pub(super) rows: Vec<(usize, f64)>,
     pub(super) list: Vec<Equation>,
 }
 
 impl Equations {
-    /// Room for equations of so many entries in all.
-    pub(super) fn with_capacity(entries: usize, equations: usize) -> Self {
+    /// Room for the equations of a block while these changes are sought; allocates here only.
+    pub(super) fn new(prior: &Prior, changes: &[Change]) -> Self {
+        let n = prior.joints();
+        let more: usize = changes.iter().map(|c| c.what.columns()).sum();
+        let row = PER_JOINT + n * PARAMETERS_PER_BODY + PAYLOAD + more;
         Self {
-            rows: Vec::with_capacity(entries),
-            list: Vec::with_capacity(equations),
+            rows: Vec::with_capacity(2 * n * row),
+            list: Vec::with_capacity(2 * n),
+        }
+    }
+
+    /// The next entry of the row at work. Never allocates.
+    fn push(&mut self, place: usize, value: f64) {
+        debug_assert!(self.rows.len() < self.rows.capacity(), "rows are too short");
+        if self.rows.len() < self.rows.capacity() {
+            self.rows.push((place, value));
+        }
+    }
+
+    /// The row at work is whole. Never allocates.
+    fn close(&mut self, equation: Equation) {
+        debug_assert!(self.list.len() < self.list.capacity(), "list is too short");
+        if self.list.len() < self.list.capacity() {
+            self.list.push(equation);
         }
     }
 }
 
+/// `values[place]`; NaN, which no estimate hides, where there is none.
+fn entry(values: &[f64], place: usize) -> f64 {
+    values.get(place).copied().unwrap_or(f64::NAN)
+}
+
 impl Prior {
-    /// Fills `out` with the equations of `block` around the state `x` (`d` entries, then those of
-    /// `changes`). `motor`: whether the motor's torque is used.
+    /// Fills `out`, which has room for them, with the equations of `block` around the state `x` (`d`
+    /// entries, then those of `changes`). `motor`: whether the motor's torque is used.
     pub(super) fn linearise(
         &self,
         block: &Block,
@@ -87,29 +111,44 @@ impl Prior {
         x: &[f64],
         out: &mut Equations,
     ) {
-        let Some(joint) = &self.joints[i] else { return };
+        let Some(Some(joint)) = self.joints.get(i) else {
+            return;
+        };
         let stiffness = joint.stiffness_nm_per_rad;
         let kappa = 1.0 / stiffness;
         let n = self.joints();
         let columns = n * PARAMETERS_PER_BODY;
-        let at = |p: P| x[self.place(i, p)];
-        let phi = &block.phi[i * columns..(i + 1) * columns];
+        let at = |p: P| entry(x, self.place(i, p));
+        let of = |column: &[f64]| entry(column, i);
+        let phi = block.phi.get(i * columns..(i + 1) * columns);
+        let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER);
+        // Lengths have been checked: none of these is ever missing.
+        let (Some(phi), Some(encoder)) = (phi, encoder) else {
+            return;
+        };
+        let held = phi.get(self.payload_body * PARAMETERS_PER_BODY..);
+        let Some(load) = held.and_then(|phi| phi.first_chunk()) else {
+            return;
+        };
         let bodies = self.body_start();
         let mut tau = 0.0;
-        for ((phi, pi), error) in phi.iter().zip(&self.inertial).zip(&x[bodies..]) {
+        for ((phi, pi), error) in phi
+            .iter()
+            .zip(&self.inertial)
+            .zip(x.get(bodies..).unwrap_or_default())
+        {
             tau += phi * (pi + error);
         }
-        let load = &phi[self.payload_body * PARAMETERS_PER_BODY..][..PARAMETERS_PER_BODY];
         let held = core::array::from_fn(|k| active.sum(x, self.payload_place() + k));
         let (torque, load) = payload_torque(load, self.payload_at, held);
         tau += torque;
-        let z_load = block.z_load[i] * stiffness;
+        let z_load = of(&block.z_load) * stiffness;
         // A joint that has not slid since the recording began may be held either way.
-        let stuck = (at(P::Coulomb) + at(P::LoadFriction) * stiffness * block.y[i].abs())
-            * block.z_unknown[i];
+        let stuck = (at(P::Coulomb) + at(P::LoadFriction) * stiffness * of(&block.y).abs())
+            * of(&block.z_unknown);
         tau += at(P::Stuck) * stuck
-            + at(P::Coulomb) * block.z[i]
-            + at(P::Viscous) * block.dq[i]
+            + at(P::Coulomb) * of(&block.z)
+            + at(P::Viscous) * of(&block.dq)
             + at(P::LoadFriction) * z_load;
 
         // Link side.
@@ -117,10 +156,9 @@ impl Prior {
         let soft = 1.0 + compliance + at(P::Thermal) * warmer;
         let linear = kappa * soft * tau;
         let cubic = at(P::Stiffening);
-        let encoder = &block.encoder[i * ENCODER..(i + 1) * ENCODER];
         let offset = active.sum(x, self.place(i, P::Offset)) + at(P::Zero);
         // The slow part of the deflection, and how far the joint has turned.
-        let (slow, turned) = (block.y_slow[i] - offset, block.turned[i]);
+        let (slow, turned) = (of(&block.y_slow) - offset, of(&block.turned));
         // What `theta_measured − q` holds beside the spring's deflection.
         let mut beside =
             offset + at(P::Viscoelastic) * slow + at(P::Gear) * turned + at(P::Drift) * warmer;
@@ -133,11 +171,11 @@ impl Prior {
         };
         beside += at(P::Slack) * taut;
         for (k, e) in encoder.iter().enumerate() {
-            beside += x[self.place(i, P::Encoder) + k] * e;
+            beside += entry(x, self.place(i, P::Encoder) + k) * e;
         }
         // LP[x + η x³] = κ τ with x = theta_measured − q − beside: linear in stiffness, stiffening
         // and torque, however large the deflection.
-        let (y, y2, y3) = (block.y[i], block.y_square[i], block.y_cube[i]);
+        let (y, y2, y3) = (of(&block.y), of(&block.y_square), of(&block.y_cube));
         let square = y2 - beside * (2.0 * y - beside);
         let cube = y3 - beside * (3.0 * y2 - beside * (3.0 * y - beside));
         let expected = beside + linear - cubic * cube;
@@ -145,44 +183,39 @@ impl Prior {
         let worth = 1.0 + 3.0 * cubic * square;
         let per_torque = kappa * soft;
         let from = out.rows.len();
-        active.push(&mut out.rows, self.place(i, P::Offset), worth);
-        out.rows.push((self.place(i, P::Zero), worth));
-        active.push(&mut out.rows, self.place(i, P::Compliance), kappa * tau);
-        out.rows.push((self.place(i, P::Stiffening), -cube));
+        active.push(out, self.place(i, P::Offset), worth);
+        out.push(self.place(i, P::Zero), worth);
+        active.push(out, self.place(i, P::Compliance), kappa * tau);
+        out.push(self.place(i, P::Stiffening), -cube);
         if joint.antagonistic {
-            out.rows.push((self.place(i, P::Slack), worth * taut));
+            out.push(self.place(i, P::Slack), worth * taut);
         }
-        out.rows
-            .push((self.place(i, P::Viscoelastic), worth * slow));
-        out.rows.push((self.place(i, P::Gear), worth * turned));
+        out.push(self.place(i, P::Viscoelastic), worth * slow);
+        out.push(self.place(i, P::Gear), worth * turned);
         if warmer != 0.0 {
-            out.rows.push((self.place(i, P::Drift), worth * warmer));
-            out.rows
-                .push((self.place(i, P::Thermal), kappa * tau * warmer));
+            out.push(self.place(i, P::Drift), worth * warmer);
+            out.push(self.place(i, P::Thermal), kappa * tau * warmer);
         }
         for (k, e) in encoder.iter().enumerate() {
-            out.rows.push((self.place(i, P::Encoder) + k, worth * e));
+            out.push(self.place(i, P::Encoder) + k, worth * e);
         }
         let torque_from = out.rows.len();
-        out.rows
-            .push((self.place(i, P::Coulomb), per_torque * block.z[i]));
-        out.rows
-            .push((self.place(i, P::Viscous), per_torque * block.dq[i]));
-        out.rows
-            .push((self.place(i, P::LoadFriction), per_torque * z_load));
+        out.push(self.place(i, P::Coulomb), per_torque * of(&block.z));
+        out.push(self.place(i, P::Viscous), per_torque * of(&block.dq));
+        out.push(self.place(i, P::LoadFriction), per_torque * z_load);
         if stuck != 0.0 {
-            out.rows.push((self.place(i, P::Stuck), per_torque * stuck));
+            out.push(self.place(i, P::Stuck), per_torque * stuck);
         }
         for (k, phi) in phi.iter().enumerate() {
             if *phi != 0.0 {
-                out.rows.push((bodies + k, per_torque * phi));
+                out.push(bodies + k, per_torque * phi);
             }
         }
         for (k, c) in load.iter().enumerate() {
-            active.push(&mut out.rows, self.payload_place() + k, per_torque * c);
+            active.push(out, self.payload_place() + k, per_torque * c);
         }
         let to = out.rows.len();
-        out.list.push(Equation {
+        out.close(Equation {
             joint: i,
             side: Side::Link,
             from,
@@ -196,40 +229,41 @@ impl Prior {
         let (Some(inertia), true) = (joint.motor_inertia_kg_m2, motor && per_torque > 0.0) else {
             return;
         };
-        if !block.motor_torque[i].is_finite() {
+        if !of(&block.motor_torque).is_finite() {
             return;
         }
         let from = out.rows.len();
         let scale = 1.0 + at(P::MotorScale);
         for r in torque_from..to {
-            let (place, value) = out.rows[r];
-            out.rows.push((place, scale * value / per_torque));
+            if let Some(&(place, value)) = out.rows.get(r) {
+                out.push(place, scale * value / per_torque);
+            }
         }
-        let z_load = block.motor_z_load[i] * stiffness;
+        let z_load = of(&block.motor_z_load) * stiffness;
         let torque = tau
-            + inertia * block.motor_acceleration[i]
-            + at(P::MotorCoulomb) * block.motor_z[i]
-            + at(P::MotorViscous) * block.motor_velocity[i]
+            + inertia * of(&block.motor_acceleration)
+            + at(P::MotorCoulomb) * of(&block.motor_z)
+            + at(P::MotorViscous) * of(&block.motor_velocity)
             + at(P::MotorLoadFriction) * z_load;
         for (p, value) in [
             (P::MotorScale, torque),
             (P::MotorBias, 1.0),
-            (P::MotorCoulomb, scale * block.motor_z[i]),
-            (P::MotorViscous, scale * block.motor_velocity[i]),
+            (P::MotorCoulomb, scale * of(&block.motor_z)),
+            (P::MotorViscous, scale * of(&block.motor_velocity)),
             (P::MotorLoadFriction, scale * z_load),
         ] {
-            out.rows.push((self.place(i, p), value));
+            out.push(self.place(i, p), value);
         }
         let grip = at(P::MotorCoulomb).abs().max(joint.motor_coulomb_nm)
-            + at(P::MotorLoadFriction).abs() * stiffness * block.y[i].abs();
-        out.list.push(Equation {
+            + at(P::MotorLoadFriction).abs() * stiffness * of(&block.y).abs();
+        out.close(Equation {
             joint: i,
             side: Side::Motor,
             from,
             to: out.rows.len(),
-            residual: block.motor_torque[i] - scale * torque - at(P::MotorBias),
-            unsure: grip * block.motor_stood[i],
-            stood: block.motor_stood[i],
+            residual: of(&block.motor_torque) - scale * torque - at(P::MotorBias),
+            unsure: grip * of(&block.motor_stood),
+            stood: of(&block.motor_stood),
         });
     }
 }
@@ -268,13 +302,15 @@ impl<'a> Active<'a> {
 
     /// The entry at `place` with all that was added to it.
     fn sum(&self, x: &[f64], place: usize) -> f64 {
-        x[place] + self.columns(place).map(|c| x[c]).sum::<f64>()
+        entry(x, place) + self.columns(place).map(|c| entry(x, c)).sum::<f64>()
     }
 
     /// The entry's column, and that of every change to it.
-    fn push(&self, rows: &mut Vec<(usize, f64)>, place: usize, value: f64) {
-        rows.push((place, value));
-        rows.extend(self.columns(place).map(|c| (c, value)));
+    fn push(&self, out: &mut Equations, place: usize, value: f64) {
+        out.push(place, value);
+        for column in self.columns(place) {
+            out.push(column, value);
+        }
     }
 }
 

@@ -18,7 +18,7 @@
 //!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
-use super::block::{Block, ENCODER};
+use super::block::{Block, ENCODER, copy};
 use super::config::FeatureConfig;
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
@@ -42,28 +42,34 @@ pub struct FeatureObserver {
     ws: ArmWorkspace,
     now: MomentumRegressor,
     before: MomentumRegressor,
-    q: Vec<StateVariableFilter>,
-    theta: Vec<StateVariableFilter>,
-    z: Vec<f64>,
-    /// Bounds of the friction state: it may be anything when a recording begins.
-    z_bounds: Vec<[f64; 2]>,
-    q_at_z: Vec<f64>,
-    torque: Vec<StateVariableFilter>,
-    motor_z: Vec<f64>,
-    theta_at_z: Vec<f64>,
+    joints: Vec<Signals>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// Low-passed, in the order of [`FeatureObserver::lag_inputs`], one set per joint.
-    lags: Vec<[FirstOrder; LAGS]>,
     phi: Vec<f64>,
-    /// The matched deflection once more, slowly.
-    slow: Vec<FirstOrder>,
     sum: Block,
     count: u32,
     since_start_s: f64,
     since_regressor_s: f64,
     block_start_s: f64,
     started: bool,
+}
+
+/// What is filtered of one joint.
+#[derive(Debug, Clone, Default)]
+struct Signals {
+    q: StateVariableFilter,
+    theta: StateVariableFilter,
+    torque: StateVariableFilter,
+    z: f64,
+    /// Bounds of the friction state: it may be anything when a recording begins.
+    z_bounds: [f64; 2],
+    q_at_z: f64,
+    motor_z: f64,
+    theta_at_z: f64,
+    /// Low-passed, in the order of [`Signals::lag_inputs`].
+    lags: [FirstOrder; LAGS],
+    /// The matched deflection once more, slowly.
+    slow: FirstOrder,
 }
 
 impl FeatureObserver {
@@ -78,19 +84,10 @@ impl FeatureObserver {
             ws: ArmWorkspace::new(arm),
             now: regressor.clone(),
             before: regressor,
-            q: alloc::vec![StateVariableFilter::default(); n],
-            theta: alloc::vec![StateVariableFilter::default(); n],
-            z: alloc::vec![0.0; n],
-            z_bounds: alloc::vec![[-1.0, 1.0]; n],
-            q_at_z: alloc::vec![0.0; n],
-            torque: alloc::vec![StateVariableFilter::default(); n],
-            motor_z: alloc::vec![0.0; n],
-            theta_at_z: alloc::vec![0.0; n],
+            joints: alloc::vec![Signals::default(); n],
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
-            lags: alloc::vec![[FirstOrder::default(); LAGS]; n],
             phi: alloc::vec![0.0; n * columns],
-            slow: alloc::vec![FirstOrder::default(); n],
             sum: Block::zero(n, columns),
             count: 0,
             since_start_s: 0.0,
@@ -146,18 +143,15 @@ impl FeatureObserver {
         }
         let w = self.config.cutoff_rad_per_s;
         let decay = StateVariableFilter::decay(w, dt_s);
-        for (filter, x) in self.q.iter_mut().zip(q) {
-            filter.step(w, dt_s, decay, *x);
-        }
-        for (filter, x) in self.theta.iter_mut().zip(theta_measured) {
-            filter.step(w, dt_s, decay, *x);
-        }
-        for (filter, x) in self.torque.iter_mut().zip(motor_torque) {
+        let samples = q.iter().zip(theta_measured).zip(motor_torque);
+        for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
+            joint.q.step(w, dt_s, decay, *q);
+            joint.theta.step(w, dt_s, decay, *theta);
             // A torque that comes back after a gap starts its filter anew.
-            if filter.value().is_finite() {
-                filter.step(w, dt_s, decay, *x);
+            if joint.torque.value().is_finite() {
+                joint.torque.step(w, dt_s, decay, *torque);
             } else {
-                *filter = StateVariableFilter::settled_at(*x);
+                joint.torque = StateVariableFilter::settled_at(*torque);
             }
         }
         self.since_start_s += dt_s;
@@ -189,32 +183,14 @@ impl FeatureObserver {
         self.velocities.fill(0.0);
         self.arm
             .momentum_regressor(&mut self.ws, q, &self.velocities, &mut self.now)?;
-        for (filter, x) in self.q.iter_mut().zip(q) {
-            *filter = StateVariableFilter::settled_at(*x);
+        let samples = q.iter().zip(theta).zip(torque);
+        for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
+            joint.start(*q, *theta, *torque);
         }
-        for (filter, x) in self.theta.iter_mut().zip(theta) {
-            *filter = StateVariableFilter::settled_at(*x);
-        }
-        for (filter, x) in self.torque.iter_mut().zip(torque) {
-            *filter = StateVariableFilter::settled_at(*x);
-        }
-        self.z.fill(0.0);
-        self.z_bounds.fill([-1.0, 1.0]);
-        self.q_at_z.copy_from_slice(q);
-        self.motor_z.fill(0.0);
-        self.theta_at_z.copy_from_slice(theta);
         for (phi, a) in self.phi.iter_mut().zip(&self.now.a) {
             *phi = -a;
         }
         core::mem::swap(&mut self.now, &mut self.before);
-        for i in 0..self.lags.len() {
-            let inputs = self.lag_inputs(i);
-            for (lag, u) in self.lags[i].iter_mut().zip(inputs) {
-                *lag = FirstOrder::settled_at(u);
-            }
-            let [deflection, ..] = inputs;
-            self.slow[i] = FirstOrder::settled_at(deflection);
-        }
         self.count = 0;
         self.clear_sums();
         self.since_regressor_s = 0.0;
@@ -225,9 +201,9 @@ impl FeatureObserver {
 
     /// Brings `Φ` and the other low-passed signals to now.
     fn regress(&mut self, step_s: f64) -> Result<(), StepError> {
-        for (i, filter) in self.q.iter().enumerate() {
-            self.positions[i] = filter.value();
-            self.velocities[i] = filter.rate();
+        let moving = self.positions.iter_mut().zip(&mut self.velocities);
+        for (joint, (position, velocity)) in self.joints.iter().zip(moving) {
+            (*position, *velocity) = (joint.q.value(), joint.q.rate());
         }
         self.arm.momentum_regressor(
             &mut self.ws,
@@ -244,29 +220,8 @@ impl FeatureObserver {
             *phi = pole.a * *phi + rate * (p1 - p0) - pole.w0 * a0 - pole.w1 * a1;
         }
         core::mem::swap(&mut self.now, &mut self.before);
-        let stroke = self.config.presliding_rad;
-        for i in 0..self.lags.len() {
-            let moved = self.positions[i] - self.q_at_z[i];
-            self.q_at_z[i] = self.positions[i];
-            self.z[i] = (self.z[i] + moved / stroke).clamp(-1.0, 1.0);
-            for z in &mut self.z_bounds[i] {
-                *z = (*z + moved / SURE_STROKE_RAD).clamp(-1.0, 1.0);
-            }
-            let theta = self.theta[i].value();
-            let turned = theta - self.theta_at_z[i];
-            self.theta_at_z[i] = theta;
-            self.motor_z[i] = (self.motor_z[i] + turned / stroke).clamp(-1.0, 1.0);
-            let inputs = self.lag_inputs(i);
-            for (lag, u) in self.lags[i].iter_mut().zip(inputs) {
-                // Not a number is "not recorded"; it must not stay in the lag for ever.
-                if lag.output().is_finite() {
-                    lag.step(&pole, u);
-                } else {
-                    *lag = FirstOrder::settled_at(u);
-                }
-            }
-            let deflection = self.lags[i].first().map_or(0.0, FirstOrder::output);
-            self.slow[i].step(&slow, deflection);
+        for joint in &mut self.joints {
+            joint.follow(self.config.presliding_rad, &pole, &slow);
         }
         Ok(())
     }
@@ -290,7 +245,7 @@ impl FeatureObserver {
             *sum += phi;
         }
         let gain = self.config.gain_per_s;
-        for (i, lags) in self.lags.iter().enumerate() {
+        for (i, joint) in self.joints.iter().enumerate() {
             let [
                 y,
                 y_square,
@@ -306,23 +261,30 @@ impl FeatureObserver {
                 motor_z_load,
                 stood,
                 encoder @ ..,
-            ] = lags.each_ref().map(FirstOrder::output);
-            s.y[i] += y;
-            s.y_square[i] += y_square;
-            s.y_cube[i] += y_cube;
-            s.y_slow[i] += self.slow[i].output();
-            s.turned[i] += turned;
-            s.z[i] += z;
-            s.z_unknown[i] += z_unknown;
-            s.dq[i] += dq;
-            s.z_load[i] += z_load;
-            s.motor_torque[i] += torque;
-            s.motor_acceleration[i] += gain * (self.theta[i].rate() - velocity);
-            s.motor_velocity[i] += velocity;
-            s.motor_z[i] += motor_z;
-            s.motor_z_load[i] += motor_z_load;
-            s.motor_stood[i] += stood;
-            for (sum, e) in s.encoder[i * ENCODER..].iter_mut().zip(encoder) {
+            ] = joint.lags.each_ref().map(FirstOrder::output);
+            let add = |column: &mut Vec<f64>, x: f64| {
+                if let Some(sum) = column.get_mut(i) {
+                    *sum += x;
+                }
+            };
+            add(&mut s.y, y);
+            add(&mut s.y_square, y_square);
+            add(&mut s.y_cube, y_cube);
+            add(&mut s.y_slow, joint.slow.output());
+            add(&mut s.turned, turned);
+            add(&mut s.z, z);
+            add(&mut s.z_unknown, z_unknown);
+            add(&mut s.dq, dq);
+            add(&mut s.z_load, z_load);
+            add(&mut s.motor_torque, torque);
+            let acceleration = gain * (joint.theta.rate() - velocity);
+            add(&mut s.motor_acceleration, acceleration);
+            add(&mut s.motor_velocity, velocity);
+            add(&mut s.motor_z, motor_z);
+            add(&mut s.motor_z_load, motor_z_load);
+            add(&mut s.motor_stood, stood);
+            let own = s.encoder.get_mut(i * ENCODER..).unwrap_or_default();
+            for (sum, e) in own.iter_mut().zip(encoder) {
                 *sum += e;
             }
         }
@@ -339,7 +301,7 @@ impl FeatureObserver {
             }
         }
         s.temperature_c *= scale;
-        s.q.copy_from_slice(&self.positions);
+        copy(&mut s.q, &self.positions);
         s.time_s = 0.5 * (s.time_s + self.since_start_s);
         self.count = 0;
     }
@@ -348,18 +310,62 @@ impl FeatureObserver {
     pub fn block(&self) -> &Block {
         &self.sum
     }
+}
 
-    /// What is low-passed for joint `i`.
-    fn lag_inputs(&self, i: usize) -> [f64; LAGS] {
+impl Signals {
+    fn start(&mut self, q: f64, theta: f64, torque: f64) {
+        *self = Self {
+            q: StateVariableFilter::settled_at(q),
+            theta: StateVariableFilter::settled_at(theta),
+            torque: StateVariableFilter::settled_at(torque),
+            z_bounds: [-1.0, 1.0],
+            q_at_z: q,
+            theta_at_z: theta,
+            ..Self::default()
+        };
+        let inputs = self.lag_inputs();
+        let [deflection, ..] = inputs;
+        self.lags = inputs.map(FirstOrder::settled_at);
+        self.slow = FirstOrder::settled_at(deflection);
+    }
+
+    /// Brings friction and the low-passed signals to now.
+    fn follow(&mut self, stroke_rad: f64, pole: &ExactPole, slow: &ExactPole) {
+        let q = self.q.value();
+        let moved = q - self.q_at_z;
+        self.q_at_z = q;
+        self.z = (self.z + moved / stroke_rad).clamp(-1.0, 1.0);
+        for z in &mut self.z_bounds {
+            *z = (*z + moved / SURE_STROKE_RAD).clamp(-1.0, 1.0);
+        }
+        let theta = self.theta.value();
+        let turned = theta - self.theta_at_z;
+        self.theta_at_z = theta;
+        self.motor_z = (self.motor_z + turned / stroke_rad).clamp(-1.0, 1.0);
+        let inputs = self.lag_inputs();
+        for (lag, u) in self.lags.iter_mut().zip(inputs) {
+            // Not a number is "not recorded"; it must not stay in the lag for ever.
+            if lag.output().is_finite() {
+                lag.step(pole, u);
+            } else {
+                *lag = FirstOrder::settled_at(u);
+            }
+        }
+        let [deflection, ..] = &self.lags;
+        self.slow.step(slow, deflection.output());
+    }
+
+    /// What is low-passed.
+    fn lag_inputs(&self) -> [f64; LAGS] {
         /// Below this speed a drive's friction may point either way, rad/s.
         const STANDS_RAD_PER_S: f64 = 0.05;
-        let (q, theta) = (&self.q[i], &self.theta[i]);
+        let (q, theta) = (&self.q, &self.theta);
         let deflection = theta.value() - q.value();
         let (s1, c1) = libm::sincos(q.value());
         let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
-        let [low, high] = self.z_bounds[i];
+        let [low, high] = self.z_bounds;
         let z_unknown = 0.5 * (high - low);
-        let z = self.z[i] * (1.0 - z_unknown);
+        let z = self.z * (1.0 - z_unknown);
         let stands = theta.rate().abs() < STANDS_RAD_PER_S;
         [
             deflection,
@@ -370,10 +376,10 @@ impl FeatureObserver {
             z_unknown,
             q.rate(),
             z * deflection.abs(),
-            self.torque[i].value(),
+            self.torque.value(),
             theta.rate(),
-            self.motor_z[i],
-            self.motor_z[i] * deflection.abs(),
+            self.motor_z,
+            self.motor_z * deflection.abs(),
             if stands { 1.0 } else { 0.0 },
             s1,
             c1,

@@ -187,7 +187,7 @@ impl MapEstimator {
 
     /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
     pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
-        let mut equations = Equations::default();
+        let mut equations = Equations::new(&self.prior, &at.changes);
         self.equations(at, block, &mut equations);
         out.fill(0.0);
         for e in equations.list.iter().filter(|e| e.side == Side::Link) {
@@ -221,7 +221,8 @@ impl MapEstimator {
     /// Least noise of a motor equation, N·m: ripple and what a friction law leaves.
     pub(super) fn motor_floor(&self, i: usize) -> f64 {
         const PART: f64 = 0.1;
-        self.prior.joints[i].as_ref().map_or(1.0, |j| {
+        let joint = self.prior.joints.get(i).and_then(Option::as_ref);
+        joint.map_or(1.0, |j| {
             (PART * j.motor_coulomb_nm).max(1e-4 * j.stiffness_nm_per_rad)
         })
     }

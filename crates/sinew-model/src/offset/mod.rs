@@ -7,6 +7,7 @@ mod changes;
 mod config;
 mod equation;
 mod features;
+mod filter;
 mod fleet;
 mod map;
 mod normal;

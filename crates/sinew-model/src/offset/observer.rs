@@ -1,5 +1,6 @@
 //! One step from a sample to every joint's offset.
 
+use super::block::copy;
 use super::config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
@@ -241,9 +242,9 @@ impl OffsetObserver {
             cutoff_rad_per_s: w,
         } = self.config.velocity
         else {
-            copy(sample.q, &mut self.q);
+            copy(&mut self.q, sample.q);
             if let Some(dq) = sample.dq {
-                copy(dq, &mut self.dq);
+                copy(&mut self.dq, dq);
             }
             for (i, slot) in self.known.iter_mut().enumerate() {
                 *slot = known.and_then(|k| k.get(i)).copied().unwrap_or(0.0);
@@ -295,7 +296,7 @@ impl OffsetObserver {
         }
         let tau_ext = tau_ext.then_some(self.known.as_slice());
         self.observer.step(dt_s, terms.p, &self.alpha, tau_ext)?;
-        copy(self.observer.torque(), &mut self.tau_el);
+        copy(&mut self.tau_el, self.observer.torque());
         Ok(())
     }
 
@@ -322,7 +323,7 @@ impl OffsetObserver {
         }
         self.observer
             .step(dt_s, &self.momentum, &self.alpha, None)?;
-        copy(self.observer.torque(), &mut self.tau_el);
+        copy(&mut self.tau_el, self.observer.torque());
         Ok(())
     }
 
@@ -403,14 +404,5 @@ impl OffsetObserver {
     /// Whether the start has faded.
     pub fn is_settled(&self) -> bool {
         self.started && self.since_start_s >= self.settling_time_s()
-    }
-}
-
-/// Copies what there is: `copy_from_slice` would carry a panic for unequal lengths into the step,
-/// though lengths were checked.
-#[inline]
-fn copy(from: &[f64], to: &mut [f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = *from;
     }
 }

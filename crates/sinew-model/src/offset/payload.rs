@@ -1,6 +1,7 @@
 //! Torque of what the gripper holds.
 
 use super::prior::PAYLOAD;
+use crate::arm::PARAMETERS_PER_BODY;
 
 /// Torque of the payload: a point mass near where it is expected.
 ///
@@ -9,7 +10,7 @@ use super::prior::PAYLOAD;
 ///
 /// Returns the torque and its change with mass and moments.
 pub(super) fn payload_torque(
-    body: &[f64],
+    body: &[f64; PARAMETERS_PER_BODY],
     a: [f64; 3],
     [m, h @ ..]: [f64; PAYLOAD],
 ) -> (f64, [f64; PAYLOAD]) {
@@ -46,7 +47,6 @@ pub(super) fn payload_torque(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::PARAMETERS_PER_BODY;
 
     /// Inertial parameters of a point mass in the order of the regressor.
     fn point(m: f64, [x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {

@@ -1,9 +1,9 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 
 use super::block::Block;
-use super::equation::{Equation, Equations, Side};
+use super::filter::{Filter, Work};
 use super::map::MapEstimator;
-use super::prior::{Belief, JointParameter, PAYLOAD, PER_JOINT};
+use super::prior::{Belief, JointParameter};
 use crate::StepError;
 use crate::arm::PARAMETERS_PER_BODY;
 use alloc::vec::Vec;
@@ -20,62 +20,80 @@ use alloc::vec::Vec;
 /// form's does from iteration to iteration; `ι` spreads the information of correlated blocks, and
 /// a stand counts as one block. Noise `σ` follows the median of the innovations.
 ///
-/// A block is weighed twice: when it comes, and a quarter of a minute later, with what is known by
-/// then, `χ = mean e²/σ²`. What it then says more or less than it did goes in as a measurement of
-/// the information `Δ = (w₂/σ₂² − w₁/σ₁²)/ι`, less than nothing where a contact is left out:
+/// A block is weighed three times: when it comes, and a quarter and half of a minute later, with
+/// what is known by then, `χ = mean e²/σ²`. What it then says more or less than it did goes in as a
+/// measurement of the information `Δ = (w₂/σ₂² − w₁/σ₁²)/ι`, less than nothing where a contact is
+/// left out:
 ///
 /// ```text
 /// x ← x + P hᵀ e/(s + 1/Δ),     P ← P − P hᵀ h P/(s + 1/Δ)
 /// ```
 ///
+/// What comes first is believed, because nothing speaks against it: an arm that is leant on while
+/// the filter starts would have every later block left out. So a second filter goes over the first
+/// 25 blocks, then over the first 75, seven times from the first belief, each time with weights from
+/// the time before and a smaller `c`, as the batch form does; then takes what came since, and the
+/// first one's place where it explains all blocks better. It also goes over the last 75 blocks whenever most blocks are left out, and
+/// takes the first one's place once more blocks agree with it.
+///
 /// # Realtime
-/// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`. Keeps 75 blocks,
-/// `600 (10 n² + 22 n)` bytes.
+/// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
+/// the second filter catches up. Keeps 150 blocks, `1200 (10 n² + 30 n)` bytes, and three
+/// covariances, `24 d²` bytes.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     estimator: MapEstimator,
-    belief: Belief,
-    /// Noise of link and motor equations.
-    noise: [Vec<f64>; 2],
-    equations: Equations,
-    /// State the equations were linearised around.
-    origin: Vec<f64>,
-    /// `P hᵀ` of the equation at work.
-    gain: Vec<f64>,
+    /// What was believed before the first block.
+    start: Belief,
+    /// Noise of link and motor equations that a filter starts from.
+    start_noise: [Vec<f64>; 2],
+    believed: Filter,
+    rival: Filter,
+    stage: Stage,
+    work: Work,
     /// Pose the arm stands at, and for how many blocks.
     pose: Vec<f64>,
     stood: f64,
-    blocks: f64,
-    weight: f64,
-    /// Mean weight of late: a filter that leaves most out has no say in what was right.
-    trust: f64,
-    /// Blocks that are weighed once so far, a ring.
-    young: Vec<Young>,
-    /// Where the next block goes, which is where the oldest is.
-    next: usize,
+    /// The last [`KEPT`] blocks, a ring.
+    kept: Vec<Kept>,
+    /// Blocks taken.
+    taken: usize,
 }
 
-/// Blocks after which one is weighed again.
-const AGAIN: usize = 75;
-
-/// A block that has been weighed once.
+/// A block, and the share of its information that counts; 0: none of it goes in.
 #[derive(Debug, Clone)]
-struct Young {
+struct Kept {
     block: Block,
-    /// Share of its information that counts; 0: none of it went in.
     share: f64,
-    /// Information each of its equations went in with.
-    information: Vec<f64>,
 }
 
-/// The scale of the weight that decides, standard deviations.
-const SCALE: f64 = 3.0;
-
-/// Weight of a block whose mean normalised square residual is `chi`.
-fn redescending(chi: f64, scale: f64) -> f64 {
-    let w = scale * scale / (scale * scale + chi);
-    w * w
+/// What the second filter does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    Rests,
+    /// Goes over the blocks `from..to` for the `pass`-th time, and takes those up to the present
+    /// after the last.
+    GoesOver {
+        from: usize,
+        to: usize,
+        pass: usize,
+        at: usize,
+    },
+    /// Takes every block as it comes.
+    Rivals,
 }
+
+/// The most blocks the second filter goes over.
+const STRETCH: usize = 75;
+/// Blocks kept: what the second filter goes over and what comes meanwhile.
+const KEPT: usize = 2 * STRETCH;
+/// Blocks after which one is weighed again.
+const AGAIN: [usize; 2] = [STRETCH, KEPT - 1];
+/// Scales of the weight, in standard deviations, with which the second filter goes over its
+/// blocks.
+const SCALES: [f64; 7] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0];
+/// Passes after which the residuals show the noise.
+const NOISE_SEEN: usize = 2;
 
 impl RecursiveOffsets {
     /// A filter that starts from `belief`; allocates here only.
@@ -93,30 +111,26 @@ impl RecursiveOffsets {
             });
         }
         let n = estimator.prior().joints();
-        let row = PER_JOINT + n * PARAMETERS_PER_BODY + PAYLOAD;
+        let start_noise = [
+            alloc::vec![START_RAD; n],
+            (0..n).map(|i| 3.0 * estimator.motor_floor(i)).collect(),
+        ];
+        let filter = Filter::new(&belief, &start_noise, KEPT);
+        let empty = Kept {
+            block: Block::zero(n, n * PARAMETERS_PER_BODY),
+            share: 0.0,
+        };
         Ok(Self {
-            belief,
-            noise: [
-                alloc::vec![START_RAD; n],
-                (0..n).map(|i| 3.0 * estimator.motor_floor(i)).collect(),
-            ],
-            equations: Equations::with_capacity(2 * n * row, 2 * n),
-            origin: alloc::vec![0.0; d],
-            gain: alloc::vec![0.0; d],
+            rival: filter.clone(),
+            believed: filter,
+            stage: Stage::Rests,
+            start: belief,
+            start_noise,
+            work: Work::new(estimator.prior()),
             pose: alloc::vec![f64::NAN; n],
             stood: 0.0,
-            blocks: 0.0,
-            weight: 0.0,
-            trust: 1.0,
-            young: alloc::vec![
-                Young {
-                    block: Block::zero(n, n * PARAMETERS_PER_BODY),
-                    share: 0.0,
-                    information: alloc::vec![0.0; 2 * n],
-                };
-                AGAIN
-            ],
-            next: 0,
+            kept: alloc::vec![empty; KEPT],
+            taken: 0,
             estimator,
         })
     }
@@ -125,13 +139,14 @@ impl RecursiveOffsets {
     /// [`super::MapEstimate::motor_noise_nm`]) instead of finding it within the first ten seconds;
     /// values that are no noise are left out.
     pub fn expect_noise(&mut self, link_rad: &[f64], motor_nm: &[f64]) {
-        for (noise, known) in self.noise.iter_mut().zip([link_rad, motor_nm]) {
+        for (noise, known) in self.start_noise.iter_mut().zip([link_rad, motor_nm]) {
             for (noise, known) in noise.iter_mut().zip(known) {
                 if *known > 0.0 && known.is_finite() {
                     *noise = *known;
                 }
             }
         }
+        self.believed.expect_noise(&self.start_noise);
     }
 
     /// Takes a block; returns its weight, 0 (left out as disturbed) to 1.
@@ -142,107 +157,136 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn step(&mut self, block: &Block) -> Result<f64, StepError> {
-        /// Data after which the weight has its final scale, blocks.
-        const ANNEALED: f64 = 40.0;
-        const WIDE: f64 = 40.0;
-        if !self.young.first().is_some_and(|y| y.block.fits(block)) {
+        let slot = self.taken % KEPT;
+        if !self.kept.get(slot).is_some_and(|k| k.block.fits(block)) {
             return Err(StepError::Length);
         }
         let needed = [&block.y, &block.y_square, &block.y_cube, &block.phi];
         if needed.into_iter().flatten().any(|x| !x.is_finite()) {
             return Err(StepError::NotFinite);
         }
-        self.weigh_again();
         let share = self.share_of_stand(block);
-        self.linearise(block);
-        let scale = (WIDE * libm::exp(-self.blocks / (0.25 * ANNEALED))).max(SCALE);
-        self.blocks += 1.0;
-        let mut chi = 0.0;
-        for k in 0..self.equations.list.len() {
-            let Some(e) = self.equations.list.get(k).copied() else {
-                break;
-            };
-            let spread = self.spread(&e) + self.variance(&e);
-            chi += e.residual * e.residual / spread;
-            self.follow_noise(&e, spread);
+        if let Some(kept) = self.kept.get_mut(slot) {
+            kept.block.copy_from(block);
+            kept.share = share;
         }
-        self.weight = redescending(chi / self.equations.list.len().max(1) as f64, scale);
-        self.trust += 0.05 * (self.weight - self.trust);
-        self.keep(block, share);
-        if share > 0.0 {
-            for k in 0..self.equations.list.len() {
-                let Some(e) = self.equations.list.get(k).copied() else {
-                    break;
-                };
-                let information = self.weight * share / self.variance(&e);
-                self.update(&e, information, k > 0);
-                let young = self.young.get_mut(self.next);
-                if let Some(slot) = young.and_then(|y| y.information.get_mut(k)) {
-                    *slot = information;
+        let number = self.taken;
+        self.taken += 1;
+        take(
+            &mut self.believed,
+            &self.estimator,
+            &mut self.work,
+            &self.kept,
+            number,
+        );
+        self.second();
+        Ok(self.believed.weight())
+    }
+
+    /// What the second filter does while a block comes.
+    fn second(&mut self) {
+        /// Blocks the second filter goes over while one comes.
+        const AT_ONCE: usize = 10;
+        match self.stage {
+            Stage::Rests => {
+                let opening = self.taken == STRETCH / 3 || self.taken == STRETCH;
+                let doubted = self.taken > STRETCH && !self.believed.is_trusted();
+                if opening || doubted {
+                    self.rival.restart(&self.start, &self.start_noise);
+                    let from = self.taken.saturating_sub(STRETCH);
+                    self.stage = Stage::GoesOver {
+                        from,
+                        to: self.taken,
+                        pass: 0,
+                        at: from,
+                    };
                 }
             }
-        }
-        self.next = (self.next + 1) % AGAIN;
-        Ok(self.weight)
-    }
-
-    /// Equations of `block` around what is believed now.
-    fn linearise(&mut self, block: &Block) {
-        self.estimator.linearise(
-            block,
-            self.belief.temperature_c,
-            &self.belief.mean,
-            &mut self.equations,
-        );
-        self.origin.copy_from_slice(&self.belief.mean);
-    }
-
-    /// Puts a block where the oldest was.
-    fn keep(&mut self, block: &Block, share: f64) {
-        if let Some(young) = self.young.get_mut(self.next) {
-            young.block.copy_from(block);
-            young.share = share;
-            young.information.fill(0.0);
+            Stage::GoesOver { .. } => {
+                for _ in 0..AT_ONCE {
+                    self.go_over();
+                }
+            }
+            Stage::Rivals => {
+                let number = self.taken - 1;
+                take(
+                    &mut self.rival,
+                    &self.estimator,
+                    &mut self.work,
+                    &self.kept,
+                    number,
+                );
+                self.decide(usize::MAX);
+            }
         }
     }
 
-    /// Weighs the oldest block again, with what is known by now.
-    fn weigh_again(&mut self) {
-        /// Changes of the information below this share are left.
-        const SAME: f64 = 0.02;
-        let Some(old) = self.young.get_mut(self.next) else {
+    /// One block for the second filter.
+    fn go_over(&mut self) {
+        let Stage::GoesOver { from, to, pass, at } = self.stage else {
             return;
         };
-        let share = core::mem::take(&mut old.share);
-        if !(share > 0.0 && self.trust > 0.5) {
+        let Some(kept) = self.kept.get(at % KEPT) else {
             return;
-        }
-        self.estimator.linearise(
-            &old.block,
-            self.belief.temperature_c,
-            &self.belief.mean,
-            &mut self.equations,
-        );
-        self.origin.copy_from_slice(&self.belief.mean);
-        let mut chi = 0.0;
-        for e in &self.equations.list {
-            chi += e.residual * e.residual / self.variance(e);
-        }
-        let weight = redescending(chi / self.equations.list.len().max(1) as f64, SCALE);
-        let mut moved = false;
-        for k in 0..self.equations.list.len() {
-            let Some(e) = self.equations.list.get(k).copied() else {
-                break;
-            };
-            let young = self.young.get(self.next);
-            let Some(before) = young.and_then(|y| y.information.get(k)).copied() else {
-                break;
-            };
-            let more = weight * share / self.variance(&e) - before;
-            if more.abs() > SAME * before {
-                self.update(&e, more, moved);
-                moved = true;
+        };
+        let (mut pass, mut at) = (pass, at);
+        if let Some(&scale) = SCALES.get(pass) {
+            let slot = at % KEPT;
+            self.rival.repeat(
+                &self.estimator,
+                &mut self.work,
+                (&kept.block, kept.share),
+                slot,
+                scale,
+            );
+            at += 1;
+            if at == to {
+                pass += 1;
+                if pass > NOISE_SEEN {
+                    self.rival.find_noise(&self.estimator);
+                }
+                if pass < SCALES.len() {
+                    at = from;
+                    self.rival.begin_pass(&self.start);
+                }
             }
+        } else {
+            take(
+                &mut self.rival,
+                &self.estimator,
+                &mut self.work,
+                &self.kept,
+                at,
+            );
+            at += 1;
+        }
+        self.stage = Stage::GoesOver { from, to, pass, at };
+        if pass == SCALES.len() && at >= self.taken {
+            self.stage = Stage::Rivals;
+            self.decide(from);
+        }
+    }
+
+    /// Whether the second filter, which goes back to the block `from`, takes the first one's
+    /// place, or rests.
+    fn decide(&mut self, from: usize) {
+        /// Blocks by which the second filter must lead that has not seen all.
+        const LEAD: f64 = 10.0;
+        let opening = from == 0;
+        let better = if opening {
+            let blocks = self.kept.get(..self.taken).unwrap_or(&self.kept);
+            let blocks = blocks.iter().map(|k| (&k.block, k.share));
+            let (estimator, work) = (&self.estimator, &mut self.work);
+            self.rival.cost(estimator, work, blocks.clone())
+                < self.believed.cost(estimator, work, blocks)
+        } else {
+            self.rival.support() > self.believed.support() + LEAD
+        };
+        if better {
+            core::mem::swap(&mut self.rival, &mut self.believed);
+        }
+        if better || opening || self.believed.is_trusted() {
+            self.stage = Stage::Rests;
         }
     }
 
@@ -269,102 +313,39 @@ impl RecursiveOffsets {
         }
     }
 
-    fn variance(&self, e: &Equation) -> f64 {
-        let [link, motor] = &self.noise;
-        let noise = match e.side {
-            Side::Link => link.get(e.joint),
-            Side::Motor => motor.get(e.joint),
-        };
-        let noise = noise.copied().unwrap_or(1.0);
-        noise * noise + e.unsure * e.unsure
-    }
-
-    /// `P hᵀ` into `gain`; returns `h P hᵀ`.
-    fn spread(&mut self, e: &Equation) -> f64 {
-        let d = self.belief.mean.len();
-        self.gain.fill(0.0);
-        let row = self.equations.rows.get(e.from..e.to).unwrap_or_default();
-        for &(i, value) in row {
-            let line = self.belief.covariance.get(i * d..(i + 1) * d);
-            for (g, p) in self.gain.iter_mut().zip(line.unwrap_or_default()) {
-                *g += value * p;
-            }
-        }
-        row.iter()
-            .map(|&(i, value)| value * self.gain.get(i).copied().unwrap_or_default())
-            .sum()
-    }
-
-    /// The noise moves towards the median of the innovations that are mostly noise.
-    fn follow_noise(&mut self, e: &Equation, spread: f64) {
-        /// The step falls to a tenth of the first, so that the noise settles.
-        const STEP: f64 = 0.03;
-        const SETTLED: f64 = 0.003;
-        let step = (STEP / (1.0 + 0.02 * self.blocks)).max(SETTLED);
-        const MEDIAN: f64 = 0.6745;
-        let variance = self.variance(e);
-        if e.unsure > 0.0 || variance < 0.5 * spread {
-            return;
-        }
-        let floor = match e.side {
-            Side::Link => self.estimator.noise_floor_rad(),
-            Side::Motor => self.estimator.motor_floor(e.joint),
-        };
-        let [link, motor] = &mut self.noise;
-        let noise = match e.side {
-            Side::Link => link.get_mut(e.joint),
-            Side::Motor => motor.get_mut(e.joint),
-        };
-        if let Some(noise) = noise {
-            let above = e.residual * e.residual > MEDIAN * MEDIAN * spread;
-            let factor = if above { 1.0 + step } else { 1.0 - step };
-            *noise = (*noise * factor).max(floor);
-        }
-    }
-
-    /// One scalar measurement of so much information, which may be less than nothing; `again`: the
-    /// state has moved since the residual was taken.
-    fn update(&mut self, e: &Equation, information: f64, again: bool) {
-        let d = self.belief.mean.len();
-        let spread = self.spread(e);
-        let mut residual = e.residual;
-        if again {
-            let row = self.equations.rows.get(e.from..e.to).unwrap_or_default();
-            for &(i, value) in row {
-                let now = self.belief.mean.get(i).copied().unwrap_or_default();
-                let then = self.origin.get(i).copied().unwrap_or_default();
-                residual -= value * (now - then);
-            }
-        }
-        // Nothing can take back more than is known.
-        const LEAST: f64 = 0.5;
-        let left = 1.0 + information * spread;
-        if !(left > LEAST && left.is_finite()) || information == 0.0 {
-            return;
-        }
-        let total = left / information;
-        for (x, g) in self.belief.mean.iter_mut().zip(&self.gain) {
-            *x += g * residual / total;
-        }
-        for (line, g) in self.belief.covariance.chunks_exact_mut(d).zip(&self.gain) {
-            let scaled = g / total;
-            for (p, h) in line.iter_mut().zip(&self.gain) {
-                *p -= scaled * h;
-            }
-        }
-    }
-
     /// Offset of a joint and its standard deviation, rad; NaN for a joint there isn't.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> [f64; 2] {
-        self.belief
+        self.belief()
             .entry(self.estimator.prior().place(joint, JointParameter::Offset))
     }
 
     /// What is believed now.
     pub fn belief(&self) -> &Belief {
-        &self.belief
+        self.believed.belief()
+    }
+}
+
+/// The filter takes block `number`, and weighs again those that came [`AGAIN`] blocks before.
+fn take(
+    filter: &mut Filter,
+    estimator: &MapEstimator,
+    work: &mut Work,
+    kept: &[Kept],
+    number: usize,
+) {
+    for age in AGAIN {
+        if let Some(before) = number.checked_sub(age) {
+            let slot = before % KEPT;
+            if let Some(old) = kept.get(slot) {
+                filter.again(estimator, work, &old.block, slot);
+            }
+        }
+    }
+    let slot = number % KEPT;
+    if let Some(new) = kept.get(slot) {
+        filter.take(estimator, work, (&new.block, new.share), slot);
     }
 }

@@ -151,7 +151,7 @@ impl Problem<'_> {
     /// A weighted fit around a known estimate.
     pub(super) fn fit(&self, known: &MapEstimate, weighing: Weighing) -> Result<Fit, MapError> {
         let total = known.state.len();
-        let mut equations = Equations::default();
+        let mut equations = Equations::new(self.estimator.prior(), &known.changes);
         let mut normal = self.prior_equations(known);
         let mut weights = Vec::with_capacity(self.blocks.len());
         for (b, block) in self.blocks.iter().enumerate() {

@@ -140,7 +140,7 @@ impl<'a> Problem<'a> {
         }
         let mut normal = Normal::new(total, self.estimator.prior().body_start());
         let mut residuals = Residuals::new(n, self.blocks.len());
-        let mut equations = Equations::default();
+        let mut equations = Equations::new(self.estimator.prior(), changes);
         for (stage, &scale) in scales.iter().enumerate() {
             normal.start(&prior, &origin, &at.state);
             for (b, block) in self.blocks.iter().enumerate() {
@@ -234,7 +234,7 @@ impl<'a> Problem<'a> {
             let along: f64 = row.iter().zip(&from).map(|(p, x)| p * x).sum();
             cost += 0.5 * xi * along;
         }
-        let mut equations = Equations::default();
+        let mut equations = Equations::new(self.estimator.prior(), &at.changes);
         for (block, inflation) in self.blocks.iter().zip(&self.inflation) {
             self.estimator.equations(at, block, &mut equations);
             let chi = chi(&equations, noise);

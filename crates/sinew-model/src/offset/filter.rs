@@ -1,0 +1,457 @@
+//! One Kalman filter over blocks, which [`super::RecursiveOffsets`] may run two of.
+
+use super::block::{Block, copy};
+use super::equation::{Equation, Equations, Side};
+use super::map::MapEstimator;
+use super::prior::{Belief, Prior};
+use alloc::vec::Vec;
+
+/// What a step writes to besides the filter.
+#[derive(Debug, Clone)]
+pub(super) struct Work {
+    equations: Equations,
+    /// State the equations were linearised around.
+    origin: Vec<f64>,
+    /// `P hᵀ` of the equation at work.
+    gain: Vec<f64>,
+}
+
+impl Work {
+    pub(super) fn new(prior: &Prior) -> Self {
+        let d = prior.dimension();
+        Self {
+            equations: Equations::new(prior, &[]),
+            origin: alloc::vec![0.0; d],
+            gain: alloc::vec![0.0; d],
+        }
+    }
+}
+
+/// Belief, noise, and how well the blocks have agreed with it.
+#[derive(Debug, Clone)]
+pub(super) struct Filter {
+    belief: Belief,
+    /// Noise of link and motor equations.
+    noise: [Vec<f64>; 2],
+    blocks: f64,
+    weight: f64,
+    /// Mean weight of late: a filter that leaves most out has no say in what was right.
+    trust: f64,
+    /// Sum of weights since the scale is final; a stand counts as one block's inflation.
+    support: f64,
+    /// What went in of the last blocks, a ring.
+    young: Vec<Young>,
+    /// Belief at the end of the pass before.
+    reference: Vec<f64>,
+    residuals: Sizes,
+}
+
+/// Sizes of the residuals of a pass, smallest first.
+#[derive(Debug, Clone)]
+struct Sizes {
+    /// Link equations of all joints, then motor equations.
+    of: [Vec<Sorted>; 2],
+}
+
+/// The smallest of the numbers it was given, ascending.
+#[derive(Debug, Clone)]
+struct Sorted {
+    sizes: Vec<f64>,
+    count: usize,
+}
+
+impl Sizes {
+    fn new(joints: usize, most: usize) -> Self {
+        let none = Sorted {
+            sizes: alloc::vec![f64::INFINITY; most],
+            count: 0,
+        };
+        Self {
+            of: [alloc::vec![none.clone(); joints], alloc::vec![none; joints]],
+        }
+    }
+
+    fn forget(&mut self) {
+        for sorted in self.of.iter_mut().flatten() {
+            sorted.sizes.fill(f64::INFINITY);
+            sorted.count = 0;
+        }
+    }
+
+    fn keep(&mut self, e: &Equation) {
+        let [link, motor] = &mut self.of;
+        let sorted = match e.side {
+            Side::Link => link.get_mut(e.joint),
+            Side::Motor => motor.get_mut(e.joint),
+        };
+        if let Some(sorted) = sorted {
+            let mut size = e.residual.abs();
+            sorted.count += 1;
+            for slot in sorted.sizes.iter_mut().take(sorted.count) {
+                if size < *slot {
+                    core::mem::swap(slot, &mut size);
+                }
+            }
+        }
+    }
+
+    /// 1.4826 times the median size; `None` of too few.
+    fn noise(&self, joint: usize, side: Side) -> Option<f64> {
+        const FEW: usize = 10;
+        let [link, motor] = &self.of;
+        let sorted = match side {
+            Side::Link => link.get(joint),
+            Side::Motor => motor.get(joint),
+        }?;
+        let median = *sorted.sizes.get(sorted.count / 2)?;
+        (sorted.count >= FEW && median.is_finite()).then_some(1.4826 * median)
+    }
+}
+
+/// Least noise of an equation, rad or N·m.
+fn least_noise(estimator: &MapEstimator, joint: usize, side: Side) -> f64 {
+    match side {
+        Side::Link => estimator.noise_floor_rad(),
+        Side::Motor => estimator.motor_floor(joint),
+    }
+}
+
+/// What a block weighed when it came.
+#[derive(Debug, Clone)]
+struct Young {
+    /// Share of its information that counts; 0: none of it went in.
+    share: f64,
+    /// Information each of its equations went in with.
+    information: Vec<f64>,
+}
+
+/// The scale of the weight that decides, standard deviations.
+const SCALE: f64 = 3.0;
+/// The scale the first block is weighed with.
+const WIDE: f64 = 40.0;
+/// Blocks in which the scale falls to a third.
+const FALL: f64 = 10.0;
+
+/// Weight of a block whose mean normalised square residual is `chi`.
+fn redescending(chi: f64, scale: f64) -> f64 {
+    let w = scale * scale / (scale * scale + chi);
+    w * w
+}
+
+/// Equations of `block` around the state `around`.
+fn linearise(
+    estimator: &MapEstimator,
+    work: &mut Work,
+    block: &Block,
+    belief: &Belief,
+    around: &[f64],
+) {
+    estimator.linearise(block, belief.temperature_c, around, &mut work.equations);
+    copy(&mut work.origin, around);
+}
+
+impl Filter {
+    /// A filter that remembers what went in of `young` blocks; allocates here only.
+    pub(super) fn new(belief: &Belief, noise: &[Vec<f64>; 2], young: usize) -> Self {
+        let equations = noise.iter().map(Vec::len).sum();
+        let none = Young {
+            share: 0.0,
+            information: alloc::vec![0.0; equations],
+        };
+        Self {
+            belief: belief.clone(),
+            noise: noise.clone(),
+            blocks: 0.0,
+            weight: 1.0,
+            trust: 1.0,
+            support: 0.0,
+            young: alloc::vec![none; young],
+            reference: belief.mean.clone(),
+            residuals: Sizes::new(equations / 2, young),
+        }
+    }
+
+    /// Forgets all.
+    pub(super) fn restart(&mut self, belief: &Belief, noise: &[Vec<f64>; 2]) {
+        self.expect_noise(noise);
+        (self.weight, self.trust) = (1.0, 1.0);
+        copy(&mut self.belief.mean, &belief.mean);
+        self.begin_pass(belief);
+    }
+
+    /// Forgets all but noise, and where the pass before ended.
+    pub(super) fn begin_pass(&mut self, belief: &Belief) {
+        copy(&mut self.reference, &self.belief.mean);
+        copy(&mut self.belief.mean, &belief.mean);
+        copy(&mut self.belief.covariance, &belief.covariance);
+        self.residuals.forget();
+        (self.blocks, self.support) = (0.0, 0.0);
+        for young in &mut self.young {
+            young.share = 0.0;
+        }
+    }
+
+    pub(super) fn expect_noise(&mut self, noise: &[Vec<f64>; 2]) {
+        for (to, from) in self.noise.iter_mut().zip(noise) {
+            copy(to, from);
+        }
+    }
+
+    pub(super) fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Weight of the last block.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// How many blocks have agreed since the weight's scale is final.
+    pub(super) fn support(&self) -> f64 {
+        self.support
+    }
+
+    /// Whether the weight has its final scale.
+    pub(super) fn is_settled(&self) -> bool {
+        self.scale() <= SCALE
+    }
+
+    /// Whether most blocks of late counted.
+    pub(super) fn is_trusted(&self) -> bool {
+        self.trust > 0.5
+    }
+
+    fn scale(&self) -> f64 {
+        (WIDE * libm::exp(-self.blocks / FALL)).max(SCALE)
+    }
+
+    /// Takes a block, and the share of it that counts, for the first time.
+    pub(super) fn take(
+        &mut self,
+        estimator: &MapEstimator,
+        work: &mut Work,
+        (block, share): (&Block, f64),
+        slot: usize,
+    ) {
+        linearise(estimator, work, block, &self.belief, &self.belief.mean);
+        let (scale, settled) = (self.scale(), self.is_settled());
+        self.blocks += 1.0;
+        let mut chi = 0.0;
+        for k in 0..work.equations.list.len() {
+            let Some(e) = work.equations.list.get(k).copied() else {
+                break;
+            };
+            let spread = self.spread(work, &e) + self.variance(&e);
+            chi += e.residual * e.residual / spread;
+            self.follow_noise(estimator, &e, spread);
+        }
+        let chi = chi / work.equations.list.len().max(1) as f64;
+        self.put_in_first(work, (redescending(chi, scale), share), slot);
+        if settled {
+            self.support += self.weight * share * estimator.inflation();
+        }
+    }
+
+    /// Takes a block in a pass over it, weighed against where the pass before ended.
+    pub(super) fn repeat(
+        &mut self,
+        estimator: &MapEstimator,
+        work: &mut Work,
+        (block, share): (&Block, f64),
+        slot: usize,
+        scale: f64,
+    ) {
+        linearise(estimator, work, block, &self.belief, &self.reference);
+        let chi = self.chi(work);
+        for e in &work.equations.list {
+            // What stands says nothing about noise.
+            if e.unsure == 0.0 {
+                self.residuals.keep(e);
+            }
+        }
+        self.blocks += 1.0;
+        self.put_in_first(work, (redescending(chi, scale), share), slot);
+        self.support += self.weight * share * estimator.inflation();
+    }
+
+    /// Noise from the residuals of the pass before.
+    pub(super) fn find_noise(&mut self, estimator: &MapEstimator) {
+        for (side, noises) in [Side::Link, Side::Motor].into_iter().zip(&mut self.noise) {
+            for (joint, noise) in noises.iter_mut().enumerate() {
+                if let Some(found) = self.residuals.noise(joint, side) {
+                    *noise = found.max(least_noise(estimator, joint, side));
+                }
+            }
+        }
+    }
+
+    /// What these blocks have against the belief, `Σ ½ m c² χ/(c² + χ) + Σ ln σ`, of `m` equations
+    /// each.
+    pub(super) fn cost<'a>(
+        &self,
+        estimator: &MapEstimator,
+        work: &mut Work,
+        blocks: impl Iterator<Item = (&'a Block, f64)>,
+    ) -> f64 {
+        let mut cost = 0.0;
+        for (block, share) in blocks {
+            if share > 0.0 {
+                linearise(estimator, work, block, &self.belief, &self.belief.mean);
+                let chi = self.chi(work);
+                let of_all = SCALE * SCALE * chi / (SCALE * SCALE + chi);
+                for e in &work.equations.list {
+                    cost += 0.5 * share * (of_all + libm::log(self.variance(e)));
+                }
+            }
+        }
+        cost
+    }
+
+    /// Mean normalised square of the equations at work.
+    fn chi(&self, work: &Work) -> f64 {
+        let squares = work.equations.list.iter();
+        let sum: f64 = squares
+            .map(|e| e.residual * e.residual / self.variance(e))
+            .sum();
+        sum / work.equations.list.len().max(1) as f64
+    }
+
+    /// The equations at work go in for the first time.
+    fn put_in_first(&mut self, work: &mut Work, (weight, share): (f64, f64), slot: usize) {
+        self.weight = weight;
+        self.trust += 0.05 * (weight - self.trust);
+        if let Some(young) = self.young.get_mut(slot) {
+            young.share = share;
+            young.information.fill(0.0);
+        }
+        if share > 0.0 {
+            self.put_in(work, slot, weight * share);
+        }
+    }
+
+    /// Weighs a block again that went in at `slot`, with what is known by now.
+    pub(super) fn again(
+        &mut self,
+        estimator: &MapEstimator,
+        work: &mut Work,
+        block: &Block,
+        slot: usize,
+    ) {
+        let Some(young) = self.young.get_mut(slot) else {
+            return;
+        };
+        let share = young.share;
+        if !(share > 0.0 && self.is_trusted()) {
+            return;
+        }
+        linearise(estimator, work, block, &self.belief, &self.belief.mean);
+        let weight = redescending(self.chi(work), SCALE);
+        self.put_in(work, slot, weight * share);
+    }
+
+    /// Equations at work go in with `weight`, less what they went in with before.
+    fn put_in(&mut self, work: &mut Work, slot: usize, weight: f64) {
+        /// Changes of the information below this share are left.
+        const SAME: f64 = 0.02;
+        for k in 0..work.equations.list.len() {
+            let Some(e) = work.equations.list.get(k).copied() else {
+                break;
+            };
+            let information = weight / self.variance(&e);
+            let young = self.young.get_mut(slot);
+            let Some(before) = young.and_then(|y| y.information.get_mut(k)) else {
+                break;
+            };
+            let more = information - *before;
+            if more.abs() > SAME * *before {
+                *before = information;
+                self.update(work, &e, more);
+            }
+        }
+    }
+
+    fn variance(&self, e: &Equation) -> f64 {
+        let [link, motor] = &self.noise;
+        let noise = match e.side {
+            Side::Link => link.get(e.joint),
+            Side::Motor => motor.get(e.joint),
+        };
+        let noise = noise.copied().unwrap_or(1.0);
+        noise * noise + e.unsure * e.unsure
+    }
+
+    /// `P hᵀ` into `gain`; returns `h P hᵀ`.
+    fn spread(&self, work: &mut Work, e: &Equation) -> f64 {
+        let d = self.belief.mean.len();
+        work.gain.fill(0.0);
+        let row = work.equations.rows.get(e.from..e.to).unwrap_or_default();
+        for &(i, value) in row {
+            let line = self.belief.covariance.get(i * d..(i + 1) * d);
+            for (g, p) in work.gain.iter_mut().zip(line.unwrap_or_default()) {
+                *g += value * p;
+            }
+        }
+        row.iter()
+            .map(|&(i, value)| value * work.gain.get(i).copied().unwrap_or_default())
+            .sum()
+    }
+
+    /// The noise moves towards the median of the innovations that are mostly noise.
+    fn follow_noise(&mut self, estimator: &MapEstimator, e: &Equation, spread: f64) {
+        /// The step falls to a tenth of the first, so that the noise settles.
+        const STEP: f64 = 0.03;
+        const SETTLED: f64 = 0.003;
+        let step = (STEP / (1.0 + 0.02 * self.blocks)).max(SETTLED);
+        const MEDIAN: f64 = 0.6745;
+        let variance = self.variance(e);
+        if e.unsure > 0.0 || variance < 0.5 * spread {
+            return;
+        }
+        let floor = least_noise(estimator, e.joint, e.side);
+        let [link, motor] = &mut self.noise;
+        let noise = match e.side {
+            Side::Link => link.get_mut(e.joint),
+            Side::Motor => motor.get_mut(e.joint),
+        };
+        if let Some(noise) = noise {
+            let above = e.residual * e.residual > MEDIAN * MEDIAN * spread;
+            let factor = if above { 1.0 + step } else { 1.0 - step };
+            *noise = (*noise * factor).max(floor);
+        }
+    }
+
+    /// One scalar measurement of so much information, which may be less than nothing.
+    fn update(&mut self, work: &mut Work, e: &Equation, information: f64) {
+        let d = self.belief.mean.len();
+        let spread = self.spread(work, e);
+        // The state has moved since the residual was taken.
+        let mut residual = e.residual;
+        let row = work.equations.rows.get(e.from..e.to).unwrap_or_default();
+        for &(i, value) in row {
+            let now = self.belief.mean.get(i).copied().unwrap_or_default();
+            let then = work.origin.get(i).copied().unwrap_or_default();
+            residual -= value * (now - then);
+        }
+        // Nothing can take back more than is known.
+        const LEAST: f64 = 0.5;
+        let left = 1.0 + information * spread;
+        if !(left > LEAST && left.is_finite()) || information == 0.0 {
+            return;
+        }
+        let total = left / information;
+        for (x, g) in self.belief.mean.iter_mut().zip(&work.gain) {
+            *x += g * residual / total;
+        }
+        for (line, g) in self
+            .belief
+            .covariance
+            .chunks_exact_mut(d.max(1))
+            .zip(&work.gain)
+        {
+            let scaled = g / total;
+            for (p, h) in line.iter_mut().zip(&work.gain) {
+                *p -= scaled * h;
+            }
+        }
+    }
+}
