@@ -11,6 +11,7 @@
 
 mod answer;
 mod blocks;
+mod doubt;
 mod file;
 mod jumps;
 mod merge;

@@ -4,6 +4,7 @@ use super::answer::{
     Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch,
 };
 use super::blocks::Recorded;
+use super::doubt::{self, Doubt};
 use super::jumps::quickness;
 use super::stiffness;
 use super::watch::{Watched, mean_temperature};
@@ -35,10 +36,10 @@ pub(super) fn said(
     let elastic: Vec<usize> = (0..robot.arm.dof())
         .filter(|&i| prior.is_elastic(i))
         .collect();
-    let joints: Vec<AbsoluteJoint> = elastic
+    let (joints, doubts): (Vec<AbsoluteJoint>, Vec<Doubt>) = elastic
         .iter()
         .map(|&i| said_of_joint(prior, robot, recorded, watched, i))
-        .collect();
+        .unzip();
     let offsets_at = |belief: &Belief| -> (Vec<f64>, Vec<f64>) {
         elastic
             .iter()
@@ -48,7 +49,7 @@ pub(super) fn said(
             })
             .unzip()
     };
-    let series = watched
+    let mut series: Vec<Stretch> = watched
         .stretches
         .iter()
         .map(|(from, map)| {
@@ -61,6 +62,8 @@ pub(super) fn said(
             }
         })
         .collect();
+    let mut course = course(estimator, recorded, watched, &elastic);
+    doubt::widen(&doubts, &mut series, &mut course);
     let mut payload_changes = Vec::new();
     for (_, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
@@ -99,7 +102,7 @@ pub(super) fn said(
             .then_some(watched.before.temperature_c),
         joints,
         series,
-        course: course(estimator, recorded, watched, &elastic),
+        course,
         payload_kg: [mass, Z95 * mass_deviation],
         payload_changes,
         motor_torque,
@@ -111,7 +114,7 @@ pub(super) fn said(
         damaged: recorded.damaged,
         warnings: Vec::new(),
     };
-    said.warnings = super::warnings::warnings(&said, recorded);
+    said.warnings = super::warnings::warnings(&said, &doubts, recorded);
     said.warnings
         .extend(stiffness::suspected(prior, robot, recorded, watched));
     said
@@ -134,7 +137,7 @@ fn said_of_joint(
     recorded: &Recorded,
     watched: &Watched,
     joint: usize,
-) -> AbsoluteJoint {
+) -> (AbsoluteJoint, Doubt) {
     let at = |p: JointParameter| watched.belief.entry(prior.place(joint, p));
     let [offset, deviation] = at(JointParameter::Offset);
     let mut steps = Vec::new();
@@ -154,13 +157,10 @@ fn said_of_joint(
             }
         }
     }
-    // A slip just before the end may be a contact that lasts: the interval holds both.
-    let doubtful = steps
-        .iter()
-        .filter(|s| super::warnings::may_end(s, recorded));
-    let doubt: f64 = doubtful.map(|s| 1e-3 * s.size_mrad.abs()).sum();
-    let interval = Z95 * deviation + doubt;
-    let (offset_mrad, interval_95_mrad) = (1e3 * offset, 1e3 * interval);
+    let doubt = Doubt::of(prior, recorded, watched, joint, &steps);
+    let offset_mrad = 1e3 * offset;
+    let interval_95_mrad = doubt.widen(1e3 * Z95 * deviation, recorded.end_s());
+    let interval = 1e-3 * interval_95_mrad;
     let verdict = if !(interval_95_mrad <= USELESS_MRAD) {
         "can't tell"
     } else if offset_mrad.abs() <= interval_95_mrad {
@@ -187,7 +187,7 @@ fn said_of_joint(
     let (least, most) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
         (a.min(t), b.max(t))
     });
-    AbsoluteJoint {
+    let said = AbsoluteJoint {
         name: robot.joint_names()[joint].clone(),
         offset_mrad,
         interval_95_mrad,
@@ -203,7 +203,8 @@ fn said_of_joint(
         ],
         slack_mrad: slack,
         torque_range_nm: [least, most],
-    }
+    };
+    (said, doubt)
 }
 
 /// Whether the elongation at which to tension again is passed, as far as the interval tells.

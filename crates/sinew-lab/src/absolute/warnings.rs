@@ -1,12 +1,9 @@
 //! What the reader of an answer should know.
 
-use super::answer::{Absolute, Step};
+use super::answer::Absolute;
 use super::blocks::Recorded;
+use super::doubt::{Doubt, LASTING_S, may_end};
 
-/// A contact longer than this looks like something that happened for good, s.
-const LASTING_S: f64 = 8.0;
-/// Causes of a slip that no contact looks like.
-const TOLD: [&str; 2] = ["motor encoder", "joint encoder"];
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, mrad.
 const POOR_MRAD: f64 = 10.0;
 /// More than this left unexplained is more than encoders and friction do, mrad.
@@ -16,17 +13,8 @@ const STUCK_MRAD: f64 = 5.0;
 /// A share left out above this makes what is left suspect.
 const MUCH: f64 = 0.35;
 
-/// Whether a slip may be a contact that had not ended yet: it came late, and no encoder
-/// slipped.
-pub(super) fn may_end(step: &Step, recorded: &Recorded) -> bool {
-    step.kind == "slip"
-        && !TOLD.contains(&step.cause.as_str())
-        && recorded.duration_s > 0.0
-        && recorded.end_s() - step.time_s < LASTING_S
-}
-
 /// Warnings for an answer.
-pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
+pub(super) fn warnings(said: &Absolute, doubts: &[Doubt], recorded: &Recorded) -> Vec<String> {
     let mut out = Vec::new();
     if said.poses < 3 {
         out.push(format!(
@@ -47,6 +35,14 @@ pub(super) fn warnings(said: &Absolute, recorded: &Recorded) -> Vec<String> {
                 joint.name,
                 step.time_s,
                 recorded.end_s() - step.time_s
+            ));
+        }
+    }
+    for (joint, doubt) in said.joints.iter().zip(doubts) {
+        if doubt.creeping_mrad > 0.0 {
+            out.push(format!(
+                "{}: its rope follows its load for half a minute; what it carried before the recordings isn't known, which is {:.2} mrad of the interval",
+                joint.name, doubt.creeping_mrad
             ));
         }
     }
