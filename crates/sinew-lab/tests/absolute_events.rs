@@ -244,6 +244,26 @@ fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
 }
 
 #[test]
+fn a_baseline_leaves_the_motor_torque_out_when_told_so() {
+    let robot = robot();
+    let (parts, _) = session(&robot, 11, no_contact, &[30.0, 32.0]);
+    let learn = |motor_torque: bool| {
+        let learning = absolute::Learning {
+            motor_torque,
+            ..absolute::Learning::default()
+        };
+        let learned = absolute::learn_recorded_from(&robot, &parts[0], "A", &learning);
+        let (_, said) = learned.unwrap();
+        let drive = said
+            .nuisance
+            .iter()
+            .find(|m| m.joint == "elbow" && m.name.contains("drive Coulomb"));
+        (said.motor_torque, drive.unwrap().moved)
+    };
+    assert_eq!((learn(true), learn(false)), ((true, true), (false, false)));
+}
+
+#[test]
 fn without_a_baseline_the_answer_is_wider_and_still_right() {
     let robot = robot();
     let (mut inside, mut all) = (0, 0);

@@ -3,6 +3,7 @@
 use sinew_lab::absolute::{self, Baseline, MergeOptions, Recorded, Recorder, merge};
 use sinew_lab::robot_dir;
 use sinew_lab::simulate::{Scenario, Simulation};
+use sinew_model::arm::BodyInertia;
 use sinew_model::offset::{
     Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD,
 };
@@ -86,7 +87,7 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
     assert!(absolute::learn_recorded(robot, &simplest, "empty").is_err());
     Baseline {
         format: "sinew-baseline".into(),
-        version: 3,
+        version: 4,
         robot: robot.name.clone(),
         joints: robot.joint_names().to_vec(),
         stiffness_nm_per_rad: robot
@@ -94,6 +95,7 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
             .iter()
             .map(|t| t.as_ref().map_or(0.0, |t| t.stiffness_nm_per_rad))
             .collect(),
+        inertial: robot.arm.inertial_parameters(),
         recordings: recordings.iter().map(|r| (*r).into()).collect(),
         before: Vec::new(),
         end_time_ns: end_s * 1_000_000_000,
@@ -315,8 +317,11 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
     let (a, _) = absolute::learn_recorded(&robot, &first, "a").unwrap();
     let (b, _) = absolute::learn_recorded(&robot, &second, "b").unwrap();
     let (merged, _) = merge(&robot, &[(&a, "a"), (&b, "b")], None, &ROBOT).unwrap();
-    let (chained, _) =
-        absolute::learn_recorded_from(&robot, &second, "b", Some((&a, "a"))).unwrap();
+    let going_on = absolute::Learning {
+        known: Some((&a, "a")),
+        ..absolute::Learning::default()
+    };
+    let (chained, _) = absolute::learn_recorded_from(&robot, &second, "b", &going_on).unwrap();
     let [merged, mut chained] =
         [merged, chained].map(|m| m.belief(&robot, &prior, "merged").unwrap());
     open(&prior, &mut chained);
@@ -384,4 +389,48 @@ fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
         narrower += usize::from(taught.interval_95_mrad < 0.97 * alone.interval_95_mrad);
     }
     assert!(narrower > 0);
+}
+
+#[test]
+fn a_baseline_of_other_masses_or_stiffness_is_refused() {
+    let robot = robot();
+    let prior = prior(&robot);
+    let belief = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let learned = baseline(&robot, &belief, &["a"], 0);
+    assert!(learned.belief(&robot, &prior, "a").is_ok());
+    let why = |robot: &Robot| {
+        learned
+            .belief(robot, &prior, "a.baseline")
+            .unwrap_err()
+            .to_string()
+    };
+    let mut heavier = robot.clone();
+    let held = BodyInertia {
+        mass: 0.05,
+        com: [0.0; 3],
+        inertia: [[0.0; 3]; 3],
+    };
+    let tool = heavier.arm.with_payload("tool", held);
+    heavier.arm = tool.unwrap().unwrap();
+    let said = why(&heavier);
+    assert!(
+        said.contains("a.baseline") && said.contains("wrist") && said.contains("kg there, now"),
+        "{said}"
+    );
+    let mut softer = robot.clone();
+    softer.transmissions[2]
+        .as_mut()
+        .unwrap()
+        .stiffness_nm_per_rad += 1.0;
+    assert!(
+        why(&softer).contains("stiffness_nm_per_rad"),
+        "{}",
+        why(&softer)
+    );
+    // Read back from its file it still fits.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.baseline");
+    learned.write(&path).unwrap();
+    let read = Baseline::read(&path).unwrap();
+    assert!(read.belief(&robot, &prior, "a").is_ok());
 }

@@ -93,7 +93,7 @@ fn baselines_are_put_together_and_gone_on_from() {
     let old = std::fs::read_to_string(&a).unwrap();
     std::fs::write(
         at("old.baseline"),
-        old.replace("\"version\":3", "\"version\":2"),
+        old.replace("\"version\":4", "\"version\":2"),
     )
     .unwrap();
     let old = [
@@ -107,6 +107,6 @@ fn baselines_are_put_together_and_gone_on_from() {
     refused(
         &[&old[..], &robot].concat(),
         1,
-        &["old.baseline", "version 2", "version 3"],
+        &["old.baseline", "version 2", "version 4"],
     );
 }

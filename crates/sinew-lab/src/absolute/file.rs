@@ -3,6 +3,7 @@
 use super::blocks::AbsoluteError;
 use crate::output::{OutputError, write_file};
 use serde::{Deserialize, Serialize};
+use sinew_model::arm::PARAMETERS_PER_BODY;
 use sinew_model::offset::{Belief, Prior};
 use sinew_model::robot::Robot;
 use std::path::Path;
@@ -25,6 +26,10 @@ pub struct Baseline {
     pub joints: Vec<String>,
     /// Nominal stiffness the baseline was learned with, N·m/rad; 0 for rigid joints.
     pub stiffness_nm_per_rad: Vec<f64>,
+    /// Nominal inertial parameters it was learned with, ten per joint
+    /// ([`PARAMETERS_PER_BODY`](sinew_model::arm::PARAMETERS_PER_BODY)): what it holds are
+    /// differences from these.
+    pub inertial: Vec<f64>,
     /// Recordings it was learned from, the first right after tensioning.
     pub recordings: Vec<String>,
     /// Recordings from before the ropes were tensioned that it went on from (`--start`).
@@ -47,7 +52,7 @@ pub struct Baseline {
 
 impl Baseline {
     const FORMAT: &'static str = "sinew-baseline";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     pub(super) fn new(
         robot: &Robot,
@@ -66,6 +71,7 @@ impl Baseline {
             robot: robot.name.clone(),
             joints: robot.joint_names().to_vec(),
             stiffness_nm_per_rad: stiffness(robot),
+            inertial: robot.arm.inertial_parameters(),
             recordings,
             before: Vec::new(),
             end_time_ns,
@@ -144,7 +150,8 @@ impl Baseline {
     /// What is believed, if the file (`file`, for the message) belongs to `robot`.
     ///
     /// # Errors
-    /// [`AbsoluteError::Baseline`] when it is of another robot or stiffness.
+    /// [`AbsoluteError::Baseline`] when it is of another robot, or robot.toml or URDF say another
+    /// stiffness or mass than when it was learned.
     pub fn belief(
         &self,
         robot: &Robot,
@@ -170,6 +177,7 @@ impl Baseline {
                     .into(),
             ));
         }
+        self.same_masses(robot).map_err(wrong)?;
         let mut covariance = vec![0.0; d * d];
         let mut entries = self.covariance_lower.iter();
         for i in 0..d {
@@ -184,6 +192,39 @@ impl Baseline {
             covariance,
             temperature_c: self.temperature_c.unwrap_or(f64::NAN),
         })
+    }
+}
+
+impl Baseline {
+    /// Whether the URDF has the bodies it was learned with; what doesn't fit otherwise.
+    fn same_masses(&self, robot: &Robot) -> Result<(), String> {
+        /// Share of a body's parameters that reading and writing may change.
+        const SAME: f64 = 1e-9;
+        let now = robot.arm.inertial_parameters();
+        if self.inertial.len() != now.len() {
+            return Err("its bodies are not those of this robot".into());
+        }
+        let bodies = |all: &[f64]| -> Vec<Vec<f64>> {
+            let bodies = all.chunks_exact(PARAMETERS_PER_BODY);
+            bodies.map(<[f64]>::to_vec).collect()
+        };
+        let names = robot.joint_names().iter();
+        let pairs = bodies(&self.inertial).into_iter().zip(bodies(&now));
+        for (joint, (then, now)) in names.zip(pairs) {
+            let size = |x: &[f64]| x.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            let apart: Vec<f64> = then.iter().zip(&now).map(|(a, b)| a - b).collect();
+            if size(&apart) > SAME * size(&now) {
+                let what = if (then[0] - now[0]).abs() > SAME * now[0] {
+                    format!("{} kg there, now {} kg", then[0], now[0])
+                } else {
+                    format!("{} kg there, placed or spread otherwise now", now[0])
+                };
+                return Err(format!(
+                    "was learned with other masses in the URDF at what joint {joint} carries ({what}); learn it again"
+                ));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -27,6 +27,6 @@ pub use jumps::{Cause, Jumps, Why, quickness};
 pub use merge::{MergeOptions, Pooled, merge};
 pub use sinew_model::offset::Payload;
 pub use watch::{
-    WatchOptions, estimator, learn, learn_from, learn_recorded, learn_recorded_from, watch,
-    watch_recorded,
+    Learning, WatchOptions, estimator, learn, learn_from, learn_recorded, learn_recorded_from,
+    watch, watch_recorded,
 };

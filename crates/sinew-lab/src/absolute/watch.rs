@@ -34,6 +34,25 @@ impl Default for WatchOptions {
     }
 }
 
+/// How a baseline is learned.
+#[derive(Debug, Clone, Copy)]
+pub struct Learning<'a> {
+    /// What is known already, a baseline with its file's name: of this robot before it was
+    /// tensioned again, or of its type.
+    pub known: Option<(&'a Baseline, &'a str)>,
+    /// Whether a recorded motor torque is used.
+    pub motor_torque: bool,
+}
+
+impl Default for Learning<'_> {
+    fn default() -> Self {
+        Self {
+            known: None,
+            motor_torque: true,
+        }
+    }
+}
+
 /// Learns a baseline from a recording taken right after tensioning, the gripper empty.
 ///
 /// # Errors
@@ -43,23 +62,22 @@ pub fn learn(
     window: Window,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
-    learn_from(request, window, None, progress)
+    learn_from(request, window, &Learning::default(), progress)
 }
 
-/// [`learn`], going on from what is known already (a baseline with its file's name): of this robot
-/// before it was tensioned again, or of its type.
+/// [`learn`], as `learning` says.
 ///
 /// # Errors
 /// [`AbsoluteError`].
 pub fn learn_from(
     request: &Request,
     window: Window,
-    known: Option<(&Baseline, &str)>,
+    learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
     let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
     let file = request.log.display().to_string();
-    learn_recorded_from(&loaded.robot, &recorded, &file, known)
+    learn_recorded_from(&loaded.robot, &recorded, &file, learning)
 }
 
 /// [`learn`] from blocks; `name` of the recording for the answer and errors.
@@ -71,7 +89,7 @@ pub fn learn_recorded(
     recorded: &Recorded,
     name: &str,
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
-    learn_recorded_from(robot, recorded, name, None)
+    learn_recorded_from(robot, recorded, name, &Learning::default())
 }
 
 /// [`learn_from`] from blocks; `name` of the recording for the answer and errors.
@@ -82,11 +100,12 @@ pub fn learn_recorded_from(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
-    known: Option<(&Baseline, &str)>,
+    learning: &Learning<'_>,
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
+    let known = learning.known;
     let options = WatchOptions {
         payload: Payload::Empty,
-        ..WatchOptions::default()
+        motor_torque: learning.motor_torque,
     };
     let estimator = estimator(robot, &options);
     let prior = estimator.prior();

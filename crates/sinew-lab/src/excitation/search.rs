@@ -224,6 +224,7 @@ impl<'r> Search<'r> {
                 robot: robot.name.clone(),
                 joints: Vec::new(),
                 stiffness_nm_per_rad: Vec::new(),
+                inertial: Vec::new(),
                 recordings: Vec::new(),
                 end_time_ns: 0,
                 temperature_c: None,

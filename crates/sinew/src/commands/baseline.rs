@@ -38,6 +38,9 @@ pub(crate) struct Baseline {
     /// (sinew baseline merge)
     #[arg(long, value_name = "FILE")]
     start: Option<PathBuf>,
+    /// Leave a recorded motor torque out
+    #[arg(long)]
+    no_motor_torque: bool,
     #[command(flatten)]
     window: super::absolute::Part,
     #[command(flatten)]
@@ -82,8 +85,11 @@ impl Baseline {
         request.robot.clone_from(&self.robot);
         request.open = self.opening.options()?;
         let bar = Bar::new("learning", self.quiet);
-        let known = known.as_ref().map(|(b, file)| (b, file.as_str()));
-        let learned = absolute::learn_from(&request, window, known, &mut |at| {
+        let learning = absolute::Learning {
+            known: known.as_ref().map(|(b, file)| (b, file.as_str())),
+            motor_torque: !self.no_motor_torque,
+        };
+        let learned = absolute::learn_from(&request, window, &learning, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         });
         drop(bar);
