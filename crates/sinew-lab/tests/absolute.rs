@@ -4,22 +4,19 @@
 //! `SINEW_SEEDS=200 cargo test -p sinew-lab --test absolute -- --nocapture` prints the statistics
 //! of as many recordings; the ordinary run makes do with a few.
 
+mod support;
+
 use sinew_lab::absolute::{self, WatchOptions, Window};
 use sinew_lab::estimate::Request;
-use sinew_lab::robot_dir;
 use sinew_lab::simulate::{self, Scenario, SimulateOptions};
-use std::path::Path;
+use support::{biorob_like, biorob_like_folder, repository, seeds};
 
 #[test]
 fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let place = root.join("robots/biorob-like");
-    let robot = robot_dir::load(&place, None).unwrap().robot;
+    let (root, place) = (repository(), biorob_like_folder());
+    let robot = biorob_like();
     let text = std::fs::read_to_string(root.join("examples/scenarios/work-session.toml")).unwrap();
-    let seeds: u64 = std::env::var("SINEW_SEEDS")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(4);
+    let seeds = seeds(4);
     let folder = tempfile::tempdir().unwrap();
     // Shoulder pitch and elbow, the two with 10 mrad.
     let mut errors = [Vec::new(), Vec::new()];

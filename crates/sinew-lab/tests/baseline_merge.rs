@@ -1,14 +1,14 @@
 //! What several recordings learned, put together.
 
+mod support;
+
 use sinew_lab::absolute::{self, Baseline, MergeOptions, Recorded, Recorder, merge};
-use sinew_lab::robot_dir;
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_model::arm::BodyInertia;
 use sinew_model::offset::{
     Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
-use std::path::Path;
 
 const ROBOT: MergeOptions = MergeOptions {
     fleet: false,
@@ -18,11 +18,7 @@ const FLEET: MergeOptions = MergeOptions {
     fleet: true,
     scatter: 0.01,
 };
-
-fn robot() -> Robot {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    robot_dir::load(&place, None).unwrap().robot
-}
+use support::{biorob_like, repository};
 
 fn prior(robot: &Robot) -> Prior {
     absolute::estimator(robot, &absolute::WatchOptions::default())
@@ -124,7 +120,7 @@ fn apart(a: &Belief, b: &Belief) -> f64 {
 
 #[test]
 fn merging_is_estimating_from_both_together_in_any_order() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     for reference_c in [f64::NAN, 21.0] {
         let mut start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
@@ -159,7 +155,7 @@ fn merging_is_estimating_from_both_together_in_any_order() {
 
 #[test]
 fn a_common_start_counts_once_and_temperatures_are_brought_together() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     let mut start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     start.temperature_c = 20.0;
@@ -205,7 +201,7 @@ fn a_common_start_counts_once_and_temperatures_are_brought_together() {
 
 #[test]
 fn what_does_not_go_together_is_refused() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     let mut belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     belief.temperature_c = 20.0;
@@ -260,7 +256,7 @@ fn what_does_not_go_together_is_refused() {
 /// Minutes A and B of the example's work session for robot `robot_seed`, whose links are all as
 /// much heavier; `short`: A has three poses only.
 fn sessions(robot: &Robot, robot_seed: u64, seed: u64) -> ([Recorded; 2], Vec<f64>) {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let place = repository().join("examples/scenarios");
     let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
     let text = text
         .replace(
@@ -310,7 +306,7 @@ fn sessions(robot: &Robot, robot_seed: u64, seed: u64) -> ([Recorded; 2], Vec<f6
 
 #[test]
 fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     let ([first, _], _) = sessions(&robot, 5, 51);
     let ([second, _], _) = sessions(&robot, 5, 52);
@@ -341,7 +337,7 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
 
 #[test]
 fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     let files: Vec<(Baseline, String)> = (0..3)
         .map(|k| {
@@ -393,7 +389,7 @@ fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
 
 #[test]
 fn a_baseline_of_other_masses_or_stiffness_is_refused() {
-    let robot = robot();
+    let robot = biorob_like();
     let prior = prior(&robot);
     let belief = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let learned = baseline(&robot, &belief, &["a"], 0);

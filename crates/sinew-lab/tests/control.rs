@@ -1,15 +1,10 @@
 //! A stretched arm with and without correction, from scenario text to scores.
 
-use sinew_lab::control::{compare, noise_nm, run};
-use sinew_lab::robot_dir;
-use sinew_lab::simulate::{Scenario, SimulateError, Simulation};
-use sinew_model::robot::Robot;
-use std::path::Path;
+mod support;
 
-fn biorob_like() -> Robot {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    robot_dir::load(&folder, None).unwrap().robot
-}
+use sinew_lab::control::{compare, noise_nm, run};
+use sinew_lab::simulate::{Scenario, SimulateError, Simulation};
+use support::biorob_like;
 
 fn scenario(text: &str) -> Scenario {
     Scenario::from_toml(text, "control.toml").unwrap()

@@ -1,9 +1,12 @@
 //! How honest forecasts are: made data of known truth, the next decade of time.
 
+mod support;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_lab::creep::*;
+use support::seeds;
 
 const END_S: f64 = 5100.0;
 
@@ -78,13 +81,6 @@ impl Maker {
             .collect();
         Curve::constant_load("made", time, strain)
     }
-}
-
-fn seeds(default: u64) -> u64 {
-    std::env::var("SINEW_SEEDS")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(default)
 }
 
 /// What one record's fits and forecasts gave.

@@ -3,20 +3,16 @@
 //! `SINEW_SEEDS=30 cargo test -p sinew-lab --test excitation -- --nocapture` prints the statistics
 //! of as many simulated robots; the ordinary run makes do with a few.
 
+mod support;
+
 use sinew_lab::absolute::{self, Recorder, WatchOptions};
 use sinew_lab::excitation::{Options, Proposal, propose};
-use sinew_lab::robot_dir;
 use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::scenario::{Draw, Motion, Offset, OffsetKind, Shape};
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
-use std::path::Path;
-
-fn robot() -> Robot {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    robot_dir::load(&place, None).unwrap().robot
-}
+use support::{biorob_like, seeds};
 
 fn options(poses: usize) -> Options {
     Options {
@@ -36,7 +32,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 #[test]
 fn proposed_poses_are_within_limits_and_better_than_random_ones() {
-    let robot = robot();
+    let robot = biorob_like();
     let options = options(4);
     let proposal = propose(&robot, None, &options, &mut |_, _| {}).unwrap();
     assert_eq!(proposal.poses.len(), 4);
@@ -122,12 +118,9 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
 
 #[test]
 fn what_is_promised_is_what_simulated_robots_show() {
-    let robot = robot();
+    let robot = biorob_like();
     let proposal = propose(&robot, None, &options(6), &mut |_, _| {}).unwrap();
-    let seeds: u64 = std::env::var("SINEW_SEEDS")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(2);
+    let seeds = seeds(2);
     let (mut errors, mut intervals) = (Vec::new(), Vec::new());
     for seed in 0..seeds {
         for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {

@@ -1,30 +1,18 @@
 //! Absolute offsets on the independent simulator's recordings: session A of each teaches the
 //! baseline, B and C are watched.
 
+mod support;
+
 use sinew_lab::absolute::{self, WatchOptions, Window};
 use sinew_lab::estimate::Request;
-use std::path::{Path, PathBuf};
-
-fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("SINEW_SHARED")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| root.join("../shared"))
-        .join("data/offset_scenarios");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: no recordings at {}\n", folder.display()),
-    );
-    None
-}
+use std::path::PathBuf;
+use support::{biorob_like_folder, shared};
 
 #[test]
 fn offsets_since_the_baseline_lie_in_their_intervals() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = shared("data/offset_scenarios") else {
+        return;
+    };
     let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
         .unwrap()
         .map(|e| e.unwrap().path())
@@ -39,8 +27,7 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         .unwrap();
         let scenario = truth["scenario"].as_str().unwrap();
         let mut request = Request::new(file.clone());
-        request.robot =
-            Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like"));
+        request.robot = Some(biorob_like_folder());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
         let (baseline, _) = absolute::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
         let (watched, _) = absolute::watch(

@@ -3,29 +3,17 @@
 //! The offset of session B against session A of the same recording is judged only in S5: with an
 //! unknown payload (S6 on) this method is 40 mrad off, as the protocol's own table says.
 
-use sinew_lab::estimate::{self, Request};
-use std::path::{Path, PathBuf};
+mod support;
 
-fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("SINEW_SHARED")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| root.join("../shared"))
-        .join("data/offset_scenarios");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: no recordings at {}\n", folder.display()),
-    );
-    None
-}
+use sinew_lab::estimate::{self, Request};
+use std::path::PathBuf;
+use support::{biorob_like_folder, shared};
 
 #[test]
 fn scenario_recordings_open_as_they_are() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = shared("data/offset_scenarios") else {
+        return;
+    };
     let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
         .unwrap()
         .map(|e| e.unwrap().path())
@@ -35,8 +23,7 @@ fn scenario_recordings_open_as_they_are() {
     assert!(!files.is_empty());
     for file in files {
         let mut request = Request::new(file.clone());
-        request.robot =
-            Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like"));
+        request.robot = Some(biorob_like_folder());
         let estimate = estimate::run(&request, &mut |_| {})
             .unwrap_or_else(|e| panic!("{}: {e}", file.display()));
         assert_eq!(estimate.recording.format, "Parquet");

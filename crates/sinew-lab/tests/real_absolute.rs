@@ -9,10 +9,12 @@
 //! `SINEW_LONG=1 cargo test --release --workspace --test real_absolute -- --nocapture` prints the
 //! table of docs/absolute.md.
 
+mod support;
+
 use sinew_lab::absolute::{self, Absolute, Baseline, Payload, WatchOptions, Window};
 use sinew_lab::estimate::{Injection, Request};
 use sinew_log::Mapping;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const JOINTS: usize = 7;
 const MIDDLE_S: f64 = 12.5;
@@ -24,26 +26,7 @@ const SECOND: Window = Window {
     from_s: MIDDLE_S,
     to_s: f64::INFINITY,
 };
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// The shared folder beside the checkout, or `None` with a visible word.
-fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_SHARED")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| root().join("../shared"));
-    if folder.join("data").is_dir() {
-        return Some(folder);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: no shared data at {}\n", folder.display()),
-    );
-    None
-}
+use support::{repository, shared};
 
 /// The arm as described with `described` and `zero_mrad`, its springs in truth of `k_nm_per_rad`.
 struct Arm {
@@ -55,7 +38,7 @@ impl Arm {
     fn new(shared: &Path, k_nm_per_rad: f64, described: f64, zero_mrad: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let robot =
-            std::fs::read_to_string(root().join("examples/03-real-arm/robot.toml")).unwrap();
+            std::fs::read_to_string(repository().join("examples/03-real-arm/robot.toml")).unwrap();
         let stated = "stiffness_nm_per_rad = 200.0";
         assert_eq!(robot.matches(stated).count(), JOINTS);
         let robot = robot.replace(stated, &format!("stiffness_nm_per_rad = {described:?}"));
@@ -65,7 +48,7 @@ impl Arm {
         std::fs::write(folder.path().join("robot.toml"), robot).unwrap();
         let urdf = "kuka_lwr4_identified.urdf";
         std::fs::copy(shared.join("models").join(urdf), folder.path().join(urdf)).unwrap();
-        let place = root().join("examples/mappings/lwr4.toml");
+        let place = repository().join("examples/mappings/lwr4.toml");
         let mapping = std::fs::read_to_string(&place).unwrap();
         let scale = "scale = 0.005 }";
         assert_eq!(mapping.matches(scale).count(), JOINTS);
@@ -130,7 +113,7 @@ fn long() -> bool {
 
 #[test]
 fn added_offsets_lie_inside_their_interval() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = shared("") else { return };
     let added = if long() { &ADDED[..] } else { &ADDED[..2] };
     let (mut inside, mut all) = (0, 0);
     let halves = [
@@ -178,7 +161,7 @@ fn added_offsets_lie_inside_their_interval() {
 
 #[test]
 fn a_zero_believed_to_be_known_is_complained_of() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = shared("") else { return };
     let mut arm = Arm::new(&shared, 200.0, 200.0, 0.0);
     let baseline = arm.learn(FIRST);
     let said = arm.watch(SECOND, &baseline, [0.0; JOINTS]);

@@ -4,33 +4,15 @@
 //! `K` of 200 N·m/rad (`examples/mappings/lwr4.toml`); 0.01 rad is added at joints 2 and 4 from
 //! mid-recording. The observer doesn't see the torque: what it estimates rests on the masses.
 
+mod support;
+
 use sinew_lab::estimate::{self, Estimate, Injection, Request};
 use sinew_log::Mapping;
-use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// The shared folder beside the checkout, or `None` with a visible word.
-fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_SHARED")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| root().join("../shared"));
-    if folder.join("data").is_dir() {
-        return Some(folder);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: no shared data at {}\n", folder.display()),
-    );
-    None
-}
+use support::{repository, shared};
 
 fn lwr4(injections: Vec<Injection>) -> Option<Estimate> {
-    let shared = shared()?;
-    let example = root().join("examples/03-real-arm");
+    let shared = shared("")?;
+    let example = repository().join("examples/03-real-arm");
     let robot = tempfile::tempdir().unwrap();
     std::fs::copy(example.join("robot.toml"), robot.path().join("robot.toml")).unwrap();
     std::fs::copy(
@@ -39,7 +21,7 @@ fn lwr4(injections: Vec<Injection>) -> Option<Estimate> {
     )
     .unwrap();
     let mut request = Request::new(shared.join("data/lwr4_flobaroid/lwr4_hw_measurements_1.csv"));
-    let mapping = root().join("examples/mappings/lwr4.toml");
+    let mapping = repository().join("examples/mappings/lwr4.toml");
     request.open.mapping = Some(
         Mapping::from_toml(
             &std::fs::read_to_string(&mapping).unwrap(),

@@ -3,10 +3,13 @@
 //! `SINEW_SEEDS=10 cargo test --release --workspace --test recursive -- --nocapture` compares ten
 //! recordings of every scenario; the ordinary run one of two.
 
+mod support;
+
 use sinew_lab::absolute::{self, Payload, Recorded, Recorder, WatchOptions};
 use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::Simulation;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
+use support::asked_seeds;
 
 /// Sessions A and B and the true offsets at the end of B, mrad.
 fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
@@ -39,9 +42,7 @@ fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
 
 #[test]
 fn the_recursive_form_says_what_the_batch_says() {
-    let asked = std::env::var("SINEW_SEEDS")
-        .ok()
-        .and_then(|s| s.parse().ok());
+    let asked = asked_seeds();
     let (names, seeds): (&[&str], u64) = match asked {
         Some(seeds) => (&["S5", "S6", "S7", "S8", "S9"], seeds),
         None => (&["S5", "S7"], 1),

@@ -1,21 +1,17 @@
 //! A slip of the rope and one of an encoder are told apart by the moment they happen at.
 
+mod support;
+
 use sinew_lab::absolute::{self, Cause, Jumps, Recorder, WatchOptions, Why};
-use sinew_lab::robot_dir;
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
-use std::path::Path;
+use support::{biorob_like, repository, seeds};
 
 const PITCH: usize = 1;
 const ELBOW: usize = 2;
 /// An arm this quick follows 1.4 · 500 / 250² = 1 % of a slip within a sample of 250 Hz.
 const QUICKNESS: f64 = 500.0;
-
-fn robot() -> Robot {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    robot_dir::load(&place, None).unwrap().robot
-}
 
 /// One joint that swings, read by a 13-bit encoder and a finer one on the motor's side, with
 /// what `motor` and `joint` add at a time.
@@ -94,16 +90,10 @@ fn what_cannot_be_told_is_not_told() {
     assert_eq!(holed.cause(0, 50.0, [5e-3, 0.3e-3], QUICKNESS), Cause::Rope);
 }
 
-/// How many recordings are simulated: `SINEW_SEEDS`, or a few.
-fn seeds(ordinary: u64) -> u64 {
-    let asked = std::env::var("SINEW_SEEDS").ok();
-    asked.and_then(|s| s.parse().ok()).unwrap_or(ordinary)
-}
-
 /// The work session of the examples, sessions A and C, its two slips of `kind`; every `every`th
 /// frame is recorded.
 fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Absolute {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let place = repository().join("examples/scenarios");
     let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
     let (before, slips) = text.split_at(text.find("at_s = 130.0").unwrap() - 60);
     let slips = slips.replace("\"physical\"", &format!("\"{kind}\""));
@@ -135,7 +125,7 @@ fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Abso
 
 #[test]
 fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
-    let robot = robot();
+    let robot = biorob_like();
     for (kind, expected) in [
         ("physical", "rope"),
         ("motor-encoder", "motor encoder"),

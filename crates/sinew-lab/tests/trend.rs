@@ -1,42 +1,15 @@
 //! What a trend says of the records of sessions.
 
-use sinew_lab::robot_dir;
+mod support;
+
 use sinew_lab::rope::Catalogue;
 use sinew_lab::trend::{
-    SessionRecord, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s, html, prior, sort,
+    SessionRecord, Stated, TrendReport, TrendRequest, analyze, html, prior, sort,
 };
-use sinew_model::robot::Robot;
-use std::path::Path;
-
-const DAY_S: f64 = 86_400.0;
-
-fn robot() -> Robot {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    robot_dir::load(&place, None).unwrap().robot
-}
-
-fn utc(text: &str) -> f64 {
-    parse_utc_s(text).unwrap()
-}
-
-/// A session of the elbow, so many days after 2026-03-01.
-fn session(day: f64, offset_mrad: f64) -> SessionRecord {
-    SessionRecord {
-        source: format!("day {day}"),
-        robot: Some("biorob-like".into()),
-        recording: None,
-        baseline: Some("march".into()),
-        time_utc_s: utc("2026-03-01") + day * DAY_S,
-        duration_s: Some(60.0),
-        joint: "elbow".into(),
-        offset_mrad: Some([offset_mrad, 0.6]),
-        temperature_c: Some(21.0),
-        stiffness_percent: None,
-    }
-}
+use support::{DAY_S, biorob_like, session_record, utc};
 
 fn report(records: Vec<SessionRecord>, stated: Vec<Stated>) -> TrendReport {
-    let robot = robot();
+    let robot = biorob_like();
     let catalogue = Catalogue::shipped().unwrap();
     let request = TrendRequest {
         robot: Some(&robot),
@@ -69,7 +42,7 @@ fn a_tendon_that_creeps_over_its_limit_says_when() {
         (1..=days)
             .map(|d| {
                 let t = f64::from(d);
-                session(t, 2.2 * (24.0 * t).ln() + wobble(t))
+                session_record(t, 2.2 * (24.0 * t).ln() + wobble(t))
             })
             .collect()
     };
@@ -106,14 +79,14 @@ fn a_tendon_that_creeps_over_its_limit_says_when() {
 fn one_session_or_none_that_can_tell_says_unknown() {
     let nothing = |day: f64| SessionRecord {
         offset_mrad: None,
-        ..session(day, 0.0)
+        ..session_record(day, 0.0)
     };
     let said = report(vec![nothing(1.0), nothing(2.0)], vec![tensioned(0.0)]);
     let joint = &said.joints[0];
     assert_eq!(joint.limits[0].state, "unknown", "{:?}", joint.limits);
     assert_eq!((joint.sessions, joint.without_information), (2, 2));
     assert!(!said.attention);
-    let said = report(vec![session(1.0, 2.0)], Vec::new());
+    let said = report(vec![session_record(1.0, 2.0)], Vec::new());
     let joint = &said.joints[0];
     assert!(!joint.tensioned_stated);
     assert!(
@@ -135,7 +108,7 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
     let records: Vec<SessionRecord> = (1..=90)
         .map(|d| {
             let taken = if d > 45 { whole(45.0) } else { 0.0 };
-            session(day(d), whole(day(d)) - taken + wobble(day(d)))
+            session_record(day(d), whole(day(d)) - taken + wobble(day(d)))
         })
         .collect();
     for stated in [vec![tensioned(0.0), tensioned(45.5)], vec![tensioned(0.0)]] {
@@ -187,7 +160,7 @@ fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
             .map(|d| {
                 let t = f64::from(d);
                 let failed = d >= 40;
-                let mut r = session(
+                let mut r = session_record(
                     t,
                     (24.0 * t).ln() + if failed { 3.0 } else { 0.0 } + wobble(t),
                 );
@@ -208,7 +181,7 @@ fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
 
 #[test]
 fn curves_of_a_rope_are_those_of_its_law() {
-    let robot = robot();
+    let robot = biorob_like();
     let index = robot.arm.joint_index("elbow").unwrap();
     let tendon = robot.transmissions[index]
         .as_ref()

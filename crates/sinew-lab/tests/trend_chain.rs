@@ -1,15 +1,15 @@
 //! Sessions of a simulated year through the whole chain: recorded, estimated, kept, gone on with.
 
-use sinew_lab::robot_dir;
+mod support;
+
 use sinew_lab::rope::Catalogue;
 use sinew_lab::trend::year::chain::{ChainRequest, Session, SessionKind, statistics};
 use sinew_lab::trend::year::{RobotYear, YearError, YearRequest, run_chain};
-use std::path::Path;
+use support::biorob_like;
 
 /// Sessions of a robot whose tendons creep by their ropes' laws.
 fn lived(chain: &ChainRequest, days: usize) -> Result<Vec<(Vec<Session>, RobotYear)>, YearError> {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    let robot = robot_dir::load(&place, None).expect("a robot").robot;
+    let robot = biorob_like();
     let catalogue = Catalogue::shipped().expect("ropes");
     let request = YearRequest {
         robots: 1,

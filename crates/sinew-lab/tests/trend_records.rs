@@ -1,30 +1,9 @@
 //! Records of sessions from files: what is read, what is refused.
 
-use sinew_lab::trend::{
-    RecordError, SessionRecord, date::parse_utc_s, records_from_csv, records_from_json, sort,
-};
+mod support;
 
-const DAY_S: f64 = 86_400.0;
-
-fn utc(text: &str) -> f64 {
-    parse_utc_s(text).unwrap()
-}
-
-/// A session of the elbow, so many days after 2026-03-01.
-fn session(day: f64, offset_mrad: f64) -> SessionRecord {
-    SessionRecord {
-        source: format!("day {day}"),
-        robot: Some("biorob-like".into()),
-        recording: None,
-        baseline: Some("march".into()),
-        time_utc_s: utc("2026-03-01") + day * DAY_S,
-        duration_s: Some(60.0),
-        joint: "elbow".into(),
-        offset_mrad: Some([offset_mrad, 0.6]),
-        temperature_c: Some(21.0),
-        stiffness_percent: None,
-    }
-}
+use sinew_lab::trend::{RecordError, records_from_csv, records_from_json, sort};
+use support::{DAY_S, session_record, utc};
 
 #[test]
 fn csv_says_line_and_cure() {
@@ -122,16 +101,16 @@ fn what_estimate_prints_is_read() {
 
 #[test]
 fn records_are_put_in_order_and_freed_of_repeats() {
-    let mut late = session(3.0, 2.0);
+    let mut late = session_record(3.0, 2.0);
     late.source = "again".into();
-    let mut overlapping = session(2.0, 7.0);
+    let mut overlapping = session_record(2.0, 7.0);
     overlapping.time_utc_s += 30.0;
     let sorted = sort(
         vec![
-            session(3.0, 2.0),
-            session(2.0, 1.5),
+            session_record(3.0, 2.0),
+            session_record(2.0, 1.5),
             late,
-            session(1.0, 1.0),
+            session_record(1.0, 1.0),
             overlapping,
         ],
         None,
@@ -152,14 +131,22 @@ fn records_are_put_in_order_and_freed_of_repeats() {
         sorted.notes
     );
 
-    let conflict = sort(vec![session(1.0, 1.0), session(1.0, 2.0)], None).unwrap_err();
+    let conflict = sort(
+        vec![session_record(1.0, 1.0), session_record(1.0, 2.0)],
+        None,
+    )
+    .unwrap_err();
     assert!(conflict.to_string().contains("2026-03-02"), "{conflict}");
-    let mut other = session(2.0, 1.0);
+    let mut other = session_record(2.0, 1.0);
     other.robot = Some("other".into());
-    let error = sort(vec![session(1.0, 1.0), other], None).unwrap_err();
+    let error = sort(vec![session_record(1.0, 1.0), other], None).unwrap_err();
     assert!(matches!(error, RecordError::Robot { .. }), "{error}");
     let joints = ["wrist".to_string()];
-    let error = sort(vec![session(1.0, 1.0)], Some(("biorob-like", &joints))).unwrap_err();
+    let error = sort(
+        vec![session_record(1.0, 1.0)],
+        Some(("biorob-like", &joints)),
+    )
+    .unwrap_err();
     assert!(error.to_string().contains("'elbow'") && error.to_string().contains("wrist"));
     assert_eq!(sort(Vec::new(), None), Err(RecordError::Empty));
 }

@@ -3,19 +3,17 @@
 //! `SINEW_SEEDS=100 cargo test --release -p sinew-lab --test trend_year -- --nocapture` prints the
 //! figures of docs/trend.md; the ordinary run makes do with a few robots.
 
-use sinew_lab::robot_dir;
+mod support;
+
 use sinew_lab::rope::Catalogue;
 use sinew_lab::trend::year::{self, Forecaster, YearRequest};
-use std::path::Path;
+use support::{asked_seeds, biorob_like};
 
 #[test]
 fn failures_are_found_and_forecasts_cover() {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/biorob-like");
-    let robot = robot_dir::load(&place, None).unwrap().robot;
+    let robot = biorob_like();
     let catalogue = Catalogue::shipped().unwrap();
-    let seeds = std::env::var("SINEW_SEEDS")
-        .ok()
-        .and_then(|s| s.parse().ok());
+    let seeds = asked_seeds();
     let mut request = YearRequest {
         robots: seeds.unwrap_or(2),
         ..YearRequest::default()
