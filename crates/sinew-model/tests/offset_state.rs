@@ -351,6 +351,9 @@ fn a_bad_block_changes_nothing() {
     let mut nan = good[50].clone();
     nan.y_cube[0] = f64::NAN;
     assert!(filter.step(&nan).is_err());
+    let mut nan = good[50].clone();
+    nan.turned[0] = f64::INFINITY;
+    assert!(filter.step(&nan).is_err());
     let mut short = good[50].clone();
     short.phi.pop();
     assert!(filter.step(&short).is_err());

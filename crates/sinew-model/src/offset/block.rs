@@ -95,6 +95,45 @@ impl Block {
         self.q.len() == other.q.len() && lengths.all(|same| same)
     }
 
+    /// Whether everything is a number, but for a motor torque and a temperature that were not
+    /// recorded.
+    pub(super) fn is_finite(&self) -> bool {
+        let Self {
+            time_s,
+            q,
+            y,
+            y_slow,
+            y_square,
+            y_cube,
+            phi,
+            turned,
+            z,
+            z_unknown,
+            dq,
+            z_load,
+            encoder,
+            temperature_c: _,
+            motor_torque: _,
+            motor_acceleration,
+            motor_velocity,
+            motor_z,
+            motor_z_load,
+            motor_stood,
+        } = self;
+        let link = [
+            q, y, y_slow, y_square, y_cube, phi, turned, z, z_unknown, dq, z_load, encoder,
+        ];
+        let motor = [
+            motor_acceleration,
+            motor_velocity,
+            motor_z,
+            motor_z_load,
+            motor_stood,
+        ];
+        let mut values = link.into_iter().chain(motor).flatten();
+        time_s.is_finite() && values.all(|x| x.is_finite())
+    }
+
     /// Makes this the same as `other`, which must [`Block::fits`], without allocating.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;

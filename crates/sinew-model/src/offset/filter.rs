@@ -358,14 +358,16 @@ impl Filter {
                 break;
             };
             let information = weight / self.variance(&e);
-            let young = self.young.get_mut(slot);
-            let Some(before) = young.and_then(|y| y.information.get_mut(k)) else {
+            let young = self.young.get(slot);
+            let Some(before) = young.and_then(|y| y.information.get(k)).copied() else {
                 break;
             };
-            let more = information - *before;
-            if more.abs() > SAME * *before {
-                *before = information;
-                self.update(work, &e, more);
+            let more = information - before;
+            if more.abs() > SAME * before && self.update(work, &e, more) {
+                let young = self.young.get_mut(slot);
+                if let Some(inside) = young.and_then(|y| y.information.get_mut(k)) {
+                    *inside = information;
+                }
             }
         }
     }
@@ -420,8 +422,9 @@ impl Filter {
         }
     }
 
-    /// One scalar measurement of so much information, which may be less than nothing.
-    fn update(&mut self, work: &mut Work, e: &Equation, information: f64) {
+    /// One scalar measurement of so much information, which may be less than nothing; returns
+    /// whether it went in.
+    fn update(&mut self, work: &mut Work, e: &Equation, information: f64) -> bool {
         let d = self.belief.mean.len();
         let spread = self.spread(work, e);
         // The state has moved since the residual was taken.
@@ -436,7 +439,7 @@ impl Filter {
         const LEAST: f64 = 0.5;
         let left = 1.0 + information * spread;
         if !(left > LEAST && left.is_finite()) || information == 0.0 {
-            return;
+            return false;
         }
         let total = left / information;
         for (x, g) in self.belief.mean.iter_mut().zip(&work.gain) {
@@ -453,5 +456,6 @@ impl Filter {
                 *p -= scaled * h;
             }
         }
+        true
     }
 }

@@ -161,8 +161,7 @@ impl RecursiveOffsets {
         if !self.kept.get(slot).is_some_and(|k| k.block.fits(block)) {
             return Err(StepError::Length);
         }
-        let needed = [&block.y, &block.y_square, &block.y_cube, &block.phi];
-        if needed.into_iter().flatten().any(|x| !x.is_finite()) {
+        if !block.is_finite() {
             return Err(StepError::NotFinite);
         }
         let share = self.share_of_stand(block);
