@@ -406,3 +406,61 @@ fn a_push_is_left_out_in_the_end_even_where_nothing_was_known() {
         }
     }
 }
+
+#[test]
+fn from_one_recording_to_the_next_friction_is_believed_less_than_the_rest() {
+    let robot = pendulum("").unwrap();
+    let prior = prior(&robot);
+    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let d = prior.dimension();
+    let mut known = fresh.clone();
+    for x in &mut known.covariance {
+        *x *= 0.04;
+    }
+    let learned = known.clone();
+    prior.age(&mut known);
+    let grown = |p: JointParameter| {
+        let k = prior.place(0, p) * (d + 1);
+        (known.covariance[k] - learned.covariance[k]) / fresh.covariance[k]
+    };
+    for (parameter, share) in [
+        (JointParameter::Coulomb, 0.1),
+        (JointParameter::LoadFriction, 0.1),
+        (JointParameter::MotorCoulomb, 0.1),
+        (JointParameter::Compliance, 0.01),
+        (JointParameter::Stiffening, 0.01),
+        (JointParameter::Viscoelastic, 0.01),
+        (JointParameter::Offset, 0.0),
+        (JointParameter::Stuck, 0.0),
+        (JointParameter::Zero, 0.0),
+    ] {
+        let expected: f64 = share * share;
+        assert!((grown(parameter) - expected).abs() < 1e-12, "{parameter:?}");
+    }
+    // Never less sure than the data sheet.
+    let mut unknown = fresh.clone();
+    prior.age(&mut unknown);
+    assert_eq!(unknown.covariance, fresh.covariance);
+}
+
+#[test]
+fn a_joint_that_only_shakes_has_unknown_friction() {
+    let robot = pendulum("").unwrap();
+    let unknown = |travel_rad: f64| {
+        let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+        let mut last = 1.0;
+        for k in 0..2500 {
+            let t = f64::from(k) * 0.004;
+            let q = 0.4 + 0.5 * travel_rad * (4.0 * t).sin();
+            if features.step(0.004, &[q], &[q + 0.05], &[f64::NAN], f64::NAN) == Ok(true) {
+                last = features.block().z_unknown[0];
+            }
+        }
+        last
+    };
+    // Quantisation makes a standing joint seem to move by a step of its encoder, 0.8 mrad, or two.
+    assert!(unknown(0.0) > 0.999, "{}", unknown(0.0));
+    let shaken = unknown(2e-3);
+    assert!((shaken - 0.9).abs() < 0.02, "{shaken}");
+    assert!(unknown(0.03) < 1e-6, "{}", unknown(0.03));
+}
