@@ -392,7 +392,7 @@ fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f6
 fn a_push_is_left_out_in_the_end_even_where_nothing_was_known() {
     let calm = blocks(&pendulum("").unwrap().arm, PLAIN);
     for first in [0, 3, 8, 15, 25, 60, 150] {
-        for (length, moved_most) in [(3, 0.05), (6, 0.05), (12, 0.3), (25, 1.0)] {
+        for (length, moved_most) in [(3, 0.05), (6, 0.1), (12, 0.2), (25, 0.5)] {
             for pushed_mrad in [-200.0, -50.0, -20.0, 20.0, 50.0, 200.0] {
                 let [moved, deviation] =
                     moved_by_push(&calm, first..first + length, 1e-3 * pushed_mrad);
@@ -400,7 +400,8 @@ fn a_push_is_left_out_in_the_end_even_where_nothing_was_known() {
                     "{length} blocks from {first} pushed by {pushed_mrad} mrad: {moved:.3}, {deviation:.3}"
                 );
                 println!("{said}");
-                assert!(moved < moved_most, "{said}");
+                // A wider answer may be further off.
+                assert!(moved < moved_most * deviation, "{said}");
                 assert!(deviation < 5.0, "{said}");
             }
         }

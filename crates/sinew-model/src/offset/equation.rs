@@ -51,6 +51,11 @@ impl Equations {
         }
     }
 
+    /// Row of an equation: places in the state and their values.
+    pub(super) fn row(&self, e: &Equation) -> &[(usize, f64)] {
+        self.rows.get(e.from..e.to).unwrap_or_default()
+    }
+
     /// The next entry of the row at work. Never allocates.
     fn push(&mut self, place: usize, value: f64) {
         debug_assert!(self.rows.len() < self.rows.capacity(), "rows are too short");

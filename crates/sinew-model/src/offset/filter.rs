@@ -12,8 +12,11 @@ pub(super) struct Work {
     equations: Equations,
     /// State the equations were linearised around.
     origin: Vec<f64>,
-    /// `P hᵀ` of the equation at work.
-    gain: Vec<f64>,
+    /// `P hᵀ` of the equations at work, a row each.
+    gains: Vec<f64>,
+    /// What each adds to the information over `1 + information h P hᵀ`: `P` falls by
+    /// `Σ taken P hᵀ h P`. 0: it did not go in.
+    taken: Vec<f64>,
 }
 
 impl Work {
@@ -22,7 +25,8 @@ impl Work {
         Self {
             equations: Equations::new(prior, &[]),
             origin: alloc::vec![0.0; d],
-            gain: alloc::vec![0.0; d],
+            gains: alloc::vec![0.0; 2 * prior.joints() * d],
+            taken: alloc::vec![0.0; 2 * prior.joints()],
         }
     }
 }
@@ -138,6 +142,20 @@ fn redescending(chi: f64, scale: f64) -> f64 {
     w * w
 }
 
+/// Whether information is worth changing.
+fn differs(now: f64, before: f64) -> bool {
+    const SAME: f64 = 0.1;
+    (now - before).abs() > SAME * before
+}
+
+/// `h g` of a row and a column.
+fn dot(row: &[(usize, f64)], column: &[f64]) -> f64 {
+    let parts = row
+        .iter()
+        .map(|&(i, value)| value * column.get(i).copied().unwrap_or_default());
+    parts.sum()
+}
+
 /// Equations of `block` around the state `around`.
 fn linearise(
     estimator: &MapEstimator,
@@ -221,6 +239,11 @@ impl Filter {
         self.trust > 0.5
     }
 
+    /// Whether hardly a block counted for some six seconds.
+    pub(super) fn is_doubted(&self) -> bool {
+        self.trust < 0.25
+    }
+
     fn scale(&self) -> f64 {
         (WIDE * libm::exp(-self.blocks / FALL)).max(SCALE)
     }
@@ -236,14 +259,13 @@ impl Filter {
         linearise(estimator, work, block, &self.belief, &self.belief.mean);
         let (scale, settled) = (self.scale(), self.is_settled());
         self.blocks += 1.0;
+        self.project(work);
         let mut chi = 0.0;
-        for k in 0..work.equations.list.len() {
-            let Some(e) = work.equations.list.get(k).copied() else {
-                break;
-            };
-            let spread = self.spread(work, &e) + self.variance(&e);
+        let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
+        for (e, gain) in work.equations.list.iter().zip(gains) {
+            let spread = dot(work.equations.row(e), gain) + self.variance(e);
             chi += e.residual * e.residual / spread;
-            self.follow_noise(estimator, &e, spread);
+            self.follow_noise(estimator, e, spread);
         }
         let chi = chi / work.equations.list.len().max(1) as f64;
         self.put_in_first(work, (redescending(chi, scale), share), slot);
@@ -270,6 +292,9 @@ impl Filter {
             }
         }
         self.blocks += 1.0;
+        if share > 0.0 {
+            self.project(work);
+        }
         self.put_in_first(work, (redescending(chi, scale), share), slot);
         self.support += self.weight * share * estimator.inflation();
     }
@@ -345,28 +370,115 @@ impl Filter {
             return;
         }
         linearise(estimator, work, block, &self.belief, &self.belief.mean);
-        let weight = redescending(self.chi(work), SCALE);
-        self.put_in(work, slot, weight * share);
+        let weight = redescending(self.chi(work), SCALE) * share;
+        let young = self.young.get(slot);
+        let inside = young.map(|y| y.information.as_slice()).unwrap_or_default();
+        let mut pairs = work.equations.list.iter().zip(inside);
+        if pairs.any(|(e, before)| differs(weight / self.variance(e), *before)) {
+            self.project(work);
+            self.put_in(work, slot, weight);
+        }
     }
 
-    /// Equations at work go in with `weight`, less what they went in with before.
+    /// Equations at work, projected, go in with `weight`, less what they went in with before: one
+    /// scalar measurement after the other, whose information may be less than nothing. `P` is
+    /// written once, after the last.
     fn put_in(&mut self, work: &mut Work, slot: usize, weight: f64) {
-        /// Changes of the information below this share are left.
-        const SAME: f64 = 0.02;
-        for k in 0..work.equations.list.len() {
-            let Some(e) = work.equations.list.get(k).copied() else {
-                break;
-            };
-            let information = weight / self.variance(&e);
+        /// Nothing can take back more than is known.
+        const LEAST: f64 = 0.5;
+        let d = self.belief.mean.len().max(1);
+        work.taken.fill(0.0);
+        let Work {
+            equations,
+            origin,
+            gains,
+            taken,
+        } = work;
+        for (k, e) in equations.list.iter().enumerate() {
+            let information = weight / self.variance(e);
             let young = self.young.get(slot);
             let Some(before) = young.and_then(|y| y.information.get(k)).copied() else {
                 break;
             };
+            let (Some((done, open)), Some((taken, open_taken))) = (
+                gains.split_at_mut_checked(k * d),
+                taken.split_at_mut_checked(k),
+            ) else {
+                break;
+            };
+            let (Some(gain), Some(own)) = (open.get_mut(..d), open_taken.first_mut()) else {
+                break;
+            };
+            if !differs(information, before) {
+                continue;
+            }
+            // What those before it have taken off `P`, and moved.
+            let row = equations.row(e);
+            for (gain_before, taken) in done.chunks_exact(d).zip(taken.iter()) {
+                if *taken != 0.0 {
+                    let share = taken * dot(row, gain_before);
+                    for (g, before) in gain.iter_mut().zip(gain_before) {
+                        *g -= share * before;
+                    }
+                }
+            }
+            let mut residual = e.residual;
+            for &(i, value) in row {
+                let now = self.belief.mean.get(i).copied().unwrap_or_default();
+                let then = origin.get(i).copied().unwrap_or_default();
+                residual -= value * (now - then);
+            }
             let more = information - before;
-            if more.abs() > SAME * before && self.update(work, &e, more) {
-                let young = self.young.get_mut(slot);
-                if let Some(inside) = young.and_then(|y| y.information.get_mut(k)) {
-                    *inside = information;
+            let left = 1.0 + more * dot(row, gain);
+            if !(left > LEAST && left.is_finite()) {
+                continue;
+            }
+            *own = more / left;
+            for (x, g) in self.belief.mean.iter_mut().zip(gain.iter()) {
+                *x += g * residual * *own;
+            }
+            let young = self.young.get_mut(slot);
+            if let Some(inside) = young.and_then(|y| y.information.get_mut(k)) {
+                *inside = information;
+            }
+        }
+        self.take_off(gains, taken);
+    }
+
+    /// `P ← P − Σ taken P hᵀ h P`, four at a time: a row of `P` is read and written once for four.
+    fn take_off(&mut self, gains: &[f64], taken: &[f64]) {
+        const FOUR: usize = 4;
+        let d = self.belief.mean.len().max(1);
+        let fours = gains.chunks_exact(FOUR * d).zip(taken.chunks_exact(FOUR));
+        for (gains, taken) in fours {
+            let (Some((g0, gains)), [t0, t1, t2, t3]) = (gains.split_at_checked(d), taken) else {
+                return;
+            };
+            let Some((g1, gains)) = gains.split_at_checked(d) else {
+                return;
+            };
+            let Some((g2, g3)) = gains.split_at_checked(d) else {
+                return;
+            };
+            let rows = self.belief.covariance.chunks_exact_mut(d);
+            let own = g0.iter().zip(g1).zip(g2.iter().zip(g3));
+            for (line, ((a0, a1), (a2, a3))) in rows.zip(own) {
+                let (a0, a1, a2, a3) = (a0 * t0, a1 * t1, a2 * t2, a3 * t3);
+                let columns = g0.iter().zip(g1).zip(g2.iter().zip(g3));
+                for (p, ((g0, g1), (g2, g3))) in line.iter_mut().zip(columns) {
+                    *p -= (a0 * g0 + a1 * g1) + (a2 * g2 + a3 * g3);
+                }
+            }
+        }
+        let left = FOUR * (taken.len() / FOUR);
+        let gains = gains.get(left * d..).unwrap_or_default().chunks_exact(d);
+        let left = gains.zip(taken.get(left..).unwrap_or_default());
+        for (gain, taken) in left {
+            let rows = self.belief.covariance.chunks_exact_mut(d);
+            for (line, own) in rows.zip(gain) {
+                let scaled = own * taken;
+                for (p, g) in line.iter_mut().zip(gain) {
+                    *p -= scaled * g;
                 }
             }
         }
@@ -382,20 +494,19 @@ impl Filter {
         noise * noise + e.unsure * e.unsure
     }
 
-    /// `P hᵀ` into `gain`; returns `h P hᵀ`.
-    fn spread(&self, work: &mut Work, e: &Equation) -> f64 {
-        let d = self.belief.mean.len();
-        work.gain.fill(0.0);
-        let row = work.equations.rows.get(e.from..e.to).unwrap_or_default();
-        for &(i, value) in row {
-            let line = self.belief.covariance.get(i * d..(i + 1) * d);
-            for (g, p) in work.gain.iter_mut().zip(line.unwrap_or_default()) {
-                *g += value * p;
+    /// `P hᵀ` of the equations at work.
+    fn project(&self, work: &mut Work) {
+        let d = self.belief.mean.len().max(1);
+        let gains = work.gains.chunks_exact_mut(d);
+        for (e, gain) in work.equations.list.iter().zip(gains) {
+            gain.fill(0.0);
+            for &(i, value) in work.equations.row(e) {
+                let line = self.belief.covariance.get(i * d..(i + 1) * d);
+                for (g, p) in gain.iter_mut().zip(line.unwrap_or_default()) {
+                    *g += value * p;
+                }
             }
         }
-        row.iter()
-            .map(|&(i, value)| value * work.gain.get(i).copied().unwrap_or_default())
-            .sum()
     }
 
     /// The noise moves towards the median of the innovations that are mostly noise.
@@ -420,42 +531,5 @@ impl Filter {
             let factor = if above { 1.0 + step } else { 1.0 - step };
             *noise = (*noise * factor).max(floor);
         }
-    }
-
-    /// One scalar measurement of so much information, which may be less than nothing; returns
-    /// whether it went in.
-    fn update(&mut self, work: &mut Work, e: &Equation, information: f64) -> bool {
-        let d = self.belief.mean.len();
-        let spread = self.spread(work, e);
-        // The state has moved since the residual was taken.
-        let mut residual = e.residual;
-        let row = work.equations.rows.get(e.from..e.to).unwrap_or_default();
-        for &(i, value) in row {
-            let now = self.belief.mean.get(i).copied().unwrap_or_default();
-            let then = work.origin.get(i).copied().unwrap_or_default();
-            residual -= value * (now - then);
-        }
-        // Nothing can take back more than is known.
-        const LEAST: f64 = 0.5;
-        let left = 1.0 + information * spread;
-        if !(left > LEAST && left.is_finite()) || information == 0.0 {
-            return false;
-        }
-        let total = left / information;
-        for (x, g) in self.belief.mean.iter_mut().zip(&work.gain) {
-            *x += g * residual / total;
-        }
-        for (line, g) in self
-            .belief
-            .covariance
-            .chunks_exact_mut(d.max(1))
-            .zip(&work.gain)
-        {
-            let scaled = g / total;
-            for (p, h) in line.iter_mut().zip(&work.gain) {
-                *p -= scaled * h;
-            }
-        }
-        true
     }
 }

@@ -31,10 +31,10 @@ use alloc::vec::Vec;
 ///
 /// What comes first is believed, because nothing speaks against it: an arm that is leant on while
 /// the filter starts would have every later block left out. So a second filter goes over the first
-/// 25 blocks, then over the first 75, seven times from the first belief, each time with weights from
-/// the time before and a smaller `c`, as the batch form does; then takes what came since, and the
-/// first one's place where it explains all blocks better. It also goes over the last 75 blocks whenever most blocks are left out, and
-/// takes the first one's place once more blocks agree with it.
+/// 75 blocks seven times from the first belief, each time with weights from the time before and a
+/// smaller `c`, as the batch form does; then takes what came since, and the
+/// first one's place where it explains all blocks better. It also goes over the last 75 blocks when hardly a block counts for some
+/// six seconds, and takes the first one's place once more blocks agree with it.
 ///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
@@ -92,6 +92,8 @@ const AGAIN: [usize; 2] = [STRETCH, KEPT - 1];
 /// Scales of the weight, in standard deviations, with which the second filter goes over its
 /// blocks.
 const SCALES: [f64; 7] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0];
+/// Passes over every other block only.
+const COARSE: usize = 5;
 /// Passes after which the residuals show the noise.
 const NOISE_SEEN: usize = 2;
 
@@ -188,8 +190,8 @@ impl RecursiveOffsets {
         const AT_ONCE: usize = 10;
         match self.stage {
             Stage::Rests => {
-                let opening = self.taken == STRETCH / 3 || self.taken == STRETCH;
-                let doubted = self.taken > STRETCH && !self.believed.is_trusted();
+                let opening = self.taken == STRETCH;
+                let doubted = self.taken > STRETCH && self.believed.is_doubted();
                 if opening || doubted {
                     self.rival.restart(&self.start, &self.start_noise);
                     let from = self.taken.saturating_sub(STRETCH);
@@ -238,8 +240,8 @@ impl RecursiveOffsets {
                 slot,
                 scale,
             );
-            at += 1;
-            if at == to {
+            at += if pass < COARSE { 2 } else { 1 };
+            if at >= to {
                 pass += 1;
                 if pass > NOISE_SEEN {
                     self.rival.find_noise(&self.estimator);
