@@ -4,6 +4,7 @@ use super::block::{Block, copy};
 use super::equation::{Equation, Equations, Side};
 use super::map::MapEstimator;
 use super::prior::{Belief, Prior};
+use super::sizes::Sizes;
 use alloc::vec::Vec;
 
 /// What a step writes to besides the filter.
@@ -48,68 +49,6 @@ pub(super) struct Filter {
     /// Belief at the end of the pass before.
     reference: Vec<f64>,
     residuals: Sizes,
-}
-
-/// Sizes of the residuals of a pass, smallest first.
-#[derive(Debug, Clone)]
-struct Sizes {
-    /// Link equations of all joints, then motor equations.
-    of: [Vec<Sorted>; 2],
-}
-
-/// The smallest of the numbers it was given, ascending.
-#[derive(Debug, Clone)]
-struct Sorted {
-    sizes: Vec<f64>,
-    count: usize,
-}
-
-impl Sizes {
-    fn new(joints: usize, most: usize) -> Self {
-        let none = Sorted {
-            sizes: alloc::vec![f64::INFINITY; most],
-            count: 0,
-        };
-        Self {
-            of: [alloc::vec![none.clone(); joints], alloc::vec![none; joints]],
-        }
-    }
-
-    fn forget(&mut self) {
-        for sorted in self.of.iter_mut().flatten() {
-            sorted.sizes.fill(f64::INFINITY);
-            sorted.count = 0;
-        }
-    }
-
-    fn keep(&mut self, e: &Equation) {
-        let [link, motor] = &mut self.of;
-        let sorted = match e.side {
-            Side::Link => link.get_mut(e.joint),
-            Side::Motor => motor.get_mut(e.joint),
-        };
-        if let Some(sorted) = sorted {
-            let mut size = e.residual.abs();
-            sorted.count += 1;
-            for slot in sorted.sizes.iter_mut().take(sorted.count) {
-                if size < *slot {
-                    core::mem::swap(slot, &mut size);
-                }
-            }
-        }
-    }
-
-    /// 1.4826 times the median size; `None` of too few.
-    fn noise(&self, joint: usize, side: Side) -> Option<f64> {
-        const FEW: usize = 10;
-        let [link, motor] = &self.of;
-        let sorted = match side {
-            Side::Link => link.get(joint),
-            Side::Motor => motor.get(joint),
-        }?;
-        let median = *sorted.sizes.get(sorted.count / 2)?;
-        (sorted.count >= FEW && median.is_finite()).then_some(1.4826 * median)
-    }
 }
 
 /// Least noise of an equation, rad or N·m.

@@ -16,6 +16,7 @@ mod payload;
 mod prior;
 mod recursive;
 mod score;
+mod sizes;
 mod solve;
 
 pub use block::Block;

@@ -1,0 +1,66 @@
+//! Robust noise of equations without an allocation.
+
+use super::equation::{Equation, Side};
+use alloc::vec::Vec;
+
+/// Sizes of the residuals of a pass, smallest first.
+#[derive(Debug, Clone)]
+pub(super) struct Sizes {
+    /// Link equations of all joints, then motor equations.
+    of: [Vec<Sorted>; 2],
+}
+
+/// The smallest of the numbers it was given, ascending.
+#[derive(Debug, Clone)]
+struct Sorted {
+    sizes: Vec<f64>,
+    count: usize,
+}
+
+impl Sizes {
+    pub(super) fn new(joints: usize, most: usize) -> Self {
+        let none = Sorted {
+            sizes: alloc::vec![f64::INFINITY; most],
+            count: 0,
+        };
+        Self {
+            of: [alloc::vec![none.clone(); joints], alloc::vec![none; joints]],
+        }
+    }
+
+    pub(super) fn forget(&mut self) {
+        for sorted in self.of.iter_mut().flatten() {
+            sorted.sizes.fill(f64::INFINITY);
+            sorted.count = 0;
+        }
+    }
+
+    pub(super) fn keep(&mut self, e: &Equation) {
+        let [link, motor] = &mut self.of;
+        let sorted = match e.side {
+            Side::Link => link.get_mut(e.joint),
+            Side::Motor => motor.get_mut(e.joint),
+        };
+        if let Some(sorted) = sorted {
+            let mut size = e.residual.abs();
+            sorted.count += 1;
+            for slot in sorted.sizes.iter_mut().take(sorted.count) {
+                if size < *slot {
+                    core::mem::swap(slot, &mut size);
+                }
+            }
+        }
+    }
+
+    /// 1.4826 times the median size; `None` of too few.
+    pub(super) fn noise(&self, joint: usize, side: Side) -> Option<f64> {
+        const FEW: usize = 10;
+        let [link, motor] = &self.of;
+        let sorted = match side {
+            Side::Link => link.get(joint),
+            Side::Motor => motor.get(joint),
+        }?;
+        let median = *sorted.sizes.get(sorted.count / 2)?;
+        (sorted.count >= FEW && median.is_finite()).then_some(1.4826 * median)
+    }
+}
