@@ -236,6 +236,21 @@ fn features_and_the_recursive_estimate_allocate_nothing() {
     });
     assert!(blocks > 20, "{blocks}");
     assert_eq!(count, 0, "{blocks} blocks made {count} allocator calls");
+    // Long enough for the second filter to go over the first blocks, and over those of a push.
+    let mut block = features.block().clone();
+    let calm = block.clone();
+    let count = allocations(|| {
+        for k in 0..800 {
+            motion(13 * k, &mut block.q, &mut dq);
+            let pushed = if (300..400).contains(&k) { 0.2 } else { 0.0 };
+            for (y, calm) in block.y.iter_mut().zip(&calm.y) {
+                *y = calm + pushed + 1e-4 * (0.7 * k as f64).sin();
+            }
+            filter.step(&block).unwrap();
+        }
+    });
+    assert_eq!(count, 0, "{count} allocator calls");
+    assert!(filter.offset(0).iter().all(|x| x.is_finite()));
 }
 
 #[test]
