@@ -9,6 +9,7 @@ use sinew_model::offset::{
     Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
+use support::{biorob_like, repository};
 
 const ROBOT: MergeOptions = MergeOptions {
     fleet: false,
@@ -18,7 +19,6 @@ const FLEET: MergeOptions = MergeOptions {
     fleet: true,
     scatter: 0.01,
 };
-use support::{biorob_like, repository};
 
 fn prior(robot: &Robot) -> Prior {
     absolute::estimator(robot, &absolute::WatchOptions::default())

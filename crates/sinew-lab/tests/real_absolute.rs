@@ -15,6 +15,7 @@ use sinew_lab::absolute::{self, Absolute, Baseline, Payload, WatchOptions, Windo
 use sinew_lab::estimate::{Injection, Request};
 use sinew_log::Mapping;
 use std::path::Path;
+use support::{repository, shared};
 
 const JOINTS: usize = 7;
 const MIDDLE_S: f64 = 12.5;
@@ -26,7 +27,6 @@ const SECOND: Window = Window {
     from_s: MIDDLE_S,
     to_s: f64::INFINITY,
 };
-use support::{repository, shared};
 
 /// The arm as described with `described` and `zero_mrad`, its springs in truth of `k_nm_per_rad`.
 struct Arm {
@@ -113,7 +113,9 @@ fn long() -> bool {
 
 #[test]
 fn added_offsets_lie_inside_their_interval() {
-    let Some(shared) = shared("") else { return };
+    let Some(shared) = shared("data").map(|data| data.join("..")) else {
+        return;
+    };
     let added = if long() { &ADDED[..] } else { &ADDED[..2] };
     let (mut inside, mut all) = (0, 0);
     let halves = [
@@ -161,7 +163,9 @@ fn added_offsets_lie_inside_their_interval() {
 
 #[test]
 fn a_zero_believed_to_be_known_is_complained_of() {
-    let Some(shared) = shared("") else { return };
+    let Some(shared) = shared("data").map(|data| data.join("..")) else {
+        return;
+    };
     let mut arm = Arm::new(&shared, 200.0, 200.0, 0.0);
     let baseline = arm.learn(FIRST);
     let said = arm.watch(SECOND, &baseline, [0.0; JOINTS]);

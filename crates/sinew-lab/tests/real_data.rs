@@ -11,7 +11,7 @@ use sinew_log::Mapping;
 use support::{repository, shared};
 
 fn lwr4(injections: Vec<Injection>) -> Option<Estimate> {
-    let shared = shared("")?;
+    let shared = shared("data")?.join("..");
     let example = repository().join("examples/03-real-arm");
     let robot = tempfile::tempdir().unwrap();
     std::fs::copy(example.join("robot.toml"), robot.path().join("robot.toml")).unwrap();

@@ -193,9 +193,7 @@ impl Baseline {
             temperature_c: self.temperature_c.unwrap_or(f64::NAN),
         })
     }
-}
 
-impl Baseline {
     /// Whether the URDF has the bodies it was learned with; what doesn't fit otherwise.
     fn same_masses(&self, robot: &Robot) -> Result<(), String> {
         /// Share of a body's parameters that reading and writing may change.
