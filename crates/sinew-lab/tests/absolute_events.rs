@@ -185,6 +185,56 @@ fn a_rope_that_goes_on_stretching_widens_the_interval_and_is_named() {
 }
 
 #[test]
+fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
+    let robot = biorob_like();
+    let (mut inside, mut all, mut warned) = (0, 0, 0);
+    let (mut squares, mut others_mrad) = (0.0, 0.0);
+    let seeds = seeds(4);
+    for seed in 0..seeds {
+        let weaker = |text: String| {
+            no_contact(text)
+                .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.0")
+                .replace(
+                    "[truth]\n",
+                    "[truth]\nstiffness_later_factor = { shoulder_pitch = 0.97 }\nstiffness_later_from_s = 60.0\n",
+                )
+        };
+        let (parts, truth) = session(&robot, 40 + seed, weaker, &[60.0, 120.0]);
+        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let options = WatchOptions {
+            payload: Payload::Empty,
+            ..WatchOptions::default()
+        };
+        let since = Some((&baseline, "A"));
+        let (said, _) = absolute::watch_recorded(&robot, &parts[1], "B", since, &options).unwrap();
+        for i in [PITCH, ELBOW] {
+            let joint = &said.joints[i];
+            let (error, half) = (joint.offset_mrad - truth[i], joint.interval_95_mrad);
+            println!("seed {seed} {}: {error:+.2} ± {half:.2}", joint.name);
+            all += 1;
+            inside += usize::from(error.abs() < half);
+            squares += (error / half).powi(2);
+        }
+        others_mrad += said.joints[ELBOW].interval_95_mrad;
+        let about = |w: &&String| w.starts_with("shoulder_pitch: stiffness");
+        warned += u64::from(said.warnings.iter().any(|w| about(&w)));
+        println!("{:?}", said.warnings);
+    }
+    let (rms, others_mrad) = (f64::sqrt(squares / all as f64), others_mrad / seeds as f64);
+    println!("{inside} of {all} inside, {rms:.2} of it, {warned} warned, ± {others_mrad:.2}");
+    // With the stiffness of before, the shoulder is 1.5 to 2.3 mrad off and believes in ± 0.2 to 0.4.
+    assert!(
+        8 * inside >= 7 * all && rms < 0.8,
+        "{inside} of {all}, {rms}"
+    );
+    assert!(4 * warned >= 3 * seeds, "{warned}");
+    assert!(
+        others_mrad < 0.7,
+        "the elbow has lost nothing: {others_mrad}"
+    );
+}
+
+#[test]
 fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     let robot = biorob_like();
     let options = WatchOptions::default();

@@ -120,7 +120,7 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
 fn what_is_promised_is_what_simulated_robots_show() {
     let robot = biorob_like();
     let proposal = propose(&robot, None, &options(6), &mut |_, _| {}).unwrap();
-    let seeds = seeds(2);
+    let seeds = seeds(6);
     let (mut errors, mut intervals) = (Vec::new(), Vec::new());
     for seed in 0..seeds {
         for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {
@@ -139,6 +139,6 @@ fn what_is_promised_is_what_simulated_robots_show() {
         "{seeds} robots: 1.96 RMSE and interval over the interval expected: {error:.2}, {interval:.2}"
     );
     assert!((1.0 / 1.5..1.5).contains(&interval), "{interval}");
-    // 0.95 over thirty robots it wasn't fitted on; of a few the RMSE scatters by a quarter.
+    // 0.98 over thirty robots it wasn't fitted on; of a few the RMSE scatters by a quarter.
     assert!(error < 1.6, "{error}");
 }

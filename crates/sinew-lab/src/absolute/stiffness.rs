@@ -10,6 +10,9 @@ use sinew_model::robot::Robot;
 /// A change of stiffness since before the recording is stated from so many standard deviations on,
 /// and suspected from 95 % on: it is opened on suspicion, at every joint.
 const SURE: f64 = 4.0;
+/// A change of stiffness that is no surer than this isn't worth a word: a tenth is what is believed
+/// before the data is seen.
+const LIKELY: f64 = 0.3;
 
 /// Whether a change of stiffness came with a slip.
 pub(super) fn with_slip(map: &MapEstimate, k: usize) -> bool {
@@ -54,6 +57,13 @@ pub(super) fn suspected(
     let mut out = Vec::new();
     for (from, map) in &watched.stretches {
         let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
+        let likely = map.stiffness_changed.iter().enumerate();
+        for (joint, probability) in likely.filter(|(_, p)| **p > LIKELY) {
+            let name = &robot.joint_names()[joint];
+            out.push(format!(
+                "{name}: stiffness may have changed since what was known before this recording (probability {probability:.2}): the interval holds both"
+            ));
+        }
         for (k, change) in map.changes.iter().enumerate() {
             let What::Compliance(joint) = change.what else {
                 continue;

@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
+use super::mixture::{self, Odds};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::score::{Candidate, Weighing};
 use super::solve::{Problem, Solution};
@@ -43,6 +44,8 @@ pub struct Seek {
 const STRAND: f64 = 0.05;
 /// The same for all that failed between two recordings.
 const STRANDS: f64 = 0.1;
+/// Odds that a joint's stiffness has changed between two recordings: a starting guess.
+const STRANDS_ODDS: f64 = 0.3;
 /// Least data before and after a change, s: a contact doesn't last as long.
 pub(super) const EDGE_S: f64 = 5.0;
 /// Two changes of the same thing within this time are one, s.
@@ -123,8 +126,15 @@ impl MapEstimator {
 impl Problem<'_> {
     fn watch(&self, seek: Seek) -> Result<MapEstimate, MapError> {
         let mut best = self.solve(&[])?;
+        let mut softer = None;
         if seek.offsets && !seek.continues {
-            best = self.softer_since(best)?;
+            softer = self.softer_since()?;
+            if let Some(softer) = &softer {
+                let worth = self.cost_at(&best.estimate, &softer.estimate) - softer.estimate.cost;
+                if worth > KEEP_SINCE {
+                    best = softer.clone();
+                }
+            }
         }
         for _ in 0..MOST {
             let mut better: Option<Found> = None;
@@ -146,15 +156,57 @@ impl Problem<'_> {
         if best.estimate.changes.len() > 1 {
             best = self.retimed(best, seek)?;
         }
-        best.complete()
+        match softer {
+            Some(softer) => self.averaged(best, softer),
+            None => best.complete(),
+        }
     }
 
-    /// The estimate with every joint's stiffness opened since the recording began, if that is
-    /// sure to be needed: between two recordings strands may have failed at several joints, and
-    /// opening one at a time leaves the others to look like slips and loads.
-    fn softer_since(&self, best: Solution) -> Result<Solution, MapError> {
+    /// The estimate averaged over the joints whose stiffness has changed since the recording before.
+    fn averaged(&self, best: Solution, softer: Solution) -> Result<MapEstimate, MapError> {
+        let found = best.estimate.changes.clone();
+        let is_opened = found.iter().any(|c| self.is_since_before(c));
+        let opened = if is_opened {
+            best
+        } else if found.is_empty() {
+            softer
+        } else {
+            let known = &best.estimate;
+            let changes = [&found[..], &softer.estimate.changes].concat();
+            let mut state = known.state.clone();
+            state.resize(self.total(&changes), 0.0);
+            self.solve_from(&changes, &state, known)?
+        };
+        let mut out = opened.complete()?;
+        let (mut joints, mut columns) = (Vec::new(), Vec::new());
+        let mut column = self.start.mean.len();
+        for change in &out.changes {
+            if let (What::Compliance(joint), true) = (change.what, self.is_since_before(change)) {
+                joints.push(joint);
+                columns.push(column);
+            }
+            column += change.what.columns();
+        }
+        let odds = Odds {
+            deviation: STRANDS,
+            odds: STRANDS_ODDS,
+        };
+        let probability = mixture::average(&columns, odds, &mut out.state, &mut out.covariance)?;
+        for (joint, probability) in joints.into_iter().zip(probability) {
+            out.stiffness_changed[joint] = probability;
+        }
+        if !is_opened {
+            out.fold(self.estimator.prior(), |c| self.is_since_before(c));
+        }
+        Ok(out)
+    }
+
+    /// The estimate with every joint's stiffness opened since the recording began: between two
+    /// recordings strands may have failed at several joints, and opening one at a time leaves the
+    /// others to look like slips and loads. `None` where no strand does what it finds.
+    fn softer_since(&self) -> Result<Option<Solution>, MapError> {
         let Some(first) = self.blocks.first() else {
-            return Ok(best);
+            return Ok(None);
         };
         let prior = self.estimator.prior();
         let changes: Vec<Change> = (0..prior.joints())
@@ -165,18 +217,9 @@ impl Problem<'_> {
             })
             .collect();
         let trial = self.solve(&changes)?;
-        let worth = self.cost_at(&best.estimate, &trial.estimate) - trial.estimate.cost;
-        let sizes = trial
-            .estimate
-            .state
-            .iter()
-            .skip(self.estimator.prior().dimension());
-        let possible = { sizes }.all(|size| size.abs() < MOST_SOFTER);
-        Ok(if possible && worth > KEEP_SINCE {
-            trial
-        } else {
-            best
-        })
+        let mut sizes = trial.estimate.state.iter().skip(prior.dimension());
+        let possible = sizes.all(|size| size.abs() < MOST_SOFTER);
+        Ok(possible.then_some(trial))
     }
 
     /// What is believed of a change before: standard deviations of its entries.

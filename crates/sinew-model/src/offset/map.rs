@@ -62,6 +62,9 @@ pub struct MapEstimate {
     pub weights: Vec<f64>,
     /// Half the robust chi-square of data and prior.
     pub cost: f64,
+    /// Probability that a joint's stiffness has changed since what was believed before; 0 where that
+    /// isn't sought.
+    pub stiffness_changed: Vec<f64>,
 }
 
 impl MapEstimate {
@@ -97,25 +100,40 @@ impl MapEstimate {
     /// What is believed of the robot at the end of the recording: every change has become part of
     /// what it changed.
     pub fn belief(&self, prior: &Prior) -> Belief {
+        let mut all = self.clone();
+        all.fold(prior, |_| true);
+        Belief {
+            mean: all.state,
+            covariance: all.covariance,
+            temperature_c: all.temperature_c,
+        }
+    }
+
+    /// Makes some changes part of what they changed.
+    pub(super) fn fold(&mut self, prior: &Prior, which: impl Fn(&Change) -> bool) {
         let (d, total) = (prior.dimension(), self.state.len());
         // Place each column adds to.
         let mut places: Vec<usize> = (0..d).collect();
+        let mut left = d;
         for change in &self.changes {
-            let base = change.what.place(prior);
-            places.extend(base..base + change.what.columns());
+            let columns = change.what.columns();
+            let base = if which(change) {
+                change.what.place(prior)
+            } else {
+                left += columns;
+                left - columns
+            };
+            places.extend(base..base + columns);
         }
-        let (mut mean, mut covariance) = (alloc::vec![0.0; d], alloc::vec![0.0; d * d]);
+        let (mut mean, mut covariance) = (alloc::vec![0.0; left], alloc::vec![0.0; left * left]);
         for (i, &to_i) in places.iter().enumerate() {
             mean[to_i] += self.state[i];
             for (k, &to_k) in places.iter().enumerate() {
-                covariance[to_i * d + to_k] += self.covariance[i * total + k];
+                covariance[to_i * left + to_k] += self.covariance[i * total + k];
             }
         }
-        Belief {
-            mean,
-            covariance,
-            temperature_c: self.temperature_c,
-        }
+        self.changes.retain(|change| !which(change));
+        (self.state, self.covariance) = (mean, covariance);
     }
 }
 

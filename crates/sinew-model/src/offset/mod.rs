@@ -10,6 +10,7 @@ mod features;
 mod filter;
 mod fleet;
 mod map;
+mod mixture;
 mod normal;
 mod observer;
 mod payload;

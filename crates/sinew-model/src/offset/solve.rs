@@ -22,7 +22,7 @@ const SCALE: f64 = 3.0;
 /// A recording, and what is believed before it.
 pub(super) struct Problem<'a> {
     pub(super) estimator: &'a MapEstimator,
-    start: &'a Belief,
+    pub(super) start: &'a Belief,
     /// Inverse of the covariance of `start`.
     information: Vec<f64>,
     /// What was opened in `start`; it sets what a change of payload may be.
@@ -132,6 +132,7 @@ impl<'a> Problem<'a> {
             motor_noise_nm: (0..n).map(|i| self.estimator.motor_floor(i)).collect(),
             weights: alloc::vec![1.0; self.blocks.len()],
             cost: 0.0,
+            stiffness_changed: alloc::vec![0.0; n],
         };
         if let Some((state, known)) = warm {
             at.state.copy_from_slice(state);
@@ -174,7 +175,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Length of the state with so many changes.
-    fn total(&self, changes: &[Change]) -> usize {
+    pub(super) fn total(&self, changes: &[Change]) -> usize {
         let more: usize = changes.iter().map(|c| c.what.columns()).sum();
         self.start.mean.len() + more
     }

@@ -9,6 +9,8 @@ use sinew_model::robot::Robot;
 const WORK: &str = include_str!("../../../../../../examples/scenarios/work-session.toml");
 /// Length of a session of work, s.
 const WORK_S: f64 = 60.0;
+/// Step of the simulation, s.
+const STEP_S: f64 = 1e-3;
 /// Poses of a check.
 const POSES: usize = 24;
 /// A check's move and rest, s.
@@ -41,6 +43,7 @@ impl SessionKind {
 pub(super) fn scenario(robot: &Robot, kind: SessionKind) -> Result<Scenario, ChainError> {
     let mut out = Scenario::from_toml(WORK, "work-session.toml")?;
     out.duration_s = Some(WORK_S);
+    out.integration_step_s = STEP_S;
     out.offsets.clear();
     out.sessions.clear();
     keep_known(&mut out, robot);
