@@ -2,7 +2,7 @@
 
 mod support;
 
-use sinew_lab::absolute::{self, Payload, Recorded, Recorder, WatchOptions};
+use sinew_lab::absolute::{self, Baseline, Payload, Recorded, Recorder, WatchOptions};
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
 use sinew_model::robot::Robot;
@@ -45,6 +45,25 @@ fn session(
         }
     }
     (parts.into_iter().map(Recorder::finish).collect(), truth)
+}
+
+/// The recursive form after a recording, and the sum of its weights.
+fn block_by_block(
+    robot: &Robot,
+    baseline: &Baseline,
+    options: &WatchOptions,
+    recorded: &Recorded,
+) -> (RecursiveOffsets, f64) {
+    let estimator = absolute::estimator(robot, options);
+    let prior = estimator.prior();
+    let mut belief = baseline.belief(robot, prior, "baseline").unwrap();
+    prior.age(&mut belief);
+    prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
+    prior.open_payload(&mut belief, options.payload);
+    let mut filter = RecursiveOffsets::new(estimator, belief).unwrap();
+    let blocks = recorded.blocks.iter();
+    let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
+    (filter, weights)
 }
 
 fn no_contact(text: String) -> String {
@@ -216,6 +235,18 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
             squares += (error / half).powi(2);
         }
         others_mrad += said.joints[ELBOW].interval_95_mrad;
+        let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
+        let [offset, deviation] = filter.offset(PITCH).map(|x| 1e3 * x);
+        let (apart, half) = (
+            (offset - said.joints[PITCH].offset_mrad).abs(),
+            1.96 * deviation,
+        );
+        println!(
+            "block by block {offset:.2} ± {half:.2}, {:.2}",
+            filter.stiffness_changed(PITCH)
+        );
+        assert!((offset - truth[PITCH]).abs() < 1.7 * half, "{offset}");
+        assert!(apart < 0.7 * half, "{apart} apart");
         let about = |w: &&String| w.starts_with("shoulder_pitch: stiffness");
         warned += u64::from(said.warnings.iter().any(|w| about(&w)));
         println!("{:?}", said.warnings);
@@ -355,20 +386,7 @@ fn block_by_block_gives_what_all_at_once_gives() {
         let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
         let with = Some((&baseline, "baseline"));
         let (batch, _) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
-        let estimator = absolute::estimator(&robot, &options);
-        let mut belief = baseline
-            .belief(&robot, estimator.prior(), "baseline")
-            .unwrap();
-        estimator.prior().age(&mut belief);
-        estimator
-            .prior()
-            .open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
-        estimator.prior().open_payload(&mut belief, options.payload);
-        let mut filter = RecursiveOffsets::new(estimator, belief).unwrap();
-        let mut weights = 0.0;
-        for block in &parts[1].blocks {
-            weights += filter.step(block).unwrap();
-        }
+        let (filter, weights) = block_by_block(&robot, &baseline, &options, &parts[1]);
         print!(
             "seed {seed}: mean weight {:.2}",
             weights / parts[1].blocks.len() as f64

@@ -2,7 +2,6 @@
 
 use super::block::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
-use super::mixture::{self, Odds};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::score::{Candidate, Weighing};
 use super::solve::{Problem, Solution};
@@ -42,10 +41,6 @@ pub struct Seek {
 
 /// Stiffness is opened by this at a suspected event, relative: what a failed strand takes along.
 const STRAND: f64 = 0.05;
-/// The same for all that failed between two recordings.
-const STRANDS: f64 = 0.1;
-/// Odds that a joint's stiffness has changed between two recordings: a starting guess.
-const STRANDS_ODDS: f64 = 0.3;
 /// Least data before and after a change, s: a contact doesn't last as long.
 pub(super) const EDGE_S: f64 = 5.0;
 /// Two changes of the same thing within this time are one, s.
@@ -58,17 +53,13 @@ const KEEP: f64 = 12.0;
 const WORTH_A_FIT: f64 = 3.0;
 /// What a loss of stiffness with a slip must take off it: two and a half standard deviations.
 const KEEP_SOFTER: f64 = 3.0;
-/// The same for what changed before the recording began, at all joints together. Without such a
-/// change it is below 3 in a minute of many poses, up to 6 in a quarter of a minute of six; with 8 %
-/// less stiffness at two joints above 12.
-const KEEP_SINCE: f64 = 8.0;
 /// An offset's change below this is not reported, rad.
 const LEAST_STEP_RAD: f64 = 1e-3;
 /// A loss of stiffness below this is not reported.
 const LEAST_SOFTER: f64 = 0.01;
 /// A stiffness' change above this is no failed strand but something that isn't modelled, such as a
 /// load where none was stated: it is left unexplained.
-const MOST_SOFTER: f64 = 0.25;
+pub(super) const MOST_SOFTER: f64 = 0.25;
 /// A load's change below this is not reported, kg.
 const LEAST_LOAD_KG: f64 = 0.01;
 /// At most this many changes are kept in one stretch.
@@ -129,11 +120,8 @@ impl Problem<'_> {
         let mut softer = None;
         if seek.offsets && !seek.continues {
             softer = self.softer_since()?;
-            if let Some(softer) = &softer {
-                let worth = self.cost_at(&best.estimate, &softer.estimate) - softer.estimate.cost;
-                if worth > KEEP_SINCE {
-                    best = softer.clone();
-                }
+            if let Some(softer) = softer.as_ref().filter(|s| self.is_sure(&best, s)) {
+                best = softer.clone();
             }
         }
         for _ in 0..MOST {
@@ -160,80 +148,6 @@ impl Problem<'_> {
             Some(softer) => self.averaged(best, softer),
             None => best.complete(),
         }
-    }
-
-    /// The estimate averaged over the joints whose stiffness has changed since the recording before.
-    fn averaged(&self, best: Solution, softer: Solution) -> Result<MapEstimate, MapError> {
-        let found = best.estimate.changes.clone();
-        let is_opened = found.iter().any(|c| self.is_since_before(c));
-        let opened = if is_opened {
-            best
-        } else if found.is_empty() {
-            softer
-        } else {
-            let known = &best.estimate;
-            let changes = [&found[..], &softer.estimate.changes].concat();
-            let mut state = known.state.clone();
-            state.resize(self.total(&changes), 0.0);
-            self.solve_from(&changes, &state, known)?
-        };
-        let mut out = opened.complete()?;
-        let (mut joints, mut columns) = (Vec::new(), Vec::new());
-        let mut column = self.start.mean.len();
-        for change in &out.changes {
-            if let (What::Compliance(joint), true) = (change.what, self.is_since_before(change)) {
-                joints.push(joint);
-                columns.push(column);
-            }
-            column += change.what.columns();
-        }
-        let odds = Odds {
-            deviation: STRANDS,
-            odds: STRANDS_ODDS,
-        };
-        let probability = mixture::average(&columns, odds, &mut out.state, &mut out.covariance)?;
-        for (joint, probability) in joints.into_iter().zip(probability) {
-            out.stiffness_changed[joint] = probability;
-        }
-        if !is_opened {
-            out.fold(self.estimator.prior(), |c| self.is_since_before(c));
-        }
-        Ok(out)
-    }
-
-    /// The estimate with every joint's stiffness opened since the recording began: between two
-    /// recordings strands may have failed at several joints, and opening one at a time leaves the
-    /// others to look like slips and loads. `None` where no strand does what it finds.
-    fn softer_since(&self) -> Result<Option<Solution>, MapError> {
-        let Some(first) = self.blocks.first() else {
-            return Ok(None);
-        };
-        let prior = self.estimator.prior();
-        let changes: Vec<Change> = (0..prior.joints())
-            .filter(|&i| prior.is_elastic(i))
-            .map(|i| Change {
-                what: What::Compliance(i),
-                at_s: first.time_s - 0.5 * self.estimator.block_s(),
-            })
-            .collect();
-        let trial = self.solve(&changes)?;
-        let mut sizes = trial.estimate.state.iter().skip(prior.dimension());
-        let possible = sizes.all(|size| size.abs() < MOST_SOFTER);
-        Ok(possible.then_some(trial))
-    }
-
-    /// What is believed of a change before: standard deviations of its entries.
-    pub(super) fn deviations(&self, change: &Change) -> Vec<f64> {
-        match change.what {
-            What::Compliance(_) if self.is_since_before(change) => alloc::vec![STRANDS],
-            what => self.estimator.change_deviations(what, self.payload),
-        }
-    }
-
-    /// Whether a change was there from the first block on.
-    fn is_since_before(&self, change: &Change) -> bool {
-        let first = self.blocks.first();
-        first.is_some_and(|first| change.at_s <= first.time_s)
     }
 
     /// Every slip's moment once more, now that the other changes are known.

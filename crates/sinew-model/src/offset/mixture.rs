@@ -1,5 +1,6 @@
 //! The average over changes that may or may not have happened.
 
+use super::block::copy;
 use super::map::MapError;
 use crate::cholesky;
 use alloc::vec::Vec;
@@ -13,7 +14,7 @@ pub(super) struct Odds {
     pub(super) odds: f64,
 }
 
-/// Up to so many changes, all sets of them are weighed; of more, sets of one and two, and all of them.
+/// Up to so many changes, all sets of them are weighed; of more, none, one, two and all.
 const ALL_SETS: usize = 10;
 
 /// Averages an estimate in which changes `c ~ N(0, s²)` are open over which of them happened, each
@@ -51,11 +52,8 @@ pub(super) fn average(
         .flat_map(|&i| columns.iter().map(move |&k| (i, k)))
         .map(|(i, k)| covariance[i * total + k])
         .collect();
-    let Mixture {
-        probability,
-        mean,
-        spread,
-    } = mixture(&change, &own, odds)?;
+    let mut mixture = Mixture::new(n, 0);
+    mixture.weigh(&change, &own, odds);
 
     // P_·c C⁻¹, a row per entry of the state.
     let inverse = cholesky::inverse(&own, n).map_err(MapError::Prior)?;
@@ -65,8 +63,18 @@ pub(super) fn average(
             moves.push(columns.iter().zip(line).map(|(&c, q)| row[c] * q).sum());
         }
     }
-    let further: Vec<f64> = mean.iter().zip(&change).map(|(m, c)| m - c).collect();
-    let wider: Vec<f64> = spread.iter().zip(&own).map(|(v, c)| v - c).collect();
+    let further: Vec<f64> = mixture
+        .mean
+        .iter()
+        .zip(&change)
+        .map(|(m, c)| m - c)
+        .collect();
+    let wider: Vec<f64> = mixture
+        .spread
+        .iter()
+        .zip(&own)
+        .map(|(v, c)| v - c)
+        .collect();
     for (i, x) in state.iter_mut().enumerate() {
         let own: &[f64] = &moves[i * n..(i + 1) * n];
         *x += dot(own, &further);
@@ -76,110 +84,147 @@ pub(super) fn average(
             *p += dot(&half, other);
         }
     }
-    Ok(probability)
+    Ok(mixture.probability)
 }
 
-/// Probability, mean and covariance of changes over all sets of those that happened.
-struct Mixture {
-    probability: Vec<f64>,
-    mean: Vec<f64>,
-    spread: Vec<f64>,
-}
-
-fn mixture(change: &[f64], covariance: &[f64], odds: Odds) -> Result<Mixture, MapError> {
-    let n = change.len();
-    let mut each = Vec::new();
-    for set in sets(n) {
-        each.push(Conditioned::new(&set, change, covariance, odds)?);
-    }
-    let most = each.iter().map(|c| c.evidence).fold(f64::MIN, f64::max);
-    let weight = |c: &Conditioned| libm::exp(c.evidence - most);
-    let all: f64 = each.iter().map(weight).sum();
-    let mut out = Mixture {
-        probability: alloc::vec![0.0; n],
-        mean: alloc::vec![0.0; n],
-        spread: alloc::vec![0.0; n * n],
-    };
-    for c in &each {
-        let weight = weight(c) / all;
-        for i in 0..n {
-            out.probability[i] += if c.set[i] { weight } else { 0.0 };
-            out.mean[i] += weight * c.mean[i];
-            for k in 0..n {
-                out.spread[i * n + k] += weight * (c.covariance[i * n + k] + c.mean[i] * c.mean[k]);
-            }
-        }
-    }
-    for i in 0..n {
-        for k in 0..n {
-            out.spread[i * n + k] -= out.mean[i] * out.mean[k];
-        }
-    }
-    Ok(out)
-}
-
-/// Sets of changes that may have happened.
-fn sets(n: usize) -> Vec<Vec<bool>> {
-    if n <= ALL_SETS {
-        let all = 0..1_usize << n;
-        return all
-            .map(|set| (0..n).map(|i| set >> i & 1 == 1).collect())
-            .collect();
-    }
-    let pairs = (0..n).flat_map(|i| (0..=i).map(move |k| (i, k)));
-    let some = pairs.map(|(i, k)| (0..n).map(|j| j == i || j == k).collect());
-    core::iter::once(alloc::vec![false; n])
-        .chain(some)
-        .collect()
-}
-
-/// Changes on condition that only those of a set happened.
-struct Conditioned {
-    set: Vec<bool>,
-    evidence: f64,
-    mean: Vec<f64>,
+/// Changes, and what goes with them, averaged over all sets of changes that happened.
+///
+/// # Realtime
+/// Allocates when it is made only. O(2ⁿ n m²) for `n` changes among `m` values.
+#[derive(Debug, Clone)]
+pub(super) struct Mixture {
+    changes: usize,
+    values: usize,
+    /// Per change.
+    pub(super) probability: Vec<f64>,
+    /// Per value, the changes first.
+    pub(super) mean: Vec<f64>,
+    /// Row-major.
+    pub(super) spread: Vec<f64>,
+    /// On condition that only those of a set happened.
+    known: Vec<f64>,
     covariance: Vec<f64>,
+    row: Vec<f64>,
 }
 
-impl Conditioned {
-    fn new(set: &[bool], change: &[f64], covariance: &[f64], odds: Odds) -> Result<Self, MapError> {
-        let n = change.len();
-        let out: Vec<usize> = (0..n).filter(|&i| !set[i]).collect();
-        let m = out.len();
-        let pick = |i: usize, k: usize| covariance[i * n + k];
-        let mut own = Vec::with_capacity(m * m);
-        for &i in &out {
-            own.extend(out.iter().map(|&k| pick(i, k)));
+impl Mixture {
+    /// Room for so many changes, and so many values that go with them.
+    pub(super) fn new(changes: usize, more: usize) -> Self {
+        let values = changes + more;
+        let vector = alloc::vec![0.0; values];
+        let matrix = alloc::vec![0.0; values * values];
+        Self {
+            changes,
+            values,
+            probability: alloc::vec![0.0; changes],
+            mean: vector.clone(),
+            spread: matrix.clone(),
+            known: vector.clone(),
+            covariance: matrix,
+            row: vector,
         }
-        let mut l = alloc::vec![0.0; m * m];
-        cholesky::factorise(&own, &mut l, m).map_err(MapError::Prior)?;
-        let solved = |mut b: Vec<f64>| {
-            cholesky::solve(&l, m, &mut b);
-            b
-        };
-        let left: Vec<f64> = out.iter().map(|&i| change[i]).collect();
-        let pulled = solved(left.clone());
-        // Relative to what was believed, so that nothing depends on units.
-        let narrower = |i: usize| libm::log(l[i * m + i] / odds.deviation);
-        let evidence = -0.5 * dot(&left, &pulled) - (0..m).map(narrower).sum::<f64>()
-            + (n - m) as f64 * libm::log(odds.odds);
-        let (mut mean, mut conditioned) = (change.to_vec(), covariance.to_vec());
-        for i in 0..n {
-            let shared: Vec<f64> = out.iter().map(|&k| pick(i, k)).collect();
-            mean[i] -= dot(&shared, &pulled);
-            let gain = solved(shared);
-            for k in 0..n {
-                let other = out.iter().map(|&e| pick(k, e));
-                conditioned[i * n + k] -= gain.iter().zip(other).map(|(g, o)| g * o).sum::<f64>();
+    }
+
+    /// Weighs all sets; `values` with `covariance` are those with all changes open, the changes
+    /// first.
+    pub(super) fn weigh(&mut self, values: &[f64], covariance: &[f64], odds: Odds) {
+        let (ln_odds, n) = (libm::log(odds.odds), self.values.max(1));
+        self.probability.fill(0.0);
+        self.mean.fill(0.0);
+        self.spread.fill(0.0);
+        // Weights are relative to the largest so far.
+        let (mut most, mut all) = (f64::NEG_INFINITY, 0.0);
+        for set in sets(self.changes) {
+            copy(&mut self.known, values);
+            copy(&mut self.covariance, covariance);
+            let mut evidence = 0.0;
+            for i in 0..self.changes {
+                evidence += if happened(set, i) {
+                    ln_odds
+                } else {
+                    self.leave_out(i, odds.deviation)
+                };
+            }
+            if evidence > most {
+                let less = libm::exp(most - evidence);
+                all *= less;
+                let sums = self.probability.iter_mut().chain(&mut self.mean);
+                for sum in sums.chain(&mut self.spread) {
+                    *sum *= less;
+                }
+                most = evidence;
+            }
+            let weight = libm::exp(evidence - most);
+            all += weight;
+            for (i, probability) in self.probability.iter_mut().enumerate() {
+                *probability += if happened(set, i) { weight } else { 0.0 };
+            }
+            for (mean, x) in self.mean.iter_mut().zip(&self.known) {
+                *mean += weight * x;
+            }
+            let rows = self.spread.chunks_exact_mut(n);
+            let own = self.covariance.chunks_exact(n).zip(&self.known);
+            for (row, (line, x)) in rows.zip(own) {
+                for ((sum, p), y) in row.iter_mut().zip(line).zip(&self.known) {
+                    *sum += weight * (p + x * y);
+                }
             }
         }
-        Ok(Self {
-            set: set.to_vec(),
-            evidence,
-            mean,
-            covariance: conditioned,
-        })
+        let sums = self.probability.iter_mut().chain(&mut self.mean);
+        for sum in sums.chain(&mut self.spread) {
+            *sum /= all;
+        }
+        let rows = self.spread.chunks_exact_mut(n);
+        for (row, x) in rows.zip(&self.mean) {
+            for (sum, y) in row.iter_mut().zip(&self.mean) {
+                *sum -= x * y;
+            }
+        }
     }
+
+    /// Puts value `i` to zero and conditions the others on it; returns the logarithm of what that is
+    /// worth.
+    fn leave_out(&mut self, i: usize, deviation: f64) -> f64 {
+        let n = self.values.max(1);
+        let line = self.covariance.get(i * n..(i + 1) * n).unwrap_or_default();
+        copy(&mut self.row, line);
+        let (Some(&pivot), Some(&known)) = (self.row.get(i), self.known.get(i)) else {
+            return 0.0;
+        };
+        let step = known / pivot;
+        for (x, own) in self.known.iter_mut().zip(&self.row) {
+            *x -= own * step;
+        }
+        for (line, own) in self.covariance.chunks_exact_mut(n).zip(&self.row) {
+            let factor = own / pivot;
+            for (p, other) in line.iter_mut().zip(&self.row) {
+                *p -= factor * other;
+            }
+        }
+        -0.5 * known * step - 0.5 * libm::log(pivot / (deviation * deviation))
+    }
+}
+
+/// Sets of changes that may have happened, a bit each.
+fn sets(n: usize) -> impl Iterator<Item = u128> {
+    let many = n > ALL_SETS;
+    let (range, pairs) = if many { (0, n) } else { (bit(n), 0) };
+    let ends = if many {
+        [0, bit(n).wrapping_sub(1)]
+    } else {
+        [0; 2]
+    };
+    let some = (0..pairs).flat_map(|i| (0..=i).map(move |k| bit(i) | bit(k)));
+    let ends = ends.into_iter().take(if many { 2 } else { 0 });
+    (0..range).chain(some).chain(ends)
+}
+
+fn bit(i: usize) -> u128 {
+    1_u128.checked_shl(i as u32).unwrap_or(0)
+}
+
+fn happened(set: u128, i: usize) -> bool {
+    set & bit(i) != 0
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -243,10 +288,11 @@ mod tests {
             let start: Vec<f64> = (0..D).map(|_| noise(&mut seed)).collect();
             let pull: Vec<f64> = (0..D).map(|_| 5.0 * noise(&mut seed)).collect();
             // Posterior, and logarithm of the evidence but for what all share.
-            let posterior = |set: &Vec<bool>| {
+            let posterior = |set: u128| {
                 let mut prior = before.clone();
-                let happened = ENTRIES.iter().zip(set).filter(|(_, happened)| **happened);
-                let who: Vec<usize> = happened.map(|(k, _)| *k).collect();
+                let all = ENTRIES.iter().enumerate();
+                let own = all.filter(|(i, _)| happened(set, *i));
+                let who: Vec<usize> = own.map(|(_, k)| *k).collect();
                 for &k in &who {
                     prior[k * D + k] += ODDS.deviation * ODDS.deviation;
                 }
@@ -258,9 +304,9 @@ mod tests {
                     + who.len() as f64 * ODDS.odds.ln();
                 (sum(&start, &step), covariance, evidence)
             };
-            let sets = sets(ENTRIES.len());
+            let sets: Vec<u128> = sets(ENTRIES.len()).collect();
             assert_eq!(sets.len(), 8);
-            let each: Vec<_> = sets.iter().map(posterior).collect();
+            let each: Vec<_> = sets.iter().map(|set| posterior(*set)).collect();
             let total: f64 = each.iter().map(|(.., e)| (e - each[0].2).exp()).sum();
             let weight = |e: f64| (e - each[0].2).exp() / total;
             let mut mean = alloc::vec![0.0; D];
@@ -311,7 +357,7 @@ mod tests {
                 }
             }
             for (i, found) in probability.iter().enumerate() {
-                let own = sets.iter().zip(&each).filter(|(set, _)| set[i]);
+                let own = sets.iter().zip(&each).filter(|(set, _)| happened(**set, i));
                 let expected: f64 = own.map(|(_, (.., e))| weight(*e)).sum();
                 assert!((found - expected).abs() < 1e-9, "{found} {expected}");
                 assert!(expected > 0.01, "{expected}: the case says nothing");

@@ -17,6 +17,7 @@ mod payload;
 mod prior;
 mod recursive;
 mod score;
+mod since;
 mod sizes;
 mod solve;
 

@@ -4,6 +4,7 @@ use super::block::Block;
 use super::filter::{Filter, Work};
 use super::map::MapEstimator;
 use super::prior::{Belief, JointParameter};
+use super::since::Since;
 use crate::StepError;
 use crate::arm::PARAMETERS_PER_BODY;
 use alloc::vec::Vec;
@@ -36,6 +37,9 @@ use alloc::vec::Vec;
 /// first one's place where it explains all blocks better. It also goes over the last 75 blocks when hardly a block counts for some
 /// six seconds, and takes the first one's place once more blocks agree with it.
 ///
+/// Strands may have failed since the belief: it starts with every stiffness opened by a tenth
+/// that was known better, and its offsets are averaged over which of them have changed, as [`MapEstimator::watch`] does.
+///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
 /// the second filter catches up. Keeps 150 blocks, `1200 (10 n² + 30 n)` bytes, and three
@@ -43,8 +47,10 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     estimator: MapEstimator,
-    /// What was believed before the first block.
+    /// What was believed before the first block, every stiffness opened that was known.
     start: Belief,
+    /// Offsets averaged over which stiffness has changed.
+    since: Since,
     /// Noise of link and motor equations that a filter starts from.
     start_noise: [Vec<f64>; 2],
     believed: Filter,
@@ -101,8 +107,9 @@ impl RecursiveOffsets {
     /// A filter that starts from `belief`; allocates here only.
     ///
     /// # Errors
-    /// [`super::MapError::Dimension`] when the belief is of another robot.
-    pub fn new(estimator: MapEstimator, belief: Belief) -> Result<Self, super::MapError> {
+    /// [`super::MapError::Dimension`] when the belief is of another robot, [`super::MapError::Prior`] when its
+    /// covariance is none.
+    pub fn new(estimator: MapEstimator, mut belief: Belief) -> Result<Self, super::MapError> {
         /// Noise before any innovation, rad: what a good sensor leaves.
         const START_RAD: f64 = 0.5e-3;
         let d = estimator.prior().dimension();
@@ -112,6 +119,8 @@ impl RecursiveOffsets {
                 found: belief.mean.len(),
             });
         }
+        let mut since = Since::open(estimator.prior(), &mut belief)?;
+        since.average(&belief, &belief);
         let n = estimator.prior().joints();
         let start_noise = [
             alloc::vec![START_RAD; n],
@@ -127,6 +136,7 @@ impl RecursiveOffsets {
             believed: filter,
             stage: Stage::Rests,
             start: belief,
+            since,
             start_noise,
             work: Work::new(estimator.prior()),
             pose: alloc::vec![f64::NAN; n],
@@ -181,6 +191,7 @@ impl RecursiveOffsets {
             number,
         );
         self.second();
+        self.since.average(&self.start, self.believed.belief());
         Ok(self.believed.weight())
     }
 
@@ -314,16 +325,28 @@ impl RecursiveOffsets {
         }
     }
 
-    /// Offset of a joint and its standard deviation, rad; NaN for a joint there isn't.
+    /// Offset of a joint and its standard deviation, rad, averaged over which joints' stiffness has
+    /// changed since the belief the filter started from; NaN for a joint there isn't.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> [f64; 2] {
-        self.belief()
-            .entry(self.estimator.prior().place(joint, JointParameter::Offset))
+        self.since.offset(joint).unwrap_or_else(|| {
+            let place = self.estimator.prior().place(joint, JointParameter::Offset);
+            self.belief().entry(place)
+        })
     }
 
-    /// What is believed now.
+    /// Probability that the stiffness of a joint has changed since the belief the filter started
+    /// from; 0 for one that wasn't known then.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn stiffness_changed(&self, joint: usize) -> f64 {
+        self.since.probability(joint).unwrap_or_default()
+    }
+
+    /// What is believed now, where every stiffness that was known may have changed by a tenth.
     pub fn belief(&self) -> &Belief {
         self.believed.belief()
     }
