@@ -235,6 +235,11 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
             squares += (error / half).powi(2);
         }
         others_mrad += said.joints[ELBOW].interval_95_mrad;
+        let since = |i: usize| said.joints[i].stiffness_since_before.unwrap();
+        println!("{:?} {:?}", since(PITCH), since(ELBOW));
+        assert!(since(ELBOW).probability < 0.5);
+        let loss = since(PITCH).change_percent;
+        assert!(since(PITCH).probability < 0.9 || (-5.0..-1.5).contains(&loss));
         let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
         let [offset, deviation] = filter.offset(PITCH).map(|x| 1e3 * x);
         let (apart, half) = (

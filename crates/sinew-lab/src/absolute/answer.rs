@@ -71,10 +71,21 @@ pub struct AbsoluteJoint {
     pub steps: Vec<Step>,
     /// Stiffness as the recording sees it over nominal, % and half its 95 % interval.
     pub stiffness_change_percent: [f64; 2],
+    /// Whether it has changed since what was known before the recording; `None`: not sought.
+    pub stiffness_since_before: Option<SinceBefore>,
     /// Half the dead zone of an antagonistic pair, mrad, and half its 95 % interval.
     pub slack_mrad: Option<[f64; 2]>,
     /// Least and greatest torque the joint carried, N·m.
     pub torque_range_nm: [f64; 2],
+}
+
+/// Stiffness that may have changed between two recordings. Offsets are averaged over whether it has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SinceBefore {
+    /// Probability that it has.
+    pub probability: f64,
+    /// By how much if it has, %; lost stiffness is negative.
+    pub change_percent: f64,
 }
 
 /// A sudden change of an offset.

@@ -20,7 +20,9 @@ mod stiffness;
 mod warnings;
 mod watch;
 
-pub use answer::{Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, Step, Stretch};
+pub use answer::{
+    Absolute, AbsoluteJoint, Course, LeftOut, Moved, PayloadChange, SinceBefore, Step, Stretch,
+};
 pub use blocks::{AbsoluteError, Recorded, Recorder, Window};
 pub use file::Baseline;
 pub use jumps::{Cause, Jumps, Why, quickness};

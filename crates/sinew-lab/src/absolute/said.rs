@@ -201,6 +201,7 @@ fn said_of_joint(
             100.0 * (1.0 / (1.0 + compliance) - 1.0),
             100.0 * Z95 * compliance_deviation,
         ],
+        stiffness_since_before: stiffness::since(watched, joint),
         slack_mrad: slack,
         torque_range_nm: [least, most],
     };

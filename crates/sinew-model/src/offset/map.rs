@@ -43,6 +43,15 @@ pub enum MapError {
     },
 }
 
+/// Stiffness that may have changed since what was believed before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StiffnessSince {
+    /// Probability that it has.
+    pub probability: f64,
+    /// By how much the compliance rose if it has, relative.
+    pub softer: f64,
+}
+
 /// The posterior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapEstimate {
@@ -62,9 +71,9 @@ pub struct MapEstimate {
     pub weights: Vec<f64>,
     /// Half the robust chi-square of data and prior.
     pub cost: f64,
-    /// Probability that a joint's stiffness has changed since what was believed before; 0 where that
+    /// Whether each joint's stiffness has changed since what was believed before; `None` where that
     /// isn't sought.
-    pub stiffness_changed: Vec<f64>,
+    pub stiffness_since: Vec<Option<StiffnessSince>>,
 }
 
 impl MapEstimate {

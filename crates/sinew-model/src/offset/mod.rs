@@ -27,7 +27,7 @@ pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
 };
 pub use features::FeatureObserver;
-pub use map::{MapError, MapEstimate, MapEstimator};
+pub use map::{MapError, MapEstimate, MapEstimator, StiffnessSince};
 pub use observer::{OffsetObserver, Sample};
 pub use prior::{
     Belief, Entry, JointParameter, JointPrior, Payload, Prior, TENSIONED_OFFSET_RAD,

@@ -1,7 +1,7 @@
 //! Stiffness that was lost between two recordings.
 
 use super::changes::{Change, MOST_SOFTER, What};
-use super::map::{MapError, MapEstimate};
+use super::map::{MapError, MapEstimate, StiffnessSince};
 use super::mixture::{self, Mixture, Odds};
 use super::prior::{Belief, JointParameter, Prior};
 use super::solve::{Problem, Solution};
@@ -59,8 +59,11 @@ impl Problem<'_> {
             column += change.what.columns();
         }
         let probability = mixture::average(&columns, ODDS, &mut out.state, &mut out.covariance)?;
-        for (joint, probability) in joints.into_iter().zip(probability) {
-            out.stiffness_changed[joint] = probability;
+        for ((joint, column), probability) in joints.into_iter().zip(columns).zip(probability) {
+            out.stiffness_since[joint] = Some(StiffnessSince {
+                probability,
+                softer: out.state[column] / probability.max(f64::MIN_POSITIVE),
+            });
         }
         if !is_opened {
             out.fold(self.estimator.prior(), |c| self.is_since_before(c));

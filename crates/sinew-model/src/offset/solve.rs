@@ -132,7 +132,7 @@ impl<'a> Problem<'a> {
             motor_noise_nm: (0..n).map(|i| self.estimator.motor_floor(i)).collect(),
             weights: alloc::vec![1.0; self.blocks.len()],
             cost: 0.0,
-            stiffness_changed: alloc::vec![0.0; n],
+            stiffness_since: alloc::vec![None; n],
         };
         if let Some((state, known)) = warm {
             at.state.copy_from_slice(state);
