@@ -1,0 +1,99 @@
+//! Stiffness lost between two recordings, all at once and block by block.
+
+mod pendulum;
+
+use pendulum::{PLAIN, Truth, blocks, pendulum, prior};
+use sinew_model::offset::{
+    Belief, FeatureConfig, MapEstimator, Payload, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD,
+    UNKNOWN_OFFSET_RAD,
+};
+
+const SEEK: Seek = Seek {
+    offsets: true,
+    payload: false,
+    continues: false,
+};
+
+/// What a recording right after tensioning leaves for the next.
+fn learned(estimator: &MapEstimator) -> Belief {
+    let prior = estimator.prior();
+    let tensioned = Truth {
+        offset_rad: 0.0,
+        ..PLAIN
+    };
+    let calm = blocks(&pendulum("").unwrap().arm, tensioned);
+    let start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let map = estimator.solve(&start, &[], Payload::Empty, &calm).unwrap();
+    let mut belief = map.belief(prior);
+    prior.age(&mut belief);
+    prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
+    belief
+}
+
+#[test]
+fn the_more_is_lost_the_likelier_and_both_forms_agree() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let belief = learned(&estimator);
+    let mut last = 0.0;
+    for loss in [0.0, 0.003, 0.005, 0.006, 0.08] {
+        let truth = Truth {
+            compliance: (1.0 + PLAIN.compliance) / (1.0 - loss) - 1.0,
+            ..PLAIN
+        };
+        let blocks = blocks(&robot.arm, truth);
+        let map = estimator
+            .watch(&belief, &blocks, Payload::Empty, SEEK)
+            .unwrap();
+        let [offset, deviation] = map.offset(estimator.prior(), 0);
+        let since = map.stiffness_since[0].unwrap();
+        let mut filter = RecursiveOffsets::new(estimator.clone(), belief.clone()).unwrap();
+        for block in &blocks {
+            filter.step(block).unwrap();
+        }
+        let [other, unsure] = filter.offset(0);
+        let probability = filter.stiffness_changed(0);
+        println!(
+            "{loss}: {offset:.5} ± {deviation:.5}, {since:?}; {other:.5} ± {unsure:.5}, {probability:.2}"
+        );
+        assert!(
+            (offset - truth.offset_rad).abs() < 2.0 * deviation,
+            "{offset}"
+        );
+        assert!((offset - other).abs() < 0.3 * deviation, "{offset} {other}");
+        assert!(
+            (deviation / unsure).ln().abs() < 0.3,
+            "{deviation} {unsure}"
+        );
+        assert!((since.probability - probability).abs() < 0.15);
+        assert!(since.probability >= last, "{since:?}");
+        last = since.probability;
+        let lost = truth.compliance - PLAIN.compliance;
+        assert!(since.probability < 0.5 || (since.softer / lost - 1.0).abs() < 0.2);
+        if loss == 0.0 {
+            assert!(since.probability < 0.1, "{since:?}");
+        }
+    }
+    assert!(last > 0.9, "{last}");
+}
+
+/// Where nothing was known of a stiffness, nothing can have been lost.
+#[test]
+fn without_a_baseline_the_tolerance_says_it_already() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let calm = blocks(&robot.arm, PLAIN);
+    let watched = estimator
+        .watch(&start, &calm, Payload::Empty, SEEK)
+        .unwrap();
+    let solved = estimator.solve(&start, &[], Payload::Empty, &calm).unwrap();
+    assert_eq!(watched.stiffness_since, [None]);
+    assert_eq!(
+        watched.offset(estimator.prior(), 0),
+        solved.offset(estimator.prior(), 0)
+    );
+    let filter = RecursiveOffsets::new(estimator, start.clone()).unwrap();
+    assert_eq!(filter.stiffness_changed(0), 0.0);
+    assert_eq!(filter.belief().covariance, start.covariance);
+}
