@@ -186,9 +186,13 @@ impl Since {
         let (n, d) = (self.joints.len(), now.mean.len().max(1));
         let at = |x: &[f64], i: usize| x.get(i).copied().unwrap_or(f64::NAN);
         let rows = self.towards.chunks_exact(d);
+        self.shared.fill(0.0);
         for (own, shared) in rows.clone().zip(self.shared.chunks_exact_mut(d)) {
-            for (to, line) in shared.iter_mut().zip(now.covariance.chunks_exact(d)) {
-                *to = line.iter().zip(own).map(|(p, a)| p * a).sum();
+            // Row by row, so that a processor adds side by side.
+            for (a, line) in own.iter().zip(now.covariance.chunks_exact(d)) {
+                for (to, p) in shared.iter_mut().zip(line) {
+                    *to += a * p;
+                }
             }
         }
         let changes = rows.clone().map(|own| {
