@@ -21,7 +21,7 @@ pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize>
 }
 
 /// Scalar product in four partial sums, which a processor adds side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a4

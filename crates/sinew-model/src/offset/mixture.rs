@@ -2,7 +2,7 @@
 
 use super::block::copy;
 use super::map::MapError;
-use crate::cholesky;
+use crate::cholesky::{self, dot};
 use alloc::vec::Vec;
 
 /// What a change is believed to be before the data is seen.
@@ -227,14 +227,9 @@ fn happened(set: u128, i: usize) -> bool {
     set & bit(i) != 0
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cholesky;
 
     const D: usize = 7;
     const ODDS: Odds = Odds {

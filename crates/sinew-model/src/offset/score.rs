@@ -296,14 +296,13 @@ impl Sum {
         let mut through = alloc::vec![0.0; total];
         for c in 0..m {
             let row = &self.shared[c * total..(c + 1) * total];
-            g[c] -= row.iter().zip(step).map(|(b, s)| b * s).sum::<f64>();
-            for (i, t) in through.iter_mut().enumerate() {
-                let line = &covariance[i * total..(i + 1) * total];
-                *t = line.iter().zip(row).map(|(p, b)| p * b).sum();
+            g[c] -= cholesky::dot(row, step);
+            for (t, line) in through.iter_mut().zip(covariance.chunks_exact(total)) {
+                *t = cholesky::dot(line, row);
             }
             for k in 0..m {
                 let other = &self.shared[k * total..(k + 1) * total];
-                a[k * m + c] -= other.iter().zip(&through).map(|(b, t)| b * t).sum::<f64>();
+                a[k * m + c] -= cholesky::dot(other, &through);
             }
             a[c * m + c] += 1.0 / (deviations[c] * deviations[c]);
         }
