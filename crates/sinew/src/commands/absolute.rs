@@ -197,6 +197,11 @@ fn events(said: &Absolute) -> Vec<String> {
                 ),
                 None => "no loss of stiffness seen".into(),
             };
+            if step.kind.ends_with("since before") {
+                // It has no moment in this recording.
+                out.push(format!("{}: {stiffness}: {}", joint.name, step.kind));
+                continue;
+            }
             if step.interval_95_mrad == 0.0 {
                 out.push(format!(
                     "{}: {stiffness} at {:.1} s without a slip: {}",
