@@ -84,8 +84,8 @@ pub struct AbsoluteJoint {
 pub struct SinceBefore {
     /// Probability that it has.
     pub probability: f64,
-    /// By how much if it has, %; lost stiffness is negative.
-    pub change_percent: f64,
+    /// By how much if it has, % and half its 95 % interval; lost stiffness is negative.
+    pub change_percent: [f64; 2],
 }
 
 /// A sudden change of an offset.

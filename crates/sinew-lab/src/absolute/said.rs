@@ -115,8 +115,7 @@ pub(super) fn said(
         warnings: Vec::new(),
     };
     said.warnings = super::warnings::warnings(&said, &doubts, recorded);
-    said.warnings
-        .extend(stiffness::suspected(prior, robot, recorded, watched));
+    said.warnings.extend(stiffness::suspected(&said.joints));
     said
 }
 
@@ -145,13 +144,13 @@ fn said_of_joint(
         for (k, change) in map.changes.iter().enumerate() {
             match change.what {
                 What::Offset(i) if i == joint => {
-                    let mut step = step(prior, map, k);
+                    let mut step = step(prior, map, (k, joint));
                     tell_cause(&mut step, robot, recorded, joint);
                     steps.push(step);
                 }
                 What::Compliance(i) if i == joint && !stiffness::with_slip(map, k) => {
                     let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
-                    steps.extend(stiffness::alone(prior, map, k, first_s));
+                    steps.extend(stiffness::alone(prior, map, (k, i), first_s));
                 }
                 _ => {}
             }
@@ -197,11 +196,12 @@ fn said_of_joint(
         retension_at_mm: tendon.and_then(|t| t.retension_at_m).map(|m| 1e3 * m),
         limit_passed: tendon.and_then(|t| passed(t, offset, interval)),
         steps,
-        stiffness_change_percent: [
-            100.0 * (1.0 / (1.0 + compliance) - 1.0),
-            100.0 * Z95 * compliance_deviation,
-        ],
-        stiffness_since_before: stiffness::since(watched, joint),
+        // Against robot.toml: all of the compliance over nominal is the change.
+        stiffness_change_percent: stiffness::gained_percent(
+            compliance,
+            [compliance, compliance_deviation],
+        ),
+        stiffness_since_before: stiffness::since(prior, watched, joint),
         slack_mrad: slack,
         torque_range_nm: [least, most],
     };
@@ -278,7 +278,7 @@ fn tell_cause(step: &mut Step, robot: &Robot, recorded: &Recorded, joint: usize)
 }
 
 /// A step and what happened to the stiffness with it.
-fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
+fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
     let [size, deviation] = map.change(prior, k);
     let change = map.changes[k];
     let softer = map.changes.iter().position(|c| {
@@ -292,7 +292,7 @@ fn step(prior: &Prior, map: &MapEstimate, k: usize) -> Step {
         size_mrad: 1e3 * size,
         interval_95_mrad: 1e3 * Z95 * deviation,
         stiffness_change_percent: softer
-            .map(|[softer, unsure]| [-100.0 * softer, 100.0 * Z95 * unsure]),
+            .map(|softer| stiffness::change_percent(prior, map, joint, softer)),
         kind: if failed { "strand failure" } else { "slip" }.into(),
         cause: String::new(),
         cause_said: String::new(),

@@ -1,22 +1,38 @@
 //! Changes of stiffness in words.
 
-use super::answer::{SinceBefore, Step};
-use super::blocks::Recorded;
+use super::answer::{AbsoluteJoint, SinceBefore, Step};
 use super::said::Z95;
 use super::watch::Watched;
-use sinew_model::offset::{Change, MapEstimate, Prior, What};
-use sinew_model::robot::Robot;
+use sinew_model::offset::{JointParameter, MapEstimate, Prior, What};
 
-/// A change of stiffness since before the recording is stated from so many standard deviations on,
-/// and suspected from 95 % on: it is opened on suspicion, at every joint.
+/// A change of stiffness since before the recording is an event from so many standard deviations on.
 const SURE: f64 = 4.0;
-/// A change of stiffness that is no surer than this isn't worth a word: a tenth is what is believed
-/// before the data is seen.
+/// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
+/// data is seen.
 const LIKELY: f64 = 0.3;
 /// From here on it is said to have changed.
 const SURELY: f64 = 0.95;
-/// What a joint's stiffness is that has become softer, or stiffer.
-const WORDS: [&str; 2] = ["lower", "higher"];
+
+/// Stiffness gained, %, and half its 95 % interval, where the compliance over nominal rose by
+/// `softer` to `after`: `K/K_before − 1 = −softer/(1 + after)`.
+pub(super) fn gained_percent(after: f64, [softer, unsure]: [f64; 2]) -> [f64; 2] {
+    let (before, after) = (1.0 + after - softer, 1.0 + after);
+    [
+        -100.0 * softer / after,
+        100.0 * Z95 * unsure * before / (after * after),
+    ]
+}
+
+/// The same for a change within a recording.
+pub(super) fn change_percent(
+    prior: &Prior,
+    map: &MapEstimate,
+    joint: usize,
+    softer: [f64; 2],
+) -> [f64; 2] {
+    let place = prior.place(joint, JointParameter::Compliance);
+    gained_percent(map.belief(prior).entry(place)[0], softer)
+}
 
 /// Whether a change of stiffness came with a slip.
 pub(super) fn with_slip(map: &MapEstimate, k: usize) -> bool {
@@ -28,7 +44,12 @@ pub(super) fn with_slip(map: &MapEstimate, k: usize) -> bool {
 }
 
 /// A change of stiffness alone; `None` for one since before `first_s` that isn't sure.
-pub(super) fn alone(prior: &Prior, map: &MapEstimate, k: usize, first_s: f64) -> Option<Step> {
+pub(super) fn alone(
+    prior: &Prior,
+    map: &MapEstimate,
+    (k, joint): (usize, usize),
+    first_s: f64,
+) -> Option<Step> {
     let [softer, unsure] = map.change(prior, k);
     let before = map.changes[k].at_s <= first_s;
     if before && softer.abs() < SURE * unsure {
@@ -44,83 +65,64 @@ pub(super) fn alone(prior: &Prior, map: &MapEstimate, k: usize, first_s: f64) ->
         time_s: map.changes[k].at_s.max(0.0),
         size_mrad: 0.0,
         interval_95_mrad: 0.0,
-        stiffness_change_percent: Some([-100.0 * softer, 100.0 * Z95 * unsure]),
+        stiffness_change_percent: Some(change_percent(prior, map, joint, [softer, unsure])),
         kind: kind.into(),
         cause: String::new(),
         cause_said: String::new(),
     })
 }
 
-/// The change of a joint's stiffness since before the recording, where it was opened.
-fn opened(map: &MapEstimate, joint: usize, first_s: f64) -> Option<usize> {
-    let is_it = |c: &Change| c.what == What::Compliance(joint) && c.at_s <= first_s;
-    map.changes.iter().position(is_it)
+/// Whether a joint's stiffness has changed since before the recording: sought by its first stretch.
+pub(super) fn since(prior: &Prior, watched: &Watched, joint: usize) -> Option<SinceBefore> {
+    let (_, map) = watched.stretches.first()?;
+    let since = (*map.stiffness_since.get(joint)?)?;
+    let place = prior.place(joint, JointParameter::Compliance);
+    let [mean, _] = map.belief(prior).entry(place);
+    // The mean is over both; after a change the compliance is this.
+    let after = mean + (1.0 - since.probability) * since.softer;
+    Some(SinceBefore {
+        probability: since.probability,
+        change_percent: gained_percent(after, [since.softer, since.deviation]),
+    })
 }
 
-/// Whether a change of stiffness since before is worth its own words.
-fn is_shown(prior: &Prior, map: &MapEstimate, k: usize) -> bool {
-    let [softer, unsure] = map.change(prior, k);
-    softer.abs() >= Z95 * unsure
-}
-
-/// Warnings about stiffness that seems to have changed before the recording began.
-pub(super) fn suspected(
-    prior: &Prior,
-    robot: &Robot,
-    recorded: &Recorded,
-    watched: &Watched,
-) -> Vec<String> {
+/// Warnings about stiffness that has, or may have, changed before the recording began.
+pub(super) fn suspected(joints: &[AbsoluteJoint]) -> Vec<String> {
     let mut out = Vec::new();
-    for (from, map) in &watched.stretches {
-        let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
-        for (joint, since) in map.stiffness_since.iter().enumerate() {
-            let Some(since) = since.filter(|s| s.probability > LIKELY) else {
-                continue;
-            };
-            if opened(map, joint, first_s).is_some_and(|k| is_shown(prior, map, k)) {
-                continue;
-            }
-            let verb = if since.probability > SURELY {
-                "is"
-            } else {
-                "may be"
-            };
-            out.push(format!(
-                "{}: stiffness {verb} about {:.1} % {} than what was known before this recording (probability {:.2}); the interval allows for either",
-                robot.joint_names()[joint],
-                100.0 * since.softer.abs(),
-                WORDS[usize::from(since.softer < 0.0)],
-                since.probability,
-            ));
-        }
-        for (k, change) in map.changes.iter().enumerate() {
-            let What::Compliance(joint) = change.what else {
-                continue;
-            };
-            if change.at_s > first_s || !is_shown(prior, map, k) {
-                continue;
-            }
-            let [softer, unsure] = map.change(prior, k);
-            let name = &robot.joint_names()[joint];
-            out.push(format!(
-                "{name}: stiffness {} {:.1} ± {:.1} % {} than what was known before this recording{}",
-                if softer.abs() < SURE * unsure { "seems" } else { "is" },
-                100.0 * softer.abs(),
-                100.0 * Z95 * unsure,
-                WORDS[usize::from(softer < 0.0)],
-                if softer > 0.0 { "; strands may have failed" } else { "" },
-            ));
-        }
+    for joint in joints {
+        let Some(since) = joint
+            .stiffness_since_before
+            .filter(|s| s.probability > LIKELY)
+        else {
+            continue;
+        };
+        let [change, unsure] = since.change_percent;
+        out.push(format!(
+            "{}: stiffness {} {:.1} ± {unsure:.1} % {} than what was known before this recording (probability {:.2}){}",
+            joint.name,
+            if since.probability > SURELY { "is" } else { "may be" },
+            change.abs(),
+            if change < 0.0 { "lower" } else { "higher" },
+            since.probability,
+            if change < 0.0 { "; strands may have failed" } else { "" },
+        ));
     }
     out
 }
 
-/// What is believed of a joint's stiffness since before the recording: by the first of its stretches.
-pub(super) fn since(watched: &Watched, joint: usize) -> Option<SinceBefore> {
-    let (_, map) = watched.stretches.first()?;
-    let since = (*map.stiffness_since.get(joint)?)?;
-    Some(SinceBefore {
-        probability: since.probability,
-        change_percent: -100.0 * since.softer,
-    })
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_is_of_the_stiffness_there_was() {
+        // 20 % softer than nominal, then 8 % of that lost.
+        let (before, after) = (1.25, 1.25 / 0.92);
+        let change = |softer: f64| gained_percent(before + softer - 1.0, [softer, 0.01]);
+        let [change_percent, interval] = change(after - before);
+        assert!((change_percent + 8.0).abs() < 1e-12, "{change_percent}");
+        let [more, _] = change(after - before + 1e-6);
+        let slope = (change_percent - more) / 1e-6;
+        assert!((interval - Z95 * 0.01 * slope).abs() < 1e-4, "{interval}");
+    }
 }

@@ -48,8 +48,10 @@ pub enum MapError {
 pub struct StiffnessSince {
     /// Probability that it has.
     pub probability: f64,
-    /// By how much the compliance rose if it has, relative.
+    /// By how much the compliance rose if it has, over nominal.
     pub softer: f64,
+    /// Standard deviation of that.
+    pub deviation: f64,
 }
 
 /// The posterior.

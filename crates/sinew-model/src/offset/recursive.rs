@@ -43,7 +43,7 @@ use alloc::vec::Vec;
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
 /// the second filter catches up. Keeps 150 blocks, `1200 (10 n² + 30 n)` bytes, and three
-/// covariances, `24 d²` bytes.
+/// covariances, `24 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     estimator: MapEstimator,

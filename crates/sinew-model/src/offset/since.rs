@@ -59,10 +59,17 @@ impl Problem<'_> {
             column += change.what.columns();
         }
         let probability = mixture::average(&columns, ODDS, &mut out.state, &mut out.covariance)?;
+        let total = out.state.len();
         for ((joint, column), probability) in joints.into_iter().zip(columns).zip(probability) {
+            // Mean and square over both: without a change both are zero.
+            let likely = probability.max(f64::MIN_POSITIVE);
+            let (mean, variance) = (out.state[column], out.covariance[column * (total + 1)]);
+            let softer = mean / likely;
+            let square = (variance + mean * mean) / likely;
             out.stiffness_since[joint] = Some(StiffnessSince {
                 probability,
-                softer: out.state[column] / probability.max(f64::MIN_POSITIVE),
+                softer,
+                deviation: libm::sqrt((square - softer * softer).max(0.0)),
             });
         }
         if !is_opened {

@@ -5,6 +5,9 @@ use crate::journal;
 use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
 
+/// Another simulation or estimator: what older files hold can't go on.
+const VERSION: u32 = 2;
+
 /// What all sessions of a file have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,7 +30,7 @@ impl Settings {
     pub(super) fn new(robot: &Robot, joints: &[String], request: &ChainRequest) -> Self {
         Self {
             format: "sinew-sessions".into(),
-            version: 1,
+            version: VERSION,
             program: env!("CARGO_PKG_VERSION").into(),
             robot: robot.name.clone(),
             joints: joints.to_vec(),
@@ -51,7 +54,10 @@ impl journal::Settings for Settings {
         } else if self.joints != wanted.joints {
             format!("joints {} (--joints)", self.joints.join(", "))
         } else {
-            format!("version {} of the program", self.program)
+            format!(
+                "version {} of the program, {} of the file",
+                self.program, self.version
+            )
         }
     }
 }
