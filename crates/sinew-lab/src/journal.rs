@@ -17,6 +17,15 @@ pub(crate) trait Settings: Serialize + DeserializeOwned + PartialEq {
     fn difference(&self, wanted: &Self) -> String;
 }
 
+/// Tells what results were made with from anything else: FNV-1a, which is stable over versions.
+pub(crate) fn checksum(text: &str) -> String {
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    for byte in text.bytes() {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+    format!("{hash:016x}")
+}
+
 /// An open file of results.
 pub(crate) struct Journal {
     file: File,

@@ -55,7 +55,23 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
     let again = lived(&chain, 2).expect("gone on").remove(0).0;
     assert_eq!(again, first);
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), text);
-    // Not somebody else's.
+    // Not somebody else's, nor another estimator's, nor a robot's that was described otherwise.
+    let refused = |from: &str, to: &str, why: &str| {
+        let other = text.replace(from, to);
+        assert!(other != text, "{from}");
+        std::fs::write(&path, &other).expect("written");
+        let refused = lived(&chain, 2).expect_err(why).to_string();
+        assert!(refused.contains(why), "{refused}");
+        assert_eq!(std::fs::read_to_string(&path).expect("a file"), other);
+    };
+    refused("\"version\":2", "\"version\":1", "estimator 1, now 2");
+    let (_, description) = text.split_once("\"description\":\"").expect("a checksum");
+    refused(
+        &description[..16],
+        "0123456789abcdef",
+        "another description",
+    );
+    std::fs::write(&path, &text).expect("written");
     chain.kind = SessionKind::Work;
     let refused = lived(&chain, 2).expect_err("other sessions").to_string();
     assert!(refused.contains("check sessions"), "{refused}");

@@ -3,6 +3,9 @@
 use crate::journal;
 use serde::{Deserialize, Serialize};
 
+/// Another simulation or estimator: what older files hold can't go on.
+const VERSION: u32 = 2;
+
 /// What all recordings of a file have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,7 +26,7 @@ impl Settings {
     pub(super) fn new(scenarios: String, steps: bool, motor_torque: bool) -> Self {
         Self {
             format: "sinew-scenarios".into(),
-            version: 1,
+            version: VERSION,
             program: env!("CARGO_PKG_VERSION").into(),
             scenarios,
             steps,
@@ -41,8 +44,10 @@ impl journal::Settings for Settings {
             "with and without session C (--no-steps)".to_string()
         } else if self.motor_torque != wanted.motor_torque {
             "with and without motor torque (--no-motor-torque)".to_string()
-        } else if self.program != wanted.program || self.version != wanted.version {
+        } else if self.program != wanted.program {
             format!("of versions {} and {}", self.program, wanted.program)
+        } else if self.version != wanted.version {
+            format!("estimator {}, now {}", self.version, wanted.version)
         } else {
             "of other scenarios than this program's".to_string()
         }

@@ -2,7 +2,7 @@
 
 use super::journal::Settings;
 use super::{Plan, Recording, ScenarioError, Summary, record};
-use crate::journal::Journal;
+use crate::journal::{self, Journal};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -45,7 +45,11 @@ pub fn run(
             plan.scenario.record.tau_m = false;
         }
     }
-    let settings = Settings::new(checksum(), options.steps, options.motor_torque);
+    let settings = Settings::new(
+        journal::checksum(&super::catalogue::everything()),
+        options.steps,
+        options.motor_torque,
+    );
     let out = options.out.as_ref();
     let wrong = |why: String| ScenarioError::Journal {
         file: out.map_or_else(String::new, |path| path.display().to_string()),
@@ -121,13 +125,4 @@ pub fn run(
             Ok(Summary::of(&plans, &recordings, options))
         }
     }
-}
-
-/// Tells one set of scenarios and robot from another: FNV-1a, which is stable over versions.
-fn checksum() -> String {
-    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
-    for byte in super::catalogue::everything().bytes() {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    }
-    format!("{hash:016x}")
 }

@@ -18,6 +18,9 @@ pub(super) struct Settings {
     program: String,
     /// Robot.
     robot: String,
+    /// Checksum of what URDF and robot.toml say of it.
+    #[serde(default)]
+    description: String,
     /// Joints watched: the strand fails in one of them.
     joints: Vec<String>,
     /// Check or work.
@@ -28,11 +31,18 @@ pub(super) struct Settings {
 
 impl Settings {
     pub(super) fn new(robot: &Robot, joints: &[String], request: &ChainRequest) -> Self {
+        let said = (
+            &robot.arm,
+            &robot.transmissions,
+            &robot.limits,
+            &robot.tolerances,
+        );
         Self {
             format: "sinew-sessions".into(),
             version: VERSION,
             program: env!("CARGO_PKG_VERSION").into(),
             robot: robot.name.clone(),
+            description: journal::checksum(&format!("{said:?}")),
             joints: joints.to_vec(),
             session: request.kind,
             chained: request.chained,
@@ -53,11 +63,12 @@ impl journal::Settings for Settings {
             format!("robot '{}'", self.robot)
         } else if self.joints != wanted.joints {
             format!("joints {} (--joints)", self.joints.join(", "))
+        } else if self.program != wanted.program {
+            format!("versions {} and {}", self.program, wanted.program)
+        } else if self.version != wanted.version {
+            format!("estimator {}, now {}", self.version, wanted.version)
         } else {
-            format!(
-                "version {} of the program, {} of the file",
-                self.program, self.version
-            )
+            format!("another description of robot '{}'", self.robot)
         }
     }
 }
