@@ -39,13 +39,20 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (s0 + s1) + (s2 + s3) + rest
 }
 
+/// Solves `L x = b` in place.
+pub(crate) fn forward(l: &[f64], n: usize, x: &mut [f64]) {
+    // Until the first entry that isn't zero nothing happens.
+    let from = x.iter().position(|x| *x != 0.0).unwrap_or(n);
+    for i in from..n {
+        let (known, rest) = x.split_at_mut(i);
+        let row = &l[i * n + from..i * n + i];
+        rest[0] = (rest[0] - dot(row, &known[from..])) / l[i * n + i];
+    }
+}
+
 /// Solves `L Lᵀ x = b` in place.
 pub(crate) fn solve(l: &[f64], n: usize, x: &mut [f64]) {
-    for i in 0..n {
-        let (known, rest) = x.split_at_mut(i);
-        let row = &l[i * n..i * n + i];
-        rest[0] = (rest[0] - dot(row, known)) / l[i * n + i];
-    }
+    forward(l, n, x);
     for i in (0..n).rev() {
         let (open, known) = x.split_at_mut(i);
         known[0] /= l[i * n + i];

@@ -116,13 +116,18 @@ impl MapEstimator {
 
 impl Problem<'_> {
     fn watch(&self, seek: Seek) -> Result<MapEstimate, MapError> {
-        let mut best = self.solve(&[])?;
-        let mut softer = None;
-        if seek.offsets && !seek.continues {
-            softer = self.softer_since()?;
-            if let Some(softer) = softer.as_ref().filter(|s| self.is_sure(&best, s)) {
-                best = softer.clone();
+        let sought = seek.offsets && !seek.continues;
+        let softer = if sought { self.softer_since()? } else { None };
+        let mut best = match &softer {
+            // What holds with every stiffness opened is nearly right without.
+            Some(softer) => {
+                let known = &softer.estimate;
+                self.solve_from(&[], &known.state[..self.total(&[])], known)?
             }
+            None => self.solve(&[])?,
+        };
+        if let Some(softer) = softer.as_ref().filter(|s| self.is_sure(&best, s)) {
+            best = softer.clone();
         }
         for _ in 0..MOST {
             let mut better: Option<Found> = None;

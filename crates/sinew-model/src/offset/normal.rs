@@ -111,6 +111,12 @@ impl Normal {
         cholesky::solve(&self.factor, self.total, &mut self.gradient);
         Ok(())
     }
+
+    /// Factor of the information, and the step.
+    pub(super) fn solved(mut self) -> Result<(Vec<f64>, Vec<f64>), MapError> {
+        self.solve()?;
+        Ok((self.factor, self.gradient))
+    }
 }
 
 fn add_rows(line: &mut [f64], [a, b]: [f64; 2], link: &[f64], motor: &[f64]) {

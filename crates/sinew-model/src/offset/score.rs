@@ -4,7 +4,7 @@ use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
 use super::equation::{Equations, Side};
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::Payload;
-use super::solve::{Problem, chi, covariance};
+use super::solve::{Problem, chi};
 use crate::cholesky;
 use alloc::vec::Vec;
 
@@ -125,7 +125,7 @@ impl Problem<'_> {
                 if !possible(*what, block.time_s) {
                     continue;
                 }
-                let (gain, size) = sums[k].gain(&fit.covariance, &fit.step, &deviations[k]);
+                let (gain, size) = sums[k].gain(&fit.factor, &fit.step, &deviations[k]);
                 let worth = WORTH_TRYING + what.columns() as f64;
                 if gain > worth && !taken(*what, at_s) {
                     keep_best(
@@ -150,7 +150,6 @@ impl Problem<'_> {
 
     /// A weighted fit around a known estimate.
     pub(super) fn fit(&self, known: &MapEstimate, weighing: Weighing) -> Result<Fit, MapError> {
-        let total = known.state.len();
         let mut equations = Equations::new(self.estimator.prior(), &known.changes);
         let mut normal = self.prior_equations(known);
         let mut weights = Vec::with_capacity(self.blocks.len());
@@ -161,20 +160,10 @@ impl Problem<'_> {
             normal.add(&equations, information);
             weights.push(equations.list.iter().map(information).collect());
         }
-        let covariance = covariance(&normal.information, total)?;
-        let gradient = &normal.gradient;
-        let step = (0..total)
-            .map(|i| {
-                covariance[i * total..(i + 1) * total]
-                    .iter()
-                    .zip(gradient)
-                    .map(|(c, g)| c * g)
-                    .sum()
-            })
-            .collect();
+        let (factor, step) = normal.solved()?;
         Ok(Fit {
             weights,
-            covariance,
+            factor,
             step,
             equations,
         })
@@ -223,7 +212,8 @@ fn keep_best(best: &mut Vec<Candidate>, new: Candidate) {
 pub(super) struct Fit {
     /// Information of every equation of every block.
     weights: Vec<Vec<f64>>,
-    covariance: Vec<f64>,
+    /// Cholesky factor of its information.
+    factor: Vec<f64>,
     /// The step of the state the fit would take.
     step: Vec<f64>,
     equations: Equations,
@@ -239,6 +229,8 @@ struct Sum {
     own: Vec<f64>,
     /// Information shared with the state, `columns × total`.
     shared: Vec<f64>,
+    /// `L⁻¹` times that, of the fit's factor `L`; scratch.
+    through: Vec<f64>,
 }
 
 impl Sum {
@@ -249,6 +241,7 @@ impl Sum {
             gradient: alloc::vec![0.0; columns],
             own: alloc::vec![0.0; columns * columns],
             shared: alloc::vec![0.0; columns * total],
+            through: alloc::vec![0.0; columns * total],
         }
     }
 
@@ -288,22 +281,21 @@ impl Sum {
     }
 
     /// Half the chi-square a change here would take off: `½ gᵀ A⁻¹ g` with gradient and
-    /// information less what the state would take up.
-    fn gain(&self, covariance: &[f64], step: &[f64], deviations: &[f64]) -> (f64, Vec<f64>) {
+    /// information less what the state would take up, `A = own − (L⁻¹ shared)ᵀ (L⁻¹ shared)`.
+    fn gain(&mut self, factor: &[f64], step: &[f64], deviations: &[f64]) -> (f64, Vec<f64>) {
         let (m, total) = (self.columns, self.total);
         let mut a = self.own.clone();
         let mut g = self.gradient.clone();
-        let mut through = alloc::vec![0.0; total];
+        self.through.copy_from_slice(&self.shared);
         for c in 0..m {
-            let row = &self.shared[c * total..(c + 1) * total];
-            g[c] -= cholesky::dot(row, step);
-            for (t, line) in through.iter_mut().zip(covariance.chunks_exact(total)) {
-                *t = cholesky::dot(line, row);
+            let (before, rest) = self.through.split_at_mut(c * total);
+            let through = &mut rest[..total];
+            g[c] -= cholesky::dot(through, step);
+            cholesky::forward(factor, total, through);
+            for (k, other) in before.chunks_exact(total).enumerate() {
+                a[c * m + k] -= cholesky::dot(other, through);
             }
-            for k in 0..m {
-                let other = &self.shared[k * total..(k + 1) * total];
-                a[k * m + c] -= cholesky::dot(other, &through);
-            }
+            a[c * m + c] -= cholesky::dot(through, through);
             a[c * m + c] += 1.0 / (deviations[c] * deviations[c]);
         }
         let mut l = alloc::vec![0.0; m * m];
