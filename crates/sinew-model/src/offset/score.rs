@@ -12,6 +12,9 @@ use alloc::vec::Vec;
 const WORTH_TRYING: f64 = 8.0;
 /// Candidates that are put into the estimate per round, of each weighing.
 const TRIALS: [usize; 2] = [10, 3];
+/// Moments of one in so many blocks are tried: of the change that is kept, those beside it are tried
+/// too.
+const EVERY: usize = 2;
 
 /// A change that may have happened.
 #[derive(Debug, Clone)]
@@ -71,7 +74,7 @@ impl Problem<'_> {
         for ((kinds, weighing), trials) in weighings.into_iter().zip(TRIALS) {
             if !kinds.is_empty() {
                 let fit = self.fit(known, weighing)?;
-                let scored = self.score(known, seek, &kinds, fit);
+                let scored = self.score(known, seek, &kinds, fit, EVERY);
                 // The best of every kind before the second best of any: a failed strand and a
                 // slip look alike to the score, and must not crowd each other out.
                 let (mut first, mut second): (Vec<_>, Vec<_>) =
@@ -85,13 +88,14 @@ impl Problem<'_> {
         Ok(out)
     }
 
-    /// The best moments of every kind of change.
+    /// The best moments of every kind of change, of one block in `every`.
     pub(super) fn score(
         &self,
         known: &MapEstimate,
         seek: Seek,
         kinds: &[What],
         mut fit: Fit,
+        every: usize,
     ) -> Vec<Candidate> {
         let (Some(first), Some(last)) = (self.blocks.first(), self.blocks.last()) else {
             return Vec::new();
@@ -114,11 +118,14 @@ impl Problem<'_> {
             .collect();
         let mut sums: Vec<Sum> = kinds.iter().map(|k| Sum::new(k.columns(), total)).collect();
         let mut best: Vec<Vec<Candidate>> = alloc::vec![Vec::new(); kinds.len()];
-        for block in self.blocks.iter().rev() {
+        for (b, block) in self.blocks.iter().enumerate().rev() {
             let weight = fit.weights.pop().unwrap_or_default();
             self.estimator.equations(known, block, &mut fit.equations);
             for (sum, what) in sums.iter_mut().zip(kinds) {
                 sum.add(self.estimator, &fit.equations, *what, &weight);
+            }
+            if b % every != 0 {
+                continue;
             }
             let at_s = block.time_s - 0.5 * self.estimator.block_s();
             for (k, what) in kinds.iter().enumerate() {

@@ -9,13 +9,32 @@ use super::prior::{Belief, Payload};
 use crate::cholesky;
 use alloc::vec::Vec;
 
-/// Scales of the redescending weight, in standard deviations: one Gauss–Newton step each. The
-/// equations are so nearly linear that one step per scale is within 1 % of many.
-const SCALES: [f64; 10] = [40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0];
-/// The same from a start that is nearly right.
-const WARM_SCALES: [f64; 5] = [12.0, 6.0, 3.5, 3.0, 3.0];
-/// The same for what is only looked at.
-const GLANCE_SCALES: [f64; 2] = [6.0, 3.0];
+/// Scales of the redescending weight, in standard deviations: one Gauss–Newton step each.
+struct Course {
+    scales: &'static [f64],
+    /// So many of them look at one block in [`THIN`]: they only have to come near.
+    thin: usize,
+}
+
+/// The equations are so nearly linear that one step per scale is within 1 % of many.
+const COLD: Course = Course {
+    scales: &[40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0],
+    thin: 6,
+};
+/// From a start that is nearly right.
+const WARM: Course = Course {
+    scales: &[12.0, 6.0, 3.5, 3.0, 3.0],
+    thin: 2,
+};
+/// For what is only looked at.
+const GLANCE: Course = Course {
+    scales: &[6.0, 3.0],
+    thin: 2,
+};
+/// Neighbours say much the same: their noise is correlated over half a second.
+const THIN: usize = 3;
+/// Fewer blocks than this are all looked at.
+const MANY: usize = 90;
 /// The scale that decides.
 const SCALE: f64 = 3.0;
 
@@ -90,7 +109,7 @@ impl<'a> Problem<'a> {
 
     /// The estimate with changes at known moments.
     pub(super) fn solve(&self, changes: &[Change]) -> Result<Solution, MapError> {
-        self.descend(changes, &SCALES, None)
+        self.descend(changes, &COLD, None)
     }
 
     /// [`Problem::solve`] from a state that is nearly right, with its noise.
@@ -100,7 +119,7 @@ impl<'a> Problem<'a> {
         state: &[f64],
         known: &MapEstimate,
     ) -> Result<Solution, MapError> {
-        self.descend(changes, &WARM_SCALES, Some((state, known)))
+        self.descend(changes, &WARM, Some((state, known)))
     }
 
     /// [`Problem::solve_from`] in two steps: enough to see whether changes are worth more.
@@ -110,13 +129,13 @@ impl<'a> Problem<'a> {
         state: &[f64],
         known: &MapEstimate,
     ) -> Result<Solution, MapError> {
-        self.descend(changes, &GLANCE_SCALES, Some((state, known)))
+        self.descend(changes, &GLANCE, Some((state, known)))
     }
 
     fn descend(
         &self,
         changes: &[Change],
-        scales: &[f64],
+        course: &Course,
         warm: Option<(&[f64], &MapEstimate)>,
     ) -> Result<Solution, MapError> {
         let n = self.estimator.prior().joints();
@@ -142,15 +161,18 @@ impl<'a> Problem<'a> {
         let mut normal = Normal::new(total, self.estimator.prior().body_start());
         let mut residuals = Residuals::new(n, self.blocks.len());
         let mut equations = Equations::new(self.estimator.prior(), changes);
-        for (stage, &scale) in scales.iter().enumerate() {
+        let mut every = 1;
+        for (stage, &scale) in course.scales.iter().enumerate() {
+            every = if stage < course.thin { self.thin() } else { 1 };
             normal.start(&prior, &origin, &at.state);
-            for (b, block) in self.blocks.iter().enumerate() {
+            for (b, block) in self.blocks.iter().enumerate().step_by(every) {
                 self.estimator.equations(&at, block, &mut equations);
                 let chi = chi(&equations, &at);
                 let w = scale * scale / (scale * scale + chi);
                 at.weights[b] = w * w;
                 residuals.keep(b, &equations);
-                normal.add(&equations, |e| w * w * self.information_of(e, &at, b));
+                let share = w * w * every as f64;
+                normal.add(&equations, |e| share * self.information_of(e, &at, b));
             }
             normal.solve()?;
             for (x, step) in at.state.iter_mut().zip(&normal.gradient) {
@@ -167,7 +189,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        at.cost = self.cost(&prior, &origin, &at, &at);
+        at.cost = self.cost_over(&at, &at, every);
         Ok(Solution {
             estimate: at,
             information: normal.information,
@@ -222,13 +244,24 @@ impl<'a> Problem<'a> {
 
     /// Cost of `at` if the noise were that of `noise`.
     pub(super) fn cost_at(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
-        let total = at.state.len();
-        let information = self.prior_information(&at.changes, total);
-        self.cost(&information, &self.origin(total), at, noise)
+        self.cost_over(at, noise, 1)
     }
 
-    fn cost(&self, prior: &[f64], origin: &[f64], at: &MapEstimate, noise: &MapEstimate) -> f64 {
+    /// [`Problem::cost_at`] as [`Problem::glance_from`] has it.
+    pub(super) fn cost_at_a_glance(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
+        self.cost_over(at, noise, self.thin())
+    }
+
+    /// Of so many blocks one is looked at where it only has to come near.
+    fn thin(&self) -> usize {
+        if self.blocks.len() < MANY { 1 } else { THIN }
+    }
+
+    /// [`Problem::cost_at`] from one block in `every`.
+    fn cost_over(&self, at: &MapEstimate, noise: &MapEstimate, every: usize) -> f64 {
         let total = at.state.len();
+        let prior = self.prior_information(&at.changes, total);
+        let origin = self.origin(total);
         let from: Vec<f64> = at.state.iter().zip(origin).map(|(x, o)| x - o).collect();
         let mut cost = 0.0;
         for (row, xi) in prior.chunks_exact(total).zip(&from) {
@@ -236,10 +269,10 @@ impl<'a> Problem<'a> {
             cost += 0.5 * xi * along;
         }
         let mut equations = Equations::new(self.estimator.prior(), &at.changes);
-        for (block, inflation) in self.blocks.iter().zip(&self.inflation) {
+        for (block, inflation) in self.blocks.iter().zip(&self.inflation).step_by(every) {
             self.estimator.equations(at, block, &mut equations);
             let chi = chi(&equations, noise);
-            let count = equations.list.len() as f64;
+            let count = (equations.list.len() * every) as f64;
             cost += 0.5 * count * SCALE * SCALE * chi / (SCALE * SCALE + chi) / inflation;
         }
         cost
