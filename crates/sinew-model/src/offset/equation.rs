@@ -30,6 +30,9 @@ pub(super) struct Equation {
     pub(super) unsure: f64,
     /// Share of the time the drive stood.
     pub(super) stood: f64,
+    /// How what is expected moves with the joint's torque. What masses and load do goes through
+    /// that torque: link and motor row are the same there, but for this factor.
+    pub(super) worth: f64,
 }
 
 /// Equations of one block, reused from block to block.
@@ -228,6 +231,7 @@ impl Prior {
             residual: y - expected,
             unsure: 0.0,
             stood: 0.0,
+            worth: per_torque,
         });
 
         // Motor side.
@@ -269,6 +273,7 @@ impl Prior {
             residual: of(&block.motor_torque) - scale * torque - at(P::MotorBias),
             unsure: grip * of(&block.motor_stood),
             stood: of(&block.motor_stood),
+            worth: scale,
         });
     }
 }

@@ -6,21 +6,24 @@ use super::map::MapError;
 use super::prior::PER_JOINT;
 use crate::cholesky;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Normal equations under construction, the lower half.
 pub(super) struct Normal {
     total: usize,
-    /// First entry of the bodies in the state.
-    bodies: usize,
+    /// Entries of bodies and load in the state; changes come after them.
+    bodies: Range<usize>,
     pub(super) information: Vec<f64>,
     factor: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     /// Link and motor row of the joint at work, `total` each; zero between joints.
     dense: [Vec<f64>; 2],
+    /// What the joint's own entries share with the link row's bodies.
+    own: [f64; PER_JOINT],
 }
 
 impl Normal {
-    pub(super) fn new(total: usize, bodies: usize) -> Self {
+    pub(super) fn new(total: usize, bodies: Range<usize>) -> Self {
         Self {
             total,
             bodies,
@@ -28,6 +31,7 @@ impl Normal {
             factor: alloc::vec![0.0; total * total],
             gradient: alloc::vec![0.0; total],
             dense: [alloc::vec![0.0; total], alloc::vec![0.0; total]],
+            own: [0.0; PER_JOINT],
         }
     }
 
@@ -50,8 +54,9 @@ impl Normal {
         }
     }
 
-    /// Link and motor equation of a joint move the same entries: both go in at once, dense over
-    /// the joint's own entries and over those from its first body on.
+    /// Both equations of a joint at once, dense over the joint's own entries, over bodies and load
+    /// from the first that matters on, and over the changes. Over bodies and load the motor's row
+    /// is the link's, times a factor.
     fn add_joint(
         &mut self,
         rows: &[(usize, f64)],
@@ -62,46 +67,65 @@ impl Normal {
             return;
         };
         let mine = joint * PER_JOINT..(joint + 1) * PER_JOINT;
-        let mut shared = self.total;
+        let mut first = self.bodies.end;
         let mut weights = [0.0; 2];
         for ((e, dense), weight) in own.iter().zip(&mut self.dense).zip(&mut weights) {
             *weight = information(e);
             for &(i, value) in &rows[e.from..e.to] {
                 dense[i] = value;
                 self.gradient[i] += *weight * value * e.residual;
-                if i >= self.bodies && value != 0.0 {
-                    shared = shared.min(i);
+                if self.bodies.contains(&i) && value != 0.0 {
+                    first = first.min(i);
                 }
             }
         }
+        let shared = first..self.bodies.end;
+        let factor = match own {
+            [link, motor, ..] if link.worth != 0.0 => motor.worth / link.worth,
+            _ => 0.0,
+        };
         let [link, motor] = &mut self.dense;
-        for i in mine.clone().chain(shared..self.total) {
+        // What an entry shares with a body, over the link row's value of that body.
+        let with_body = |i: usize| weights[0] * link[i] + weights[1] * factor * motor[i];
+        for (to, i) in self.own.iter_mut().zip(mine.clone()) {
+            *to = with_body(i);
+        }
+        let squared = weights[0] + weights[1] * factor * factor;
+        let line = |i: usize| i * self.total..i * self.total + i + 1;
+        for i in mine.clone() {
             let factors = [weights[0] * link[i], weights[1] * motor[i]];
-            if factors == [0.0; 2] {
-                continue;
+            if factors != [0.0; 2] {
+                let own = mine.start..i + 1;
+                let to = &mut self.information[line(i)][own.clone()];
+                add_rows(to, factors, &link[own.clone()], &motor[own]);
             }
-            let line = &mut self.information[i * self.total..=i * self.total + i];
-            let (own, rest) = if i < self.bodies {
-                (mine.start..i + 1, 0..0)
-            } else {
-                (mine.clone(), shared..i + 1)
-            };
-            add_rows(
-                &mut line[own.clone()],
-                factors,
-                &link[own.clone()],
-                &motor[own],
-            );
-            add_rows(
-                &mut line[rest.clone()],
-                factors,
-                &link[rest.clone()],
-                &motor[rest],
-            );
+        }
+        for i in shared.clone() {
+            let value = link[i];
+            if value != 0.0 {
+                let to = &mut self.information[line(i)];
+                add_row(&mut to[mine.clone()], value, &self.own);
+                add_row(&mut to[first..], squared * value, &link[first..=i]);
+            }
+        }
+        for i in self.bodies.end..self.total {
+            let factors = [weights[0] * link[i], weights[1] * motor[i]];
+            if factors != [0.0; 2] {
+                let to = &mut self.information[line(i)];
+                for own in [mine.clone(), shared.end..i + 1] {
+                    add_rows(
+                        &mut to[own.clone()],
+                        factors,
+                        &link[own.clone()],
+                        &motor[own],
+                    );
+                }
+                add_row(&mut to[shared.clone()], with_body(i), &link[shared.clone()]);
+            }
         }
         for dense in [link, motor] {
             dense[mine.clone()].fill(0.0);
-            dense[shared..].fill(0.0);
+            dense[first..].fill(0.0);
         }
     }
 
@@ -116,6 +140,12 @@ impl Normal {
     pub(super) fn solved(mut self) -> Result<(Vec<f64>, Vec<f64>), MapError> {
         self.solve()?;
         Ok((self.factor, self.gradient))
+    }
+}
+
+fn add_row(line: &mut [f64], factor: f64, row: &[f64]) {
+    for (x, value) in line.iter_mut().zip(row) {
+        *x += factor * value;
     }
 }
 

@@ -224,6 +224,11 @@ impl Prior {
         self.joints.len() * PER_JOINT
     }
 
+    /// Places of bodies and payload in the state.
+    pub(super) fn bodies(&self) -> core::ops::Range<usize> {
+        self.body_start()..self.dimension()
+    }
+
     /// Place of the payload's mass in the state.
     pub fn payload_place(&self) -> usize {
         self.joints.len() * (PER_JOINT + PARAMETERS_PER_BODY)

@@ -158,7 +158,7 @@ impl<'a> Problem<'a> {
             at.noise_rad.copy_from_slice(&known.noise_rad);
             at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
         }
-        let mut normal = Normal::new(total, self.estimator.prior().body_start());
+        let mut normal = Normal::new(total, self.estimator.prior().bodies());
         let mut residuals = Residuals::new(n, self.blocks.len());
         let mut equations = Equations::new(self.estimator.prior(), changes);
         let mut every = 1;
@@ -236,7 +236,7 @@ impl<'a> Problem<'a> {
     /// Normal equations around `at`, with nothing but the prior in them yet.
     pub(super) fn prior_equations(&self, at: &MapEstimate) -> Normal {
         let total = at.state.len();
-        let mut normal = Normal::new(total, self.estimator.prior().body_start());
+        let mut normal = Normal::new(total, self.estimator.prior().bodies());
         let prior = self.prior_information(&at.changes, total);
         normal.start(&prior, &self.origin(total), &at.state);
         normal
