@@ -10,7 +10,7 @@ use sinew_lab::estimate::{self, Request};
 use sinew_lab::robot_dir;
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_log::{CsvWriter, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities};
-use sinew_model::offset::{FeatureConfig, FeatureObserver, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
+use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -264,13 +264,7 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
                 let _ = black_box(observer.step(dt_s, &f.q, &f.theta, &f.tau_m, f.temperature_c));
             }
         });
-        let estimator = absolute::estimator(robot, &options);
-        let prior = estimator.prior();
-        let mut belief = baseline.belief(robot, prior, "A").expect("belief");
-        prior.age(&mut belief);
-        prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
-        prior.open_payload(&mut belief, options.payload);
-        let mut filter = RecursiveOffsets::new(estimator, belief).expect("filter");
+        let mut filter = absolute::live(robot, (baseline, "A"), &options).expect("filter");
         stage[1].run(|| {
             for block in &blocks.blocks {
                 let _ = black_box(filter.step(block));

@@ -4,7 +4,7 @@ mod support;
 
 use sinew_lab::absolute::{self, Baseline, Payload, Recorded, Recorder, WatchOptions};
 use sinew_lab::simulate::{Scenario, Simulation};
-use sinew_model::offset::{FeatureConfig, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
+use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
 use support::{biorob_like, repository, seeds};
 
@@ -54,13 +54,7 @@ fn block_by_block(
     options: &WatchOptions,
     recorded: &Recorded,
 ) -> (RecursiveOffsets, f64) {
-    let estimator = absolute::estimator(robot, options);
-    let prior = estimator.prior();
-    let mut belief = baseline.belief(robot, prior, "baseline").unwrap();
-    prior.age(&mut belief);
-    prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
-    prior.open_payload(&mut belief, options.payload);
-    let mut filter = RecursiveOffsets::new(estimator, belief).unwrap();
+    let mut filter = absolute::live(robot, (baseline, "baseline"), options).unwrap();
     let blocks = recorded.blocks.iter();
     let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
     (filter, weights)

@@ -8,7 +8,7 @@ mod support;
 use sinew_lab::absolute::{self, Payload, Recorded, Recorder, WatchOptions};
 use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::Simulation;
-use sinew_model::offset::{FeatureConfig, RecursiveOffsets, UNKNOWN_OFFSET_RAD};
+use sinew_model::offset::FeatureConfig;
 use support::asked_seeds;
 
 /// Sessions A and B and the true offsets at the end of B, mrad.
@@ -66,14 +66,7 @@ fn the_recursive_form_says_what_the_batch_says() {
             let with = Some((&baseline, "A"));
             let (batch, _) =
                 absolute::watch_recorded(&plan.robot, &b, "B", with, &options).unwrap();
-            let estimator = absolute::estimator(&plan.robot, &options);
-            let prior = estimator.prior();
-            let mut belief = baseline.belief(&plan.robot, prior, "A").unwrap();
-            prior.age(&mut belief);
-            prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
-            prior.open_payload(&mut belief, payload);
-            let mut filter = RecursiveOffsets::new(estimator, belief).unwrap();
-            filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
+            let mut filter = absolute::live(&plan.robot, (&baseline, "A"), &options).unwrap();
             for block in &b.blocks {
                 filter.step(block).unwrap();
             }

@@ -7,7 +7,8 @@
 //! contacts left out, slips found. Without a baseline the data-sheet priors stand in, and the
 //! interval is as wide as that makes it.
 //!
-//! The estimator is [`sinew_model::offset::MapEstimator`].
+//! The estimator is [`sinew_model::offset::MapEstimator`]; [`live`] gives its recursive form, for a
+//! robot that runs.
 
 mod answer;
 mod blocks;
@@ -30,5 +31,5 @@ pub use merge::{MergeOptions, Pooled, merge};
 pub use sinew_model::offset::Payload;
 pub use watch::{
     Learning, WatchOptions, estimator, learn, learn_from, learn_recorded, learn_recorded_from,
-    watch, watch_recorded,
+    live, watch, watch_recorded,
 };

@@ -6,8 +6,8 @@ use super::file::Baseline;
 use super::said::said;
 use crate::estimate::{Progress, Request};
 use sinew_model::offset::{
-    Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior, Seek,
-    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
+    RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
 
@@ -184,9 +184,7 @@ pub fn watch_recorded(
             // A baseline's own offsets are zero by definition: what follows it is opened anew.
             continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
             if !continues {
-                prior.age(&mut belief);
-                prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
-                prior.open_payload(&mut belief, options.payload);
+                open(prior, &mut belief, options);
             }
             belief
         }
@@ -216,6 +214,39 @@ pub fn watch_recorded(
     next.before = baseline.map_or_else(Vec::new, |(b, _)| b.before.clone());
     let said = said(&estimator, robot, recorded, &watched, name, first);
     Ok((said, next))
+}
+
+/// The recursive form since `baseline` (with the file's name), for a robot that runs: blocks of a
+/// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`] go into
+/// [`RecursiveOffsets::step`].
+///
+/// Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
+///
+/// # Errors
+/// [`AbsoluteError`] when the baseline is of another robot.
+pub fn live(
+    robot: &Robot,
+    (baseline, file): (&Baseline, &str),
+    options: &WatchOptions,
+) -> Result<RecursiveOffsets, AbsoluteError> {
+    let estimator = estimator(robot, options);
+    let mut belief = baseline.belief(robot, estimator.prior(), file)?;
+    open(estimator.prior(), &mut belief, options);
+    let mut filter =
+        RecursiveOffsets::new(estimator, belief).map_err(|error| AbsoluteError::Map {
+            file: file.into(),
+            error,
+        })?;
+    filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
+    Ok(filter)
+}
+
+/// What a baseline knows, some time later: offsets may be anything, and the gripper hold something
+/// else.
+fn open(prior: &Prior, belief: &mut Belief, options: &WatchOptions) {
+    prior.age(belief);
+    prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+    prior.open_payload(belief, options.payload);
 }
 
 /// A recording estimated stretch by stretch.
