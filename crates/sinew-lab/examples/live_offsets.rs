@@ -70,7 +70,12 @@ fn main() -> Result<(), Box<dyn Error>> {
                     print!("  {name} {offset:+.2} ± {:.2}", 1.96 * deviation);
                 }
             }
-            println!(" mrad");
+            let doubts = if offsets.is_in_doubt() {
+                ", in doubt"
+            } else {
+                ""
+            };
+            println!(" mrad{doubts}");
         }
     }
     Ok(())

@@ -1,64 +1,12 @@
-//! What happens within and between recordings: loads, cuts, chains, the recursive form.
+//! What happens within and between recordings: loads, cuts, chains, lost stiffness.
 
 mod support;
 
-use sinew_lab::absolute::{self, Baseline, Payload, Recorded, Recorder, WatchOptions};
-use sinew_lab::simulate::{Scenario, Simulation};
-use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
-use sinew_model::robot::Robot;
-use support::{biorob_like, repository, seeds};
+use sinew_lab::absolute::{self, Payload, WatchOptions};
+use support::{biorob_like, block_by_block, seeds, work_session};
 
 const PITCH: usize = 1;
 const ELBOW: usize = 2;
-
-/// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at
-/// 120 s, mrad.
-fn session(
-    robot: &Robot,
-    seed: u64,
-    edit: impl Fn(String) -> String,
-    cuts_s: &[f64],
-) -> (Vec<Recorded>, Vec<f64>) {
-    let place = repository().join("examples/scenarios");
-    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
-    let mut scenario = Scenario::from_toml(&edit(text), "work-session.toml").unwrap();
-    scenario.seed = seed;
-    let mut simulation = Simulation::new(robot, &scenario).unwrap();
-    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
-    let mut parts = vec![recorder()];
-    let mut cuts = cuts_s.iter().copied().peekable();
-    let mut truth = Vec::new();
-    let mut frame_at = 0.0;
-    while let Some(frame) = simulation.next_frame().unwrap() {
-        if cuts.next_if(|cut| frame_at >= *cut).is_some() {
-            parts.push(recorder());
-        }
-        parts.last_mut().unwrap().push(frame, frame_at);
-        frame_at += 1.0 / 250.0;
-        if frame_at < 120.0 {
-            truth = simulation
-                .true_state()
-                .delta_e
-                .iter()
-                .map(|x| 1e3 * x)
-                .collect();
-        }
-    }
-    (parts.into_iter().map(Recorder::finish).collect(), truth)
-}
-
-/// The recursive form after a recording, and the sum of its weights.
-fn block_by_block(
-    robot: &Robot,
-    baseline: &Baseline,
-    options: &WatchOptions,
-    recorded: &Recorded,
-) -> (RecursiveOffsets, f64) {
-    let mut filter = absolute::live(robot, (baseline, "baseline"), options).unwrap();
-    let blocks = recorded.blocks.iter();
-    let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
-    (filter, weights)
-}
 
 fn no_contact(text: String) -> String {
     text.replace("fraction = 0.1\n", "fraction = 0.0\n")
@@ -72,7 +20,7 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
             .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4")
             .replace("attach_s = 60.0", "attach_s = 91.0")
     };
-    let (parts, truth) = session(&robot, 11, load, &[60.0, 120.0]);
+    let (parts, truth) = work_session(&robot, 11, load, &[60.0, 120.0]);
     let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
     let (said, _) = absolute::watch_recorded(
         &robot,
@@ -125,7 +73,7 @@ fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
             + "\n[[offsets]]\njoint = \"shoulder_pitch\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 114.0\nrad = 0.005\n"
     };
     let watch = |cuts: &[f64]| {
-        let (parts, truth) = session(&robot, 14, late, cuts);
+        let (parts, truth) = work_session(&robot, 14, late, cuts);
         let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
         let baseline = Some((&baseline, "A"));
         let options = WatchOptions::default();
@@ -171,7 +119,7 @@ fn a_rope_that_goes_on_stretching_widens_the_interval_and_is_named() {
                     ),
                 )
             };
-            let (parts, truth) = session(&robot, 40 + seed, creeping, &[60.0, 120.0]);
+            let (parts, truth) = work_session(&robot, 40 + seed, creeping, &[60.0, 120.0]);
             let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
             let (baseline, options) = (Some((&baseline, "A")), WatchOptions::default());
             let (said, _) =
@@ -212,7 +160,7 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
                     "[truth]\nstiffness_later_factor = { shoulder_pitch = 0.97 }\nstiffness_later_from_s = 60.0\n",
                 )
         };
-        let (parts, truth) = session(&robot, 40 + seed, weaker, &[60.0, 120.0]);
+        let (parts, truth) = work_session(&robot, 40 + seed, weaker, &[60.0, 120.0]);
         let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
         let options = WatchOptions {
             payload: Payload::Empty,
@@ -268,8 +216,8 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
 fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     let robot = biorob_like();
     let options = WatchOptions::default();
-    let (whole, _) = session(&robot, 12, no_contact, &[60.0]);
-    let (cut, truth) = session(&robot, 12, no_contact, &[60.0, 118.0]);
+    let (whole, _) = work_session(&robot, 12, no_contact, &[60.0]);
+    let (cut, truth) = work_session(&robot, 12, no_contact, &[60.0, 118.0]);
     let (baseline, _) = absolute::learn_recorded(&robot, &whole[0], "A").unwrap();
     let (once, _) = absolute::watch_recorded(
         &robot,
@@ -315,7 +263,7 @@ fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
 #[test]
 fn a_baseline_leaves_the_motor_torque_out_when_told_so() {
     let robot = biorob_like();
-    let (parts, _) = session(&robot, 11, no_contact, &[30.0, 32.0]);
+    let (parts, _) = work_session(&robot, 11, no_contact, &[30.0, 32.0]);
     let learn = |motor_torque: bool| {
         let learning = absolute::Learning {
             motor_torque,
@@ -337,7 +285,7 @@ fn without_a_baseline_the_answer_is_wider_and_still_right() {
     let robot = biorob_like();
     let (mut inside, mut all) = (0, 0);
     for seed in 0..seeds(2) {
-        let (parts, truth) = session(&robot, 13 + seed, no_contact, &[60.0, 120.0]);
+        let (parts, truth) = work_session(&robot, 13 + seed, no_contact, &[60.0, 120.0]);
         for motor_torque in [false, true] {
             let options = WatchOptions {
                 motor_torque,
@@ -374,38 +322,4 @@ fn without_a_baseline_the_answer_is_wider_and_still_right() {
     println!("{inside} of {all} inside");
     // At 95 % each, fewer than 13 of 16 has a chance of 1 %.
     assert!(16 * inside >= 13 * all, "{inside} of {all}");
-}
-
-#[test]
-fn block_by_block_gives_what_all_at_once_gives() {
-    let robot = biorob_like();
-    let options = WatchOptions::default();
-    for seed in 0..seeds(3) {
-        let (parts, truth) = session(&robot, 40 + seed, |t| t, &[60.0, 120.0]);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-        let with = Some((&baseline, "baseline"));
-        let (batch, _) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
-        let (filter, weights) = block_by_block(&robot, &baseline, &options, &parts[1]);
-        print!(
-            "seed {seed}: mean weight {:.2}",
-            weights / parts[1].blocks.len() as f64
-        );
-        for (joint, said) in batch.joints.iter().enumerate() {
-            let [offset, deviation] = filter.offset(joint);
-            let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
-            print!(
-                ", {}: {:+.2} ± {:.2} batch, {:+.2} ± {interval:.2} recursive",
-                said.name,
-                said.offset_mrad - truth[joint],
-                said.interval_95_mrad,
-                offset - truth[joint]
-            );
-            assert!(
-                (offset - truth[joint]).abs() < interval.max(said.interval_95_mrad),
-                "{offset}"
-            );
-            assert!(interval < 2.0 * said.interval_95_mrad);
-        }
-        println!();
-    }
 }

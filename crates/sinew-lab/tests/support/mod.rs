@@ -3,8 +3,11 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
+use sinew_lab::absolute::{self, Baseline, Recorded, Recorder, WatchOptions};
 use sinew_lab::robot_dir;
+use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_lab::trend::{SessionRecord, date::parse_utc_s};
+use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
 use std::path::{Path, PathBuf};
 
@@ -70,4 +73,53 @@ pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
         temperature_c: Some(21.0),
         stiffness_percent: None,
     }
+}
+
+/// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at
+/// 120 s, mrad.
+pub(crate) fn work_session(
+    robot: &Robot,
+    seed: u64,
+    edit: impl Fn(String) -> String,
+    cuts_s: &[f64],
+) -> (Vec<Recorded>, Vec<f64>) {
+    let place = repository().join("examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let mut scenario = Scenario::from_toml(&edit(text), "work-session.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let mut parts = vec![recorder()];
+    let mut cuts = cuts_s.iter().copied().peekable();
+    let mut truth = Vec::new();
+    let mut frame_at = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        if cuts.next_if(|cut| frame_at >= *cut).is_some() {
+            parts.push(recorder());
+        }
+        parts.last_mut().unwrap().push(frame, frame_at);
+        frame_at += 1.0 / 250.0;
+        if frame_at < 120.0 {
+            truth = simulation
+                .true_state()
+                .delta_e
+                .iter()
+                .map(|x| 1e3 * x)
+                .collect();
+        }
+    }
+    (parts.into_iter().map(Recorder::finish).collect(), truth)
+}
+
+/// The recursive form after a recording, and the sum of its weights.
+pub(crate) fn block_by_block(
+    robot: &Robot,
+    baseline: &Baseline,
+    options: &WatchOptions,
+    recorded: &Recorded,
+) -> (RecursiveOffsets, f64) {
+    let mut filter = absolute::live(robot, (baseline, "baseline"), options).unwrap();
+    let blocks = recorded.blocks.iter();
+    let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
+    (filter, weights)
 }

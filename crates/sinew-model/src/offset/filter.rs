@@ -42,8 +42,9 @@ pub(super) struct Filter {
     weight: f64,
     /// Mean weight of late: a filter that leaves most out has no say in what was right.
     trust: f64,
-    /// Sum of weights since the scale is final; a stand counts as one block's inflation.
-    support: f64,
+    /// Mean normalised innovation of late of each joint's link equation, cut at [`CUT`]: what lasts is
+    /// no noise, and no contact of a few seconds.
+    strain: Vec<f64>,
     /// What went in of the last blocks, a ring.
     young: Vec<Young>,
     /// Belief at the end of the pass before.
@@ -74,6 +75,11 @@ const SCALE: f64 = 3.0;
 const WIDE: f64 = 40.0;
 /// Blocks in which the scale falls to a third.
 const FALL: f64 = 10.0;
+
+/// What counts of an innovation at most, standard deviations.
+const CUT: f64 = 5.0;
+/// Blocks, of those that tell something new, a joint's strain goes back over.
+const STRAINED: f64 = 40.0;
 
 /// Weight of a block whose mean normalised square residual is `chi`.
 fn redescending(chi: f64, scale: f64) -> f64 {
@@ -121,7 +127,7 @@ impl Filter {
             blocks: 0.0,
             weight: 1.0,
             trust: 1.0,
-            support: 0.0,
+            strain: alloc::vec![0.0; equations / 2],
             young: alloc::vec![none; young],
             reference: belief.mean.clone(),
             residuals: Sizes::new(equations / 2, young),
@@ -142,7 +148,8 @@ impl Filter {
         copy(&mut self.belief.mean, &belief.mean);
         copy(&mut self.belief.covariance, &belief.covariance);
         self.residuals.forget();
-        (self.blocks, self.support) = (0.0, 0.0);
+        self.blocks = 0.0;
+        self.strain.fill(0.0);
         for young in &mut self.young {
             young.share = 0.0;
         }
@@ -163,24 +170,18 @@ impl Filter {
         self.weight
     }
 
-    /// How many blocks have agreed since the weight's scale is final.
-    pub(super) fn support(&self) -> f64 {
-        self.support
-    }
-
-    /// Whether the weight has its final scale.
-    pub(super) fn is_settled(&self) -> bool {
-        self.scale() <= SCALE
-    }
-
-    /// Whether most blocks of late counted.
+    /// Whether most blocks of late counted, and agreed.
     pub(super) fn is_trusted(&self) -> bool {
-        self.trust > 0.5
+        self.trust > 0.5 && self.most_strained() < 1.0
     }
 
-    /// Whether hardly a block counted for some six seconds.
+    /// Whether hardly a block counted for some six seconds, or a joint reads off for as long.
     pub(super) fn is_doubted(&self) -> bool {
-        self.trust < 0.25
+        self.trust < 0.25 || self.most_strained() > 2.0
+    }
+
+    fn most_strained(&self) -> f64 {
+        self.strain.iter().fold(0.0, |most, m| m.abs().max(most))
     }
 
     fn scale(&self) -> f64 {
@@ -196,7 +197,7 @@ impl Filter {
         slot: usize,
     ) {
         linearise(estimator, work, block, &self.belief, &self.belief.mean);
-        let (scale, settled) = (self.scale(), self.is_settled());
+        let scale = self.scale();
         self.blocks += 1.0;
         self.project(work);
         let mut chi = 0.0;
@@ -205,12 +206,13 @@ impl Filter {
             let spread = dot(work.equations.row(e), gain) + self.variance(e);
             chi += e.residual * e.residual / spread;
             self.follow_noise(estimator, e, spread);
+            if let (Side::Link, Some(strain)) = (e.side, self.strain.get_mut(e.joint)) {
+                let innovation = (e.residual / libm::sqrt(spread)).clamp(-CUT, CUT);
+                *strain += share * estimator.inflation() / STRAINED * (innovation - *strain);
+            }
         }
         let chi = chi / work.equations.list.len().max(1) as f64;
         self.put_in_first(work, (redescending(chi, scale), share), slot);
-        if settled {
-            self.support += self.weight * share * estimator.inflation();
-        }
     }
 
     /// Takes a block in a pass over it, weighed against where the pass before ended.
@@ -235,7 +237,6 @@ impl Filter {
             self.project(work);
         }
         self.put_in_first(work, (redescending(chi, scale), share), slot);
-        self.support += self.weight * share * estimator.inflation();
     }
 
     /// Noise from the residuals of the pass before.

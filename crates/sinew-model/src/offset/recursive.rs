@@ -33,9 +33,16 @@ use alloc::vec::Vec;
 /// What comes first is believed, because nothing speaks against it: an arm that is leant on while
 /// the filter starts would have every later block left out. So a second filter goes over the first
 /// 75 blocks seven times from the first belief, each time with weights from the time before and a
-/// smaller `c`, as the batch form does; then takes what came since, and the
-/// first one's place where it explains all blocks better. It also goes over the last 75 blocks when hardly a block counts for some
-/// six seconds, and takes the first one's place once more blocks agree with it.
+/// smaller `c`, as the batch form does; then takes what came since, and the first one's place where it
+/// explains all blocks better. Until then, some 24 s, the filter [is in
+/// doubt](RecursiveOffsets::is_in_doubt).
+///
+/// It is in doubt again when hardly a block counts for some six seconds, or a joint's link equations
+/// are off by two standard deviations in the mean over 40 blocks that tell something new (each cut at
+/// five; so a contact of a few seconds isn't enough). Where that lasts for another ten seconds, the
+/// second filter goes over the last 75 blocks, and takes the first one's place once it is trusted and
+/// explains them better by 60, half chi-square: a rope has slipped, a load changed. The doubt ends when
+/// the blocks agree again.
 ///
 /// Strands may have failed since the belief: it starts with every stiffness opened by a tenth
 /// that was known better, and its offsets are averaged over which of them have changed, as [`MapEstimator::watch`] does.
@@ -64,6 +71,10 @@ pub struct RecursiveOffsets {
     kept: Vec<Kept>,
     /// Blocks taken.
     taken: usize,
+    /// Whether the second filter has been over the first blocks.
+    opened: bool,
+    /// The block the second filter began with.
+    from: usize,
 }
 
 /// A block, and the share of its information that counts; 0: none of it goes in.
@@ -77,10 +88,13 @@ struct Kept {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
     Rests,
-    /// Goes over the blocks `from..to` for the `pass`-th time, and takes those up to the present
+    /// Waits for blocks from after what disturbed the first.
+    Waits {
+        until: usize,
+    },
+    /// Goes over its blocks up to `to` for the `pass`-th time, and takes those up to the present
     /// after the last.
     GoesOver {
-        from: usize,
         to: usize,
         pass: usize,
         at: usize,
@@ -143,6 +157,8 @@ impl RecursiveOffsets {
             stood: 0.0,
             kept: alloc::vec![empty; KEPT],
             taken: 0,
+            opened: false,
+            from: 0,
             estimator,
         })
     }
@@ -201,17 +217,21 @@ impl RecursiveOffsets {
         const AT_ONCE: usize = 10;
         match self.stage {
             Stage::Rests => {
-                let opening = self.taken == STRETCH;
-                let doubted = self.taken > STRETCH && self.believed.is_doubted();
-                if opening || doubted {
-                    self.rival.restart(&self.start, &self.start_noise);
-                    let from = self.taken.saturating_sub(STRETCH);
-                    self.stage = Stage::GoesOver {
-                        from,
-                        to: self.taken,
-                        pass: 0,
-                        at: from,
-                    };
+                if self.taken == STRETCH {
+                    self.begin();
+                } else if self.taken > STRETCH && self.believed.is_doubted() {
+                    self.wait();
+                }
+            }
+            // What disturbed it is over.
+            Stage::Waits { .. } | Stage::GoesOver { .. }
+                if self.opened && self.believed.is_trusted() =>
+            {
+                self.stage = Stage::Rests;
+            }
+            Stage::Waits { until } => {
+                if self.taken >= until {
+                    self.begin();
                 }
             }
             Stage::GoesOver { .. } => {
@@ -228,14 +248,40 @@ impl RecursiveOffsets {
                     &self.kept,
                     number,
                 );
-                self.decide(usize::MAX);
+                if self.taken.saturating_sub(self.from).is_multiple_of(AT_ONCE) {
+                    self.decide();
+                }
+                // It began with blocks from before what it should explain.
+                if self.stage == Stage::Rivals && self.rival.is_doubted() {
+                    self.wait();
+                }
             }
         }
     }
 
+    /// The second filter will begin when most of the last blocks are from after the disturbance.
+    fn wait(&mut self) {
+        /// Blocks from after it.
+        const AFTER: usize = 50;
+        self.stage = Stage::Waits {
+            until: self.taken + AFTER,
+        };
+    }
+
+    /// The second filter begins with the last blocks.
+    fn begin(&mut self) {
+        self.rival.restart(&self.start, &self.start_noise);
+        self.from = self.taken.saturating_sub(STRETCH);
+        self.stage = Stage::GoesOver {
+            pass: 0,
+            to: self.taken,
+            at: self.from,
+        };
+    }
+
     /// One block for the second filter.
     fn go_over(&mut self) {
-        let Stage::GoesOver { from, to, pass, at } = self.stage else {
+        let Stage::GoesOver { to, pass, at } = self.stage else {
             return;
         };
         let Some(kept) = self.kept.get(at % KEPT) else {
@@ -258,7 +304,7 @@ impl RecursiveOffsets {
                     self.rival.find_noise(&self.estimator);
                 }
                 if pass < SCALES.len() {
-                    at = from;
+                    at = self.from;
                     self.rival.begin_pass(&self.start);
                 }
             }
@@ -272,31 +318,35 @@ impl RecursiveOffsets {
             );
             at += 1;
         }
-        self.stage = Stage::GoesOver { from, to, pass, at };
+        self.stage = Stage::GoesOver { to, pass, at };
         if pass == SCALES.len() && at >= self.taken {
             self.stage = Stage::Rivals;
-            self.decide(from);
+            self.decide();
         }
     }
 
-    /// Whether the second filter, which goes back to the block `from`, takes the first one's
-    /// place, or rests.
-    fn decide(&mut self, from: usize) {
-        /// Blocks by which the second filter must lead that has not seen all.
-        const LEAD: f64 = 10.0;
-        let opening = from == 0;
-        let better = if opening {
-            let blocks = self.kept.get(..self.taken).unwrap_or(&self.kept);
-            let blocks = blocks.iter().map(|k| (&k.block, k.share));
-            let (estimator, work) = (&self.estimator, &mut self.work);
-            self.rival.cost(estimator, work, blocks.clone())
-                < self.believed.cost(estimator, work, blocks)
-        } else {
-            self.rival.support() > self.believed.support() + LEAD
-        };
+    /// Whether the second filter takes the first one's place, or rests.
+    fn decide(&mut self) {
+        /// By how much it must explain its blocks better, half chi-square: it has every entry to
+        /// itself. A slip of a millirad is worth more in 15 s.
+        const BETTER: f64 = 60.0;
+        /// From so many blocks that told something new: two or three stands say little of an arm.
+        const ENOUGH: f64 = 15.0;
+        let opening = self.from == 0;
+        let seen = self.taken.saturating_sub(KEPT).max(self.from)..self.taken;
+        let blocks = seen.filter_map(|number| self.kept.get(number % KEPT));
+        let blocks = blocks.map(|k| (&k.block, k.share));
+        let told: f64 = blocks.clone().map(|(_, share)| share).sum();
+        let fit = told * self.estimator.inflation() > ENOUGH && self.rival.is_trusted();
+        let margin = if opening { 0.0 } else { BETTER };
+        let (estimator, work) = (&self.estimator, &mut self.work);
+        let better = (opening || fit)
+            && self.rival.cost(estimator, work, blocks.clone()) + margin
+                < self.believed.cost(estimator, work, blocks);
         if better {
             core::mem::swap(&mut self.rival, &mut self.believed);
         }
+        self.opened |= opening;
         if better || opening || self.believed.is_trusted() {
             self.stage = Stage::Rests;
         }
@@ -328,13 +378,37 @@ impl RecursiveOffsets {
     /// Offset of a joint and its standard deviation, rad, averaged over which joints' stiffness has
     /// changed since the belief the filter started from; NaN for a joint there isn't.
     ///
+    /// While the filter [doubts](RecursiveOffsets::is_in_doubt), the deviation is that from before the first
+    /// block; once the second filter has found what explains the blocks of late, mean and deviation
+    /// are those of both, one as likely as the other.
+    ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> [f64; 2] {
-        self.since.offset(joint).unwrap_or_else(|| {
-            let place = self.estimator.prior().place(joint, JointParameter::Offset);
-            self.belief().entry(place)
-        })
+        let place = self.estimator.prior().place(joint, JointParameter::Offset);
+        let own = self.since.offset(joint);
+        let [mean, deviation] = own.unwrap_or_else(|| self.belief().entry(place));
+        if !self.is_in_doubt() {
+            return [mean, deviation];
+        }
+        if self.stage == Stage::Rivals {
+            let [other, unsure] = self.rival.belief().entry(place);
+            let apart = 0.5 * (mean - other);
+            let variance = 0.5 * (deviation * deviation + unsure * unsure) + apart * apart;
+            return [mean - apart, libm::sqrt(variance)];
+        }
+        [mean, deviation.max(self.start.entry(place)[1])]
+    }
+
+    /// Whether the offsets may be wrong by more than the data says: in the first 24 s, because an arm
+    /// that is leant on from the start looks like another arm, and when hardly a block has fitted for
+    /// some six seconds: a slip, a load, or a contact that lasts.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn is_in_doubt(&self) -> bool {
+        let disturbed = self.stage != Stage::Rests || self.believed.is_doubted();
+        !self.opened || disturbed
     }
 
     /// Probability that the stiffness of a joint has changed since the belief the filter started
