@@ -158,6 +158,32 @@ fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
     assert!(slip <= without, "{slip} {without}");
 }
 
+/// After a strand has failed a session of unknown load sometimes takes lost stiffness for stretch.
+#[test]
+fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
+    const FAILS: usize = 90;
+    for seed in 0..6 {
+        let mut trend =
+            Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+        let mut random = Random(seed);
+        for day in 1..=240 {
+            let t = day as f64;
+            let mut y = 1e-3 * (24.0 * t).ln() + 0.3e-3 * random.normal();
+            let misread = random.uniform() < 0.2;
+            let by = 1.5e-3 + 0.8e-3 * random.normal();
+            if day >= FAILS {
+                y += 4e-3 + if misread { by } else { 0.0 };
+            }
+            trend.add(record(t, y, 0.9e-3, 23.0)).expect("in order");
+        }
+        let [event] = trend.events() else {
+            panic!("seed {seed}: {:?}", trend.events());
+        };
+        let late_days = event.time_s / DAY_S - FAILS as f64;
+        assert!((0.0..3.0).contains(&late_days), "seed {seed}: {event:?}");
+    }
+}
+
 #[test]
 fn a_small_step_is_no_alarm_and_yet_taken_in() {
     // A hundred times a session's own error, and half of what is reported.

@@ -1,7 +1,7 @@
 //! Filters side by side: one per pair of curve and noise.
 
 use super::gauss::{LogSum, above_zero, log_normal};
-use super::prior::Prior;
+use super::prior::{Noise, Prior};
 use super::record::Record;
 use alloc::vec::Vec;
 
@@ -201,6 +201,34 @@ impl Bank {
         for c in &mut self.components {
             c.covariance[entry(state, state)] += deviation_rad * deviation_rad;
         }
+    }
+
+    /// After a failed strand sessions may scatter as they didn't before: each filter also with the
+    /// other levels of the records' own errors.
+    pub(super) fn reconsider_errors(&mut self, prior: &Prior) {
+        /// Probability of each other level.
+        const OTHER: f64 = 0.1;
+        let alike = |a: &Noise, b: &Noise| {
+            a.slow_deviation_rad == b.slow_deviation_rad
+                && a.slow_time_s == b.slow_time_s
+                && a.pace_error == b.pace_error
+        };
+        let mut more = Vec::new();
+        for c in &self.components {
+            let Some(own) = prior.noises.get(c.noise as usize) else {
+                continue;
+            };
+            for (other, noise) in (0u32..).zip(&prior.noises) {
+                if other != c.noise && alike(own, noise) {
+                    more.push(Component {
+                        noise: other,
+                        log_weight: c.log_weight + libm::log(OTHER),
+                        ..*c
+                    });
+                }
+            }
+        }
+        self.components.extend(more);
     }
 
     /// Takes a record in; one without an offset changes nothing.

@@ -225,6 +225,7 @@ impl Trend {
                 } => {
                     bank.advance(&self.prior, *time_s);
                     bank.open(LEVEL, *deviation_rad);
+                    bank.reconsider_errors(&self.prior);
                 }
                 Entry::Tensioned { time_s } => {
                     bank.advance(&self.prior, *time_s);
