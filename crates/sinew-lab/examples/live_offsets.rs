@@ -18,13 +18,22 @@ const GAP_S: f64 = 0.5;
 /// Between two lines, s.
 const SAY_S: f64 = 10.0;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [place, file, log, rest @ ..] = arguments.as_slice() else {
         eprintln!("usage: live_offsets ROBOT_DIR BASELINE LOG [FROM_S]");
         std::process::exit(2);
     };
-    let from_s: f64 = rest.first().map_or(Ok(0.0), |s| s.parse())?;
+    let from = rest.first().map_or("0", String::as_str);
+    let number = from.parse().ok().filter(|s: &f64| s.is_finite());
+    let from_s = number.ok_or_else(|| format!("FROM_S: '{from}' is not a number of seconds"))?;
 
     // Construction.
     let mut recording = sinew_log::open(Path::new(log), &OpenOptions::default())?;
@@ -77,6 +86,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             println!(" mrad{doubts}");
         }
+    }
+    if last_ns.is_none() {
+        return Err(format!("{log} has nothing from {from_s} s on").into());
+    }
+    if recording.health().is_damaged() {
+        eprintln!("warning: {log} is damaged; `sinew log info {log}` says where");
     }
     Ok(())
 }

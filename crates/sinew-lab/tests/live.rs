@@ -94,6 +94,8 @@ fn a_slip_is_doubted_and_then_followed() {
             println!("  in the end {error:+.2} ± {:.2}", 1.96 * deviation);
         }
         doubts += u64::from(filter.is_in_doubt());
+        let none = truth.len();
+        assert!(filter.offset(none).iter().all(|x| x.is_nan()));
         assert!(seen_s.iter().all(|s| *s < SEEN_S), "{seen_s:?}");
     }
     println!("{all:?} inside, {ends:?} in the end, {doubts} then in doubt");

@@ -242,3 +242,76 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    /// Numbers in −1..1, the same on every machine.
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn it_is_the_sum_of_the_rows_squared() {
+        const JOINTS: usize = 2;
+        let bodies = JOINTS * PER_JOINT..JOINTS * PER_JOINT + 15;
+        let total = bodies.end + 3;
+        let mut seed = 1;
+        let mut equations = Equations {
+            rows: vec![],
+            list: vec![],
+        };
+        for joint in 0..JOINTS {
+            // The second joint carries no body but the last.
+            let carried = bodies.start + 10 * joint..bodies.end;
+            let phi: Vec<f64> = carried.clone().map(|_| random(&mut seed)).collect();
+            for (side, worth) in [(Side::Link, 0.02), (Side::Motor, 1.1)] {
+                let from = equations.rows.len();
+                let own = joint * PER_JOINT..(joint + 1) * PER_JOINT;
+                for i in own.chain(bodies.end..total) {
+                    equations.rows.push((i, random(&mut seed)));
+                }
+                for (i, phi) in carried.clone().zip(&phi) {
+                    equations.rows.push((i, worth * phi));
+                }
+                equations.list.push(Equation {
+                    joint,
+                    side,
+                    from,
+                    to: equations.rows.len(),
+                    residual: random(&mut seed),
+                    unsure: 0.0,
+                    stood: 0.0,
+                    worth,
+                });
+            }
+        }
+        let information = |e: &Equation| if e.side == Side::Link { 3.0 } else { 0.7 };
+        let mut normal = Normal::new(total, bodies);
+        // Twice, because nothing of the first may be left over.
+        for _ in 0..2 {
+            normal.add(&equations, information);
+        }
+        let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
+        for e in &equations.list {
+            for &(i, a) in equations.row(e) {
+                gradient[i] += 2.0 * information(e) * a * e.residual;
+                for &(k, b) in equations.row(e) {
+                    square[i * total + k] += 2.0 * information(e) * a * b;
+                }
+            }
+        }
+        for i in 0..total {
+            assert!((normal.gradient[i] - gradient[i]).abs() < 1e-12);
+            for k in 0..=i {
+                let (is, should) = (normal.information[i * total + k], square[i * total + k]);
+                assert!((is - should).abs() < 1e-12, "{i}, {k}: {is}, {should}");
+            }
+        }
+    }
+}

@@ -385,7 +385,11 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> [f64; 2] {
-        let place = self.estimator.prior().place(joint, JointParameter::Offset);
+        let prior = self.estimator.prior();
+        if joint >= prior.joints() {
+            return [f64::NAN; 2];
+        }
+        let place = prior.place(joint, JointParameter::Offset);
         let own = self.since.offset(joint);
         let [mean, deviation] = own.unwrap_or_else(|| self.belief().entry(place));
         if !self.is_in_doubt() {
