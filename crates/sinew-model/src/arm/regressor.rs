@@ -1,9 +1,8 @@
 //! How momentum and bias depend on the mass properties: the regressors of identification.
 
-use super::momentum::Moving;
 use super::{Arm, ArmWorkspace, JointKind};
 use crate::StepError;
-use crate::vec3::{Vec3, add, cross, rotate, scale};
+use crate::vec3::{Mat3, Vec3, add, cross, dot, rotate_back};
 use alloc::vec::Vec;
 
 /// Inertial parameters per body, in this order: mass, first moment (x, y, z), inertia about the
@@ -20,6 +19,8 @@ pub struct MomentumRegressor {
     pub p: Vec<f64>,
     /// `A`, row-major `n × 10 n`, N·m per parameter unit.
     pub a: Vec<f64>,
+    /// What the joint at work sees of each body; `None`: it doesn't carry it.
+    carried: Vec<Option<Carried>>,
 }
 
 impl MomentumRegressor {
@@ -30,6 +31,7 @@ impl MomentumRegressor {
             n,
             p: alloc::vec![0.0; n * n * PARAMETERS_PER_BODY],
             a: alloc::vec![0.0; n * n * PARAMETERS_PER_BODY],
+            carried: alloc::vec![None; n],
         }
     }
 
@@ -42,8 +44,9 @@ impl MomentumRegressor {
 impl Arm {
     /// Fills `out` with the regressors at `q`, `dq`.
     ///
-    /// Each body's momentum for a unit of each of its ten parameters is carried to the base and
-    /// projected on every joint on the way, as in [`Arm::momentum`].
+    /// A body's momentum `H = [I ω + h × v; m v + ω × h]` is linear in its parameters, and joint `i`
+    /// sees of it `p = Z·H` and `∂T/∂qᵢ = ξ·H`, with the twist `Z` of a unit of `dqᵢ` and
+    /// `ξ = [ωᵢ × z; vᵢ × z]` (prismatic: `[0; ωᵢ × z]`), both carried from the joint out to the body.
     ///
     /// # Errors
     /// As [`Arm::momentum`]; [`StepError::Length`] when `out` was made for another arm.
@@ -63,53 +66,37 @@ impl Arm {
         }
         // Leaves velocities, gravity and joint placements in the workspace.
         self.momentum(ws, q, dq)?;
-        out.p.fill(0.0);
-        out.a.fill(0.0);
-        let columns = n * PARAMETERS_PER_BODY;
-        for b in 0..n {
-            let Some((omega, v, _)) = ws.moving.get(b + 1).map(Moving::velocities) else {
-                return Err(StepError::Length);
-            };
-            for k in 0..PARAMETERS_PER_BODY {
-                let mut unit = Unit::of(k, omega, v);
-                let mut i = b;
-                loop {
-                    let (Some(joint), Some(body)) = (self.joints.get(i), ws.moving.get(i + 1))
-                    else {
-                        return Err(StepError::Length);
-                    };
-                    let (w, v, g) = body.velocities();
-                    let (m, f, s) = (unit.moment, unit.force, unit.first_moment);
-                    let (p, a) = match joint.kind {
-                        JointKind::Revolute => (
-                            m[2],
-                            w[1] * m[0] - w[0] * m[1] + v[1] * f[0]
-                                - v[0] * f[1]
-                                - (s[1] * g[0] - s[0] * g[1]),
-                        ),
-                        JointKind::Prismatic => {
-                            (f[2], w[1] * f[0] - w[0] * f[1] + unit.mass * g[2])
-                        }
-                    };
-                    let at = i * columns + b * PARAMETERS_PER_BODY + k;
-                    if let (Some(to_p), Some(to_a)) = (out.p.get_mut(at), out.a.get_mut(at)) {
-                        (*to_p, *to_a) = (p, a);
-                    }
-                    if joint.parent_slot == 0 {
-                        break;
-                    }
-                    let (rotation, origin) = body.placement();
-                    let force = rotate(&rotation, unit.force);
-                    unit = Unit {
-                        mass: unit.mass,
-                        moment: add(rotate(&rotation, unit.moment), cross(origin, force)),
-                        force,
-                        first_moment: add(
-                            rotate(&rotation, unit.first_moment),
-                            scale(origin, unit.mass),
-                        ),
-                    };
-                    i = joint.parent_slot - 1;
+        let MomentumRegressor { p, a, carried, .. } = out;
+        let columns = (n * PARAMETERS_PER_BODY).max(1);
+        let lines = p.chunks_exact_mut(columns).zip(a.chunks_exact_mut(columns));
+        for ((i, joint), (p, a)) in self.joints.iter().enumerate().zip(lines) {
+            let bodies = self.joints.iter().zip(ws.moving.iter().skip(1)).enumerate();
+            let entries = p
+                .chunks_exact_mut(PARAMETERS_PER_BODY)
+                .zip(a.chunks_exact_mut(PARAMETERS_PER_BODY));
+            for ((b, (own, body)), (p, a)) in bodies.zip(entries).skip(i) {
+                let (omega, v, gravity) = body.velocities();
+                let here = if b == i {
+                    Some(Carried::start(joint.kind, omega, v, gravity))
+                } else {
+                    // A body that the joint doesn't carry keeps the zeros of construction.
+                    let parent = own.parent_slot.checked_sub(1).filter(|p| *p >= i);
+                    let parent = parent.and_then(|p| carried.get(p).copied().flatten());
+                    parent.map(|parent| parent.carried_on(&body.placement()))
+                };
+                if let Some(slot) = carried.get_mut(b) {
+                    *slot = here;
+                }
+                if let (Some(c), Some(p), Some(a)) =
+                    (here, p.first_chunk_mut(), a.first_chunk_mut())
+                {
+                    *p = against(c.unit, omega, v);
+                    *a = against(c.turned, omega, v);
+                    let [mass, x, y, z, ..] = a;
+                    *mass += c.lift;
+                    *x += c.gravity[0];
+                    *y += c.gravity[1];
+                    *z += c.gravity[2];
                 }
             }
         }
@@ -130,57 +117,83 @@ impl Arm {
     }
 }
 
-/// Momentum of a body for a unit of one inertial parameter.
-struct Unit {
-    mass: f64,
-    moment: Vec3,
-    force: Vec3,
-    first_moment: Vec3,
+/// What a joint sees of a body, in the body's axes at its origin.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    /// Twist of a unit of the joint's velocity.
+    unit: Twist,
+    /// Twist whose product with the momentum is `∂T/∂q`.
+    turned: Twist,
+    /// Gravity's torque per first moment …
+    gravity: Vec3,
+    /// … and per mass.
+    lift: f64,
 }
 
-impl Unit {
-    fn of(parameter: usize, w: Vec3, v: Vec3) -> Self {
-        let axis = |k: usize| {
-            let mut e = [0.0; 3];
-            e[k] = 1.0;
-            e
-        };
-        let nothing = Self {
-            mass: 0.0,
-            moment: [0.0; 3],
-            force: [0.0; 3],
-            first_moment: [0.0; 3],
-        };
-        // Entries of the inertia: which axes they couple.
-        let couple = |i: usize, k: usize| {
-            let mut moment = [0.0; 3];
-            moment[i] += w[k];
-            if i != k {
-                moment[k] += w[i];
-            }
-            Self { moment, ..nothing }
-        };
-        match parameter {
-            0 => Self {
-                mass: 1.0,
-                force: v,
-                ..nothing
-            },
-            1..=3 => {
-                let h = axis(parameter - 1);
-                Self {
-                    moment: cross(h, v),
-                    force: cross(w, h),
-                    first_moment: h,
-                    ..nothing
-                }
-            }
-            4 => couple(0, 0),
-            5 => couple(0, 1),
-            6 => couple(0, 2),
-            7 => couple(1, 1),
-            8 => couple(1, 2),
-            _ => couple(2, 2),
+#[derive(Debug, Clone, Copy)]
+struct Twist {
+    angular: Vec3,
+    linear: Vec3,
+}
+
+impl Twist {
+    fn carried_on(self, rotation: &Mat3, origin: Vec3) -> Self {
+        Self {
+            angular: rotate_back(rotation, self.angular),
+            linear: rotate_back(rotation, add(self.linear, cross(self.angular, origin))),
         }
     }
+}
+
+impl Carried {
+    /// Of the body the joint carries itself.
+    fn start(kind: JointKind, omega: Vec3, v: Vec3, gravity: Vec3) -> Self {
+        const ZERO: Vec3 = [0.0; 3];
+        const AXIS: Vec3 = [0.0, 0.0, 1.0];
+        // `x × z`.
+        let across = |x: Vec3| [x[1], -x[0], 0.0];
+        let twist = |angular, linear| Twist { angular, linear };
+        match kind {
+            JointKind::Revolute => Self {
+                unit: twist(AXIS, ZERO),
+                turned: twist(across(omega), across(v)),
+                gravity: across(gravity),
+                lift: 0.0,
+            },
+            JointKind::Prismatic => Self {
+                unit: twist(ZERO, AXIS),
+                turned: twist(ZERO, across(omega)),
+                gravity: ZERO,
+                lift: gravity[2],
+            },
+        }
+    }
+
+    /// Of a body placed so on the one this is of.
+    fn carried_on(self, (rotation, origin): &(Mat3, Vec3)) -> Self {
+        Self {
+            unit: self.unit.carried_on(rotation, *origin),
+            turned: self.turned.carried_on(rotation, *origin),
+            gravity: rotate_back(rotation, self.gravity),
+            lift: self.lift + dot(self.gravity, *origin),
+        }
+    }
+}
+
+/// A twist's product with the momentum of a body, for a unit of each of its parameters.
+fn against(twist: Twist, w: Vec3, v: Vec3) -> [f64; PARAMETERS_PER_BODY] {
+    let (t, l) = (twist.angular, twist.linear);
+    let h = add(cross(v, t), cross(l, w));
+    [
+        dot(l, v),
+        h[0],
+        h[1],
+        h[2],
+        t[0] * w[0],
+        t[0] * w[1] + t[1] * w[0],
+        t[0] * w[2] + t[2] * w[0],
+        t[1] * w[1],
+        t[1] * w[2] + t[2] * w[1],
+        t[2] * w[2],
+    ]
 }
