@@ -1,4 +1,4 @@
-//! The regressors times the parameters are the momentum pass.
+//! The regressors times the parameters are the momentum pass, and their base all of it.
 
 use sinew_model::arm::{ArmWorkspace, MomentumRegressor, urdf};
 use std::path::Path;
@@ -43,4 +43,51 @@ fn regressor_times_parameters_is_the_pass() {
         robots += 1;
     }
     assert!(robots >= 4);
+}
+
+/// Numbers without a pattern.
+fn motion(n: usize, case: usize) -> [Vec<f64>; 2] {
+    let values = |a: f64, b: f64| (0..n).map(move |i| a * (b * (case * n + i + 1) as f64).sin());
+    [values(3.0, 12.9).collect(), values(1.5, 78.2).collect()]
+}
+
+#[test]
+fn base_parameters_are_all_that_motion_depends_on() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/models");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let arm = urdf::parse(&text, &urdf::UrdfOptions::default())
+            .unwrap()
+            .arm;
+        let n = arm.dof();
+        let base = arm.base_parameters();
+        let all = n * 10;
+        println!("{}: {n} joints, {} of {all}", path.display(), base.count());
+        // The first joint's axis alone hides three moments and mass or more.
+        assert!(base.count() <= all - 3, "{}", base.count());
+        let mut ws = ArmWorkspace::new(&arm);
+        let mut regressor = MomentumRegressor::new(&arm);
+        let pi: Vec<f64> = (0..all).map(|k| (3.7 * k as f64).cos()).collect();
+        let z = base.of(&pi);
+        let mut seen = vec![0.0_f64; base.count()];
+        for case in 0..20 {
+            let [q, dq] = motion(n, case);
+            arm.momentum_regressor(&mut ws, &q, &dq, &mut regressor)
+                .unwrap();
+            for matrix in [&regressor.p, &regressor.a] {
+                for row in matrix.chunks_exact(all) {
+                    let whole: f64 = row.iter().zip(&pi).map(|(x, pi)| x * pi).sum();
+                    let own = base.columns.iter().map(|&c| row[c]);
+                    let part: f64 = own.clone().zip(&z).map(|(x, z)| x * z).sum();
+                    let size: f64 = row.iter().map(|x| x.abs()).sum();
+                    assert!((whole - part).abs() < 1e-9 * (1.0 + size), "{whole} {part}");
+                    for (seen, x) in seen.iter_mut().zip(own) {
+                        *seen = seen.max(x.abs());
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|x| *x > 1e-9), "a column says nothing");
+    }
 }

@@ -6,8 +6,10 @@
 //! [`Arm::momentum`] short.
 //!
 //! Reading order: `build` (bodies in, re-based arm out), `momentum` (the realtime pass),
-//! `mass_matrix`, `dynamics`, `energy`, `point` (forces at a link, payloads).
+//! `mass_matrix`, `dynamics`, `energy`, `point` (forces at a link, payloads), `regressor` and `base`
+//! (what mass properties do).
 
+mod base;
 mod build;
 mod dynamics;
 mod energy;
@@ -18,6 +20,7 @@ mod regressor;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 
+pub use base::BaseParameters;
 pub use build::{ArmBuilder, ArmError, BodyInertia, BodySpec, Pose};
 pub use momentum::Momentum;
 pub use regressor::{MomentumRegressor, PARAMETERS_PER_BODY};

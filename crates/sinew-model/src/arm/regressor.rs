@@ -39,6 +39,13 @@ impl MomentumRegressor {
     pub fn columns(&self) -> usize {
         self.n * PARAMETERS_PER_BODY
     }
+
+    /// Rows of `P` and `A` of a joint.
+    pub(crate) fn rows(&self, joint: usize) -> Option<[&[f64]; 2]> {
+        let columns = self.columns();
+        let row = joint * columns..(joint + 1) * columns;
+        Some([self.p.get(row.clone())?, self.a.get(row)?])
+    }
 }
 
 impl Arm {

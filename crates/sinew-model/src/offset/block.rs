@@ -23,7 +23,8 @@ pub struct Block {
     pub y_square: Vec<f64>,
     /// `(theta_measured − q)³`, filtered like `y`, `n`, rad³: a spring that stiffens.
     pub y_cube: Vec<f64>,
-    /// `Φ`, row-major `n × 10 n`, N·m per parameter unit.
+    /// `Φ` of the base parameters ([`crate::arm::BaseParameters`]), row-major `n × r`, N·m per
+    /// parameter unit.
     pub phi: Vec<f64>,
     /// Joint position like `y`, `n`, rad.
     pub turned: Vec<f64>,

@@ -151,7 +151,7 @@ impl Problem<'_> {
         }
         match softer {
             Some(softer) => self.averaged(best, softer),
-            None => best.complete(),
+            None => self.complete(best),
         }
     }
 
@@ -256,8 +256,9 @@ impl Problem<'_> {
             return Ok(None);
         }
         let solution = found.solution;
-        let known = solution.clone().complete()?;
-        let [size, deviation] = known.change(self.estimator.prior(), known.changes.len() - 1);
+        let known = &solution.estimate;
+        let place = self.total(&known.changes[..known.changes.len() - 1]);
+        let (size, deviation) = (known.state[place], solution.deviation(place)?);
         let least = match change.what {
             What::Payload => LEAST_LOAD_KG,
             What::Offset(_) => LEAST_STEP_RAD,
@@ -280,7 +281,7 @@ impl Problem<'_> {
                 rank: 0,
                 size: alloc::vec![0.0],
             };
-            let softer = self.with_change(&known, softer)?;
+            let softer = self.with_change(known, softer)?;
             let [.., size] = softer.solution.estimate.state[..] else {
                 return Ok(Some(solution));
             };

@@ -2,10 +2,13 @@
 
 use super::block::{Block, ENCODER};
 use super::changes::{Change, What};
+use super::layout::Layout;
+use super::model::Model;
 use super::payload::payload_torque;
-use super::prior::{JointParameter as P, PAYLOAD, PER_JOINT, Prior};
-use crate::arm::PARAMETERS_PER_BODY;
+use super::prior::{JointParameter as P, PAYLOAD, PER_JOINT};
+use crate::cholesky::dot;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Where an equation comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,58 +24,141 @@ pub(super) enum Side {
 pub(super) struct Equation {
     pub(super) joint: usize,
     pub(super) side: Side,
-    /// Its row is `rows[from..to]`.
-    pub(super) from: usize,
-    pub(super) to: usize,
+    /// How what is expected moves with the joint's own parameters.
+    pub(super) own: [f64; PER_JOINT],
+    /// How it moves with the joint's torque: what masses and load do goes through that, so over them
+    /// the row is this times [`Equations::carried`].
+    pub(super) worth: f64,
     /// Measured less expected.
     pub(super) residual: f64,
     /// Standard deviation of what is unknown beside the noise: a standing drive's friction.
     pub(super) unsure: f64,
     /// Share of the time the drive stood.
     pub(super) stood: f64,
-    /// How what is expected moves with the joint's torque. What masses and load do goes through
-    /// that torque: link and motor row are the same there, but for this factor.
-    pub(super) worth: f64,
 }
 
 /// Equations of one block, reused from block to block.
 #[derive(Debug, Clone)]
 pub(super) struct Equations {
-    pub(super) rows: Vec<(usize, f64)>,
+    layout: Layout,
     pub(super) list: Vec<Equation>,
+    /// How the torque of every joint moves with bodies and load, `n × (r + 4)`.
+    carried: Vec<f64>,
+    /// Changes that have happened by the block's time, with their first column.
+    active: Vec<(usize, What)>,
+    /// What the gripper holds.
+    held: [f64; PAYLOAD],
 }
 
 impl Equations {
     /// Room for the equations of a block while these changes are sought; allocates here only.
-    pub(super) fn new(prior: &Prior, changes: &[Change]) -> Self {
-        let n = prior.joints();
-        let more: usize = changes.iter().map(|c| c.what.columns()).sum();
-        let row = PER_JOINT + n * PARAMETERS_PER_BODY + PAYLOAD + more;
+    pub(super) fn new(layout: Layout, changes: &[Change]) -> Self {
+        let n = layout.joints;
         Self {
-            rows: Vec::with_capacity(2 * n * row),
+            layout,
             list: Vec::with_capacity(2 * n),
+            carried: alloc::vec![0.0; n * layout.carried().len()],
+            active: Vec::with_capacity(changes.len()),
+            held: [0.0; PAYLOAD],
         }
     }
 
-    /// Row of an equation: places in the state and their values.
-    pub(super) fn row(&self, e: &Equation) -> &[(usize, f64)] {
-        self.rows.get(e.from..e.to).unwrap_or_default()
+    /// Of the state.
+    pub(super) fn layout(&self) -> Layout {
+        self.layout
     }
 
-    /// The next entry of the row at work. Never allocates.
-    fn push(&mut self, place: usize, value: f64) {
-        debug_assert!(self.rows.len() < self.rows.capacity(), "rows are too short");
-        if self.rows.len() < self.rows.capacity() {
-            self.rows.push((place, value));
+    /// How the torque of a joint moves with bodies and load.
+    pub(super) fn carried(&self, joint: usize) -> &[f64] {
+        let m = self.layout.carried().len();
+        let row = self.carried.get(joint * m..(joint + 1) * m);
+        row.unwrap_or_default()
+    }
+
+    /// Entry `k` of what changes, in the row of `e`.
+    pub(super) fn entry(&self, e: &Equation, what: What, k: usize) -> f64 {
+        match what {
+            What::Offset(joint) if joint == e.joint => e.own[P::Offset as usize],
+            What::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
+            What::Payload => e.worth * entry(self.carried(e.joint), self.layout.bodies + k),
+            _ => 0.0,
         }
     }
 
-    /// The row at work is whole. Never allocates.
-    fn close(&mut self, equation: Equation) {
+    /// Columns of the changes that have happened, with their values in the row of `e`.
+    pub(super) fn changes<'a>(
+        &'a self,
+        e: &'a Equation,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let columns = move |&(first, what): &(usize, What)| {
+            (0..what.columns()).map(move |k| (first + k, self.entry(e, what, k)))
+        };
+        self.active.iter().flat_map(columns)
+    }
+
+    /// The row of `e` times a column.
+    pub(super) fn dot(&self, e: &Equation, column: &[f64]) -> f64 {
+        let part = |range: Range<usize>| column.get(range).unwrap_or_default();
+        let own = dot(&e.own, part(self.layout.own(e.joint)));
+        let carried = dot(self.carried(e.joint), part(self.layout.carried()));
+        let changes = self.changes(e).map(|(i, value)| value * entry(column, i));
+        own + e.worth * carried + changes.sum::<f64>()
+    }
+
+    /// Adds the row of `e`, times a factor, to a column.
+    pub(super) fn add_to(&self, e: &Equation, factor: f64, column: &mut [f64]) {
+        let mut add = |range: Range<usize>, values: &[f64], factor: f64| {
+            let to = column.get_mut(range).unwrap_or_default();
+            for (to, value) in to.iter_mut().zip(values) {
+                *to += factor * value;
+            }
+        };
+        add(self.layout.own(e.joint), &e.own, factor);
+        add(
+            self.layout.carried(),
+            self.carried(e.joint),
+            factor * e.worth,
+        );
+        for (i, value) in self.changes(e) {
+            add(i..i + 1, &[value], factor);
+        }
+    }
+
+    /// How the torque of joint `i` moves with bodies and load. Never allocates.
+    pub(super) fn carry(&mut self, i: usize, phi: &[f64], load: &[f64; PAYLOAD]) {
+        let m = self.layout.carried().len();
+        let row = self.carried.get_mut(i * m..(i + 1) * m);
+        let values = phi.iter().chain(load);
+        for (to, value) in row.unwrap_or_default().iter_mut().zip(values) {
+            *to = *value;
+        }
+    }
+
+    /// An equation more. Never allocates.
+    pub(super) fn push(&mut self, equation: Equation) {
         debug_assert!(self.list.len() < self.list.capacity(), "list is too short");
         if self.list.len() < self.list.capacity() {
             self.list.push(equation);
         }
+    }
+
+    /// The changes that have happened by now. Never allocates.
+    pub(super) fn activate(&mut self, changes: &[Change], time_s: f64) {
+        self.active.clear();
+        let mut column = self.layout.dimension();
+        for change in changes {
+            if time_s >= change.at_s && self.active.len() < self.active.capacity() {
+                self.active.push((column, change.what));
+            }
+            column += change.what.columns();
+        }
+    }
+
+    /// Entry `k` of what changes, with all that was added to it.
+    fn sum(&self, x: &[f64], what: What, k: usize) -> f64 {
+        let own = self.active.iter().filter(|(_, w)| *w == what);
+        let added = own.map(|(first, _)| entry(x, first + k));
+        entry(x, what.place(self.layout) + k) + added.sum::<f64>()
     }
 }
 
@@ -81,7 +167,7 @@ fn entry(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(f64::NAN)
 }
 
-impl Prior {
+impl Model {
     /// Fills `out`, which has room for them, with the equations of `block` around the state `x` (`d`
     /// entries, then those of `changes`). `motor`: whether the motor's torque is used.
     pub(super) fn linearise(
@@ -93,28 +179,24 @@ impl Prior {
         x: &[f64],
         out: &mut Equations,
     ) {
-        out.rows.clear();
         out.list.clear();
+        out.activate(changes, block.time_s);
+        out.held = core::array::from_fn(|k| out.sum(x, What::Payload, k));
         let warmer = if block.temperature_c.is_finite() && reference_c.is_finite() {
             block.temperature_c - reference_c
         } else {
             0.0
         };
-        let active = Active::new(self, changes, block.time_s);
-        for i in 0..self.joints() {
-            if self.is_elastic(i) {
-                self.linearise_joint(i, block, warmer, &active, motor, x, out);
-            }
+        for i in 0..self.layout.joints {
+            self.linearise_joint(i, block, warmer, motor, x, out);
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one pass over a joint's data")]
     fn linearise_joint(
         &self,
         i: usize,
         block: &Block,
         warmer: f64,
-        active: &Active<'_>,
         motor: bool,
         x: &[f64],
         out: &mut Equations,
@@ -124,32 +206,22 @@ impl Prior {
         };
         let stiffness = joint.stiffness_nm_per_rad;
         let kappa = 1.0 / stiffness;
-        let n = self.joints();
-        let columns = n * PARAMETERS_PER_BODY;
-        let at = |p: P| entry(x, self.place(i, p));
+        let at = |p: P| entry(x, self.layout.place(i, p));
         let of = |column: &[f64]| entry(column, i);
-        let phi = block.phi.get(i * columns..(i + 1) * columns);
         let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER);
+        let encoder = encoder.and_then(|e| e.first_chunk::<ENCODER>());
         // Lengths have been checked: none of these is ever missing.
-        let (Some(phi), Some(encoder)) = (phi, encoder) else {
+        let (Some(phi), Some(encoder)) = (self.phi(block, i), encoder) else {
             return;
         };
-        let held = phi.get(self.payload_body * PARAMETERS_PER_BODY..);
-        let Some(load) = held.and_then(|phi| phi.first_chunk()) else {
-            return;
-        };
-        let bodies = self.body_start();
+        let bodies = x.get(self.layout.carried()).unwrap_or_default();
         let mut tau = 0.0;
-        for ((phi, pi), error) in phi
-            .iter()
-            .zip(&self.inertial)
-            .zip(x.get(bodies..).unwrap_or_default())
-        {
+        for ((phi, pi), error) in phi.iter().zip(&self.inertial).zip(bodies) {
             tau += phi * (pi + error);
         }
-        let held = core::array::from_fn(|k| active.sum(x, self.payload_place() + k));
-        let (torque, load) = payload_torque(load, self.payload_at, held);
+        let (torque, load) = payload_torque(&self.payload_phi(phi), self.payload_at, out.held);
         tau += torque;
+        out.carry(i, phi, &load);
         let z_load = of(&block.z_load) * stiffness;
         // A joint that has not slid since the recording began may be held either way.
         let stuck = (at(P::Coulomb) + at(P::LoadFriction) * stiffness * of(&block.y).abs())
@@ -160,11 +232,11 @@ impl Prior {
             + at(P::LoadFriction) * z_load;
 
         // Link side.
-        let compliance = active.sum(x, self.place(i, P::Compliance));
+        let compliance = out.sum(x, What::Compliance(i), 0);
         let soft = 1.0 + compliance + at(P::Thermal) * warmer;
         let linear = kappa * soft * tau;
         let cubic = at(P::Stiffening);
-        let offset = active.sum(x, self.place(i, P::Offset)) + at(P::Zero);
+        let offset = out.sum(x, What::Offset(i), 0) + at(P::Zero);
         // The slow part of the deflection, and how far the joint has turned.
         let (slow, turned) = (of(&block.y_slow) - offset, of(&block.turned));
         // What `theta_measured − q` holds beside the spring's deflection.
@@ -179,7 +251,7 @@ impl Prior {
         };
         beside += at(P::Slack) * taut;
         for (k, e) in encoder.iter().enumerate() {
-            beside += entry(x, self.place(i, P::Encoder) + k) * e;
+            beside += entry(x, self.layout.place(i, P::Encoder) + k) * e;
         }
         // LP[x + η x³] = κ τ with x = theta_measured − q − beside: linear in stiffness, stiffening
         // and torque, however large the deflection.
@@ -190,48 +262,36 @@ impl Prior {
         // What a rad beside is worth, where the spring is stiffer.
         let worth = 1.0 + 3.0 * cubic * square;
         let per_torque = kappa * soft;
-        let from = out.rows.len();
-        active.push(out, self.place(i, P::Offset), worth);
-        out.push(self.place(i, P::Zero), worth);
-        active.push(out, self.place(i, P::Compliance), kappa * tau);
-        out.push(self.place(i, P::Stiffening), -cube);
-        if joint.antagonistic {
-            out.push(self.place(i, P::Slack), worth * taut);
+        let mut own = [0.0; PER_JOINT];
+        own[P::Offset as usize] = worth;
+        own[P::Zero as usize] = worth;
+        own[P::Compliance as usize] = kappa * tau;
+        own[P::Stiffening as usize] = -cube;
+        own[P::Slack as usize] = worth * taut;
+        own[P::Viscoelastic as usize] = worth * slow;
+        own[P::Gear as usize] = worth * turned;
+        own[P::Drift as usize] = worth * warmer;
+        own[P::Thermal as usize] = kappa * tau * warmer;
+        for (to, e) in own.iter_mut().skip(P::Encoder as usize).zip(encoder) {
+            *to = worth * e;
         }
-        out.push(self.place(i, P::Viscoelastic), worth * slow);
-        out.push(self.place(i, P::Gear), worth * turned);
-        if warmer != 0.0 {
-            out.push(self.place(i, P::Drift), worth * warmer);
-            out.push(self.place(i, P::Thermal), kappa * tau * warmer);
+        let rubs = [
+            (P::Coulomb, of(&block.z)),
+            (P::Viscous, of(&block.dq)),
+            (P::LoadFriction, z_load),
+            (P::Stuck, stuck),
+        ];
+        for (p, value) in rubs {
+            own[p as usize] = per_torque * value;
         }
-        for (k, e) in encoder.iter().enumerate() {
-            out.push(self.place(i, P::Encoder) + k, worth * e);
-        }
-        let torque_from = out.rows.len();
-        out.push(self.place(i, P::Coulomb), per_torque * of(&block.z));
-        out.push(self.place(i, P::Viscous), per_torque * of(&block.dq));
-        out.push(self.place(i, P::LoadFriction), per_torque * z_load);
-        if stuck != 0.0 {
-            out.push(self.place(i, P::Stuck), per_torque * stuck);
-        }
-        for (k, phi) in phi.iter().enumerate() {
-            if *phi != 0.0 {
-                out.push(bodies + k, per_torque * phi);
-            }
-        }
-        for (k, c) in load.iter().enumerate() {
-            active.push(out, self.payload_place() + k, per_torque * c);
-        }
-        let to = out.rows.len();
-        out.close(Equation {
+        out.push(Equation {
             joint: i,
             side: Side::Link,
-            from,
-            to,
+            own,
+            worth: per_torque,
             residual: y - expected,
             unsure: 0.0,
             stood: 0.0,
-            worth: per_torque,
         });
 
         // Motor side.
@@ -241,86 +301,33 @@ impl Prior {
         if !of(&block.motor_torque).is_finite() {
             return;
         }
-        let from = out.rows.len();
         let scale = 1.0 + at(P::MotorScale);
-        for r in torque_from..to {
-            if let Some(&(place, value)) = out.rows.get(r) {
-                out.push(place, scale * value / per_torque);
-            }
-        }
         let z_load = of(&block.motor_z_load) * stiffness;
         let torque = tau
             + inertia * of(&block.motor_acceleration)
             + at(P::MotorCoulomb) * of(&block.motor_z)
             + at(P::MotorViscous) * of(&block.motor_velocity)
             + at(P::MotorLoadFriction) * z_load;
-        for (p, value) in [
-            (P::MotorScale, torque),
-            (P::MotorBias, 1.0),
-            (P::MotorCoulomb, scale * of(&block.motor_z)),
-            (P::MotorViscous, scale * of(&block.motor_velocity)),
-            (P::MotorLoadFriction, scale * z_load),
-        ] {
-            out.push(self.place(i, p), value);
+        let mut own = [0.0; PER_JOINT];
+        own[P::MotorScale as usize] = torque;
+        own[P::MotorBias as usize] = 1.0;
+        own[P::MotorCoulomb as usize] = scale * of(&block.motor_z);
+        own[P::MotorViscous as usize] = scale * of(&block.motor_velocity);
+        own[P::MotorLoadFriction as usize] = scale * z_load;
+        for (p, value) in rubs {
+            own[p as usize] = scale * value;
         }
         let grip = at(P::MotorCoulomb).abs().max(joint.motor_coulomb_nm)
             + at(P::MotorLoadFriction).abs() * stiffness * of(&block.y).abs();
-        out.close(Equation {
+        out.push(Equation {
             joint: i,
             side: Side::Motor,
-            from,
-            to: out.rows.len(),
+            own,
+            worth: scale,
             residual: of(&block.motor_torque) - scale * torque - at(P::MotorBias),
             unsure: grip * of(&block.motor_stood),
             stood: of(&block.motor_stood),
-            worth: scale,
         });
-    }
-}
-
-/// Changes that have happened by a block's time.
-struct Active<'a> {
-    prior: &'a Prior,
-    changes: &'a [Change],
-    time_s: f64,
-}
-
-impl<'a> Active<'a> {
-    fn new(prior: &'a Prior, changes: &'a [Change], time_s: f64) -> Self {
-        Self {
-            prior,
-            changes,
-            time_s,
-        }
-    }
-
-    /// Columns of changes to the entry at `place` of the state.
-    fn columns(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
-        let mut column = self.prior.dimension();
-        self.changes.iter().filter_map(move |change| {
-            let first = column;
-            column += change.what.columns();
-            if self.time_s < change.at_s {
-                return None;
-            }
-            let base = change.what.place(self.prior);
-            (base..base + change.what.columns())
-                .contains(&place)
-                .then(|| first + place - base)
-        })
-    }
-
-    /// The entry at `place` with all that was added to it.
-    fn sum(&self, x: &[f64], place: usize) -> f64 {
-        entry(x, place) + self.columns(place).map(|c| entry(x, c)).sum::<f64>()
-    }
-
-    /// The entry's column, and that of every change to it.
-    fn push(&self, out: &mut Equations, place: usize, value: f64) {
-        out.push(place, value);
-        for column in self.columns(place) {
-            out.push(column, value);
-        }
     }
 }
 
@@ -334,11 +341,11 @@ impl What {
     }
 
     /// First entry of the state it changes.
-    pub(super) fn place(self, prior: &Prior) -> usize {
+    pub(super) fn place(self, layout: Layout) -> usize {
         match self {
-            Self::Offset(joint) => prior.place(joint, P::Offset),
-            Self::Compliance(joint) => prior.place(joint, P::Compliance),
-            Self::Payload => prior.payload_place(),
+            Self::Offset(joint) => layout.place(joint, P::Offset),
+            Self::Compliance(joint) => layout.place(joint, P::Compliance),
+            Self::Payload => layout.payload_place(),
         }
     }
 }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `Φ` is the momentum-filtered torque regressor: what the observer does to `p` and `α`, done to
-//! the columns of their regressors, so no acceleration is needed and the lag of `Φ` is that of
+//! the columns of their regressors that the others depend on (base parameters), so no acceleration is needed and the lag of `Φ` is that of
 //! `y`. Everything is averaged over blocks of a fifth of a second.
 //!
 //! Where the motor's torque `u` is recorded there is a second equation per joint,
@@ -40,8 +40,11 @@ pub struct FeatureObserver {
     arm: Arm,
     config: FeatureConfig,
     ws: ArmWorkspace,
-    now: MomentumRegressor,
-    before: MomentumRegressor,
+    regressor: MomentumRegressor,
+    /// Columns of the regressors that everything else follows from.
+    base: Vec<usize>,
+    /// These columns of `P` and `A` when they were last computed, `n × r`.
+    before: Vec<[f64; 2]>,
     joints: Vec<Signals>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
@@ -77,13 +80,15 @@ impl FeatureObserver {
     pub fn new(arm: &Arm, config: FeatureConfig) -> Self {
         let n = arm.dof();
         let regressor = MomentumRegressor::new(arm);
-        let columns = regressor.columns();
+        let base = arm.base_parameters().columns;
+        let columns = base.len();
         Self {
             arm: arm.clone(),
             config,
             ws: ArmWorkspace::new(arm),
-            now: regressor.clone(),
-            before: regressor,
+            regressor,
+            base,
+            before: alloc::vec![[0.0; 2]; n * columns],
             joints: alloc::vec![Signals::default(); n],
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
@@ -182,15 +187,12 @@ impl FeatureObserver {
     fn start(&mut self, q: &[f64], theta: &[f64], torque: &[f64]) -> Result<(), StepError> {
         self.velocities.fill(0.0);
         self.arm
-            .momentum_regressor(&mut self.ws, q, &self.velocities, &mut self.now)?;
+            .momentum_regressor(&mut self.ws, q, &self.velocities, &mut self.regressor)?;
         let samples = q.iter().zip(theta).zip(torque);
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
             joint.start(*q, *theta, *torque);
         }
-        for (phi, a) in self.phi.iter_mut().zip(&self.now.a) {
-            *phi = -a;
-        }
-        core::mem::swap(&mut self.now, &mut self.before);
+        self.follow_regressor(|phi, _, [_, a]| *phi = -a);
         self.count = 0;
         self.clear_sums();
         self.since_regressor_s = 0.0;
@@ -209,21 +211,38 @@ impl FeatureObserver {
             &mut self.ws,
             &self.positions,
             &self.velocities,
-            &mut self.now,
+            &mut self.regressor,
         )?;
         let pole = ExactPole::new(self.config.gain_per_s, step_s);
         let slow = ExactPole::new(1.0 / CREEP_S, step_s);
         let rate = (1.0 - pole.a) / step_s;
-        let now = self.now.p.iter().zip(&self.now.a);
-        let before = self.before.p.iter().zip(&self.before.a);
-        for ((phi, (p1, a1)), (p0, a0)) in self.phi.iter_mut().zip(now).zip(before) {
+        self.follow_regressor(|phi, [p0, a0], [p1, a1]| {
             *phi = pole.a * *phi + rate * (p1 - p0) - pole.w0 * a0 - pole.w1 * a1;
-        }
-        core::mem::swap(&mut self.now, &mut self.before);
+        });
         for joint in &mut self.joints {
             joint.follow(self.config.presliding_rad, &pole, &slow);
         }
         Ok(())
+    }
+
+    /// Lets every entry of `Φ` see its entries of `P` and `A` before and now.
+    fn follow_regressor(&mut self, step: impl Fn(&mut f64, [f64; 2], [f64; 2])) {
+        let r = self.base.len().max(1);
+        let joints = self
+            .phi
+            .chunks_exact_mut(r)
+            .zip(self.before.chunks_exact_mut(r));
+        for (joint, (phi, before)) in joints.enumerate() {
+            let Some([p, a]) = self.regressor.rows(joint) else {
+                return;
+            };
+            for ((phi, before), &column) in phi.iter_mut().zip(before).zip(&self.base) {
+                if let (Some(p), Some(a)) = (p.get(column), a.get(column)) {
+                    step(phi, *before, [*p, *a]);
+                    *before = [*p, *a];
+                }
+            }
+        }
     }
 
     fn clear_sums(&mut self) {

@@ -2,10 +2,12 @@
 
 use super::block::{Block, copy};
 use super::equation::{Equation, Equations, Side};
+use super::layout::Layout;
 use super::map::MapEstimator;
-use super::prior::{Belief, Prior};
+use super::prior::Belief;
 use super::sizes::Sizes;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// What a step writes to besides the filter.
 #[derive(Debug, Clone)]
@@ -13,6 +15,8 @@ pub(super) struct Work {
     equations: Equations,
     /// State the equations were linearised around.
     origin: Vec<f64>,
+    /// What a joint's equations share of `P hᵀ`, over their worth.
+    carried: Vec<f64>,
     /// `P hᵀ` of the equations at work, a row each.
     gains: Vec<f64>,
     /// What each adds to the information over `1 + information h P hᵀ`: `P` falls by
@@ -21,13 +25,14 @@ pub(super) struct Work {
 }
 
 impl Work {
-    pub(super) fn new(prior: &Prior) -> Self {
-        let d = prior.dimension();
+    pub(super) fn new(layout: Layout) -> Self {
+        let (n, d) = (layout.joints, layout.dimension());
         Self {
-            equations: Equations::new(prior, &[]),
+            equations: Equations::new(layout, &[]),
             origin: alloc::vec![0.0; d],
-            gains: alloc::vec![0.0; 2 * prior.joints() * d],
-            taken: alloc::vec![0.0; 2 * prior.joints()],
+            carried: alloc::vec![0.0; d],
+            gains: alloc::vec![0.0; 2 * n * d],
+            taken: alloc::vec![0.0; 2 * n],
         }
     }
 }
@@ -91,14 +96,6 @@ fn redescending(chi: f64, scale: f64) -> f64 {
 fn differs(now: f64, before: f64) -> bool {
     const SAME: f64 = 0.1;
     (now - before).abs() > SAME * before
-}
-
-/// `h g` of a row and a column.
-fn dot(row: &[(usize, f64)], column: &[f64]) -> f64 {
-    let parts = row
-        .iter()
-        .map(|&(i, value)| value * column.get(i).copied().unwrap_or_default());
-    parts.sum()
 }
 
 /// Equations of `block` around the state `around`.
@@ -203,7 +200,7 @@ impl Filter {
         let mut chi = 0.0;
         let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
         for (e, gain) in work.equations.list.iter().zip(gains) {
-            let spread = dot(work.equations.row(e), gain) + self.variance(e);
+            let spread = work.equations.dot(e, gain) + self.variance(e);
             chi += e.residual * e.residual / spread;
             self.follow_noise(estimator, e, spread);
             if let (Side::Link, Some(strain)) = (e.side, self.strain.get_mut(e.joint)) {
@@ -333,6 +330,7 @@ impl Filter {
             origin,
             gains,
             taken,
+            ..
         } = work;
         for (k, e) in equations.list.iter().enumerate() {
             let information = weight / self.variance(e);
@@ -353,23 +351,18 @@ impl Filter {
                 continue;
             }
             // What those before it have taken off `P`, and moved.
-            let row = equations.row(e);
             for (gain_before, taken) in done.chunks_exact(d).zip(taken.iter()) {
                 if *taken != 0.0 {
-                    let share = taken * dot(row, gain_before);
+                    let share = taken * equations.dot(e, gain_before);
                     for (g, before) in gain.iter_mut().zip(gain_before) {
                         *g -= share * before;
                     }
                 }
             }
-            let mut residual = e.residual;
-            for &(i, value) in row {
-                let now = self.belief.mean.get(i).copied().unwrap_or_default();
-                let then = origin.get(i).copied().unwrap_or_default();
-                residual -= value * (now - then);
-            }
+            let moved = equations.dot(e, &self.belief.mean) - equations.dot(e, origin);
+            let residual = e.residual - moved;
             let more = information - before;
-            let left = 1.0 + more * dot(row, gain);
+            let left = 1.0 + more * equations.dot(e, gain);
             if !(left > LEAST && left.is_finite()) {
                 continue;
             }
@@ -437,13 +430,35 @@ impl Filter {
     /// `P hᵀ` of the equations at work.
     fn project(&self, work: &mut Work) {
         let d = self.belief.mean.len().max(1);
+        let layout = work.equations.layout();
+        let lines = |range: Range<usize>| {
+            let lines = self.belief.covariance.get(range.start * d..range.end * d);
+            lines.unwrap_or_default().chunks_exact(d)
+        };
+        let add = |to: &mut [f64], factor: f64, line: &[f64]| {
+            for (to, p) in to.iter_mut().zip(line) {
+                *to += factor * p;
+            }
+        };
+        let mut at_work = None;
         let gains = work.gains.chunks_exact_mut(d);
         for (e, gain) in work.equations.list.iter().zip(gains) {
+            // Link and motor row of a joint are the same over bodies and load, but for their worth.
+            if at_work != Some(e.joint) {
+                at_work = Some(e.joint);
+                work.carried.fill(0.0);
+                let carried = work.equations.carried(e.joint);
+                for (value, line) in carried.iter().zip(lines(layout.carried())) {
+                    if *value != 0.0 {
+                        add(&mut work.carried, *value, line);
+                    }
+                }
+            }
             gain.fill(0.0);
-            for &(i, value) in work.equations.row(e) {
-                let line = self.belief.covariance.get(i * d..(i + 1) * d);
-                for (g, p) in gain.iter_mut().zip(line.unwrap_or_default()) {
-                    *g += value * p;
+            add(gain, e.worth, &work.carried);
+            for (value, line) in e.own.iter().zip(lines(layout.own(e.joint))) {
+                if *value != 0.0 {
+                    add(gain, *value, line);
                 }
             }
         }

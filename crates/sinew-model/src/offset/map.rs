@@ -19,6 +19,7 @@ use super::block::Block;
 use super::changes::{Change, offset_columns};
 use super::config::FeatureConfig;
 use super::equation::{Equations, Side};
+use super::model::Model;
 use super::prior::{Belief, Payload, Prior};
 use super::solve::Problem;
 use alloc::vec::Vec;
@@ -129,7 +130,7 @@ impl MapEstimate {
         for change in &self.changes {
             let columns = change.what.columns();
             let base = if which(change) {
-                change.what.place(prior)
+                change.what.place(prior.layout())
             } else {
                 left += columns;
                 left - columns
@@ -152,6 +153,7 @@ impl MapEstimate {
 #[derive(Debug, Clone)]
 pub struct MapEstimator {
     prior: Prior,
+    model: Model,
     /// Correlation time of the noise over the length of a block.
     inflation: f64,
     block_s: f64,
@@ -168,6 +170,7 @@ impl MapEstimator {
         // Two time constants of the low-pass every signal has gone through, and a stroke.
         let correlation_s = 2.0 / features.gain_per_s + STROKE_S;
         Self {
+            model: Model::new(&prior),
             prior,
             inflation: (correlation_s / features.block_s).max(1.0),
             block_s: features.block_s,
@@ -193,6 +196,11 @@ impl MapEstimator {
         &self.prior
     }
 
+    /// What blocks can tell apart.
+    pub(super) fn model(&self) -> &Model {
+        &self.model
+    }
+
     pub(super) fn block_s(&self) -> f64 {
         self.block_s
     }
@@ -211,13 +219,17 @@ impl MapEstimator {
         blocks: &[Block],
     ) -> Result<MapEstimate, MapError> {
         let problem = Problem::new(self, start, payload, blocks)?;
-        problem.solve(changes)?.complete()
+        problem.complete(problem.solve(changes)?)
     }
 
     /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
     pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
-        let mut equations = Equations::new(&self.prior, &at.changes);
-        self.equations(at, block, &mut equations);
+        let mut equations = Equations::new(self.model.layout, &at.changes);
+        let at = MapEstimate {
+            state: self.model.reduced(&at.state),
+            ..at.clone()
+        };
+        self.equations(&at, block, &mut equations);
         out.fill(0.0);
         for e in equations.list.iter().filter(|e| e.side == Side::Link) {
             if let Some(slot) = out.get_mut(e.joint) {
@@ -226,7 +238,7 @@ impl MapEstimator {
         }
     }
 
-    /// Equations of a block around a state without changes.
+    /// Equations of a block around a state of the model, without changes.
     pub(super) fn linearise(
         &self,
         block: &Block,
@@ -234,7 +246,7 @@ impl MapEstimator {
         x: &[f64],
         out: &mut Equations,
     ) {
-        self.prior
+        self.model
             .linearise(block, reference_c, &[], self.motor_torque, x, out);
     }
 
@@ -256,9 +268,9 @@ impl MapEstimator {
         })
     }
 
-    /// Equations of a block around an estimate.
+    /// Equations of a block around an estimate of the model's state.
     pub(super) fn equations(&self, at: &MapEstimate, block: &Block, out: &mut Equations) {
-        self.prior.linearise(
+        self.model.linearise(
             block,
             at.temperature_c,
             &at.changes,

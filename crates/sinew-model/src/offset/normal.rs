@@ -2,36 +2,32 @@
 
 use super::block::Block;
 use super::equation::{Equation, Equations, Side};
+use super::layout::Layout;
 use super::map::MapError;
 use super::prior::PER_JOINT;
 use crate::cholesky;
 use alloc::vec::Vec;
-use core::ops::Range;
 
 /// Normal equations under construction, the lower half.
 pub(super) struct Normal {
+    layout: Layout,
     total: usize,
-    /// Entries of bodies and load in the state; changes come after them.
-    bodies: Range<usize>,
     pub(super) information: Vec<f64>,
     factor: Vec<f64>,
     pub(super) gradient: Vec<f64>,
-    /// Link and motor row of the joint at work, `total` each; zero between joints.
-    dense: [Vec<f64>; 2],
-    /// What the joint's own entries share with the link row's bodies.
-    own: [f64; PER_JOINT],
+    /// Link and motor row of the joint at work, over the changes that have happened.
+    changes: Vec<(usize, [f64; 2])>,
 }
 
 impl Normal {
-    pub(super) fn new(total: usize, bodies: Range<usize>) -> Self {
+    pub(super) fn new(total: usize, layout: Layout) -> Self {
         Self {
+            layout,
             total,
-            bodies,
             information: alloc::vec![0.0; total * total],
             factor: alloc::vec![0.0; total * total],
             gradient: alloc::vec![0.0; total],
-            dense: [alloc::vec![0.0; total], alloc::vec![0.0; total]],
-            own: [0.0; PER_JOINT],
+            changes: Vec::new(),
         }
     }
 
@@ -46,86 +42,75 @@ impl Normal {
     /// Adds the equations of a block, each with the information it carries.
     pub(super) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
         let mut rest = equations.list.as_slice();
-        while let Some(first) = rest.first() {
-            let both = rest.get(1).is_some_and(|e| e.joint == first.joint);
-            let (own, others) = rest.split_at(1 + usize::from(both));
-            self.add_joint(&equations.rows, own, &information);
-            rest = others;
+        while let Some((link, others)) = rest.split_first() {
+            let motor = others.first().filter(|e| e.joint == link.joint);
+            rest = &others[usize::from(motor.is_some())..];
+            let weights = [information(link), motor.map_or(0.0, &information)];
+            // Without a motor's equation the link's comes twice, once without weight.
+            self.add_joint(equations, [link, motor.unwrap_or(link)], weights);
         }
     }
 
-    /// Both equations of a joint at once, dense over the joint's own entries, over bodies and load
-    /// from the first that matters on, and over the changes. Over bodies and load the motor's row
-    /// is the link's, times a factor.
+    /// Both equations of a joint at once: over bodies and load they are the same row, times a factor.
     fn add_joint(
         &mut self,
-        rows: &[(usize, f64)],
-        own: &[Equation],
-        information: &impl Fn(&Equation) -> f64,
+        equations: &Equations,
+        [link, motor]: [&Equation; 2],
+        [w0, w1]: [f64; 2],
     ) {
-        let Some(joint) = own.first().map(|e| e.joint) else {
-            return;
-        };
-        let mine = joint * PER_JOINT..(joint + 1) * PER_JOINT;
-        let mut first = self.bodies.end;
-        let mut weights = [0.0; 2];
-        for ((e, dense), weight) in own.iter().zip(&mut self.dense).zip(&mut weights) {
-            *weight = information(e);
-            for &(i, value) in &rows[e.from..e.to] {
-                dense[i] = value;
-                self.gradient[i] += *weight * value * e.residual;
-                if self.bodies.contains(&i) && value != 0.0 {
-                    first = first.min(i);
-                }
-            }
+        let mine = self.layout.own(link.joint);
+        let (rows, worth) = ([&link.own, &motor.own], [link.worth, motor.worth]);
+        let residual = [w0 * link.residual, w1 * motor.residual];
+        let carried = equations.carried(link.joint);
+        let shared = self.layout.carried();
+        // Bodies further in say nothing of this joint.
+        let first = carried.iter().position(|x| *x != 0.0);
+        let first = first.unwrap_or(carried.len());
+        self.changes.clear();
+        for ((i, a), (_, b)) in equations.changes(link).zip(equations.changes(motor)) {
+            self.changes.push((i, [a, b]));
         }
-        let shared = first..self.bodies.end;
-        let factor = match own {
-            [link, motor, ..] if link.worth != 0.0 => motor.worth / link.worth,
-            _ => 0.0,
-        };
-        let [link, motor] = &mut self.dense;
-        // What an entry shares with a body, over the link row's value of that body.
-        let with_body = |i: usize| weights[0] * link[i] + weights[1] * factor * motor[i];
-        for (to, i) in self.own.iter_mut().zip(mine.clone()) {
-            *to = with_body(i);
+
+        add_rows(&mut self.gradient[mine.clone()], residual, rows);
+        let along = residual[0] * worth[0] + residual[1] * worth[1];
+        add_row(&mut self.gradient[shared.clone()], along, carried);
+        for (i, [a, b]) in &self.changes {
+            self.gradient[*i] += a * residual[0] + b * residual[1];
         }
-        let squared = weights[0] + weights[1] * factor * factor;
-        let line = |i: usize| i * self.total..i * self.total + i + 1;
-        for i in mine.clone() {
-            let factors = [weights[0] * link[i], weights[1] * motor[i]];
+
+        let total = self.total;
+        let line = |i: usize| i * total..i * total + i + 1;
+        for i in 0..PER_JOINT {
+            let factors = [w0 * link.own[i], w1 * motor.own[i]];
             if factors != [0.0; 2] {
-                let own = mine.start..i + 1;
-                let to = &mut self.information[line(i)][own.clone()];
-                add_rows(to, factors, &link[own.clone()], &motor[own]);
+                let to = &mut self.information[line(mine.start + i)][mine.start..];
+                add_rows(to, factors, rows);
             }
         }
-        for i in shared.clone() {
-            let value = link[i];
-            if value != 0.0 {
-                let to = &mut self.information[line(i)];
-                add_row(&mut to[mine.clone()], value, &self.own);
-                add_row(&mut to[first..], squared * value, &link[first..=i]);
+        // What an entry of the joint shares with a body, over what the joint carries of it.
+        let mut own = [0.0; PER_JOINT];
+        add_rows(&mut own, [w0 * worth[0], w1 * worth[1]], rows);
+        let squared = w0 * worth[0] * worth[0] + w1 * worth[1] * worth[1];
+        for (k, value) in carried.iter().enumerate().skip(first) {
+            if *value != 0.0 {
+                let to = &mut self.information[line(shared.start + k)];
+                add_row(&mut to[mine.clone()], *value, &own);
+                add_row(
+                    &mut to[shared.start + first..],
+                    squared * value,
+                    &carried[first..],
+                );
             }
         }
-        for i in self.bodies.end..self.total {
-            let factors = [weights[0] * link[i], weights[1] * motor[i]];
-            if factors != [0.0; 2] {
-                let to = &mut self.information[line(i)];
-                for own in [mine.clone(), shared.end..i + 1] {
-                    add_rows(
-                        &mut to[own.clone()],
-                        factors,
-                        &link[own.clone()],
-                        &motor[own],
-                    );
-                }
-                add_row(&mut to[shared.clone()], with_body(i), &link[shared.clone()]);
+        for (i, [a, b]) in &self.changes {
+            let factors = [w0 * a, w1 * b];
+            let to = &mut self.information[line(*i)];
+            add_rows(&mut to[mine.clone()], factors, rows);
+            let along = factors[0] * worth[0] + factors[1] * worth[1];
+            add_row(&mut to[shared.clone()], along, carried);
+            for (k, [c, d]) in self.changes.iter().take_while(|(k, _)| k <= i) {
+                to[*k] += factors[0] * c + factors[1] * d;
             }
-        }
-        for dense in [link, motor] {
-            dense[mine.clone()].fill(0.0);
-            dense[first..].fill(0.0);
         }
     }
 
@@ -149,7 +134,7 @@ fn add_row(line: &mut [f64], factor: f64, row: &[f64]) {
     }
 }
 
-fn add_rows(line: &mut [f64], [a, b]: [f64; 2], link: &[f64], motor: &[f64]) {
+fn add_rows(line: &mut [f64], [a, b]: [f64; 2], [link, motor]: [&[f64; PER_JOINT]; 2]) {
     for ((x, link), motor) in line.iter_mut().zip(link).zip(motor) {
         *x += a * link + b * motor;
     }
@@ -246,6 +231,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::offset::changes::{Change, What};
+    use crate::offset::prior::{JointParameter, PAYLOAD};
     use alloc::vec;
 
     /// Numbers in −1..1, the same on every machine.
@@ -259,49 +246,84 @@ mod tests {
     #[test]
     fn it_is_the_sum_of_the_rows_squared() {
         const JOINTS: usize = 2;
-        let bodies = JOINTS * PER_JOINT..JOINTS * PER_JOINT + 15;
-        let total = bodies.end + 3;
-        let mut seed = 1;
-        let mut equations = Equations {
-            rows: vec![],
-            list: vec![],
+        let layout = Layout {
+            joints: JOINTS,
+            bodies: 11,
         };
+        // A load picked up before, and a slip of the first joint.
+        let changes = [
+            Change {
+                what: What::Payload,
+                at_s: 0.0,
+            },
+            Change {
+                what: What::Offset(0),
+                at_s: 0.0,
+            },
+            Change {
+                what: What::Compliance(1),
+                at_s: 9.0,
+            },
+        ];
+        let total = layout.dimension() + PAYLOAD + 2;
+        let mut seed = 1;
+        let mut equations = Equations::new(layout, &changes);
+        equations.activate(&changes, 1.0);
         for joint in 0..JOINTS {
             // The second joint carries no body but the last.
-            let carried = bodies.start + 10 * joint..bodies.end;
-            let phi: Vec<f64> = carried.clone().map(|_| random(&mut seed)).collect();
+            let phi: Vec<f64> = (0..layout.bodies)
+                .map(|k| {
+                    if k < 6 * joint {
+                        0.0
+                    } else {
+                        random(&mut seed)
+                    }
+                })
+                .collect();
+            equations.carry(joint, &phi, &core::array::from_fn(|_| random(&mut seed)));
             for (side, worth) in [(Side::Link, 0.02), (Side::Motor, 1.1)] {
-                let from = equations.rows.len();
-                let own = joint * PER_JOINT..(joint + 1) * PER_JOINT;
-                for i in own.chain(bodies.end..total) {
-                    equations.rows.push((i, random(&mut seed)));
-                }
-                for (i, phi) in carried.clone().zip(&phi) {
-                    equations.rows.push((i, worth * phi));
-                }
-                equations.list.push(Equation {
+                equations.push(Equation {
                     joint,
                     side,
-                    from,
-                    to: equations.rows.len(),
+                    own: core::array::from_fn(|_| random(&mut seed)),
+                    worth,
                     residual: random(&mut seed),
                     unsure: 0.0,
                     stood: 0.0,
-                    worth,
                 });
             }
         }
         let information = |e: &Equation| if e.side == Side::Link { 3.0 } else { 0.7 };
-        let mut normal = Normal::new(total, bodies);
+        let mut normal = Normal::new(total, layout);
         // Twice, because nothing of the first may be left over.
         for _ in 0..2 {
             normal.add(&equations, information);
         }
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
         for e in &equations.list {
-            for &(i, a) in equations.row(e) {
+            // As the state is laid out: joints, bodies, load, changes.
+            let mut row = vec![0.0; total];
+            row[layout.own(e.joint)].copy_from_slice(&e.own);
+            for (to, value) in row[layout.carried()]
+                .iter_mut()
+                .zip(equations.carried(e.joint))
+            {
+                *to = e.worth * value;
+            }
+            let load = layout.payload_place();
+            row.copy_within(load..load + PAYLOAD, layout.dimension());
+            row[layout.dimension() + PAYLOAD] = row[layout.place(0, JointParameter::Offset)];
+            let column: Vec<f64> = (0..total).map(|_| random(&mut seed)).collect();
+            let product: f64 = row.iter().zip(&column).map(|(a, b)| a * b).sum();
+            assert!((equations.dot(e, &column) - product).abs() < 1e-12);
+            let mut sum = column.clone();
+            equations.add_to(e, -0.3, &mut sum);
+            for ((sum, x), row) in sum.iter().zip(&column).zip(&row) {
+                assert!((sum - (x - 0.3 * row)).abs() < 1e-12);
+            }
+            for (i, a) in row.iter().enumerate() {
                 gradient[i] += 2.0 * information(e) * a * e.residual;
-                for &(k, b) in equations.row(e) {
+                for (k, b) in row.iter().enumerate() {
                     square[i * total + k] += 2.0 * information(e) * a * b;
                 }
             }

@@ -1,7 +1,8 @@
 //! What is unknown about a robot, with what is believed of it before a recording.
 
 use super::block::ENCODER;
-use crate::arm::{Arm, PARAMETERS_PER_BODY};
+use super::layout::Layout;
+use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
 use crate::tolerances::Tolerances;
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
@@ -160,6 +161,8 @@ pub struct Prior {
     /// Body the payload hangs on, and where in its frame it is expected, m.
     pub(super) payload_body: usize,
     pub(super) payload_at: [f64; 3],
+    /// What of `inertial` motion depends on.
+    pub(super) base: BaseParameters,
     tolerances: Tolerances,
 }
 
@@ -190,6 +193,7 @@ impl Prior {
             inertial: arm.inertial_parameters(),
             payload_body: payload_body.min(arm.dof().saturating_sub(1)),
             payload_at,
+            base: arm.base_parameters(),
             tolerances,
         }
     }
@@ -212,26 +216,29 @@ impl Prior {
 
     /// Length of the state.
     pub fn dimension(&self) -> usize {
-        self.joints.len() * (PER_JOINT + PARAMETERS_PER_BODY) + PAYLOAD
+        self.layout().dimension()
     }
 
     /// Place of a joint's parameter in the state.
     pub fn place(&self, joint: usize, parameter: JointParameter) -> usize {
-        joint * PER_JOINT + parameter as usize
+        self.layout().place(joint, parameter)
+    }
+
+    /// Of the state as beliefs and estimates have it: every body with all its parameters.
+    pub(super) fn layout(&self) -> Layout {
+        Layout {
+            joints: self.joints.len(),
+            bodies: self.joints.len() * PARAMETERS_PER_BODY,
+        }
     }
 
     pub(super) fn body_start(&self) -> usize {
-        self.joints.len() * PER_JOINT
-    }
-
-    /// Places of bodies and payload in the state.
-    pub(super) fn bodies(&self) -> core::ops::Range<usize> {
-        self.body_start()..self.dimension()
+        self.layout().body_start()
     }
 
     /// Place of the payload's mass in the state.
     pub fn payload_place(&self) -> usize {
-        self.joints.len() * (PER_JOINT + PARAMETERS_PER_BODY)
+        self.layout().payload_place()
     }
 
     /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.

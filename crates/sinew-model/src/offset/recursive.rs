@@ -6,7 +6,6 @@ use super::map::MapEstimator;
 use super::prior::{Belief, JointParameter};
 use super::since::Since;
 use crate::StepError;
-use crate::arm::PARAMETERS_PER_BODY;
 use alloc::vec::Vec;
 
 /// Recursive form of [`MapEstimator::solve`]: the same equations, priors and joint block weights,
@@ -49,12 +48,15 @@ use alloc::vec::Vec;
 ///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
-/// the second filter catches up. Keeps 150 blocks, `1200 (10 n² + 30 n)` bytes, and three
-/// covariances, `24 d²` bytes, beside vectors.
+/// the second filter catches up. Keeps 150 blocks, `1200 n (r + 30)` bytes of `r` base parameters, and
+/// five covariances, `40 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     estimator: MapEstimator,
-    /// What was believed before the first block, every stiffness opened that was known.
+    /// What was believed before the first block, every stiffness opened that was known, of all
+    /// bodies' parameters.
+    before: Belief,
+    /// The same of the model's.
     start: Belief,
     /// Offsets averaged over which stiffness has changed.
     since: Since,
@@ -123,7 +125,7 @@ impl RecursiveOffsets {
     /// # Errors
     /// [`super::MapError::Dimension`] when the belief is of another robot, [`super::MapError::Prior`] when its
     /// covariance is none.
-    pub fn new(estimator: MapEstimator, mut belief: Belief) -> Result<Self, super::MapError> {
+    pub fn new(estimator: MapEstimator, belief: Belief) -> Result<Self, super::MapError> {
         /// Noise before any innovation, rad: what a good sensor leaves.
         const START_RAD: f64 = 0.5e-3;
         let d = estimator.prior().dimension();
@@ -133,26 +135,30 @@ impl RecursiveOffsets {
                 found: belief.mean.len(),
             });
         }
-        let mut since = Since::open(estimator.prior(), &mut belief)?;
-        since.average(&belief, &belief);
-        let n = estimator.prior().joints();
+        let mut before = belief;
+        let (model, layout) = (estimator.model(), estimator.model().layout);
+        let mut start = model.believed(&before);
+        let mut since = Since::open(model, &mut start, &mut before)?;
+        since.average(&start, &start);
+        let n = layout.joints;
         let start_noise = [
             alloc::vec![START_RAD; n],
             (0..n).map(|i| 3.0 * estimator.motor_floor(i)).collect(),
         ];
-        let filter = Filter::new(&belief, &start_noise, KEPT);
+        let filter = Filter::new(&start, &start_noise, KEPT);
         let empty = Kept {
-            block: Block::zero(n, n * PARAMETERS_PER_BODY),
+            block: Block::zero(n, layout.bodies),
             share: 0.0,
         };
         Ok(Self {
             rival: filter.clone(),
             believed: filter,
             stage: Stage::Rests,
-            start: belief,
+            start,
+            before,
             since,
             start_noise,
-            work: Work::new(estimator.prior()),
+            work: Work::new(layout),
             pose: alloc::vec![f64::NAN; n],
             stood: 0.0,
             kept: alloc::vec![empty; KEPT],
@@ -385,13 +391,13 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> [f64; 2] {
-        let prior = self.estimator.prior();
-        if joint >= prior.joints() {
+        let layout = self.estimator.model().layout;
+        if joint >= layout.joints {
             return [f64::NAN; 2];
         }
-        let place = prior.place(joint, JointParameter::Offset);
+        let place = layout.place(joint, JointParameter::Offset);
         let own = self.since.offset(joint);
-        let [mean, deviation] = own.unwrap_or_else(|| self.belief().entry(place));
+        let [mean, deviation] = own.unwrap_or_else(|| self.believed.belief().entry(place));
         if !self.is_in_doubt() {
             return [mean, deviation];
         }
@@ -425,8 +431,19 @@ impl RecursiveOffsets {
     }
 
     /// What is believed now, where every stiffness that was known may have changed by a tenth.
-    pub fn belief(&self) -> &Belief {
-        self.believed.belief()
+    /// Allocates: no step.
+    ///
+    /// # Errors
+    /// [`super::MapError::Prior`] when what was believed before has no inverse.
+    pub fn belief(&self) -> Result<Belief, super::MapError> {
+        let now = self.believed.belief();
+        let model = self.estimator.model();
+        let (mean, covariance) = model.completed(&self.before, &now.mean, &now.covariance)?;
+        Ok(Belief {
+            mean,
+            covariance,
+            temperature_c: now.temperature_c,
+        })
     }
 }
 

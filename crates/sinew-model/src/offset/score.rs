@@ -2,7 +2,7 @@
 
 use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
 use super::equation::{Equations, Side};
-use super::map::{MapError, MapEstimate, MapEstimator};
+use super::map::{MapError, MapEstimate};
 use super::prior::Payload;
 use super::solve::{Problem, chi};
 use crate::cholesky;
@@ -122,7 +122,7 @@ impl Problem<'_> {
             let weight = fit.weights.pop().unwrap_or_default();
             self.estimator.equations(known, block, &mut fit.equations);
             for (sum, what) in sums.iter_mut().zip(kinds) {
-                sum.add(self.estimator, &fit.equations, *what, &weight);
+                sum.add(&fit.equations, *what, &weight);
             }
             if b % every != 0 {
                 continue;
@@ -157,7 +157,7 @@ impl Problem<'_> {
 
     /// A weighted fit around a known estimate.
     pub(super) fn fit(&self, known: &MapEstimate, weighing: Weighing) -> Result<Fit, MapError> {
-        let mut equations = Equations::new(self.estimator.prior(), &known.changes);
+        let mut equations = Equations::new(self.layout(), &known.changes);
         let mut normal = self.prior_equations(known);
         let mut weights = Vec::with_capacity(self.blocks.len());
         for (b, block) in self.blocks.iter().enumerate() {
@@ -252,14 +252,7 @@ impl Sum {
         }
     }
 
-    fn add(
-        &mut self,
-        estimator: &MapEstimator,
-        equations: &Equations,
-        what: What,
-        weights: &[f64],
-    ) {
-        let place = what.place(estimator.prior());
+    fn add(&mut self, equations: &Equations, what: What, weights: &[f64]) {
         for (e, weight) in equations.list.iter().zip(weights) {
             let concerned = match what {
                 What::Offset(joint) | What::Compliance(joint) => {
@@ -270,18 +263,12 @@ impl Sum {
             if !concerned {
                 continue;
             }
-            let row = &equations.rows[e.from..e.to];
-            for &(i, own) in row {
-                if !(place..place + self.columns).contains(&i) {
-                    continue;
-                }
-                let c = i - place;
-                self.gradient[c] += weight * own * e.residual;
-                for &(k, value) in row {
-                    self.shared[c * self.total + k] += weight * own * value;
-                    if (place..place + self.columns).contains(&k) {
-                        self.own[c * self.columns + k - place] += weight * own * value;
-                    }
+            for (c, shared) in self.shared.chunks_exact_mut(self.total).enumerate() {
+                let own = weight * equations.entry(e, what, c);
+                self.gradient[c] += own * e.residual;
+                equations.add_to(e, own, shared);
+                for k in 0..self.columns {
+                    self.own[c * self.columns + k] += own * equations.entry(e, what, k);
                 }
             }
         }

@@ -3,7 +3,8 @@
 use super::changes::{Change, MOST_SOFTER, What};
 use super::map::{MapError, MapEstimate, StiffnessSince};
 use super::mixture::{self, Mixture, Odds};
-use super::prior::{Belief, JointParameter, Prior};
+use super::model::Model;
+use super::prior::{Belief, JointParameter};
 use super::solve::{Problem, Solution};
 use crate::cholesky;
 use alloc::vec::Vec;
@@ -22,9 +23,9 @@ const KEEP_SINCE: f64 = 8.0;
 
 /// Joints whose stiffness is believed to better than what may have been lost: of others a loss
 /// says nothing that the tolerance doesn't.
-fn known_stiffness(prior: &Prior, belief: &Belief) -> Vec<usize> {
-    let known = |i| belief.entry(prior.place(i, JointParameter::Compliance))[1] < STRANDS;
-    let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
+fn known_stiffness(model: &Model, belief: &Belief) -> Vec<usize> {
+    let known = |i| belief.entry(model.layout.place(i, JointParameter::Compliance))[1] < STRANDS;
+    let elastic = (0..model.layout.joints).filter(|&i| model.is_elastic(i));
     elastic.filter(|&i| known(i)).collect()
 }
 
@@ -48,9 +49,10 @@ impl Problem<'_> {
             state.resize(self.total(&changes), 0.0);
             self.solve_from(&changes, &state, known)?
         };
-        let mut out = opened.complete()?;
+        let mut out = self.complete(opened)?;
+        let prior = self.estimator.prior();
         let (mut joints, mut columns) = (Vec::new(), Vec::new());
-        let mut column = self.start.mean.len();
+        let mut column = prior.dimension();
         for change in &out.changes {
             if let (What::Compliance(joint), true) = (change.what, self.is_since_before(change)) {
                 joints.push(joint);
@@ -73,7 +75,7 @@ impl Problem<'_> {
             });
         }
         if !is_opened {
-            out.fold(self.estimator.prior(), |c| self.is_since_before(c));
+            out.fold(prior, |c| self.is_since_before(c));
         }
         Ok(out)
     }
@@ -86,8 +88,8 @@ impl Problem<'_> {
         let Some(first) = self.blocks.first() else {
             return Ok(None);
         };
-        let prior = self.estimator.prior();
-        let changes: Vec<Change> = (known_stiffness(prior, self.start).into_iter())
+        let model = self.estimator.model();
+        let changes: Vec<Change> = (known_stiffness(model, &self.start).into_iter())
             .map(|i| Change {
                 what: What::Compliance(i),
                 at_s: first.time_s - 0.5 * self.estimator.block_s(),
@@ -97,7 +99,7 @@ impl Problem<'_> {
             return Ok(None);
         }
         let trial = self.solve(&changes)?;
-        let mut sizes = trial.estimate.state.iter().skip(prior.dimension());
+        let mut sizes = trial.estimate.state.iter().skip(model.layout.dimension());
         let possible = sizes.all(|size| size.abs() < MOST_SOFTER);
         Ok(possible.then_some(trial))
     }
@@ -152,15 +154,25 @@ pub(super) struct Since {
 }
 
 impl Since {
-    /// Opens every stiffness in `start` that is known; allocates here only.
-    pub(super) fn open(prior: &Prior, start: &mut Belief) -> Result<Self, MapError> {
+    /// Opens every stiffness in `start`, of the model's parameters, that is known, and in `whole`, of
+    /// all bodies' parameters; allocates here only.
+    pub(super) fn open(
+        model: &Model,
+        start: &mut Belief,
+        whole: &mut Belief,
+    ) -> Result<Self, MapError> {
         let d = start.mean.len();
-        let joints = known_stiffness(prior, start);
-        let place = |parameter| joints.iter().map(move |&i| prior.place(i, parameter));
+        let joints = known_stiffness(model, start);
+        let place = |parameter| {
+            joints
+                .iter()
+                .map(move |&i| model.layout.place(i, parameter))
+        };
         let entries: Vec<usize> = place(JointParameter::Compliance).collect();
         let variance = STRANDS * STRANDS;
         for &k in &entries {
             start.covariance[k * d + k] += variance;
+            whole.covariance[k * (whole.mean.len() + 1)] += variance;
         }
         let information = cholesky::inverse(&start.covariance, d).map_err(MapError::Prior)?;
         let (mut towards, mut left) = (Vec::new(), Vec::new());

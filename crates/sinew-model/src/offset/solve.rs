@@ -3,6 +3,7 @@
 use super::block::Block;
 use super::changes::Change;
 use super::equation::{Equation, Equations, Side};
+use super::layout::Layout;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload};
@@ -41,17 +42,20 @@ const SCALE: f64 = 3.0;
 /// A recording, and what is believed before it.
 pub(super) struct Problem<'a> {
     pub(super) estimator: &'a MapEstimator,
-    pub(super) start: &'a Belief,
+    /// What was believed before, of all bodies' parameters.
+    before: &'a Belief,
+    /// The same of the model's.
+    pub(super) start: Belief,
     /// Inverse of the covariance of `start`.
     information: Vec<f64>,
-    /// What was opened in `start`; it sets what a change of payload may be.
+    /// What was opened in `before`; it sets what a change of payload may be.
     pub(super) payload: Payload,
     pub(super) blocks: &'a [Block],
     /// Variance of a block's mean over that of independent noise, per block.
     inflation: Vec<f64>,
 }
 
-/// An estimate, and the information its covariance is the inverse of.
+/// An estimate of the model's state, and the information its covariance is the inverse of.
 #[derive(Clone)]
 pub(super) struct Solution {
     /// Without its covariance.
@@ -61,14 +65,15 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    /// The estimate with its covariance.
-    pub(super) fn complete(self) -> Result<MapEstimate, MapError> {
-        let Self {
-            mut estimate,
-            information,
-        } = self;
-        estimate.covariance = covariance(&information, estimate.state.len())?;
-        Ok(estimate)
+    /// Standard deviation of entry `k`.
+    pub(super) fn deviation(&self, k: usize) -> Result<f64, MapError> {
+        let total = self.estimate.state.len();
+        let mut factor = alloc::vec![0.0; total * total];
+        cholesky::factorise(&self.information, &mut factor, total).map_err(MapError::Prior)?;
+        let mut unit = alloc::vec![0.0; total];
+        unit[k] = 1.0;
+        cholesky::forward(&factor, total, &mut unit);
+        Ok(libm::sqrt(cholesky::dot(&unit, &unit)))
     }
 }
 
@@ -80,24 +85,26 @@ pub(super) fn covariance(lower: &[f64], total: usize) -> Result<Vec<f64>, MapErr
 impl<'a> Problem<'a> {
     pub(super) fn new(
         estimator: &'a MapEstimator,
-        start: &'a Belief,
+        before: &'a Belief,
         payload: Payload,
         blocks: &'a [Block],
     ) -> Result<Self, MapError> {
         let d = estimator.prior().dimension();
-        if start.mean.len() != d || start.covariance.len() != d * d {
+        if before.mean.len() != d || before.covariance.len() != d * d {
             return Err(MapError::Dimension {
                 expected: d,
-                found: start.mean.len(),
+                found: before.mean.len(),
             });
         }
         if blocks.is_empty() {
             return Err(MapError::NoData);
         }
+        let start = estimator.model().believed(before);
         Ok(Self {
             estimator,
+            before,
+            information: covariance(&start.covariance, start.mean.len())?,
             start,
-            information: covariance(&start.covariance, d)?,
             payload,
             blocks,
             inflation: pose_runs(blocks)
@@ -105,6 +112,19 @@ impl<'a> Problem<'a> {
                 .map(|r| r.max(estimator.inflation()))
                 .collect(),
         })
+    }
+
+    /// The estimate in terms of all bodies' parameters, with its covariance.
+    pub(super) fn complete(&self, solution: Solution) -> Result<MapEstimate, MapError> {
+        let Solution {
+            mut estimate,
+            information,
+        } = solution;
+        let own = covariance(&information, estimate.state.len())?;
+        let model = self.estimator.model();
+        (estimate.state, estimate.covariance) =
+            model.completed(self.before, &estimate.state, &own)?;
+        Ok(estimate)
     }
 
     /// The estimate with changes at known moments.
@@ -138,7 +158,8 @@ impl<'a> Problem<'a> {
         course: &Course,
         warm: Option<(&[f64], &MapEstimate)>,
     ) -> Result<Solution, MapError> {
-        let n = self.estimator.prior().joints();
+        let layout = self.layout();
+        let n = layout.joints;
         let total = self.total(changes);
         let prior = self.prior_information(changes, total);
         let origin = self.origin(total);
@@ -158,9 +179,9 @@ impl<'a> Problem<'a> {
             at.noise_rad.copy_from_slice(&known.noise_rad);
             at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
         }
-        let mut normal = Normal::new(total, self.estimator.prior().bodies());
+        let mut normal = Normal::new(total, layout);
         let mut residuals = Residuals::new(n, self.blocks.len());
-        let mut equations = Equations::new(self.estimator.prior(), changes);
+        let mut equations = Equations::new(layout, changes);
         let mut every = 1;
         for (stage, &scale) in course.scales.iter().enumerate() {
             every = if stage < course.thin { self.thin() } else { 1 };
@@ -194,6 +215,11 @@ impl<'a> Problem<'a> {
             estimate: at,
             information: normal.information,
         })
+    }
+
+    /// Of the model's state.
+    pub(super) fn layout(&self) -> Layout {
+        self.estimator.model().layout
     }
 
     /// Length of the state with so many changes.
@@ -236,7 +262,7 @@ impl<'a> Problem<'a> {
     /// Normal equations around `at`, with nothing but the prior in them yet.
     pub(super) fn prior_equations(&self, at: &MapEstimate) -> Normal {
         let total = at.state.len();
-        let mut normal = Normal::new(total, self.estimator.prior().bodies());
+        let mut normal = Normal::new(total, self.layout());
         let prior = self.prior_information(&at.changes, total);
         normal.start(&prior, &self.origin(total), &at.state);
         normal
@@ -268,7 +294,7 @@ impl<'a> Problem<'a> {
             let along: f64 = row.iter().zip(&from).map(|(p, x)| p * x).sum();
             cost += 0.5 * xi * along;
         }
-        let mut equations = Equations::new(self.estimator.prior(), &at.changes);
+        let mut equations = Equations::new(self.layout(), &at.changes);
         for (block, inflation) in self.blocks.iter().zip(&self.inflation).step_by(every) {
             self.estimator.equations(at, block, &mut equations);
             let chi = chi(&equations, noise);

@@ -22,11 +22,11 @@ pub(super) struct Joint {
 /// Where the model is differentiated.
 pub(super) struct Truth {
     pub(super) joints: Vec<Joint>,
-    /// Inertial parameters per session, `10 n`, payload included.
+    /// Base parameters per session, `r`, payload included.
     inertial: [Vec<f64>; 2],
-    /// Change of `inertial` per draw of each body: `n × 5 × 10`.
-    per_draw: Vec<[f64; COLUMNS]>,
-    /// Change of `inertial` per kg of payload, `10 n`.
+    /// Their change per draw of each body: `n × 5`, `r` each.
+    per_draw: Vec<Vec<f64>>,
+    /// Their change per kg of payload, `r`.
     per_kg: Vec<f64>,
     change_k: f64,
 }
@@ -72,22 +72,33 @@ impl Truth {
                 *x += p.mass_kg * kg;
             }
         }
+        let base = plan.robot.arm.base_parameters();
+        let mut draws = Vec::new();
+        for b in 0..n {
+            for change in per_draw(arm, b)? {
+                let mut all = vec![0.0; n * COLUMNS];
+                all[b * COLUMNS..(b + 1) * COLUMNS].copy_from_slice(&change);
+                draws.push(base.of(&all));
+            }
+        }
         Some(Self {
             joints,
-            inertial: [empty, loaded],
-            per_draw: (0..n)
-                .map(|b| per_draw(arm, b))
-                .collect::<Option<Vec<_>>>()?
-                .concat(),
-            per_kg,
+            inertial: [base.of(&empty), base.of(&loaded)],
+            per_draw: draws,
+            per_kg: base.of(&per_kg),
             change_k: temperature.change_k,
         })
     }
 
+    fn phi<'b>(&self, block: &'b Block, i: usize) -> &'b [f64] {
+        let r = self.per_kg.len();
+        &block.phi[i * r..(i + 1) * r]
+    }
+
     /// Elastic torque over stiffness of joint `i` in a block, rad.
-    fn deflection(&self, block: &Block, i: usize, session: usize, n: usize) -> f64 {
+    fn deflection(&self, block: &Block, i: usize, session: usize) -> f64 {
         let joint = &self.joints[i];
-        let phi = &block.phi[i * n * COLUMNS..(i + 1) * n * COLUMNS];
+        let phi = self.phi(block, i);
         let tau = dot(phi, &self.inertial[session])
             + joint.coulomb * block.z[i]
             + joint.viscous * block.dq[i]
@@ -103,7 +114,7 @@ impl Truth {
         n: usize,
     ) -> Vec<Autocovariance> {
         let residual = |block: &Block, i: usize, session: usize| {
-            let d = self.deflection(block, i, session, n);
+            let d = self.deflection(block, i, session);
             block.y[i] - d + self.joints[i].cubic * d * d * d
         };
         (0..n)
@@ -137,8 +148,8 @@ impl Truth {
     ) -> Vec<f64> {
         let mut row = vec![0.0; total];
         let joint = &self.joints[i];
-        let phi = &block.phi[i * n * COLUMNS..(i + 1) * n * COLUMNS];
-        let d = self.deflection(block, i, session, n);
+        let phi = self.phi(block, i);
+        let d = self.deflection(block, i, session);
         let slope = 1.0 - 3.0 * joint.cubic * d * d;
         let per_torque = slope / joint.stiffness;
         let warmer = if session == 0 { 0.0 } else { self.change_k };
@@ -156,9 +167,7 @@ impl Truth {
         row[at + own.len()..at + PER_JOINT].copy_from_slice(&block.encoder[i * 4..(i + 1) * 4]);
         let bodies = n * PER_JOINT;
         for (k, change) in self.per_draw.iter().enumerate() {
-            let body = k / PER_BODY;
-            let columns = &phi[body * COLUMNS..(body + 1) * COLUMNS];
-            row[bodies + k] = per_torque * dot(columns, change);
+            row[bodies + k] = per_torque * dot(phi, change);
         }
         let rest = bodies + n * PER_BODY;
         if session == 1 {

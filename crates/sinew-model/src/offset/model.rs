@@ -1,0 +1,210 @@
+//! The prior's model with the bodies' parameters in base form: what blocks can tell anything about.
+//!
+//! A block's equations depend on the bodies through `Φ π = Φ_c z` only, `z = B π` the base
+//! parameters ([`BaseParameters`]): half as many as there are masses, moments and inertias. What is
+//! believed of `π` says what is believed of `z`, the data moves `z`, and what it says of `π` follows:
+//!
+//! ```text
+//! x = T s,   s: joints, π, payload;   x: joints, z, payload
+//! E[s | data] = m + G (E[x | data] − T m),   G = C Tᵀ (T C Tᵀ)⁻¹
+//! cov = C − G (T C Tᵀ − cov x) Gᵀ
+//! ```
+//!
+//! with `m`, `C` believed of `s` before. Nothing is lost or approximated; joints and payload come out
+//! as they went in.
+
+use super::block::Block;
+use super::layout::Layout;
+use super::map::MapError;
+use super::prior::{Belief, JointPrior, Prior};
+use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
+use crate::cholesky;
+use alloc::vec::Vec;
+
+/// The model whose parameters blocks can tell apart.
+#[derive(Debug, Clone)]
+pub(super) struct Model {
+    pub(super) layout: Layout,
+    pub(super) joints: Vec<Option<JointPrior>>,
+    /// Nominal base parameters.
+    pub(super) inertial: Vec<f64>,
+    /// Where in the payload's frame it is expected, m.
+    pub(super) payload_at: [f64; 3],
+    /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
+    payload_columns: Vec<(usize, usize, f64)>,
+    base: BaseParameters,
+}
+
+impl Model {
+    pub(super) fn new(prior: &Prior) -> Self {
+        let base = prior.base.clone();
+        let all = prior.joints() * PARAMETERS_PER_BODY;
+        let first = prior.payload_body * PARAMETERS_PER_BODY;
+        let rows = base.combination.chunks_exact(all.max(1)).enumerate();
+        let payload_columns = rows
+            .flat_map(|(i, row)| {
+                let own = row.iter().skip(first).take(PARAMETERS_PER_BODY);
+                own.enumerate().map(move |(k, b)| (i, k, *b))
+            })
+            .filter(|(.., b)| *b != 0.0)
+            .collect();
+        Self {
+            layout: Layout {
+                joints: prior.joints(),
+                bodies: base.count(),
+            },
+            joints: prior.joints.clone(),
+            inertial: base.of(&prior.inertial),
+            payload_at: prior.payload_at,
+            payload_columns,
+            base,
+        }
+    }
+
+    /// Whether joint `i` is elastic.
+    pub(super) fn is_elastic(&self, i: usize) -> bool {
+        self.joints.get(i).is_some_and(Option::is_some)
+    }
+
+    /// `Φ` of a joint in a block.
+    pub(super) fn phi<'b>(&self, block: &'b Block, joint: usize) -> Option<&'b [f64]> {
+        let r = self.layout.bodies;
+        block.phi.get(joint * r..(joint + 1) * r)
+    }
+
+    /// The ten columns of the payload's body from those of `Φ`.
+    pub(super) fn payload_phi(&self, phi: &[f64]) -> [f64; PARAMETERS_PER_BODY] {
+        let mut out = [0.0; PARAMETERS_PER_BODY];
+        for &(i, k, b) in &self.payload_columns {
+            if let (Some(to), Some(phi)) = (out.get_mut(k), phi.get(i)) {
+                *to += b * phi;
+            }
+        }
+        out
+    }
+
+    /// `T s`, changes after it as they are.
+    pub(super) fn reduced(&self, state: &[f64]) -> Vec<f64> {
+        let from = self.layout.body_start();
+        let to = from + self.layout.joints * PARAMETERS_PER_BODY;
+        let mut out = Vec::with_capacity(state.len());
+        out.extend_from_slice(&state[..from]);
+        out.extend(self.base.of(&state[from..to]));
+        out.extend_from_slice(&state[to..]);
+        out
+    }
+
+    /// What a belief says of this model's parameters.
+    pub(super) fn believed(&self, belief: &Belief) -> Belief {
+        let d = belief.mean.len();
+        // T C, then T (T C)ᵀ.
+        let half = self.reduced_rows(&belief.covariance, d);
+        let turned = transposed(&half, d);
+        Belief {
+            mean: self.reduced(&belief.mean),
+            covariance: self.reduced_rows(&turned, self.layout.dimension()),
+            temperature_c: belief.temperature_c,
+        }
+    }
+
+    /// `T` times the rows of a matrix of so many columns.
+    fn reduced_rows(&self, rows: &[f64], columns: usize) -> Vec<f64> {
+        let from = self.layout.body_start();
+        let all = self.layout.joints * PARAMETERS_PER_BODY;
+        let bodies = &rows[from * columns..(from + all) * columns];
+        let mut out = rows[..from * columns].to_vec();
+        for combination in self.base.combination.chunks_exact(all.max(1)) {
+            let mut sum = alloc::vec![0.0; columns];
+            for (b, row) in combination.iter().zip(bodies.chunks_exact(columns.max(1))) {
+                if *b != 0.0 {
+                    for (to, x) in sum.iter_mut().zip(row) {
+                        *to += b * x;
+                    }
+                }
+            }
+            out.extend(sum);
+        }
+        out.extend_from_slice(&rows[(from + all) * columns..]);
+        out
+    }
+
+    /// A state of this model and its covariance, estimated from `before`, in terms of all bodies'
+    /// parameters; changes after it as they are.
+    pub(super) fn completed(
+        &self,
+        before: &Belief,
+        state: &[f64],
+        covariance: &[f64],
+    ) -> Result<(Vec<f64>, Vec<f64>), MapError> {
+        let (d, r) = (before.mean.len(), self.layout.dimension());
+        let from = self.layout.body_start();
+        let all = self.layout.joints * PARAMETERS_PER_BODY;
+        let total = state.len();
+        let start = self.believed(before);
+        let mut factor = alloc::vec![0.0; r * r];
+        cholesky::factorise(&start.covariance, &mut factor, r).map_err(MapError::Prior)?;
+        // Rows of G of the bodies, and (C Tᵀ) they are made of.
+        let shared = transposed(&self.reduced_rows(&before.covariance, d), d);
+        let shared = &shared[from * r..(from + all) * r];
+        let mut gain = shared.to_vec();
+        for row in gain.chunks_exact_mut(r) {
+            cholesky::solve(&factor, r, row);
+        }
+        // cov(body, x and changes).
+        let mut along = alloc::vec![0.0; all * total];
+        for (to, gain) in along.chunks_exact_mut(total).zip(gain.chunks_exact(r)) {
+            for (g, row) in gain.iter().zip(covariance.chunks_exact(total)) {
+                for (to, x) in to.iter_mut().zip(row) {
+                    *to += g * x;
+                }
+            }
+        }
+        // Where entry k of x, or of the changes after it, is in s.
+        let bodies = from..self.layout.payload_place();
+        let more = d - r;
+        let place = |k: usize| if k < from { k } else { k + more };
+        let whole = total + more;
+        let (mut mean, mut out) = (alloc::vec![0.0; whole], alloc::vec![0.0; whole * whole]);
+        let others: Vec<usize> = (0..total).filter(|k| !bodies.contains(k)).collect();
+        for &i in &others {
+            mean[place(i)] = state[i];
+            for &k in &others {
+                out[place(i) * whole + place(k)] = covariance[i * total + k];
+            }
+        }
+        for (b, gain) in gain.chunks_exact(r).enumerate() {
+            let moved = state.iter().zip(&start.mean).zip(gain);
+            let step: f64 = moved.map(|((x, m), g)| g * (x - m)).sum();
+            mean[from + b] = before.mean[from + b] + step;
+            let own = &along[b * total..(b + 1) * total];
+            for &k in &others {
+                out[(from + b) * whole + place(k)] = own[k];
+                out[place(k) * whole + from + b] = own[k];
+            }
+        }
+        for (b, own) in along.chunks_exact(total).enumerate() {
+            // C − G (T C Tᵀ) Gᵀ + G cov Gᵀ, of bodies b and c.
+            let shared_b = &shared[b * r..(b + 1) * r];
+            for (c, gain_c) in gain.chunks_exact(r).enumerate().take(b + 1) {
+                let known =
+                    before.covariance[(from + b) * d + from + c] - cholesky::dot(shared_b, gain_c);
+                let x = known + cholesky::dot(&own[..r], gain_c);
+                out[(from + b) * whole + from + c] = x;
+                out[(from + c) * whole + from + b] = x;
+            }
+        }
+        Ok((mean, out))
+    }
+}
+
+/// The transposed of a matrix of rows of so many columns.
+fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
+    let count = rows.len() / columns.max(1);
+    let mut out = alloc::vec![0.0; rows.len()];
+    for (i, row) in rows.chunks_exact(columns.max(1)).enumerate() {
+        for (k, x) in row.iter().enumerate() {
+            out[k * count + i] = *x;
+        }
+    }
+    out
+}
