@@ -4,20 +4,74 @@
 ///
 /// Returns the row at which `a` stops being positive definite (NaN included).
 pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize> {
-    for i in 0..n {
-        for k in 0..=i {
-            let sum = a[i * n + k] - dot(&l[i * n..i * n + k], &l[k * n..k * n + k]);
-            if i == k {
-                if !(sum > 0.0 && sum.is_finite()) {
-                    return Err(i);
+    /// Rows at once: what is read of the rows above serves all of them.
+    const FOUR: usize = 4;
+    let mut from = 0;
+    while from < n {
+        let rows = FOUR.min(n - from);
+        let (above, own) = l.split_at_mut(from * n);
+        if let ([r0, r1, r2, r3], FOUR) = (rows_of(own, n), rows) {
+            for (k, row) in above.chunks_exact(n).enumerate() {
+                let known = &row[..k];
+                let sums = dots(known, [&r0[..k], &r1[..k], &r2[..k], &r3[..k]]);
+                for (i, (r, sum)) in [&mut *r0, r1, r2, r3].into_iter().zip(sums).enumerate() {
+                    r[k] = (a[(from + i) * n + k] - sum) / row[k];
                 }
-                l[i * n + i] = libm::sqrt(sum);
-            } else {
-                l[i * n + k] = sum / l[k * n + k];
+            }
+        } else {
+            for (i, r) in own.chunks_exact_mut(n).enumerate().take(rows) {
+                for (k, row) in above.chunks_exact(n).enumerate() {
+                    r[k] = (a[(from + i) * n + k] - dot(&row[..k], &r[..k])) / row[k];
+                }
             }
         }
+        for i in from..from + rows {
+            for k in from..=i {
+                let sum = a[i * n + k] - dot(&l[i * n..i * n + k], &l[k * n..k * n + k]);
+                if i == k {
+                    if !(sum > 0.0 && sum.is_finite()) {
+                        return Err(i);
+                    }
+                    l[i * n + i] = libm::sqrt(sum);
+                } else {
+                    l[i * n + k] = sum / l[k * n + k];
+                }
+            }
+        }
+        from += rows;
     }
     Ok(())
+}
+
+/// The first four rows of so many columns; empty ones where there are fewer.
+fn rows_of(all: &mut [f64], n: usize) -> [&mut [f64]; 4] {
+    let mut rows = all.chunks_exact_mut(n.max(1));
+    core::array::from_fn(|_| rows.next().unwrap_or_default())
+}
+
+/// Scalar products of one with four.
+fn dots(a: &[f64], [b0, b1, b2, b3]: [&[f64]; 4]) -> [f64; 4] {
+    const LANES: usize = 2;
+    let mut sums = [[0.0; LANES]; 4];
+    let whole = a.len() / LANES * LANES;
+    let parts = a.chunks_exact(LANES).zip(b0.chunks_exact(LANES));
+    let parts = parts.zip(b1.chunks_exact(LANES));
+    let parts = parts.zip(b2.chunks_exact(LANES).zip(b3.chunks_exact(LANES)));
+    for (((a, b0), b1), (b2, b3)) in parts {
+        for lane in 0..LANES {
+            sums[0][lane] += a[lane] * b0[lane];
+            sums[1][lane] += a[lane] * b1[lane];
+            sums[2][lane] += a[lane] * b2[lane];
+            sums[3][lane] += a[lane] * b3[lane];
+        }
+    }
+    let mut out = sums.map(|s| s.iter().sum());
+    for (sum, b) in out.iter_mut().zip([b0, b1, b2, b3]) {
+        for k in whole..a.len() {
+            *sum += a[k] * b[k];
+        }
+    }
+    out
 }
 
 /// Scalar product in four partial sums, which a processor adds side by side.
@@ -53,6 +107,11 @@ pub(crate) fn forward(l: &[f64], n: usize, x: &mut [f64]) {
 /// Solves `L Lᵀ x = b` in place.
 pub(crate) fn solve(l: &[f64], n: usize, x: &mut [f64]) {
     forward(l, n, x);
+    backward(l, n, x);
+}
+
+/// Solves `Lᵀ x = b` in place.
+pub(crate) fn backward(l: &[f64], n: usize, x: &mut [f64]) {
     for i in (0..n).rev() {
         let (open, known) = x.split_at_mut(i);
         known[0] /= l[i * n + i];

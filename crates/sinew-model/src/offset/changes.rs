@@ -237,7 +237,12 @@ impl Problem<'_> {
 
     /// The best change with its moment and its stiffness settled, if it is sure.
     fn settled(&self, best: &MapEstimate, mut found: Found) -> Result<Option<Solution>, MapError> {
-        let Candidate { change, size, .. } = found.candidate.clone();
+        let Candidate {
+            change,
+            size,
+            along,
+            ..
+        } = found.candidate.clone();
         // The score finds the moment to a block or two; the cost decides.
         for shift in [-2.0, -1.0, 1.0, 2.0] {
             let at_s = change.at_s + shift * self.estimator.block_s();
@@ -246,6 +251,7 @@ impl Problem<'_> {
                 gain: 0.0,
                 rank: 0,
                 size: size.clone(),
+                along: along.clone(),
             };
             let other = self.with_change(best, candidate)?;
             if other.gain > found.gain {
@@ -280,6 +286,7 @@ impl Problem<'_> {
                 gain: 0.0,
                 rank: 0,
                 size: alloc::vec![0.0],
+                along: Vec::new(),
             };
             let softer = self.with_change(known, softer)?;
             let [.., size] = softer.solution.estimate.state[..] else {

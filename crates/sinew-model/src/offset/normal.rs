@@ -31,6 +31,7 @@ impl Normal {
         }
     }
 
+    /// What the prior says, and nothing else.
     pub(super) fn start(&mut self, prior: &[f64], origin: &[f64], x: &[f64]) {
         self.information.copy_from_slice(prior);
         for (g, row) in self.gradient.iter_mut().zip(prior.chunks_exact(self.total)) {
@@ -39,8 +40,12 @@ impl Normal {
         }
     }
 
-    /// Adds the equations of a block, each with the information it carries.
-    pub(super) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
+    /// Adds what the equations of a block say, each with the information it carries.
+    pub(super) fn add_information(
+        &mut self,
+        equations: &Equations,
+        information: impl Fn(&Equation) -> f64,
+    ) {
         let mut rest = equations.list.as_slice();
         while let Some((link, others)) = rest.split_first() {
             let motor = others.first().filter(|e| e.joint == link.joint);
@@ -48,6 +53,17 @@ impl Normal {
             let weights = [information(link), motor.map_or(0.0, &information)];
             // Without a motor's equation the link's comes twice, once without weight.
             self.add_joint(equations, [link, motor.unwrap_or(link)], weights);
+        }
+    }
+
+    /// Adds what the equations of a block pull at the state with.
+    pub(super) fn add_gradient(
+        &mut self,
+        equations: &Equations,
+        information: impl Fn(&Equation) -> f64,
+    ) {
+        for e in &equations.list {
+            equations.add_to(e, information(e) * e.residual, &mut self.gradient);
         }
     }
 
@@ -60,7 +76,6 @@ impl Normal {
     ) {
         let mine = self.layout.own(link.joint);
         let (rows, worth) = ([&link.own, &motor.own], [link.worth, motor.worth]);
-        let residual = [w0 * link.residual, w1 * motor.residual];
         let carried = equations.carried(link.joint);
         let shared = self.layout.carried();
         // Bodies further in say nothing of this joint.
@@ -69,13 +84,6 @@ impl Normal {
         self.changes.clear();
         for ((i, a), (_, b)) in equations.changes(link).zip(equations.changes(motor)) {
             self.changes.push((i, [a, b]));
-        }
-
-        add_rows(&mut self.gradient[mine.clone()], residual, rows);
-        let along = residual[0] * worth[0] + residual[1] * worth[1];
-        add_row(&mut self.gradient[shared.clone()], along, carried);
-        for (i, [a, b]) in &self.changes {
-            self.gradient[*i] += a * residual[0] + b * residual[1];
         }
 
         let total = self.total;
@@ -114,6 +122,7 @@ impl Normal {
         }
     }
 
+    /// The gradient becomes the step.
     pub(super) fn solve(&mut self) -> Result<(), MapError> {
         cholesky::factorise(&self.information, &mut self.factor, self.total)
             .map_err(MapError::Prior)?;
@@ -297,7 +306,8 @@ mod tests {
         let mut normal = Normal::new(total, layout);
         // Twice, because nothing of the first may be left over.
         for _ in 0..2 {
-            normal.add(&equations, information);
+            normal.add_gradient(&equations, information);
+            normal.add_information(&equations, information);
         }
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
         for e in &equations.list {

@@ -25,6 +25,8 @@ pub(super) struct Candidate {
     pub(super) rank: usize,
     /// Its entries as the score has them.
     pub(super) size: Vec<f64>,
+    /// How the rest of the state moves along; empty: not known.
+    pub(super) along: Vec<f64>,
 }
 
 impl Candidate {
@@ -32,6 +34,9 @@ impl Candidate {
     pub(super) fn with(&self, best: &MapEstimate) -> (Vec<Change>, Vec<f64>) {
         let (mut changes, mut state) = (best.changes.clone(), best.state.clone());
         changes.push(self.change);
+        for (x, along) in state.iter_mut().zip(&self.along) {
+            *x += along;
+        }
         state.extend(&self.size);
         (changes, state)
     }
@@ -135,6 +140,7 @@ impl Problem<'_> {
                 let (gain, size) = sums[k].gain(&fit.factor, &fit.step, &deviations[k]);
                 let worth = WORTH_TRYING + what.columns() as f64;
                 if gain > worth && !taken(*what, at_s) {
+                    let along = sums[k].taken_up(&size);
                     keep_best(
                         &mut best[k],
                         Candidate {
@@ -142,6 +148,7 @@ impl Problem<'_> {
                             gain,
                             rank: 0,
                             size,
+                            along,
                         },
                     );
                 }
@@ -150,6 +157,7 @@ impl Problem<'_> {
         for kind in &mut best {
             for (rank, candidate) in kind.iter_mut().enumerate() {
                 candidate.rank = rank;
+                cholesky::backward(&fit.factor, total, &mut candidate.along);
             }
         }
         best.into_iter().flatten().collect()
@@ -164,7 +172,8 @@ impl Problem<'_> {
             self.estimator.equations(known, block, &mut equations);
             let whole = weighing.weight(chi(&equations, known));
             let information = |e: &_| whole * self.information_of(e, known, b);
-            normal.add(&equations, information);
+            normal.add_gradient(&equations, information);
+            normal.add_information(&equations, information);
             weights.push(equations.list.iter().map(information).collect());
         }
         let (factor, step) = normal.solved()?;
@@ -272,6 +281,17 @@ impl Sum {
                 }
             }
         }
+    }
+
+    /// `−L⁻¹ shared size`: what the state takes up of a change of this size, but for `L⁻ᵀ`.
+    fn taken_up(&self, size: &[f64]) -> Vec<f64> {
+        let mut out = alloc::vec![0.0; self.total];
+        for (size, through) in size.iter().zip(self.through.chunks_exact(self.total)) {
+            for (to, x) in out.iter_mut().zip(through) {
+                *to -= size * x;
+            }
+        }
+        out
     }
 
     /// Half the chi-square a change here would take off: `½ gᵀ A⁻¹ g` with gradient and

@@ -10,28 +10,68 @@ use super::prior::{Belief, Payload};
 use crate::cholesky;
 use alloc::vec::Vec;
 
-/// Scales of the redescending weight, in standard deviations: one Gauss–Newton step each.
-struct Course {
-    scales: &'static [f64],
-    /// So many of them look at one block in [`THIN`]: they only have to come near.
-    thin: usize,
+/// A Gauss–Newton step.
+struct Step {
+    /// Scale of the redescending weight, in standard deviations.
+    scale: f64,
+    /// Blocks that pull at the state.
+    pull: See,
+    /// Blocks the information is taken from.
+    inform: See,
+}
+
+/// Blocks that are looked at.
+#[derive(Clone, Copy)]
+enum See {
+    All,
+    /// One in [`THIN`].
+    Some,
+}
+
+/// A step that only has to come near.
+const fn near(scale: f64) -> Step {
+    Step {
+        scale,
+        pull: See::Some,
+        inform: See::Some,
+    }
+}
+
+/// A step in the right direction, about as far as it should.
+const fn towards(scale: f64) -> Step {
+    Step {
+        scale,
+        pull: See::All,
+        inform: See::Some,
+    }
+}
+
+/// The last step.
+const fn onto(scale: f64) -> Step {
+    Step {
+        scale,
+        pull: See::All,
+        inform: See::All,
+    }
 }
 
 /// The equations are so nearly linear that one step per scale is within 1 % of many.
-const COLD: Course = Course {
-    scales: &[40.0, 40.0, 20.0, 10.0, 6.0, 4.0, 3.5, 3.0, 3.0, 3.0],
-    thin: 6,
-};
+const COLD: &[Step] = &[
+    near(40.0),
+    near(40.0),
+    near(20.0),
+    near(10.0),
+    near(6.0),
+    near(4.0),
+    towards(3.5),
+    towards(3.0),
+    towards(3.0),
+    onto(3.0),
+];
 /// From a start that is nearly right.
-const WARM: Course = Course {
-    scales: &[12.0, 6.0, 3.5, 3.0, 3.0],
-    thin: 2,
-};
+const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
 /// For what is only looked at.
-const GLANCE: Course = Course {
-    scales: &[6.0, 3.0],
-    thin: 2,
-};
+const GLANCE: &[Step] = &[near(3.0)];
 /// Neighbours say much the same: their noise is correlated over half a second.
 const THIN: usize = 3;
 /// Fewer blocks than this are all looked at.
@@ -129,7 +169,7 @@ impl<'a> Problem<'a> {
 
     /// The estimate with changes at known moments.
     pub(super) fn solve(&self, changes: &[Change]) -> Result<Solution, MapError> {
-        self.descend(changes, &COLD, None)
+        self.descend(changes, COLD, None)
     }
 
     /// [`Problem::solve`] from a state that is nearly right, with its noise.
@@ -139,23 +179,23 @@ impl<'a> Problem<'a> {
         state: &[f64],
         known: &MapEstimate,
     ) -> Result<Solution, MapError> {
-        self.descend(changes, &WARM, Some((state, known)))
+        self.descend(changes, WARM, Some((state, known)))
     }
 
-    /// [`Problem::solve_from`] in two steps: enough to see whether changes are worth more.
+    /// [`Problem::solve_from`] in one step: enough to see whether changes are worth more.
     pub(super) fn glance_from(
         &self,
         changes: &[Change],
         state: &[f64],
         known: &MapEstimate,
     ) -> Result<Solution, MapError> {
-        self.descend(changes, &GLANCE, Some((state, known)))
+        self.descend(changes, GLANCE, Some((state, known)))
     }
 
     fn descend(
         &self,
         changes: &[Change],
-        course: &Course,
+        course: &[Step],
         warm: Option<(&[f64], &MapEstimate)>,
     ) -> Result<Solution, MapError> {
         let layout = self.layout();
@@ -183,17 +223,21 @@ impl<'a> Problem<'a> {
         let mut residuals = Residuals::new(n, self.blocks.len());
         let mut equations = Equations::new(layout, changes);
         let mut every = 1;
-        for (stage, &scale) in course.scales.iter().enumerate() {
-            every = if stage < course.thin { self.thin() } else { 1 };
+        for (stage, step) in course.iter().enumerate() {
+            every = self.every(step.pull);
+            let informing = self.every(step.inform);
             normal.start(&prior, &origin, &at.state);
             for (b, block) in self.blocks.iter().enumerate().step_by(every) {
                 self.estimator.equations(&at, block, &mut equations);
-                let chi = chi(&equations, &at);
-                let w = scale * scale / (scale * scale + chi);
+                let w = step.scale * step.scale;
+                let w = w / (w + chi(&equations, &at));
                 at.weights[b] = w * w;
                 residuals.keep(b, &equations);
-                let share = w * w * every as f64;
-                normal.add(&equations, |e| share * self.information_of(e, &at, b));
+                let information = |e: &_| w * w * self.information_of(e, &at, b);
+                normal.add_gradient(&equations, |e| every as f64 * information(e));
+                if b % informing == 0 {
+                    normal.add_information(&equations, |e| informing as f64 * information(e));
+                }
             }
             normal.solve()?;
             for (x, step) in at.state.iter_mut().zip(&normal.gradient) {
@@ -275,12 +319,15 @@ impl<'a> Problem<'a> {
 
     /// [`Problem::cost_at`] as [`Problem::glance_from`] has it.
     pub(super) fn cost_at_a_glance(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
-        self.cost_over(at, noise, self.thin())
+        self.cost_over(at, noise, self.every(See::Some))
     }
 
-    /// Of so many blocks one is looked at where it only has to come near.
-    fn thin(&self) -> usize {
-        if self.blocks.len() < MANY { 1 } else { THIN }
+    /// Of so many blocks one is looked at.
+    fn every(&self, see: See) -> usize {
+        match see {
+            See::Some if self.blocks.len() >= MANY => THIN,
+            _ => 1,
+        }
     }
 
     /// [`Problem::cost_at`] from one block in `every`.
