@@ -2,7 +2,9 @@
 
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace, urdf};
-use sinew_model::observer::{ExactPole, FirstOrder, MomentumObserver, StateVariableFilter};
+use sinew_model::observer::{
+    DoublePole, ExactPole, FirstOrder, MomentumObserver, StateVariableFilter,
+};
 
 fn biorob_like() -> Arm {
     let text = include_str!("../../../robots/biorob-like/biorob-like.urdf");
@@ -232,12 +234,12 @@ fn bad_samples_leave_the_state_as_it_was() {
 #[test]
 fn the_state_variable_filter_is_exact_on_ramps_and_smooths_steps() {
     let (w, dt) = (40.0, 1e-3);
-    let decay = StateVariableFilter::decay(w, dt);
+    let pole = DoublePole::new(w, dt);
     let mut filter = StateVariableFilter::settled_at(0.0);
     let mut t = 0.0;
     for _ in 0..2000 {
         t += dt;
-        filter.step(w, dt, decay, 3.0 * t);
+        filter.step(&pole, 3.0 * t);
     }
     // Ramp: unit slope, delay 2/w.
     assert!((filter.rate() - 3.0).abs() < 1e-12);
@@ -246,7 +248,7 @@ fn the_state_variable_filter_is_exact_on_ramps_and_smooths_steps() {
     // one sample, so compare after it): x = 1 − (1 + w t) e^{−w t} up to half a sample.
     let mut filter = StateVariableFilter::settled_at(0.0);
     for k in 1..=100 {
-        filter.step(w, dt, decay, 1.0);
+        filter.step(&pole, 1.0);
         let t = f64::from(k) * dt - 0.5 * dt;
         let x = 1.0 - (1.0 + w * t) * (-w * t).exp();
         // A ramp over Δt against a step in its middle: (wΔt)²/24.

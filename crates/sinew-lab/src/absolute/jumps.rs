@@ -26,7 +26,8 @@ use sinew_model::arm::{Arm, ArmWorkspace};
 
 /// Samples on either side of a jump.
 const SIDE: usize = 4;
-const WEIGHTS: [f64; SIDE] = [0.85, 0.45, 0.05, -0.35];
+/// `w`, the oldest sample first.
+const WEIGHTS: [f64; 2 * SIDE] = [0.35, -0.05, -0.45, -0.85, 0.85, 0.45, 0.05, -0.35];
 /// Over this time the largest jump is kept, s.
 const SLOT_S: f64 = 1.0;
 /// A found change's moment is known to this, s.
@@ -116,9 +117,11 @@ struct Slot {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Jumps {
     joints: usize,
-    /// The last `2 SIDE` samples, the oldest first: time, motor and joint readings.
-    times: Vec<f64>,
-    readings: Vec<Vec<f64>>,
+    /// How many of the last samples came one after the other.
+    samples: usize,
+    /// The last `2 SIDE` of every reading, motor readings first, the oldest sample first.
+    readings: Vec<[f64; 2 * SIDE]>,
+    times: [f64; 2 * SIDE],
     slots: Vec<Slot>,
     /// When samples were missing or came unevenly, s.
     blind: Vec<[f64; 2]>,
@@ -133,6 +136,7 @@ impl Jumps {
     pub fn new(joints: usize) -> Self {
         Self {
             joints,
+            readings: vec![[0.0; 2 * SIDE]; 2 * joints],
             ..Self::default()
         }
     }
@@ -144,8 +148,7 @@ impl Jumps {
             let usual_s = self.step_s();
             if self.steps > 20 && (step_s - usual_s).abs() > UNEVEN * usual_s {
                 self.mark_blind(last_s, time_s);
-                self.times.clear();
-                self.readings.clear();
+                self.samples = 0;
             }
             // A gap is no step.
             if step_s > 0.0 && (self.steps < 20 || step_s < 10.0 * usual_s) {
@@ -154,21 +157,16 @@ impl Jumps {
             }
         }
         self.last_s = Some(time_s);
-        let reading = if self.readings.len() == 2 * SIDE {
-            self.times.remove(0);
-            let mut oldest = self.readings.remove(0);
-            oldest.clear();
-            oldest
-        } else {
-            Vec::with_capacity(2 * self.joints)
+        let next = |kept: &mut [f64; 2 * SIDE], newest: f64| {
+            kept.copy_within(1.., 0);
+            kept[2 * SIDE - 1] = newest;
         };
-        self.times.push(time_s);
-        self.readings.push(reading);
-        if let Some(newest) = self.readings.last_mut() {
-            newest.extend(theta);
-            newest.extend(q);
+        next(&mut self.times, time_s);
+        for (reading, x) in self.readings.iter_mut().zip(theta.iter().chain(q)) {
+            next(reading, *x);
         }
-        if self.readings.len() == 2 * SIDE {
+        self.samples += 1;
+        if self.samples >= 2 * SIDE {
             self.measure();
         }
     }
@@ -188,12 +186,8 @@ impl Jumps {
         let Some(slot) = self.slots.last_mut() else {
             return;
         };
-        for (i, largest) in slot.largest.iter_mut().enumerate() {
-            let size_rad: f64 = WEIGHTS
-                .iter()
-                .enumerate()
-                .map(|(k, w)| w * (self.readings[SIDE + k][i] - self.readings[SIDE - 1 - k][i]))
-                .sum();
+        for (largest, reading) in slot.largest.iter_mut().zip(&self.readings) {
+            let size_rad: f64 = WEIGHTS.iter().zip(reading).map(|(w, x)| w * x).sum();
             if size_rad.abs() > largest.size_rad.abs() {
                 *largest = Jump { time_s, size_rad };
             }

@@ -6,7 +6,7 @@ use super::transmission::{Correction, JointCorrection};
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
-use crate::observer::{FirstOrder, MomentumObserver, StateVariableFilter};
+use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
 use crate::offset::VelocityFilter;
 use crate::transmission::{Friction, Transmission};
 use alloc::vec::Vec;
@@ -257,15 +257,15 @@ impl ExternalTorqueObserver {
             }
             return;
         };
-        let decay = StateVariableFilter::decay(w, dt_s);
+        let pole = DoublePole::new(w, dt_s);
         for ((((q, dq), tau), ((q_now, raw), joint)), filter) in
             rows.zip(inputs).zip(&mut self.filters)
         {
             // A rigid joint's NaN must not get in.
             let raw = if joint.is_some() { *raw } else { 0.0 };
             if self.started {
-                filter.q.step(w, dt_s, decay, *q_now);
-                filter.tau_el.step(w, dt_s, decay, raw);
+                filter.q.step(&pole, *q_now);
+                filter.tau_el.step(&pole, raw);
             } else {
                 filter.q = StateVariableFilter::settled_at(*q_now);
                 filter.tau_el = StateVariableFilter::settled_at(raw);

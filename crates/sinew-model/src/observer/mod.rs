@@ -9,4 +9,4 @@ mod state_variable;
 
 pub use momentum::{GainError, MomentumObserver};
 pub use pole::{ExactPole, FirstOrder};
-pub use state_variable::StateVariableFilter;
+pub use state_variable::{DoublePole, StateVariableFilter};

@@ -22,6 +22,41 @@ pub struct StateVariableFilter {
     dx: f64,
 }
 
+/// What all filters of one `ω` share over a step of one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DoublePole {
+    /// `1/Δt`.
+    per_step: f64,
+    /// `2/ω`.
+    delay: f64,
+    /// `E (1 + ωΔt)`, `E Δt`: what `x₁` keeps of `e` and `f`.
+    x_e: f64,
+    x_f: f64,
+    /// `E ω²Δt`, `E (1 − ωΔt)`: what `ẋ₁` keeps of them.
+    dx_e: f64,
+    dx_f: f64,
+}
+
+impl DoublePole {
+    /// Of cut-off `ω` over `dt_s`, both positive.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    #[inline]
+    pub fn new(omega_rad_per_s: f64, dt_s: f64) -> Self {
+        let wt = omega_rad_per_s * dt_s;
+        let decay = libm::exp(-wt);
+        Self {
+            per_step: 1.0 / dt_s,
+            delay: 2.0 / omega_rad_per_s,
+            x_e: decay * (1.0 + wt),
+            x_f: decay * dt_s,
+            dx_e: decay * omega_rad_per_s * wt,
+            dx_f: decay * (1.0 - wt),
+        }
+    }
+}
+
 impl StateVariableFilter {
     /// Starts at rest at `u`.
     pub fn settled_at(u: f64) -> Self {
@@ -32,26 +67,18 @@ impl StateVariableFilter {
         }
     }
 
-    /// `exp(−ω Δt)`, shared by all joints of a step.
-    #[inline]
-    pub fn decay(omega_rad_per_s: f64, dt_s: f64) -> f64 {
-        libm::exp(-omega_rad_per_s * dt_s)
-    }
-
-    /// One step of `dt_s` to the sample `u`, with `decay` from [`StateVariableFilter::decay`].
+    /// One step to the sample `u`.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     #[inline]
-    pub fn step(&mut self, omega_rad_per_s: f64, dt_s: f64, decay: f64, u: f64) {
-        let w = omega_rad_per_s;
-        let slope = (u - self.input) / dt_s;
-        let lag = 2.0 * slope / w;
+    pub fn step(&mut self, pole: &DoublePole, u: f64) {
+        let slope = (u - self.input) * pole.per_step;
+        let lag = slope * pole.delay;
         let e = self.x - (self.input - lag);
         let f = self.dx - slope;
-        let wt = w * dt_s;
-        self.x = u - lag + decay * ((1.0 + wt) * e + dt_s * f);
-        self.dx = slope + decay * ((1.0 - wt) * f - w * wt * e);
+        self.x = u - lag + pole.x_e * e + pole.x_f * f;
+        self.dx = slope + pole.dx_f * f - pole.dx_e * e;
         self.input = u;
     }
 

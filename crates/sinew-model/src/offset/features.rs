@@ -23,7 +23,7 @@ use super::config::FeatureConfig;
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
 use crate::error::{is_input, is_time_step};
-use crate::observer::{ExactPole, FirstOrder, StateVariableFilter};
+use crate::observer::{DoublePole, ExactPole, FirstOrder, StateVariableFilter};
 use alloc::vec::Vec;
 
 /// Memory of a viscoelastic rope within a session, s.
@@ -147,14 +147,14 @@ impl FeatureObserver {
             return Err(StepError::TimeStep);
         }
         let w = self.config.cutoff_rad_per_s;
-        let decay = StateVariableFilter::decay(w, dt_s);
+        let pole = DoublePole::new(w, dt_s);
         let samples = q.iter().zip(theta_measured).zip(motor_torque);
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
-            joint.q.step(w, dt_s, decay, *q);
-            joint.theta.step(w, dt_s, decay, *theta);
+            joint.q.step(&pole, *q);
+            joint.theta.step(&pole, *theta);
             // A torque that comes back after a gap starts its filter anew.
             if joint.torque.value().is_finite() {
-                joint.torque.step(w, dt_s, decay, *torque);
+                joint.torque.step(&pole, *torque);
             } else {
                 joint.torque = StateVariableFilter::settled_at(*torque);
             }

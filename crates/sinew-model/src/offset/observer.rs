@@ -5,7 +5,7 @@ use super::config::{Comparison, OffsetConfig, OffsetConfigError, TorqueSource, V
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::error::{is_input, is_time_step};
-use crate::observer::{FirstOrder, MomentumObserver, StateVariableFilter};
+use crate::observer::{DoublePole, FirstOrder, MomentumObserver, StateVariableFilter};
 use crate::transmission::Transmission;
 use alloc::vec::Vec;
 
@@ -251,7 +251,7 @@ impl OffsetObserver {
             }
             return;
         };
-        let decay = StateVariableFilter::decay(w, dt_s);
+        let pole = DoublePole::new(w, dt_s);
         let rows = self
             .filters
             .iter_mut()
@@ -269,9 +269,9 @@ impl OffsetObserver {
             let torque = known.map_or(0.0, at);
             let torque = if torque.is_finite() { torque } else { 0.0 };
             if self.started {
-                filter.q.step(w, dt_s, decay, at(sample.q));
-                filter.theta.step(w, dt_s, decay, theta);
-                filter.torque.step(w, dt_s, decay, torque);
+                filter.q.step(&pole, at(sample.q));
+                filter.theta.step(&pole, theta);
+                filter.torque.step(&pole, torque);
             } else {
                 filter.q = StateVariableFilter::settled_at(at(sample.q));
                 filter.theta = StateVariableFilter::settled_at(theta);
