@@ -184,6 +184,54 @@ fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
     }
 }
 
+/// Half a year after a strand that failed on day 60; `late` are the offset's and the stiffness' own
+/// changes from day 120 on. Returns the days from which something changed.
+fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<f64> {
+    let mut trend =
+        Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+    let mut random = Random(seed);
+    for day in 1..=150 {
+        let t = day as f64;
+        let mut y = 1e-3 * (24.0 * t).ln() + 0.2e-3 * random.normal();
+        let mut k = 0.002 * random.normal();
+        if day >= 60 {
+            // What a session has the stiffness off by, and the offset with it: 0.6 mrad a percent.
+            let mut off = 0.004 * random.normal();
+            if (120..124).contains(&day) {
+                off += misread;
+            }
+            y += 3e-3 + 0.06 * off;
+            k += off - 0.06;
+        }
+        if day >= 120 {
+            y += late[0];
+            k += late[1];
+        }
+        let stiffness = Some([k, 0.02]);
+        let record = Record {
+            stiffness,
+            ..record(t, y, 0.5e-3, 23.0)
+        };
+        trend.add(record).expect("in order");
+    }
+    trend.events().iter().map(|e| e.time_s / DAY_S).collect()
+}
+
+#[test]
+fn sessions_that_misread_a_lost_stiffness_are_no_second_failure() {
+    for seed in 0..6 {
+        // Four days in a row 4 % too stiff, and 2.4 mrad too long.
+        let days = after_a_strand(seed, [0.0; 2], 0.04);
+        assert_eq!(days, [60.0], "seed {seed}");
+        // As far, with the stiffness as before, and with as much less: they are.
+        for late in [[2.4e-3, 0.0], [2.4e-3, -0.04]] {
+            let days = after_a_strand(seed, late, 0.0);
+            assert_eq!(days.len(), 2, "seed {seed}: {days:?}");
+            assert!((120.0..122.0).contains(&days[1]), "seed {seed}: {days:?}");
+        }
+    }
+}
+
 #[test]
 fn a_small_step_is_no_alarm_and_yet_taken_in() {
     // A hundred times a session's own error, and half of what is reported.

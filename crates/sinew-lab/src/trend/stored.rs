@@ -2,13 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_model::trend::{
-    Component, Entry, Event, Prior, Record, State, Stiffness, Trend, TrendConfig, TrendError,
+    Component, Entry, Event, Prior, Record, STATES, Softened, State, Stiffness, Trend, TrendConfig,
+    TrendError,
 };
 
 /// Version written.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
-/// What a trend remembers, to go on from later: some tens of kilobytes.
+/// What a trend remembers, to go on from later: some tens of kilobytes, just after a jump about one
+/// megabyte.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredTrend {
@@ -24,6 +26,8 @@ pub struct StoredTrend {
     pub filters: Vec<StoredFilter>,
     /// The stiffness: means, lower triangle of the covariance, shape and rate.
     pub stiffness: [f64; 7],
+    /// The stiffness since the last jump: mean, information, sessions.
+    pub softened: Option<(f64, f64, u64)>,
     /// Sessions that reported one.
     pub stiffness_sessions: u64,
     /// Last entries.
@@ -34,7 +38,13 @@ pub struct StoredTrend {
 
 /// A filter: curve, noise, logarithm of the weight, means, lower triangle of the covariance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredFilter(u32, u32, f64, [f64; 5], [f64; 15]);
+pub struct StoredFilter(
+    u32,
+    u32,
+    f64,
+    [f64; STATES],
+    [f64; STATES * (STATES + 1) / 2],
+);
 
 /// A session, or what happened between sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,7 +92,7 @@ pub struct StoredEvent {
 #[non_exhaustive]
 pub enum StoredTrendError {
     /// Written by a later program.
-    #[error("the trend has version {0}; this program reads version 2")]
+    #[error("the trend has version {0}; this program reads version 3")]
     Version(u32),
     /// Another prior, or damaged.
     #[error(transparent)]
@@ -105,6 +115,7 @@ impl From<&Trend> for StoredTrend {
                 let ([m0, m1], [c0, c1, c2]) = (s.mean, s.covariance);
                 [m0, m1, c0, c1, c2, s.shape, s.rate]
             },
+            softened: (state.softened).map(|s| (s.mean, s.information, s.sessions)),
             stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().filter_map(entry).collect(),
             events: (state.events.iter())
@@ -172,6 +183,11 @@ impl StoredTrend {
                     },
                 )
                 .collect(),
+            softened: self.softened.map(|(mean, information, sessions)| Softened {
+                mean,
+                information,
+                sessions,
+            }),
             stiffness: Stiffness {
                 mean: [m0, m1],
                 covariance: [c0, c1, c2],

@@ -3,10 +3,11 @@
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::Record;
+use super::softened::Softened;
 use alloc::vec::Vec;
 
-/// Level, taken out, amplitude, temperature drift, slow error.
-pub const STATES: usize = 5;
+/// Level, taken out, amplitude, temperature drift, slow error, error per error of the stiffness.
+pub const STATES: usize = 6;
 /// Entries of the lower triangle of a covariance.
 const TRIANGLE: usize = STATES * (STATES + 1) / 2;
 pub(super) const LEVEL: usize = 0;
@@ -14,6 +15,10 @@ pub(super) const TAKEN_OUT: usize = 1;
 pub(super) const AMPLITUDE: usize = 2;
 pub(super) const DRIFT: usize = 3;
 const SLOW: usize = 4;
+const SHARED: usize = 5;
+/// Standard deviation of a session's error in the offset per error of its stiffness, rad: of a
+/// mrad or two per percent at a tendon that carries much.
+const SHARED_RAD: f64 = 0.05;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
 
@@ -26,7 +31,7 @@ pub struct Component {
     pub noise: u32,
     /// Logarithm of its probability, up to a constant of the bank.
     pub log_weight: f64,
-    /// Means: rad, rad, 1, rad/K, rad.
+    /// Means: rad, rad, 1, rad/K, rad, rad.
     pub mean: [f64; STATES],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [f64; TRIANGLE],
@@ -47,6 +52,8 @@ pub(super) struct Bank {
     /// Time since tensioning, s.
     pub time_s: f64,
     pub components: Vec<Component>,
+    /// The stiffness since the last jump.
+    pub softened: Option<Softened>,
 }
 
 /// An update chosen: evidence of the record and whether it was taken as off.
@@ -78,6 +85,7 @@ impl Bank {
                 covariance[entry(AMPLITUDE, AMPLITUDE)] = square(curve.amplitude_deviation);
                 covariance[entry(DRIFT, DRIFT)] = square(prior.temperature_deviation_rad_per_k);
                 covariance[entry(SLOW, SLOW)] = square(noise.slow_deviation_rad);
+                covariance[entry(SHARED, SHARED)] = square(SHARED_RAD);
                 components.push(Component {
                     curve: i as u32,
                     noise: k as u32,
@@ -92,6 +100,7 @@ impl Bank {
         Self {
             time_s: prior.baseline_s,
             components,
+            softened: None,
         }
     }
 
@@ -130,7 +139,7 @@ impl Bank {
             p[entry(LEVEL, LEVEL)] += prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0);
             let phi = libm::exp(-dt / noise.slow_time_s);
             c.mean[SLOW] *= phi;
-            for k in 0..SLOW {
+            for k in (0..STATES).filter(|k| *k != SLOW) {
                 p[entry(SLOW, k)] *= phi;
             }
             let own = &mut p[entry(SLOW, SLOW)];
@@ -173,7 +182,7 @@ impl Bank {
         let Some([offset, _]) = record.offset_rad else {
             return;
         };
-        let h = sees(prior, record);
+        let h = self.sees(prior, record);
         for ((c, answer), sum) in self.components.iter_mut().zip(answers).zip(sums) {
             let (expected, variance) = c.predict(&h);
             let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
@@ -194,6 +203,27 @@ impl Bank {
                 answer[i] -= gain[i] * d;
             }
         }
+        self.take_stiffness(record);
+    }
+
+    /// What a record sees of each state.
+    fn sees(&self, prior: &Prior, record: &Record) -> [f64; STATES] {
+        let warm = record
+            .temperature_c
+            .map_or(0.0, |t| t - prior.temperature_ref_c);
+        let off = self.softened.map_or(0.0, |s| s.off(record));
+        [1.0, 1.0, 0.0, warm, 1.0, off]
+    }
+
+    fn take_stiffness(&mut self, record: &Record) {
+        if let Some(softened) = &mut self.softened {
+            softened.take(record);
+        }
+    }
+
+    /// The tendon has jumped: a strand may have failed, whose stiffness every session finds anew.
+    pub(super) fn jumped(&mut self) {
+        self.softened = Some(Softened::new());
     }
 
     /// Opens the level (or what was taken out) to a change of `deviation_rad`.
@@ -240,7 +270,7 @@ impl Bank {
         let Some([offset, _]) = record.offset_rad else {
             return none;
         };
-        let h = sees(prior, record);
+        let h = self.sees(prior, record);
         let own = |c: &Component| own_variance(prior, record, c);
         let add = off.deviation_rad * off.deviation_rad;
         // Evidence of both readings of the record, over all filters.
@@ -262,6 +292,7 @@ impl Bank {
             c.correct(&h, offset, r);
         }
         self.let_go();
+        self.take_stiffness(record);
         Updated {
             log_evidence: plain_e.max(wide_e),
             off: is_off,
@@ -307,6 +338,7 @@ impl Bank {
         Self {
             time_s: self.time_s,
             components,
+            softened: self.softened,
         }
     }
 }
@@ -341,14 +373,6 @@ fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
         None => UNKNOWN_K * prior.temperature_deviation_rad_per_k,
     };
     deviation * deviation * scale * scale + blur * blur
-}
-
-/// What a record sees of each state.
-fn sees(prior: &Prior, record: &Record) -> [f64; STATES] {
-    let warm = record
-        .temperature_c
-        .map_or(0.0, |t| t - prior.temperature_ref_c);
-    [1.0, 1.0, 0.0, warm, 1.0]
 }
 
 impl Component {

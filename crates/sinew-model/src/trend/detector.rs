@@ -92,6 +92,9 @@ impl Trend {
             let mut bank = before.clone();
             bank.advance(&self.prior, time_of(&tail[0]));
             bank.open(LEVEL, deviation_rad);
+            if bank.softened.is_some() {
+                bank.jumped();
+            }
             let (evidence, off) = self.run(&mut bank, tail);
             let agree = tail
                 .iter()

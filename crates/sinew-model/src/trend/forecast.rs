@@ -1,6 +1,6 @@
 //! Paths drawn from the posterior, and when they pass a limit.
 
-use super::bank::{AMPLITUDE, Component, LEVEL, STATES, TAKEN_OUT, creep, entry, folds};
+use super::bank::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, creep, entry, folds};
 use super::gauss::LogSum;
 use super::tracker::Trend;
 use alloc::vec;
@@ -99,11 +99,14 @@ impl Trend {
     }
 }
 
+/// States that a path is made of: not what only sessions see.
+const DRAWN: usize = 5;
+
 /// A state of a filter with an amplitude above 0.
-fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; STATES] {
+fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] {
     // Lower Cholesky factor; a state that is known exactly has a column of zeros.
-    let mut l = [[0.0; STATES]; STATES];
-    for i in 0..STATES {
+    let mut l = [[0.0; DRAWN]; DRAWN];
+    for i in 0..DRAWN {
         for k in 0..=i {
             let dot: f64 = (0..k).map(|m| l[i][m] * l[k][m]).sum();
             let rest = component.covariance[entry(i, k)] - dot;
@@ -118,11 +121,12 @@ fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; STATES]
     }
     // Of a filter whose amplitude is hardly ever above 0 few paths are drawn, if any.
     const TRIES: usize = 64;
-    let mut x = component.mean;
+    let mean: [f64; DRAWN] = core::array::from_fn(|i| component.mean[i]);
+    let mut x = mean;
     for _ in 0..TRIES {
-        let z: [f64; STATES] = core::array::from_fn(|_| normal());
-        x = component.mean;
-        for i in 0..STATES {
+        let z: [f64; DRAWN] = core::array::from_fn(|_| normal());
+        x = mean;
+        for i in 0..DRAWN {
             x[i] += (0..=i).map(|k| l[i][k] * z[k]).sum::<f64>();
         }
         if x[AMPLITUDE] > 0.0 {

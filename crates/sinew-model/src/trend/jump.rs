@@ -68,4 +68,4 @@ impl Bank {
 }
 
 /// A unit of level and nothing else.
-const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0];
+const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -51,6 +51,7 @@ mod jump;
 mod now;
 mod prior;
 mod record;
+mod softened;
 mod stiffness;
 mod tracker;
 
@@ -60,5 +61,6 @@ pub use forecast::{Paths, first_passage};
 pub use now::Now;
 pub use prior::{Noise, Prior, generic_noises};
 pub use record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+pub use softened::Softened;
 pub use stiffness::Stiffness;
 pub use tracker::Trend;

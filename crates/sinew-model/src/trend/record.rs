@@ -1,6 +1,7 @@
 //! What goes into a trend and what comes out.
 
 use super::bank::Component;
+use super::softened::Softened;
 use super::stiffness::Stiffness;
 use alloc::vec::Vec;
 
@@ -144,6 +145,8 @@ pub struct State {
     pub time_s: f64,
     /// The filters.
     pub components: Vec<Component>,
+    /// The stiffness since the last jump before the last entries, if there was one.
+    pub softened: Option<Softened>,
     /// The stiffness before the last entries.
     pub stiffness: Stiffness,
     /// Last entries.

@@ -62,12 +62,14 @@ impl Trend {
             || !state.time_s.is_finite()
             || !state.components.iter().all(possible)
             || !state.stiffness.is_possible()
+            || state.softened.is_some_and(|s| !s.is_possible())
         {
             return Err(TrendError::State);
         }
         out.anchor = Bank {
             time_s: state.time_s,
             components: state.components,
+            softened: state.softened,
         };
         out.stiffness = state.stiffness;
         out.entries = state.entries;
@@ -87,6 +89,7 @@ impl Trend {
             fingerprint: self.prior.fingerprint(),
             time_s: self.anchor.time_s,
             components: self.anchor.components.clone(),
+            softened: self.anchor.softened,
             stiffness: self.stiffness,
             entries: self.entries.clone(),
             events: self.events.clone(),
@@ -173,6 +176,7 @@ impl Trend {
             Bank {
                 time_s,
                 components: vec![],
+                softened: None,
             },
         );
         self.run(&mut bank, &[entry]);
@@ -226,6 +230,7 @@ impl Trend {
                     bank.advance(&self.prior, *time_s);
                     bank.open(LEVEL, *deviation_rad);
                     bank.reconsider_errors(&self.prior);
+                    bank.jumped();
                 }
                 Entry::Tensioned { time_s } => {
                     bank.advance(&self.prior, *time_s);
@@ -248,6 +253,7 @@ impl Trend {
                 Bank {
                     time_s: 0.0,
                     components: vec![],
+                    softened: None,
                 },
             );
             self.run(&mut bank, &[first]);
