@@ -208,3 +208,135 @@ fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
+    use crate::offset::prior::{Payload, UNKNOWN_OFFSET_RAD};
+    use crate::tolerances::Tolerances;
+    use alloc::string::String;
+    use alloc::vec;
+
+    /// Numbers in −1..1, the same on every machine.
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Two joints across each other.
+    fn prior() -> Prior {
+        let body = |parent: Option<usize>, x: f64, roll: f64| BodySpec {
+            name: String::from(if parent.is_none() { "one" } else { "two" }),
+            parent,
+            kind: JointKind::Revolute,
+            axis: [0.0, 0.0, 1.0],
+            placement: Pose::from_xyz_rpy([x, 0.02, 0.1], [roll, 0.3, 0.0]),
+            body: BodyInertia::point(1.2, [0.1, 0.05, 0.02]),
+        };
+        let arm = ArmBuilder::new()
+            .body(body(None, 0.0, 0.4))
+            .body(body(Some(0), 0.3, 1.5))
+            .build()
+            .unwrap();
+        Prior::new(&arm, &[None, None], 1, [0.0; 3], Tolerances::default())
+    }
+
+    /// A belief after data on everything, so that all entries go together.
+    fn learned(prior: &Prior, seed: &mut u64) -> Belief {
+        let mut belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+        let d = belief.mean.len();
+        let deviation: Vec<f64> = (0..d).map(|k| belief.entry(k)[1]).collect();
+        for _ in 0..2 * d {
+            let row: Vec<f64> = deviation.iter().map(|s| random(seed) / s).collect();
+            update(
+                &mut belief.mean,
+                &mut belief.covariance,
+                &row,
+                random(seed),
+                1.0,
+            );
+        }
+        belief
+    }
+
+    /// A measurement `value` of `row · x`, less what is expected, with a standard deviation.
+    fn update(mean: &mut [f64], covariance: &mut [f64], row: &[f64], value: f64, deviation: f64) {
+        let d = mean.len();
+        let along: Vec<f64> = covariance
+            .chunks_exact(d)
+            .map(|line| cholesky::dot(line, row))
+            .collect();
+        let spread = cholesky::dot(&along, row) + deviation * deviation;
+        for i in 0..d {
+            mean[i] += along[i] * value / spread;
+            for k in 0..d {
+                covariance[i * d + k] -= along[i] * along[k] / spread;
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_learned_of_base_parameters_is_learned_of_bodies() {
+        let mut seed = 3;
+        let prior = prior();
+        let model = Model::new(&prior);
+        assert!(model.layout.bodies < 20, "{}", model.layout.bodies);
+        let before = learned(&prior, &mut seed);
+        let d = before.mean.len();
+        let start = model.believed(&before);
+        // The same data on both, and on a change that comes after them.
+        let more = |belief: &Belief| {
+            let d = belief.mean.len();
+            let mut mean = belief.mean.clone();
+            mean.push(0.0);
+            let mut covariance = vec![0.0; (d + 1) * (d + 1)];
+            for (to, from) in covariance
+                .chunks_exact_mut(d + 1)
+                .zip(belief.covariance.chunks_exact(d))
+            {
+                to[..d].copy_from_slice(from);
+            }
+            covariance[(d + 1) * (d + 1) - 1] = 0.3;
+            (mean, covariance)
+        };
+        let (mut whole, mut whole_covariance) = more(&before);
+        let (mut part, mut part_covariance) = more(&start);
+        for _ in 0..60 {
+            let row: Vec<f64> = (0..part.len())
+                .map(|k| random(&mut seed) / part_covariance[k * (part.len() + 1)].sqrt())
+                .collect();
+            let (value, deviation) = (random(&mut seed), 0.7);
+            update(&mut part, &mut part_covariance, &row, value, deviation);
+            // rowᵀ T of all bodies' parameters.
+            let from = model.layout.body_start();
+            let mut full = row[..from].to_vec();
+            for column in 0..20 {
+                let bodies = model.base.combination.chunks_exact(20);
+                full.push(bodies.zip(&row[from..]).map(|(b, r)| b[column] * r).sum());
+            }
+            full.extend(&row[model.layout.payload_place()..]);
+            update(&mut whole, &mut whole_covariance, &full, value, deviation);
+        }
+        let (mean, covariance) = model.completed(&before, &part, &part_covariance).unwrap();
+        let deviation: Vec<f64> = (0..=d)
+            .map(|k| whole_covariance[k * (d + 2)].sqrt())
+            .collect();
+        let mut learned = 0.0_f64;
+        for i in 0..=d {
+            let off = (mean[i] - whole[i]).abs();
+            assert!(off < 1e-6 * deviation[i], "{i}: {off} of {}", deviation[i]);
+            for k in 0..=d {
+                let at = i * (d + 1) + k;
+                let off = (covariance[at] - whole_covariance[at]).abs();
+                assert!(off < 1e-6 * deviation[i] * deviation[k], "{i}, {k}: {off}");
+            }
+            if i < d {
+                learned = learned.max(1.0 - deviation[i] / before.entry(i)[1]);
+            }
+        }
+        assert!(learned > 0.3, "{learned}: the data said nothing");
+    }
+}
