@@ -260,7 +260,27 @@ fn a_trend_survives_being_stored() {
     assert_eq!(whole.events().len(), stored.events().len());
     assert_eq!(whole.events().len(), 2, "{:?}", whole.events());
     let mut later = StoredTrend::from(&whole);
-    later.version = 3;
-    let refused = later.resume(prior, config);
-    assert_eq!(refused.unwrap_err(), StoredTrendError::Version(3));
+    later.version += 1;
+    let version = later.version;
+    let refused = later.resume(prior.clone(), config);
+    assert_eq!(refused.unwrap_err(), StoredTrendError::Version(version));
+    // One of version 2 had a state less, and didn't know the stiffness since a jump.
+    let mut earlier = serde_json::to_value(StoredTrend::from(&whole)).unwrap();
+    earlier["version"] = 2.into();
+    earlier.as_object_mut().unwrap().remove("softened");
+    for filter in earlier["filters"].as_array_mut().unwrap() {
+        filter[3].as_array_mut().unwrap().truncate(5);
+        filter[4].as_array_mut().unwrap().truncate(15);
+    }
+    let mut short = earlier.clone();
+    short["version"] = (version - 1).into();
+    let refused = |value: serde_json::Value| {
+        let read: StoredTrend = serde_json::from_value(value).unwrap();
+        read.resume(prior.clone(), config).unwrap_err()
+    };
+    assert_eq!(refused(earlier), StoredTrendError::Version(2));
+    assert_eq!(
+        refused(short),
+        StoredTrendError::Trend(sinew_model::trend::TrendError::State)
+    );
 }

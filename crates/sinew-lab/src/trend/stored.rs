@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_model::trend::{
-    Component, Entry, Event, Prior, Record, STATES, Softened, State, Stiffness, Trend, TrendConfig,
+    Component, Entry, Event, Prior, Record, Softened, State, Stiffness, Trend, TrendConfig,
     TrendError,
 };
 
@@ -38,13 +38,26 @@ pub struct StoredTrend {
 
 /// A filter: curve, noise, logarithm of the weight, means, lower triangle of the covariance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredFilter(
-    u32,
-    u32,
-    f64,
-    [f64; STATES],
-    [f64; STATES * (STATES + 1) / 2],
-);
+pub struct StoredFilter(u32, u32, f64, Vec<f64>, Vec<f64>);
+
+impl StoredFilter {
+    fn of(c: &Component) -> Self {
+        let (mean, covariance) = (c.mean.to_vec(), c.covariance.to_vec());
+        Self(c.curve, c.noise, c.log_weight, mean, covariance)
+    }
+
+    /// `None`: it is of another length.
+    fn component(self) -> Option<Component> {
+        let Self(curve, noise, log_weight, mean, covariance) = self;
+        Some(Component {
+            curve,
+            noise,
+            log_weight,
+            mean: mean.try_into().ok()?,
+            covariance: covariance.try_into().ok()?,
+        })
+    }
+}
 
 /// A session, or what happened between sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -91,7 +104,7 @@ pub struct StoredEvent {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoredTrendError {
-    /// Written by a later program.
+    /// Written by an earlier or a later program.
     #[error("the trend has version {0}; this program reads version 3")]
     Version(u32),
     /// Another prior, or damaged.
@@ -107,9 +120,7 @@ impl From<&Trend> for StoredTrend {
             prior: format!("{:016x}", state.fingerprint),
             time_s: state.time_s,
             records: state.records,
-            filters: (state.components.iter())
-                .map(|c| StoredFilter(c.curve, c.noise, c.log_weight, c.mean, c.covariance))
-                .collect(),
+            filters: (state.components.iter()).map(StoredFilter::of).collect(),
             stiffness: {
                 let s = state.stiffness;
                 let ([m0, m1], [c0, c1, c2]) = (s.mean, s.covariance);
@@ -173,16 +184,9 @@ impl StoredTrend {
             fingerprint,
             time_s: self.time_s,
             components: (self.filters.into_iter())
-                .map(
-                    |StoredFilter(curve, noise, log_weight, mean, covariance)| Component {
-                        curve,
-                        noise,
-                        log_weight,
-                        mean,
-                        covariance,
-                    },
-                )
-                .collect(),
+                .map(StoredFilter::component)
+                .collect::<Option<_>>()
+                .ok_or(TrendError::State)?,
             softened: self.softened.map(|(mean, information, sessions)| Softened {
                 mean,
                 information,

@@ -6,8 +6,9 @@
 //! ```
 //!
 //! `Φ` is the momentum-filtered torque regressor: what the observer does to `p` and `α`, done to
-//! the columns of their regressors that the others depend on (base parameters), so no acceleration is needed and the lag of `Φ` is that of
-//! `y`. Everything is averaged over blocks of a fifth of a second.
+//! the columns of their regressors, so no acceleration is needed and the lag of `Φ` is that of `y`.
+//! Of its columns those of the base parameters are kept, which the others are made of. Everything
+//! is averaged over blocks of a fifth of a second.
 //!
 //! Where the motor's torque `u` is recorded there is a second equation per joint,
 //!
