@@ -10,6 +10,8 @@ pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize>
     while from < n {
         let rows = FOUR.min(n - from);
         let (above, own) = l.split_at_mut(from * n);
+        // The columns of the rows above, of four rows at once; of fewer they are done with their own.
+        let mut open = 0;
         if let ([r0, r1, r2, r3], FOUR) = (rows_of(own, n), rows) {
             for (k, row) in above.chunks_exact(n).enumerate() {
                 let known = &row[..k];
@@ -18,15 +20,10 @@ pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize>
                     r[k] = (a[(from + i) * n + k] - sum) / row[k];
                 }
             }
-        } else {
-            for (i, r) in own.chunks_exact_mut(n).enumerate().take(rows) {
-                for (k, row) in above.chunks_exact(n).enumerate() {
-                    r[k] = (a[(from + i) * n + k] - dot(&row[..k], &r[..k])) / row[k];
-                }
-            }
+            open = from;
         }
         for i in from..from + rows {
-            for k in from..=i {
+            for k in open..=i {
                 let sum = a[i * n + k] - dot(&l[i * n..i * n + k], &l[k * n..k * n + k]);
                 if i == k {
                     if !(sum > 0.0 && sum.is_finite()) {

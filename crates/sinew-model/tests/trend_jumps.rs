@@ -1,6 +1,6 @@
 //! Sudden changes of a tendon: found, told apart, withdrawn; few records and bad ones.
 
-use sinew_model::trend::{Prior, Record, Trend, TrendConfig, TrendError, generic_curves};
+use sinew_model::trend::{Event, Prior, Record, Trend, TrendConfig, TrendError, generic_curves};
 
 const DAY_S: f64 = 86_400.0;
 
@@ -185,8 +185,8 @@ fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
 }
 
 /// Half a year after a strand that failed on day 60; `late` are the offset's and the stiffness' own
-/// changes from day 120 on. Returns the days from which something changed.
-fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<f64> {
+/// changes from day 120 on. Returns what changed.
+fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<Event> {
     let mut trend =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
     let mut random = Random(seed);
@@ -214,20 +214,27 @@ fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<f64> {
         };
         trend.add(record).expect("in order");
     }
-    trend.events().iter().map(|e| e.time_s / DAY_S).collect()
+    trend.events().to_vec()
 }
 
 #[test]
 fn sessions_that_misread_a_lost_stiffness_are_no_second_failure() {
     for seed in 0..6 {
         // Four days in a row 4 % too stiff, and 2.4 mrad too long.
-        let days = after_a_strand(seed, [0.0; 2], 0.04);
-        assert_eq!(days, [60.0], "seed {seed}");
+        let events = after_a_strand(seed, [0.0; 2], 0.04);
+        assert_eq!(events.len(), 1, "seed {seed}: {events:?}");
+        assert_eq!(events[0].time_s, 60.0 * DAY_S, "seed {seed}");
         // As far, with the stiffness as before, and with as much less: they are.
         for late in [[2.4e-3, 0.0], [2.4e-3, -0.04]] {
-            let days = after_a_strand(seed, late, 0.0);
-            assert_eq!(days.len(), 2, "seed {seed}: {days:?}");
-            assert!((120.0..122.0).contains(&days[1]), "seed {seed}: {days:?}");
+            let events = after_a_strand(seed, late, 0.0);
+            let [_, event] = events[..] else {
+                panic!("seed {seed}: {events:?}");
+            };
+            let day = event.time_s / DAY_S;
+            assert!((120.0..122.0).contains(&day), "seed {seed}: {event:?}");
+            // What the stiffness lost in earnest says nothing of the size.
+            let off = (event.size_rad - late[0]).abs();
+            assert!(off < 3.0 * event.deviation_rad, "seed {seed}: {event:?}");
         }
     }
 }

@@ -225,11 +225,14 @@ impl MapEstimator {
     /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
     pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
         let mut equations = Equations::new(self.model.layout, &at.changes);
-        let at = MapEstimate {
-            state: self.model.reduced(&at.state),
-            ..at.clone()
-        };
-        self.equations(&at, block, &mut equations);
+        self.model.linearise(
+            block,
+            at.temperature_c,
+            &at.changes,
+            self.motor_torque,
+            &self.model.reduced(&at.state),
+            &mut equations,
+        );
         out.fill(0.0);
         for e in equations.list.iter().filter(|e| e.side == Side::Link) {
             if let Some(slot) = out.get_mut(e.joint) {

@@ -230,6 +230,7 @@ fn happened(set: u128, i: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::offset::drawn::random;
 
     const D: usize = 7;
     const ODDS: Odds = Odds {
@@ -237,16 +238,8 @@ mod tests {
         odds: 0.1,
     };
 
-    /// Numbers without a pattern in −1…1.
-    fn noise(seed: &mut u64) -> f64 {
-        *seed = seed
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
     fn positive_definite(seed: &mut u64, least: f64) -> Vec<f64> {
-        let a: Vec<f64> = (0..D * D).map(|_| noise(seed)).collect();
+        let a: Vec<f64> = (0..D * D).map(|_| random(seed)).collect();
         let mut out = alloc::vec![0.0; D * D];
         for i in 0..D {
             for k in 0..D {
@@ -280,8 +273,8 @@ mod tests {
             let mut seed = first;
             let before = positive_definite(&mut seed, 0.3);
             let data = positive_definite(&mut seed, 0.1).map_all(|x| 4.0 * x);
-            let start: Vec<f64> = (0..D).map(|_| noise(&mut seed)).collect();
-            let pull: Vec<f64> = (0..D).map(|_| 5.0 * noise(&mut seed)).collect();
+            let start: Vec<f64> = (0..D).map(|_| random(&mut seed)).collect();
+            let pull: Vec<f64> = (0..D).map(|_| 5.0 * random(&mut seed)).collect();
             // Posterior, and logarithm of the evidence but for what all share.
             let posterior = |set: u128| {
                 let mut prior = before.clone();

@@ -5,6 +5,8 @@ mod block;
 mod chain;
 mod changes;
 mod config;
+#[cfg(test)]
+mod drawn;
 mod equation;
 mod features;
 mod filter;

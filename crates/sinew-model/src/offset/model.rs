@@ -213,18 +213,11 @@ fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
+    use crate::offset::drawn::random;
     use crate::offset::prior::{Payload, UNKNOWN_OFFSET_RAD};
     use crate::tolerances::Tolerances;
     use alloc::string::String;
     use alloc::vec;
-
-    /// Numbers in −1..1, the same on every machine.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 
     /// Two joints across each other.
     fn prior() -> Prior {

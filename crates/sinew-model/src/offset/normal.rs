@@ -241,16 +241,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::offset::changes::{Change, What};
+    use crate::offset::drawn::random;
     use crate::offset::prior::{JointParameter, PAYLOAD};
     use alloc::vec;
-
-    /// Numbers in −1..1, the same on every machine.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 
     #[test]
     fn it_is_the_sum_of_the_rows_squared() {

@@ -16,8 +16,8 @@ pub(super) const AMPLITUDE: usize = 2;
 pub(super) const DRIFT: usize = 3;
 const SLOW: usize = 4;
 const SHARED: usize = 5;
-/// Standard deviation of a session's error in the offset per error of its stiffness, rad: of a
-/// mrad or two per percent at a tendon that carries much.
+/// Standard deviation of a session's error in the offset per error of its stiffness, rad: half a
+/// millirad per percent. A starting guess.
 const SHARED_RAD: f64 = 0.05;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
@@ -218,6 +218,13 @@ impl Bank {
     fn take_stiffness(&mut self, record: &Record) {
         if let Some(softened) = &mut self.softened {
             softened.take(record);
+        }
+    }
+
+    /// It may have jumped again: what is known of the stiffness ends.
+    pub(super) fn forget_stiffness(&mut self) {
+        if self.softened.is_some() {
+            self.jumped();
         }
     }
 

@@ -92,9 +92,7 @@ impl Trend {
             let mut bank = before.clone();
             bank.advance(&self.prior, time_of(&tail[0]));
             bank.open(LEVEL, deviation_rad);
-            if bank.softened.is_some() {
-                bank.jumped();
-            }
+            bank.forget_stiffness();
             let (evidence, off) = self.run(&mut bank, tail);
             let agree = tail
                 .iter()

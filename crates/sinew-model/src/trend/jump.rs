@@ -39,6 +39,7 @@ impl Bank {
             .collect();
         let inverse = 1.0 / (deviation_rad * deviation_rad);
         let mut bank = self.clone();
+        bank.forget_stiffness();
         let mut answers: Vec<[f64; STATES]> = self.components.iter().map(|_| UNIT).collect();
         let mut sums: Vec<[f64; 2]> = self.components.iter().map(|_| [inverse, 0.0]).collect();
         for record in records {

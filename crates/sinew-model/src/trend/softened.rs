@@ -1,6 +1,7 @@
 //! What sessions after a failed strand get wrong together: stiffness and offset.
 
 use super::record::Record;
+use super::stiffness::sane;
 
 /// Sessions before which the stiffness is not known well enough to say what is off.
 const FEWEST: u64 = 6;
@@ -40,7 +41,7 @@ impl Softened {
 
     /// By how much a session has the stiffness off; 0 where that isn't known.
     pub(super) fn off(&self, record: &Record) -> f64 {
-        match record.stiffness {
+        match sane(record) {
             Some([value, deviation]) if self.sessions >= FEWEST => {
                 (value - self.mean).clamp(-MOST * deviation, MOST * deviation)
             }
@@ -51,7 +52,7 @@ impl Softened {
     /// Takes a session in: it counts by what it says of the offset, so that where the level stands does
     /// not depend on how the errors go together.
     pub(super) fn take(&mut self, record: &Record) {
-        let (Some([value, _]), Some([_, deviation])) = (record.stiffness, record.offset_rad) else {
+        let (Some([value, _]), Some([_, deviation])) = (sane(record), record.offset_rad) else {
             return;
         };
         let own = 1.0 / (deviation * deviation);

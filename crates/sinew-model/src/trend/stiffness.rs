@@ -111,10 +111,7 @@ impl Stiffness {
     }
 
     fn update(&mut self, record: &Record, reference_c: f64) -> f64 {
-        /// No transmission is ten times as stiff as stated, or known to less than that.
-        const ABSURD: f64 = 10.0;
-        let sane = |s: &[f64; 2]| s[0].abs() < ABSURD && s[1] < ABSURD && s[1] > 1e-6;
-        let Some([value, deviation]) = record.stiffness.filter(sane) else {
+        let Some([value, deviation]) = sane(record) else {
             return 0.0;
         };
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
@@ -142,6 +139,14 @@ impl Stiffness {
         self.sessions += 1;
         log_density
     }
+}
+
+/// A record's stiffness, if it can be one.
+pub(super) fn sane(record: &Record) -> Option<[f64; 2]> {
+    /// No transmission is ten times as stiff as stated, or known to less than that.
+    const ABSURD: f64 = 10.0;
+    let sane = |s: &[f64; 2]| s[0].abs() < ABSURD && s[1] < ABSURD && s[1] > 1e-6;
+    record.stiffness.filter(sane)
 }
 
 /// Logarithm of Student's density with `freedom` degrees and a squared scale.
