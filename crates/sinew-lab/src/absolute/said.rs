@@ -8,7 +8,7 @@ use super::doubt::{self, Doubt};
 use super::jumps::quickness;
 use super::stiffness;
 use super::watch::{Watched, mean_temperature};
-use sinew_model::offset::{Belief, Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
+use sinew_model::offset::{Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
@@ -40,11 +40,11 @@ pub(super) fn said(
         .iter()
         .map(|&i| said_of_joint(prior, robot, recorded, watched, i))
         .unzip();
-    let offsets_at = |belief: &Belief| -> (Vec<f64>, Vec<f64>) {
+    let offsets_of = |map: &MapEstimate| -> (Vec<f64>, Vec<f64>) {
         elastic
             .iter()
             .map(|&i| {
-                let [mean, deviation] = belief.entry(prior.place(i, JointParameter::Offset));
+                let [mean, deviation] = map.offset(prior, i);
                 (1e3 * mean, 1e3 * Z95 * deviation)
             })
             .unzip()
@@ -53,7 +53,7 @@ pub(super) fn said(
         .stretches
         .iter()
         .map(|(from, map)| {
-            let (offset_mrad, interval_95_mrad) = offsets_at(&map.belief(prior));
+            let (offset_mrad, interval_95_mrad) = offsets_of(map);
             Stretch {
                 from_s: recorded.blocks[*from].time_s,
                 to_s: recorded.blocks[from + map.weights.len() - 1].time_s,

@@ -120,10 +120,7 @@ impl Problem<'_> {
         let softer = if sought { self.softer_since()? } else { None };
         let mut best = match &softer {
             // What holds with every stiffness opened is nearly right without.
-            Some(softer) => {
-                let known = &softer.estimate;
-                self.solve_from(&[], &known.state[..self.total(&[])], known)?
-            }
+            Some(softer) => self.solve_without(softer)?,
             None => self.solve(&[])?,
         };
         if let Some(softer) = softer.as_ref().filter(|s| self.is_sure(&best, s)) {
@@ -264,7 +261,7 @@ impl Problem<'_> {
         let solution = found.solution;
         let known = &solution.estimate;
         let place = self.total(&known.changes[..known.changes.len() - 1]);
-        let (size, deviation) = (known.state[place], solution.deviation(place)?);
+        let (size, deviation) = (known.state[place], solution.deviation(place));
         let least = match change.what {
             What::Payload => LEAST_LOAD_KG,
             What::Offset(_) => LEAST_STEP_RAD,

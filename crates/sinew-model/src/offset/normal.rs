@@ -13,7 +13,7 @@ pub(super) struct Normal {
     layout: Layout,
     total: usize,
     pub(super) information: Vec<f64>,
-    factor: Vec<f64>,
+    pub(super) factor: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     /// Link and motor row of the joint at work, over the changes that have happened.
     changes: Vec<(usize, [f64; 2])>,
@@ -31,13 +31,10 @@ impl Normal {
         }
     }
 
-    /// What the prior says, and nothing else.
-    pub(super) fn start(&mut self, prior: &[f64], origin: &[f64], x: &[f64]) {
+    /// What the prior says, and nothing else: its information, and what it pulls with.
+    pub(super) fn start(&mut self, prior: &[f64], pull: &[f64]) {
         self.information.copy_from_slice(prior);
-        for (g, row) in self.gradient.iter_mut().zip(prior.chunks_exact(self.total)) {
-            let terms = row.iter().zip(origin).zip(x);
-            *g = terms.map(|((p, origin), x)| p * (origin - x)).sum();
-        }
+        self.gradient.copy_from_slice(pull);
     }
 
     /// Adds what the equations of a block say, each with the information it carries.
@@ -90,9 +87,13 @@ impl Normal {
         let line = |i: usize| i * total..i * total + i + 1;
         for i in 0..PER_JOINT {
             let factors = [w0 * link.own[i], w1 * motor.own[i]];
-            if factors != [0.0; 2] {
-                let to = &mut self.information[line(mine.start + i)][mine.start..];
-                add_rows(to, factors, rows);
+            let to = &mut self.information[line(mine.start + i)][mine.start..];
+            // Most entries are in one of the rows only.
+            match factors {
+                [0.0, 0.0] => {}
+                [factor, 0.0] => add_row(to, factor, &link.own),
+                [0.0, factor] => add_row(to, factor, &motor.own),
+                factors => add_rows(to, factors, rows),
             }
         }
         // What an entry of the joint shares with a body, over what the joint carries of it.
@@ -128,12 +129,6 @@ impl Normal {
             .map_err(MapError::Prior)?;
         cholesky::solve(&self.factor, self.total, &mut self.gradient);
         Ok(())
-    }
-
-    /// Factor of the information, and the step.
-    pub(super) fn solved(mut self) -> Result<(Vec<f64>, Vec<f64>), MapError> {
-        self.solve()?;
-        Ok((self.factor, self.gradient))
     }
 }
 

@@ -134,21 +134,23 @@ impl Problem<'_> {
             }
             let at_s = block.time_s - 0.5 * self.estimator.block_s();
             for (k, what) in kinds.iter().enumerate() {
-                if !possible(*what, block.time_s) {
+                if !possible(*what, block.time_s) || taken(*what, at_s) {
                     continue;
                 }
-                let (gain, size) = sums[k].gain(&fit.factor, &fit.step, &deviations[k]);
                 let worth = WORTH_TRYING + what.columns() as f64;
-                if gain > worth && !taken(*what, at_s) {
-                    let along = sums[k].taken_up(&size);
+                let worth = worth.max(to_beat(&best[k], at_s));
+                let Some((gain, size)) = sums[k].gain(&fit, &deviations[k], worth) else {
+                    continue;
+                };
+                if gain > worth {
                     keep_best(
                         &mut best[k],
                         Candidate {
                             change: Change { what: *what, at_s },
                             gain,
                             rank: 0,
+                            along: sums[k].taken_up(&size),
                             size,
-                            along,
                         },
                     );
                 }
@@ -176,11 +178,11 @@ impl Problem<'_> {
             normal.add_information(&equations, information);
             weights.push(equations.list.iter().map(information).collect());
         }
-        let (factor, step) = normal.solved()?;
+        normal.solve()?;
         Ok(Fit {
             weights,
-            factor,
-            step,
+            factor: normal.factor,
+            step: normal.gradient,
             equations,
         })
     }
@@ -208,10 +210,20 @@ impl Weighing {
     }
 }
 
+/// Moments closer than this are the same one, s.
+const APART_S: f64 = 5.0;
+/// So many are kept of a kind.
+const TWO: usize = 2;
+
+/// What a change at a moment must be worth to be kept among the best.
+fn to_beat(best: &[Candidate], at_s: f64) -> f64 {
+    let near = best.iter().find(|c| (c.change.at_s - at_s).abs() < APART_S);
+    let worst = best.get(TWO - 1);
+    near.or(worst).map_or(0.0, |c| c.gain)
+}
+
 /// Keeps the two best moments that are not the same one.
 fn keep_best(best: &mut Vec<Candidate>, new: Candidate) {
-    const APART_S: f64 = 5.0;
-    const TWO: usize = 2;
     let near = |c: &Candidate| (c.change.at_s - new.change.at_s).abs() < APART_S;
     if let Some(k) = best.iter().position(near) {
         if best[k].gain >= new.gain {
@@ -247,6 +259,9 @@ struct Sum {
     shared: Vec<f64>,
     /// `L⁻¹` times that, of the fit's factor `L`; scratch.
     through: Vec<f64>,
+    /// Cholesky factor of what was left of the information when that was last computed, and how many
+    /// moments ago that was.
+    left: Option<(Vec<f64>, usize)>,
 }
 
 impl Sum {
@@ -258,6 +273,7 @@ impl Sum {
             own: alloc::vec![0.0; columns * columns],
             shared: alloc::vec![0.0; columns * total],
             through: alloc::vec![0.0; columns * total],
+            left: None,
         }
     }
 
@@ -294,18 +310,37 @@ impl Sum {
         out
     }
 
-    /// Half the chi-square a change here would take off: `½ gᵀ A⁻¹ g` with gradient and
-    /// information less what the state would take up, `A = own − (L⁻¹ shared)ᵀ (L⁻¹ shared)`.
-    fn gain(&mut self, factor: &[f64], step: &[f64], deviations: &[f64]) -> (f64, Vec<f64>) {
+    /// Half the chi-square a change here would take off, and its size: `½ gᵀ A⁻¹ g` with gradient
+    /// and information less what the state would take up, `A = own − (L⁻¹ shared)ᵀ (L⁻¹ shared)`.
+    /// `None` where that is far from `worth`: `A` is most of the work, and nearly what it was at the
+    /// moment before.
+    fn gain(&mut self, fit: &Fit, deviations: &[f64], worth: f64) -> Option<(f64, Vec<f64>)> {
+        /// It is computed for one in so many moments at least …
+        const AGE: usize = 4;
+        /// … and where the last one says that a change is worth this share of what it must be.
+        const NEAR: f64 = 0.5;
         let (m, total) = (self.columns, self.total);
-        let mut a = self.own.clone();
         let mut g = self.gradient.clone();
+        for (g, shared) in g.iter_mut().zip(self.shared.chunks_exact(total)) {
+            *g -= cholesky::dot(shared, &fit.step);
+        }
+        let solved = |l: &[f64]| {
+            let mut x = g.clone();
+            cholesky::solve(l, m, &mut x);
+            (0.5 * cholesky::dot(&g, &x), x)
+        };
+        if let Some((l, age)) = &mut self.left {
+            *age += 1;
+            if *age < AGE && solved(l).0 < NEAR * worth {
+                return None;
+            }
+        }
+        let mut a = self.own.clone();
         self.through.copy_from_slice(&self.shared);
         for c in 0..m {
             let (before, rest) = self.through.split_at_mut(c * total);
             let through = &mut rest[..total];
-            g[c] -= cholesky::dot(through, step);
-            cholesky::forward(factor, total, through);
+            cholesky::forward(&fit.factor, total, through);
             for (k, other) in before.chunks_exact(total).enumerate() {
                 a[c * m + k] -= cholesky::dot(other, through);
             }
@@ -314,11 +349,96 @@ impl Sum {
         }
         let mut l = alloc::vec![0.0; m * m];
         if cholesky::factorise(&a, &mut l, m).is_err() {
-            return (0.0, g);
+            self.left = None;
+            return None;
         }
-        let mut x = g.clone();
-        cholesky::solve(&l, m, &mut x);
-        let gain = 0.5 * g.iter().zip(&x).map(|(g, x)| g * x).sum::<f64>();
-        (gain, x)
+        let solution = solved(&l);
+        self.left = Some((l, 0));
+        Some(solution)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::drawn::random;
+    use crate::offset::equation::Equation;
+    use crate::offset::layout::Layout;
+    use crate::offset::normal::Normal;
+    use crate::offset::prior::{JointParameter, PER_JOINT};
+
+    /// A slip of one joint among many blocks, by a score that computes everything at every moment.
+    #[test]
+    fn a_moment_that_is_passed_over_is_worth_little() {
+        const BLOCKS: usize = 300;
+        const NOISE: f64 = 0.3;
+        const WORTH: f64 = 9.0;
+        const DEVIATIONS: [f64; 1] = [10.0];
+        let layout = Layout {
+            joints: 1,
+            bodies: 7,
+        };
+        let total = layout.dimension();
+        let mut passed = 0;
+        for slip in [0.0, 0.2, 1.0] {
+            let mut seed = 11;
+            let blocks: Vec<Equations> = (0..BLOCKS)
+                .map(|b| {
+                    let mut equations = Equations::new(layout, &[]);
+                    let phi: Vec<f64> = (0..layout.bodies).map(|_| random(&mut seed)).collect();
+                    equations.carry(0, &phi, &core::array::from_fn(|_| random(&mut seed)));
+                    let mut own: [f64; PER_JOINT] = core::array::from_fn(|_| random(&mut seed));
+                    own[JointParameter::Offset as usize] = 1.0;
+                    let slipped = if b >= 180 { slip } else { 0.0 };
+                    equations.push(Equation {
+                        joint: 0,
+                        side: Side::Link,
+                        own,
+                        worth: 1.0,
+                        residual: slipped + NOISE * random(&mut seed),
+                        unsure: 0.0,
+                        stood: 0.0,
+                    });
+                    equations
+                })
+                .collect();
+            let mut normal = Normal::new(total, layout);
+            let mut prior = alloc::vec![0.0; total * total];
+            for k in 0..total {
+                prior[k * (total + 1)] = 1.0;
+            }
+            normal.start(&prior, &alloc::vec![0.0; total]);
+            let information = 1.0 / (NOISE * NOISE);
+            for equations in &blocks {
+                normal.add_gradient(equations, |_| information);
+                normal.add_information(equations, |_| information);
+            }
+            normal.solve().unwrap();
+            let fit = Fit {
+                weights: Vec::new(),
+                factor: normal.factor,
+                step: normal.gradient,
+                equations: Equations::new(layout, &[]),
+            };
+            let what = What::Offset(0);
+            let mut sums = [Sum::new(1, total), Sum::new(1, total)];
+            let mut telling = 0;
+            for equations in blocks.iter().rev() {
+                for sum in &mut sums {
+                    sum.add(equations, what, &[information]);
+                }
+                let [every, some] = &mut sums;
+                let (gain, size) = every.gain(&fit, &DEVIATIONS, 0.0).unwrap();
+                let found = some.gain(&fit, &DEVIATIONS, WORTH);
+                if gain > WORTH {
+                    telling += 1;
+                    assert_eq!(found, Some((gain, size)));
+                } else if found.is_none() {
+                    passed += 1;
+                }
+            }
+            assert_eq!(telling > 0, slip > 0.0, "slip {slip}: {telling}");
+        }
+        assert!(passed > BLOCKS / 2, "{passed}");
     }
 }

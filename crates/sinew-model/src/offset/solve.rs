@@ -72,6 +72,8 @@ const COLD: &[Step] = &[
 const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
 /// For what is only looked at.
 const GLANCE: &[Step] = &[near(3.0)];
+/// From the solution of nearly the same problem.
+const NEARLY: &[Step] = &[towards(3.0), onto(3.0)];
 /// Neighbours say much the same: their noise is correlated over half a second.
 const THIN: usize = 3;
 /// Fewer blocks than this are all looked at.
@@ -102,18 +104,41 @@ pub(super) struct Solution {
     pub(super) estimate: MapEstimate,
     /// Lower half.
     information: Vec<f64>,
+    /// Its Cholesky factor.
+    factor: Vec<f64>,
 }
 
 impl Solution {
     /// Standard deviation of entry `k`.
-    pub(super) fn deviation(&self, k: usize) -> Result<f64, MapError> {
+    pub(super) fn deviation(&self, k: usize) -> f64 {
         let total = self.estimate.state.len();
-        let mut factor = alloc::vec![0.0; total * total];
-        cholesky::factorise(&self.information, &mut factor, total).map_err(MapError::Prior)?;
         let mut unit = alloc::vec![0.0; total];
         unit[k] = 1.0;
-        cholesky::forward(&factor, total, &mut unit);
-        Ok(libm::sqrt(cholesky::dot(&unit, &unit)))
+        cholesky::forward(&self.factor, total, &mut unit);
+        libm::sqrt(cholesky::dot(&unit, &unit))
+    }
+
+    /// The state on condition that its entries from `first` on are zero, without them: with
+    /// information `I`, `x + I⁻¹ I_·c c` of the others.
+    fn state_without(&self, first: usize) -> Vec<f64> {
+        let mut state = self.estimate.state.clone();
+        let total = state.len();
+        let gone = state.split_off(first);
+        let mut step = alloc::vec![0.0; first];
+        let rows = self.information.chunks_exact(total).skip(first);
+        for (c, row) in gone.iter().zip(rows) {
+            for (step, shared) in step.iter_mut().zip(row) {
+                *step += c * shared;
+            }
+        }
+        // Of the others' information the factor is part of the whole's.
+        let rows = self.factor.chunks_exact(total).take(first);
+        let factor: Vec<f64> = rows.flat_map(|row| &row[..first]).copied().collect();
+        cholesky::solve(&factor, first, &mut step);
+        for (x, step) in state.iter_mut().zip(step) {
+            *x += step;
+        }
+        state
     }
 }
 
@@ -159,6 +184,7 @@ impl<'a> Problem<'a> {
         let Solution {
             mut estimate,
             information,
+            ..
         } = solution;
         let own = covariance(&information, estimate.state.len())?;
         let model = self.estimator.model();
@@ -192,6 +218,13 @@ impl<'a> Problem<'a> {
         self.descend(changes, GLANCE, Some((state, known)))
     }
 
+    /// The estimate without the changes of `with`: two steps from what that says of it, which is all
+    /// of it where equations are linear.
+    pub(super) fn solve_without(&self, with: &Solution) -> Result<Solution, MapError> {
+        let state = with.state_without(self.total(&[]));
+        self.descend(&[], NEARLY, Some((&state, &with.estimate)))
+    }
+
     fn descend(
         &self,
         changes: &[Change],
@@ -202,10 +235,9 @@ impl<'a> Problem<'a> {
         let n = layout.joints;
         let total = self.total(changes);
         let prior = self.prior_information(changes, total);
-        let origin = self.origin(total);
         let mut at = MapEstimate {
             changes: changes.to_vec(),
-            state: origin.clone(),
+            state: self.origin(total),
             covariance: Vec::new(),
             temperature_c: self.start.temperature_c,
             noise_rad: alloc::vec![1e-3; n],
@@ -226,7 +258,7 @@ impl<'a> Problem<'a> {
         for (stage, step) in course.iter().enumerate() {
             every = self.every(step.pull);
             let informing = self.every(step.inform);
-            normal.start(&prior, &origin, &at.state);
+            normal.start(&prior, &self.prior_pull(&at));
             for (b, block) in self.blocks.iter().enumerate().step_by(every) {
                 self.estimator.equations(&at, block, &mut equations);
                 let w = step.scale * step.scale;
@@ -255,9 +287,15 @@ impl<'a> Problem<'a> {
             }
         }
         at.cost = self.cost_over(&at, &at, every);
+        let Normal {
+            information,
+            factor,
+            ..
+        } = normal;
         Ok(Solution {
             estimate: at,
-            information: normal.information,
+            information,
+            factor,
         })
     }
 
@@ -303,12 +341,28 @@ impl<'a> Problem<'a> {
         information
     }
 
+    /// What the prior pulls at the state with: the gradient of its share of the cost, downwards.
+    fn prior_pull(&self, at: &MapEstimate) -> Vec<f64> {
+        let d = self.start.mean.len();
+        let (state, changes) = at.state.split_at(d);
+        let from: Vec<f64> = state
+            .iter()
+            .zip(&self.start.mean)
+            .map(|(x, m)| m - x)
+            .collect();
+        let rows = self.information.chunks_exact(d);
+        let mut pull: Vec<f64> = rows.map(|row| cholesky::dot(row, &from)).collect();
+        let deviations = at.changes.iter().flat_map(|c| self.deviations(c));
+        pull.extend(changes.iter().zip(deviations).map(|(x, s)| -x / (s * s)));
+        pull
+    }
+
     /// Normal equations around `at`, with nothing but the prior in them yet.
     pub(super) fn prior_equations(&self, at: &MapEstimate) -> Normal {
         let total = at.state.len();
         let mut normal = Normal::new(total, self.layout());
         let prior = self.prior_information(&at.changes, total);
-        normal.start(&prior, &self.origin(total), &at.state);
+        normal.start(&prior, &self.prior_pull(at));
         normal
     }
 
@@ -332,15 +386,10 @@ impl<'a> Problem<'a> {
 
     /// [`Problem::cost_at`] from one block in `every`.
     fn cost_over(&self, at: &MapEstimate, noise: &MapEstimate, every: usize) -> f64 {
-        let total = at.state.len();
-        let prior = self.prior_information(&at.changes, total);
-        let origin = self.origin(total);
-        let from: Vec<f64> = at.state.iter().zip(origin).map(|(x, o)| x - o).collect();
-        let mut cost = 0.0;
-        for (row, xi) in prior.chunks_exact(total).zip(&from) {
-            let along: f64 = row.iter().zip(&from).map(|(p, x)| p * x).sum();
-            cost += 0.5 * xi * along;
-        }
+        let pull = self.prior_pull(at);
+        let origin = self.origin(at.state.len());
+        let from = at.state.iter().zip(origin).map(|(x, o)| x - o);
+        let mut cost = -0.5 * from.zip(pull).map(|(x, g)| x * g).sum::<f64>();
         let mut equations = Equations::new(self.layout(), &at.changes);
         for (block, inflation) in self.blocks.iter().zip(&self.inflation).step_by(every) {
             self.estimator.equations(at, block, &mut equations);
@@ -368,4 +417,65 @@ fn variance(e: &Equation, at: &MapEstimate) -> f64 {
         Side::Motor => at.motor_noise_nm[e.joint],
     };
     noise * noise + e.unsure * e.unsure
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::drawn::random;
+
+    /// Against the same in terms of the covariance, `x − P_·c P_cc⁻¹ c`.
+    #[test]
+    fn a_state_without_changes_is_that_on_condition_that_they_are_nothing() {
+        const TOTAL: usize = 9;
+        const FIRST: usize = 6;
+        const GONE: usize = TOTAL - FIRST;
+        let mut seed = 5;
+        let rows: Vec<f64> = (0..2 * TOTAL * TOTAL).map(|_| random(&mut seed)).collect();
+        let mut information = alloc::vec![0.0; TOTAL * TOTAL];
+        for row in rows.chunks_exact(TOTAL) {
+            for (i, a) in row.iter().enumerate() {
+                for (k, b) in row.iter().enumerate() {
+                    information[i * TOTAL + k] += a * b;
+                }
+            }
+        }
+        let p = covariance(&information, TOTAL).unwrap();
+        let mut factor = alloc::vec![0.0; TOTAL * TOTAL];
+        cholesky::factorise(&information, &mut factor, TOTAL).unwrap();
+        let state: Vec<f64> = (0..TOTAL).map(|_| random(&mut seed)).collect();
+        let own = |i: usize| (0..GONE).map(move |k| (FIRST + i) * TOTAL + FIRST + k);
+        let own: Vec<f64> = (0..GONE).flat_map(own).map(|at| p[at]).collect();
+        let inverse = covariance(&own, GONE).unwrap();
+        let expected = |i: usize| {
+            let mut x = state[i];
+            for k in 0..GONE {
+                for j in 0..GONE {
+                    x -= p[i * TOTAL + FIRST + k] * inverse[k * GONE + j] * state[FIRST + j];
+                }
+            }
+            x
+        };
+        let solution = Solution {
+            estimate: MapEstimate {
+                changes: Vec::new(),
+                state: state.clone(),
+                covariance: Vec::new(),
+                temperature_c: f64::NAN,
+                noise_rad: Vec::new(),
+                motor_noise_nm: Vec::new(),
+                weights: Vec::new(),
+                cost: 0.0,
+                stiffness_since: Vec::new(),
+            },
+            information,
+            factor,
+        };
+        let without = solution.state_without(FIRST);
+        assert_eq!(without.len(), FIRST);
+        for (i, x) in without.iter().enumerate() {
+            assert!((x - expected(i)).abs() < 1e-12, "{i}: {x} {}", expected(i));
+        }
+        assert!((0..FIRST).any(|i| (without[i] - state[i]).abs() > 0.01));
+    }
 }
