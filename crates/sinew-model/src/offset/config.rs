@@ -129,7 +129,7 @@ impl Default for FeatureConfig {
         Self {
             gain_per_s: 3.0,
             cutoff_rad_per_s: 60.0,
-            regressor_step_s: 8e-3,
+            regressor_step_s: 12e-3,
             block_s: 0.2,
             presliding_rad: 1e-3,
         }

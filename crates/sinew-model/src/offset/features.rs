@@ -47,6 +47,10 @@ pub struct FeatureObserver {
     /// These columns of `P` and `A` when they were last computed, `n × r`.
     before: Vec<[f64; 2]>,
     joints: Vec<Signals>,
+    /// Of the last sample's filters, and its step, s.
+    pole: DoublePole,
+    dt_s: f64,
+    lags: Lags,
     positions: Vec<f64>,
     velocities: Vec<f64>,
     phi: Vec<f64>,
@@ -56,6 +60,29 @@ pub struct FeatureObserver {
     since_regressor_s: f64,
     block_start_s: f64,
     started: bool,
+}
+
+/// Weights of the low-passes for a step.
+#[derive(Debug, Clone, Copy)]
+struct Lags {
+    step_s: f64,
+    pole: ExactPole,
+    slow: ExactPole,
+}
+
+impl Lags {
+    fn new(gain_per_s: f64, step_s: f64) -> Self {
+        Self {
+            step_s,
+            pole: ExactPole::new(gain_per_s, step_s),
+            slow: ExactPole::new(1.0 / CREEP_S, step_s),
+        }
+    }
+}
+
+/// Whether steps differ by no more than rounding does: a filter's weights are worth an exponential.
+fn is_same_step(a_s: f64, b_s: f64) -> bool {
+    (a_s - b_s).abs() <= 1e-9 * b_s
 }
 
 /// What is filtered of one joint.
@@ -91,6 +118,9 @@ impl FeatureObserver {
             base,
             before: alloc::vec![[0.0; 2]; n * columns],
             joints: alloc::vec![Signals::default(); n],
+            pole: DoublePole::new(config.cutoff_rad_per_s, config.regressor_step_s),
+            dt_s: config.regressor_step_s,
+            lags: Lags::new(config.gain_per_s, config.regressor_step_s),
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
             phi: alloc::vec![0.0; n * columns],
@@ -147,8 +177,11 @@ impl FeatureObserver {
         if !is_time_step(dt_s) {
             return Err(StepError::TimeStep);
         }
-        let w = self.config.cutoff_rad_per_s;
-        let pole = DoublePole::new(w, dt_s);
+        if !is_same_step(dt_s, self.dt_s) {
+            self.dt_s = dt_s;
+            self.pole = DoublePole::new(self.config.cutoff_rad_per_s, dt_s);
+        }
+        let pole = self.pole;
         let samples = q.iter().zip(theta_measured).zip(motor_torque);
         for (joint, ((q, theta), torque)) in self.joints.iter_mut().zip(samples) {
             joint.q.step(&pole, *q);
@@ -214,8 +247,10 @@ impl FeatureObserver {
             &self.velocities,
             &mut self.regressor,
         )?;
-        let pole = ExactPole::new(self.config.gain_per_s, step_s);
-        let slow = ExactPole::new(1.0 / CREEP_S, step_s);
+        if !is_same_step(step_s, self.lags.step_s) {
+            self.lags = Lags::new(self.config.gain_per_s, step_s);
+        }
+        let Lags { pole, slow, .. } = self.lags;
         let rate = (1.0 - pole.a) / step_s;
         self.follow_regressor(|phi, [p0, a0], [p1, a1]| {
             *phi = pole.a * *phi + rate * (p1 - p0) - pole.w0 * a0 - pole.w1 * a1;
