@@ -67,4 +67,5 @@ pub mod vec3;
 
 mod cholesky;
 mod error;
+mod tile;
 pub use error::StepError;

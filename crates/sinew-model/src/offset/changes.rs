@@ -3,7 +3,6 @@
 use super::block::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
-use super::score::{Candidate, Weighing};
 use super::solve::{Problem, Solution};
 use alloc::vec::Vec;
 
@@ -47,10 +46,16 @@ pub(super) const EDGE_S: f64 = 5.0;
 pub(super) const SAME_S: f64 = 2.0;
 /// What a change must take off the cost to be kept, beyond one per unknown: about five standard
 /// deviations, because every moment of every joint is a chance to be fooled.
-const KEEP: f64 = 12.0;
-/// A candidate that takes less than this off the cost at a glance is not fitted to the end: on
+pub(super) const KEEP: f64 = 12.0;
+/// A candidate that takes less than this off the cost at a glance is not looked at: on
 /// recordings without a change 6 of 127 take more, at most 4.4, and a change is kept from 13 on.
-const WORTH_A_FIT: f64 = 3.0;
+const WORTH_A_LOOK: f64 = 3.0;
+/// One that takes less at a look is not fitted to the end, nor one that takes less than this share of
+/// what the best takes: of 55 rounds the best fit was within a tenth of the best look in all.
+const WORTH_A_FIT: f64 = 6.0;
+const NEAR_THE_BEST: f64 = 0.7;
+/// A change so many standard deviations from nothing isn't needless.
+const SURE: f64 = 12.0;
 /// What a loss of stiffness with a slip must take off it: two and a half standard deviations.
 const KEEP_SOFTER: f64 = 3.0;
 /// An offset's change below this is not reported, rad.
@@ -66,11 +71,21 @@ const LEAST_LOAD_KG: f64 = 0.01;
 const MOST: usize = 8;
 
 /// A candidate put into the estimate.
-struct Found {
+pub(super) struct Found {
     /// What it takes off the cost.
-    gain: f64,
-    candidate: Candidate,
+    pub(super) gain: f64,
+    change: Change,
     solution: Solution,
+}
+
+impl Found {
+    /// A slip that may have taken stiffness along is likelier than a strand that failed without one.
+    fn likely(&self) -> f64 {
+        match self.change.what {
+            What::Compliance(_) => self.gain - KEEP_SOFTER,
+            _ => self.gain,
+        }
+    }
 }
 
 impl MapEstimator {
@@ -127,58 +142,53 @@ impl Problem<'_> {
             best = softer.clone();
         }
         for _ in 0..MOST {
-            let mut better: Option<Found> = None;
-            for candidate in self.candidates(&best.estimate, seek)? {
-                if self.gain_at_a_glance(&best.estimate, &candidate)? < WORTH_A_FIT {
-                    continue;
-                }
-                let trial = self.with_change(&best.estimate, candidate)?;
-                if trial.gain > better.as_ref().map_or(0.0, |b| b.gain) {
-                    better = Some(trial);
-                }
-            }
-            let Some(found) = better else { break };
+            let Some(found) = self.most_telling(&best.estimate, seek)? else {
+                break;
+            };
             let Some(better) = self.settled(&best.estimate, found)? else {
                 break;
             };
             best = self.without_the_needless(better)?;
         }
-        if best.estimate.changes.len() > 1 {
-            best = self.retimed(best, seek)?;
-        }
+        best = self.retimed(best, seek)?;
         match softer {
             Some(softer) => self.averaged(best, softer),
             None => self.complete(best),
         }
     }
 
-    /// Every slip's moment once more, now that the other changes are known.
-    fn retimed(&self, mut best: Solution, seek: Seek) -> Result<Solution, MapError> {
-        for k in 0..best.estimate.changes.len() {
-            let change = best.estimate.changes[k];
-            if !matches!(change.what, What::Offset(_)) {
-                continue;
-            }
-            let changes = best.estimate.changes.iter().copied();
-            let others: Vec<Change> = changes.filter(|c| *c != change).collect();
-            let without = self.solve(&others)?.estimate;
-            let fit = self.fit(&without, Weighing::Cut)?;
-            for candidate in self.score(&without, seek, &[change.what], fit, 1) {
-                let mut changes = best.estimate.changes.clone();
-                changes[k].at_s = candidate.change.at_s;
-                for c in &mut changes {
-                    if softens(c, &change) {
-                        c.at_s = candidate.change.at_s;
-                    }
-                }
-                let known = &best.estimate;
-                let trial = self.solve_from(&changes, &known.state, known)?;
-                if trial.estimate.cost < self.cost_at(&best.estimate, &trial.estimate) {
-                    best = trial;
+    /// The candidate that takes most off the cost.
+    fn most_telling(&self, best: &MapEstimate, seek: Seek) -> Result<Option<Found>, MapError> {
+        let seen = self.seen(best);
+        let mut looked: Vec<(f64, Change, Solution)> = Vec::new();
+        for candidate in self.candidates(best, seek)? {
+            let (changes, state) = candidate.with(best);
+            let glance = self.glance_from(&changes, &state, best)?;
+            if seen.gain(&glance) > WORTH_A_LOOK {
+                let look = self.look_from(&changes, &state, best)?;
+                let gain = seen.gain(&look);
+                // Both weighings may suspect the same; where one of them starts from leads further.
+                let same = looked
+                    .iter()
+                    .position(|(_, change, _)| *change == candidate.change);
+                match same {
+                    Some(k) if looked[k].0 < gain => looked[k] = (gain, candidate.change, look),
+                    Some(_) => {}
+                    None => looked.push((gain, candidate.change, look)),
                 }
             }
         }
-        Ok(best)
+        let most = looked.iter().map(|l| l.0).fold(0.0, f64::max);
+        let mut found: Option<Found> = None;
+        for (gain, change, look) in looked {
+            if gain > WORTH_A_FIT.max(NEAR_THE_BEST * most) {
+                let trial = self.fitted(best, change, self.solve_on(&look)?);
+                if trial.likely() > found.as_ref().map_or(0.0, Found::likely) {
+                    found = Some(trial);
+                }
+            }
+        }
+        Ok(found)
     }
 
     /// Drops changes that a later one has made needless.
@@ -190,6 +200,7 @@ impl Problem<'_> {
             // before the recording hide behind each other one by one.
             if self.is_since_before(&change)
                 || best.estimate.changes.iter().any(|c| softens(&change, c))
+                || self.significance(&best, k) > SURE
             {
                 k += 1;
                 continue;
@@ -213,44 +224,31 @@ impl Problem<'_> {
         Ok(best)
     }
 
-    /// What a change takes off the cost, roughly.
-    fn gain_at_a_glance(&self, best: &MapEstimate, candidate: &Candidate) -> Result<f64, MapError> {
-        let (changes, state) = candidate.with(best);
-        let estimate = self.glance_from(&changes, &state, best)?.estimate;
-        Ok(self.cost_at_a_glance(best, &estimate) - estimate.cost)
+    /// Size of a change over its standard deviation.
+    fn significance(&self, at: &Solution, k: usize) -> f64 {
+        let place = self.total(&at.estimate.changes[..k]);
+        at.estimate.state[place].abs() / at.deviation(place)
     }
 
-    /// The estimate with one more change and what it takes off the cost.
-    fn with_change(&self, best: &MapEstimate, candidate: Candidate) -> Result<Found, MapError> {
-        let (changes, state) = candidate.with(best);
-        let solution = self.solve_from(&changes, &state, best)?;
-        let before = self.cost_at(best, &solution.estimate);
-        Ok(Found {
-            gain: before - solution.estimate.cost,
-            candidate,
+    /// An estimate with `change` more than in `best`, and what that takes off the cost.
+    pub(super) fn fitted(&self, best: &MapEstimate, change: Change, solution: Solution) -> Found {
+        Found {
+            gain: self.cost_at(best, &solution.estimate) - solution.estimate.cost,
+            change,
             solution,
-        })
+        }
     }
 
     /// The best change with its moment and its stiffness settled, if it is sure.
     fn settled(&self, best: &MapEstimate, mut found: Found) -> Result<Option<Solution>, MapError> {
-        let Candidate {
-            change,
-            size,
-            along,
-            ..
-        } = found.candidate.clone();
+        let change = found.change;
         // The score finds the moment to a block or two; the cost decides.
-        for shift in [-2.0, -1.0, 1.0, 2.0] {
-            let at_s = change.at_s + shift * self.estimator.block_s();
-            let candidate = Candidate {
-                change: Change { at_s, ..change },
-                gain: 0.0,
-                rank: 0,
-                size: size.clone(),
-                along: along.clone(),
-            };
-            let other = self.with_change(best, candidate)?;
+        let near = 2.5 * self.estimator.block_s();
+        let last = found.solution.estimate.changes.len() - 1;
+        let is_near = |at_s: f64| (at_s - change.at_s).abs() < near;
+        if let Some(other) = self.at_its_moment(&found.solution, last, is_near)? {
+            let moved = other.estimate.changes[last];
+            let other = self.fitted(best, moved, other);
             if other.gain > found.gain {
                 found = other;
             }
@@ -275,17 +273,14 @@ impl Problem<'_> {
             return Ok(None);
         }
         if let What::Offset(joint) = change.what {
-            let softer = Candidate {
-                change: Change {
-                    what: What::Compliance(joint),
-                    at_s: found.candidate.change.at_s,
-                },
-                gain: 0.0,
-                rank: 0,
-                size: alloc::vec![0.0],
-                along: Vec::new(),
+            let softer = Change {
+                what: What::Compliance(joint),
+                at_s: found.change.at_s,
             };
-            let softer = self.with_change(known, softer)?;
+            let changes = [&known.changes[..], &[softer]].concat();
+            let mut state = known.state.clone();
+            state.resize(self.total(&changes), 0.0);
+            let softer = self.fitted(known, softer, self.solve_from(&changes, &state, known)?);
             let [.., size] = softer.solution.estimate.state[..] else {
                 return Ok(Some(solution));
             };
@@ -298,7 +293,7 @@ impl Problem<'_> {
 }
 
 /// Whether `softer` is the loss of stiffness that was opened with `slip`.
-fn softens(softer: &Change, slip: &Change) -> bool {
+pub(super) fn softens(softer: &Change, slip: &Change) -> bool {
     softer.at_s == slip.at_s
         && matches!((softer.what, slip.what), (What::Compliance(a), What::Offset(b)) if a == b)
 }

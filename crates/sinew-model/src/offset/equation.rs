@@ -1,10 +1,7 @@
-//! A block's equations, linearised: what is expected, and how it moves with the state.
+//! A block's equations: rows over the state, and what is left of what was measured.
 
-use super::block::{Block, ENCODER};
 use super::changes::{Change, What};
 use super::layout::Layout;
-use super::model::Model;
-use super::payload::payload_torque;
 use super::prior::{JointParameter as P, PAYLOAD, PER_JOINT};
 use crate::cholesky::dot;
 use alloc::vec::Vec;
@@ -46,8 +43,6 @@ pub(super) struct Equations {
     carried: Vec<f64>,
     /// Changes that have happened by the block's time, with their first column.
     active: Vec<(usize, What)>,
-    /// What the gripper holds.
-    held: [f64; PAYLOAD],
 }
 
 impl Equations {
@@ -59,7 +54,6 @@ impl Equations {
             list: Vec::with_capacity(2 * n),
             carried: alloc::vec![0.0; n * layout.carried().len()],
             active: Vec::with_capacity(changes.len()),
-            held: [0.0; PAYLOAD],
         }
     }
 
@@ -73,6 +67,11 @@ impl Equations {
         let m = self.layout.carried().len();
         let row = self.carried.get(joint * m..(joint + 1) * m);
         row.unwrap_or_default()
+    }
+
+    /// Changes that have happened by the block's time, with their first column.
+    pub(super) fn active(&self) -> &[(usize, What)] {
+        &self.active
     }
 
     /// Entry `k` of what changes, in the row of `e`.
@@ -155,7 +154,7 @@ impl Equations {
     }
 
     /// Entry `k` of what changes, with all that was added to it.
-    fn sum(&self, x: &[f64], what: What, k: usize) -> f64 {
+    pub(super) fn sum(&self, x: &[f64], what: What, k: usize) -> f64 {
         let own = self.active.iter().filter(|(_, w)| *w == what);
         let added = own.map(|(first, _)| entry(x, first + k));
         entry(x, what.place(self.layout) + k) + added.sum::<f64>()
@@ -165,170 +164,6 @@ impl Equations {
 /// `values[place]`; NaN, which no estimate hides, where there is none.
 fn entry(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(f64::NAN)
-}
-
-impl Model {
-    /// Fills `out`, which has room for them, with the equations of `block` around the state `x` (`d`
-    /// entries, then those of `changes`). `motor`: whether the motor's torque is used.
-    pub(super) fn linearise(
-        &self,
-        block: &Block,
-        reference_c: f64,
-        changes: &[Change],
-        motor: bool,
-        x: &[f64],
-        out: &mut Equations,
-    ) {
-        out.list.clear();
-        out.activate(changes, block.time_s);
-        out.held = core::array::from_fn(|k| out.sum(x, What::Payload, k));
-        let warmer = if block.temperature_c.is_finite() && reference_c.is_finite() {
-            block.temperature_c - reference_c
-        } else {
-            0.0
-        };
-        for i in 0..self.layout.joints {
-            self.linearise_joint(i, block, warmer, motor, x, out);
-        }
-    }
-
-    fn linearise_joint(
-        &self,
-        i: usize,
-        block: &Block,
-        warmer: f64,
-        motor: bool,
-        x: &[f64],
-        out: &mut Equations,
-    ) {
-        let Some(Some(joint)) = self.joints.get(i) else {
-            return;
-        };
-        let stiffness = joint.stiffness_nm_per_rad;
-        let kappa = 1.0 / stiffness;
-        let at = |p: P| entry(x, self.layout.place(i, p));
-        let of = |column: &[f64]| entry(column, i);
-        let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER);
-        let encoder = encoder.and_then(|e| e.first_chunk::<ENCODER>());
-        // Lengths have been checked: none of these is ever missing.
-        let (Some(phi), Some(encoder)) = (self.phi(block, i), encoder) else {
-            return;
-        };
-        let bodies = x.get(self.layout.carried()).unwrap_or_default();
-        let mut tau = 0.0;
-        for ((phi, pi), error) in phi.iter().zip(&self.inertial).zip(bodies) {
-            tau += phi * (pi + error);
-        }
-        let (torque, load) = payload_torque(&self.payload_phi(phi), self.payload_at, out.held);
-        tau += torque;
-        out.carry(i, phi, &load);
-        let z_load = of(&block.z_load) * stiffness;
-        // A joint that has not slid since the recording began may be held either way.
-        let stuck = (at(P::Coulomb) + at(P::LoadFriction) * stiffness * of(&block.y).abs())
-            * of(&block.z_unknown);
-        tau += at(P::Stuck) * stuck
-            + at(P::Coulomb) * of(&block.z)
-            + at(P::Viscous) * of(&block.dq)
-            + at(P::LoadFriction) * z_load;
-
-        // Link side.
-        let compliance = out.sum(x, What::Compliance(i), 0);
-        let soft = 1.0 + compliance + at(P::Thermal) * warmer;
-        let linear = kappa * soft * tau;
-        let cubic = at(P::Stiffening);
-        let offset = out.sum(x, What::Offset(i), 0) + at(P::Zero);
-        // The slow part of the deflection, and how far the joint has turned.
-        let (slow, turned) = (of(&block.y_slow) - offset, of(&block.turned));
-        // What `theta_measured − q` holds beside the spring's deflection.
-        let mut beside =
-            offset + at(P::Viscoelastic) * slow + at(P::Gear) * turned + at(P::Drift) * warmer;
-        // A pair of slack ropes lets the joint through a dead zone, by the sign of the torque.
-        const SMOOTH_RAD: f64 = 2e-3;
-        let taut = if joint.antagonistic {
-            libm::tanh(linear / SMOOTH_RAD)
-        } else {
-            0.0
-        };
-        beside += at(P::Slack) * taut;
-        for (k, e) in encoder.iter().enumerate() {
-            beside += entry(x, self.layout.place(i, P::Encoder) + k) * e;
-        }
-        // LP[x + η x³] = κ τ with x = theta_measured − q − beside: linear in stiffness, stiffening
-        // and torque, however large the deflection.
-        let (y, y2, y3) = (of(&block.y), of(&block.y_square), of(&block.y_cube));
-        let square = y2 - beside * (2.0 * y - beside);
-        let cube = y3 - beside * (3.0 * y2 - beside * (3.0 * y - beside));
-        let expected = beside + linear - cubic * cube;
-        // What a rad beside is worth, where the spring is stiffer.
-        let worth = 1.0 + 3.0 * cubic * square;
-        let per_torque = kappa * soft;
-        let mut own = [0.0; PER_JOINT];
-        own[P::Offset as usize] = worth;
-        own[P::Zero as usize] = worth;
-        own[P::Compliance as usize] = kappa * tau;
-        own[P::Stiffening as usize] = -cube;
-        own[P::Slack as usize] = worth * taut;
-        own[P::Viscoelastic as usize] = worth * slow;
-        own[P::Gear as usize] = worth * turned;
-        own[P::Drift as usize] = worth * warmer;
-        own[P::Thermal as usize] = kappa * tau * warmer;
-        for (to, e) in own.iter_mut().skip(P::Encoder as usize).zip(encoder) {
-            *to = worth * e;
-        }
-        let rubs = [
-            (P::Coulomb, of(&block.z)),
-            (P::Viscous, of(&block.dq)),
-            (P::LoadFriction, z_load),
-            (P::Stuck, stuck),
-        ];
-        for (p, value) in rubs {
-            own[p as usize] = per_torque * value;
-        }
-        out.push(Equation {
-            joint: i,
-            side: Side::Link,
-            own,
-            worth: per_torque,
-            residual: y - expected,
-            unsure: 0.0,
-            stood: 0.0,
-        });
-
-        // Motor side.
-        let (Some(inertia), true) = (joint.motor_inertia_kg_m2, motor && per_torque > 0.0) else {
-            return;
-        };
-        if !of(&block.motor_torque).is_finite() {
-            return;
-        }
-        let scale = 1.0 + at(P::MotorScale);
-        let z_load = of(&block.motor_z_load) * stiffness;
-        let torque = tau
-            + inertia * of(&block.motor_acceleration)
-            + at(P::MotorCoulomb) * of(&block.motor_z)
-            + at(P::MotorViscous) * of(&block.motor_velocity)
-            + at(P::MotorLoadFriction) * z_load;
-        let mut own = [0.0; PER_JOINT];
-        own[P::MotorScale as usize] = torque;
-        own[P::MotorBias as usize] = 1.0;
-        own[P::MotorCoulomb as usize] = scale * of(&block.motor_z);
-        own[P::MotorViscous as usize] = scale * of(&block.motor_velocity);
-        own[P::MotorLoadFriction as usize] = scale * z_load;
-        for (p, value) in rubs {
-            own[p as usize] = scale * value;
-        }
-        let grip = at(P::MotorCoulomb).abs().max(joint.motor_coulomb_nm)
-            + at(P::MotorLoadFriction).abs() * stiffness * of(&block.y).abs();
-        out.push(Equation {
-            joint: i,
-            side: Side::Motor,
-            own,
-            worth: scale,
-            residual: of(&block.motor_torque) - scale * torque - at(P::MotorBias),
-            unsure: grip * of(&block.motor_stood),
-            stood: of(&block.motor_stood),
-        });
-    }
 }
 
 impl What {

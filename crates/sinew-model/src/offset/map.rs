@@ -270,16 +270,4 @@ impl MapEstimator {
             (PART * j.motor_coulomb_nm).max(1e-4 * j.stiffness_nm_per_rad)
         })
     }
-
-    /// Equations of a block around an estimate of the model's state.
-    pub(super) fn equations(&self, at: &MapEstimate, block: &Block, out: &mut Equations) {
-        self.model.linearise(
-            block,
-            at.temperature_c,
-            &at.changes,
-            self.motor_torque,
-            &at.state,
-            out,
-        );
-    }
 }

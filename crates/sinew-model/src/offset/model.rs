@@ -18,7 +18,7 @@ use super::layout::Layout;
 use super::map::MapError;
 use super::prior::{Belief, JointPrior, Prior};
 use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
-use crate::cholesky;
+use crate::cholesky::{self, Factor};
 use alloc::vec::Vec;
 
 /// The model whose parameters blocks can tell apart.
@@ -141,14 +141,13 @@ impl Model {
         let all = self.layout.joints * PARAMETERS_PER_BODY;
         let total = state.len();
         let start = self.believed(before);
-        let mut factor = alloc::vec![0.0; r * r];
-        cholesky::factorise(&start.covariance, &mut factor, r).map_err(MapError::Prior)?;
+        let factor = Factor::of(&start.covariance, r).map_err(MapError::Prior)?;
         // Rows of G of the bodies, and (C Tᵀ) they are made of.
         let shared = transposed(&self.reduced_rows(&before.covariance, d), d);
         let shared = &shared[from * r..(from + all) * r];
         let mut gain = shared.to_vec();
         for row in gain.chunks_exact_mut(r) {
-            cholesky::solve(&factor, r, row);
+            factor.solve(row);
         }
         // cov(body, x and changes).
         let mut along = alloc::vec![0.0; all * total];

@@ -2,32 +2,30 @@
 
 use super::block::Block;
 use super::equation::{Equation, Equations, Side};
+use super::gram::Gram;
 use super::layout::Layout;
 use super::map::MapError;
-use super::prior::PER_JOINT;
-use crate::cholesky;
+use crate::cholesky::Factor;
 use alloc::vec::Vec;
 
 /// Normal equations under construction, the lower half.
 pub(super) struct Normal {
-    layout: Layout,
     total: usize,
     pub(super) information: Vec<f64>,
-    pub(super) factor: Vec<f64>,
+    pub(super) factor: Factor,
     pub(super) gradient: Vec<f64>,
-    /// Link and motor row of the joint at work, over the changes that have happened.
-    changes: Vec<(usize, [f64; 2])>,
+    /// Of blocks that are not in `information` yet.
+    gram: Gram,
 }
 
 impl Normal {
     pub(super) fn new(total: usize, layout: Layout) -> Self {
         Self {
-            layout,
             total,
             information: alloc::vec![0.0; total * total],
-            factor: alloc::vec![0.0; total * total],
+            factor: Factor::new(total),
             gradient: alloc::vec![0.0; total],
-            changes: Vec::new(),
+            gram: Gram::new(layout),
         }
     }
 
@@ -43,14 +41,15 @@ impl Normal {
         equations: &Equations,
         information: impl Fn(&Equation) -> f64,
     ) {
-        let mut rest = equations.list.as_slice();
-        while let Some((link, others)) = rest.split_first() {
-            let motor = others.first().filter(|e| e.joint == link.joint);
-            rest = &others[usize::from(motor.is_some())..];
-            let weights = [information(link), motor.map_or(0.0, &information)];
-            // Without a motor's equation the link's comes twice, once without weight.
-            self.add_joint(equations, [link, motor.unwrap_or(link)], weights);
+        if !self.gram.goes_on(equations) {
+            self.gather();
         }
+        self.gram.add(equations, information);
+    }
+
+    /// All that was added is in the information now.
+    fn gather(&mut self) {
+        self.gram.move_to(&mut self.information, self.total);
     }
 
     /// Adds what the equations of a block pull at the state with.
@@ -64,83 +63,12 @@ impl Normal {
         }
     }
 
-    /// Both equations of a joint at once: over bodies and load they are the same row, times a factor.
-    fn add_joint(
-        &mut self,
-        equations: &Equations,
-        [link, motor]: [&Equation; 2],
-        [w0, w1]: [f64; 2],
-    ) {
-        let mine = self.layout.own(link.joint);
-        let (rows, worth) = ([&link.own, &motor.own], [link.worth, motor.worth]);
-        let carried = equations.carried(link.joint);
-        let shared = self.layout.carried();
-        // Bodies further in say nothing of this joint.
-        let first = carried.iter().position(|x| *x != 0.0);
-        let first = first.unwrap_or(carried.len());
-        self.changes.clear();
-        for ((i, a), (_, b)) in equations.changes(link).zip(equations.changes(motor)) {
-            self.changes.push((i, [a, b]));
-        }
-
-        let total = self.total;
-        let line = |i: usize| i * total..i * total + i + 1;
-        for i in 0..PER_JOINT {
-            let factors = [w0 * link.own[i], w1 * motor.own[i]];
-            let to = &mut self.information[line(mine.start + i)][mine.start..];
-            // Most entries are in one of the rows only.
-            match factors {
-                [0.0, 0.0] => {}
-                [factor, 0.0] => add_row(to, factor, &link.own),
-                [0.0, factor] => add_row(to, factor, &motor.own),
-                factors => add_rows(to, factors, rows),
-            }
-        }
-        // What an entry of the joint shares with a body, over what the joint carries of it.
-        let mut own = [0.0; PER_JOINT];
-        add_rows(&mut own, [w0 * worth[0], w1 * worth[1]], rows);
-        let squared = w0 * worth[0] * worth[0] + w1 * worth[1] * worth[1];
-        for (k, value) in carried.iter().enumerate().skip(first) {
-            if *value != 0.0 {
-                let to = &mut self.information[line(shared.start + k)];
-                add_row(&mut to[mine.clone()], *value, &own);
-                add_row(
-                    &mut to[shared.start + first..],
-                    squared * value,
-                    &carried[first..],
-                );
-            }
-        }
-        for (i, [a, b]) in &self.changes {
-            let factors = [w0 * a, w1 * b];
-            let to = &mut self.information[line(*i)];
-            add_rows(&mut to[mine.clone()], factors, rows);
-            let along = factors[0] * worth[0] + factors[1] * worth[1];
-            add_row(&mut to[shared.clone()], along, carried);
-            for (k, [c, d]) in self.changes.iter().take_while(|(k, _)| k <= i) {
-                to[*k] += factors[0] * c + factors[1] * d;
-            }
-        }
-    }
-
     /// The gradient becomes the step.
     pub(super) fn solve(&mut self) -> Result<(), MapError> {
-        cholesky::factorise(&self.information, &mut self.factor, self.total)
-            .map_err(MapError::Prior)?;
-        cholesky::solve(&self.factor, self.total, &mut self.gradient);
+        self.gather();
+        (self.factor.factorise(&self.information)).map_err(MapError::Prior)?;
+        self.factor.solve(&mut self.gradient);
         Ok(())
-    }
-}
-
-fn add_row(line: &mut [f64], factor: f64, row: &[f64]) {
-    for (x, value) in line.iter_mut().zip(row) {
-        *x += factor * value;
-    }
-}
-
-fn add_rows(line: &mut [f64], [a, b]: [f64; 2], [link, motor]: [&[f64; PER_JOINT]; 2]) {
-    for ((x, link), motor) in line.iter_mut().zip(link).zip(motor) {
-        *x += a * link + b * motor;
     }
 }
 
@@ -236,7 +164,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::offset::changes::{Change, What};
-    use crate::offset::drawn::random;
+    use crate::offset::drawn::{own, random};
     use crate::offset::prior::{JointParameter, PAYLOAD};
     use alloc::vec;
 
@@ -282,7 +210,7 @@ mod tests {
                 equations.push(Equation {
                     joint,
                     side,
-                    own: core::array::from_fn(|_| random(&mut seed)),
+                    own: own(side, &mut seed),
                     worth,
                     residual: random(&mut seed),
                     unsure: 0.0,
@@ -292,45 +220,53 @@ mod tests {
         }
         let information = |e: &Equation| if e.side == Side::Link { 3.0 } else { 0.7 };
         let mut normal = Normal::new(total, layout);
-        // Twice, because nothing of the first may be left over.
-        for _ in 0..2 {
-            normal.add_gradient(&equations, information);
-            normal.add_information(&equations, information);
-        }
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
-        for e in &equations.list {
-            // As the state is laid out: joints, bodies, load, changes.
-            let mut row = vec![0.0; total];
-            row[layout.own(e.joint)].copy_from_slice(&e.own);
-            for (to, value) in row[layout.carried()]
-                .iter_mut()
-                .zip(equations.carried(e.joint))
-            {
-                *to = e.worth * value;
+        // Blocks from before the changes and since, more than are held back at once.
+        for (time_s, times) in [(-1.0, 3), (1.0, 19)] {
+            equations.activate(&changes, time_s);
+            for _ in 0..times {
+                normal.add_gradient(&equations, information);
+                normal.add_information(&equations, information);
             }
-            let load = layout.payload_place();
-            row.copy_within(load..load + PAYLOAD, layout.dimension());
-            row[layout.dimension() + PAYLOAD] = row[layout.place(0, JointParameter::Offset)];
-            let column: Vec<f64> = (0..total).map(|_| random(&mut seed)).collect();
-            let product: f64 = row.iter().zip(&column).map(|(a, b)| a * b).sum();
-            assert!((equations.dot(e, &column) - product).abs() < 1e-12);
-            let mut sum = column.clone();
-            equations.add_to(e, -0.3, &mut sum);
-            for ((sum, x), row) in sum.iter().zip(&column).zip(&row) {
-                assert!((sum - (x - 0.3 * row)).abs() < 1e-12);
-            }
-            for (i, a) in row.iter().enumerate() {
-                gradient[i] += 2.0 * information(e) * a * e.residual;
-                for (k, b) in row.iter().enumerate() {
-                    square[i * total + k] += 2.0 * information(e) * a * b;
+            for e in &equations.list {
+                // As the state is laid out: joints, bodies, load, changes.
+                let mut row = vec![0.0; total];
+                row[layout.own(e.joint)].copy_from_slice(&e.own);
+                for (to, value) in row[layout.carried()]
+                    .iter_mut()
+                    .zip(equations.carried(e.joint))
+                {
+                    *to = e.worth * value;
+                }
+                if time_s > 0.0 {
+                    let load = layout.payload_place();
+                    row.copy_within(load..load + PAYLOAD, layout.dimension());
+                    row[layout.dimension() + PAYLOAD] =
+                        row[layout.place(0, JointParameter::Offset)];
+                }
+                let column: Vec<f64> = (0..total).map(|_| random(&mut seed)).collect();
+                let product: f64 = row.iter().zip(&column).map(|(a, b)| a * b).sum();
+                assert!((equations.dot(e, &column) - product).abs() < 1e-12);
+                let mut sum = column.clone();
+                equations.add_to(e, -0.3, &mut sum);
+                for ((sum, x), row) in sum.iter().zip(&column).zip(&row) {
+                    assert!((sum - (x - 0.3 * row)).abs() < 1e-12);
+                }
+                let information = f64::from(times) * information(e);
+                for (i, a) in row.iter().enumerate() {
+                    gradient[i] += information * a * e.residual;
+                    for (k, b) in row.iter().enumerate() {
+                        square[i * total + k] += information * a * b;
+                    }
                 }
             }
         }
+        normal.gather();
         for i in 0..total {
-            assert!((normal.gradient[i] - gradient[i]).abs() < 1e-12);
+            assert!((normal.gradient[i] - gradient[i]).abs() < 1e-11);
             for k in 0..=i {
                 let (is, should) = (normal.information[i * total + k], square[i * total + k]);
-                assert!((is - should).abs() < 1e-12, "{i}, {k}: {is}, {should}");
+                assert!((is - should).abs() < 1e-11, "{i}, {k}: {is}, {should}");
             }
         }
     }

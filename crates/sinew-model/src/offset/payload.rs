@@ -3,50 +3,98 @@
 use super::prior::PAYLOAD;
 use crate::arm::PARAMETERS_PER_BODY;
 
-/// Torque of the payload: a point mass near where it is expected.
+/// Nothing is held further from where it is expected, m.
+const FAR_M: f64 = 0.1;
+
+/// What the gripper holds: mass and moments about where it is expected.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    mass_kg: f64,
+    moments: [f64; 3],
+    /// Mass the moments are those of, at least.
+    over: f64,
+}
+
+impl Held {
+    pub(super) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD]) -> Self {
+        let [x, y, z] = moments;
+        let size = libm::sqrt(x * x + y * y + z * z);
+        Self {
+            mass_kg,
+            moments,
+            over: mass_kg.max(size / FAR_M),
+        }
+    }
+}
+
+/// What a payload does to the torque of a joint: a point mass near where it is expected.
 ///
 /// With `h = m e` its moments about that place `a`, its second moments about the link's origin are
 /// `m a aᵀ + a hᵀ + h aᵀ + h hᵀ/m`.
-///
-/// Returns the torque and its change with mass and moments.
-pub(super) fn payload_torque(
-    body: &[f64; PARAMETERS_PER_BODY],
-    a: [f64; 3],
-    [m, h @ ..]: [f64; PAYLOAD],
-) -> (f64, [f64; PAYLOAD]) {
-    /// Nothing is held further from where it is expected, m.
-    const FAR_M: f64 = 0.1;
-    const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Torque of second moments `u vᵀ + v uᵀ`, halved.
-    let second = |u: [f64; 3], v: [f64; 3]| {
-        let [xx, yy, zz] = [u[0] * v[0], u[1] * v[1], u[2] * v[2]];
-        let mixed = |i: usize, k: usize| 0.5 * (u[i] * v[k] + u[k] * v[i]);
-        body[4] * (yy + zz) + body[7] * (xx + zz) + body[9] * (xx + yy)
-            - body[5] * mixed(0, 1)
-            - body[6] * mixed(0, 2)
-            - body[8] * mixed(1, 2)
-    };
-    let first = body[1] * a[0] + body[2] * a[1] + body[3] * a[2];
-    let mut slope = [body[0] + first + second(a, a), 0.0, 0.0, 0.0];
-    let mut torque = slope[0] * m;
-    let size = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-    let mass = m.max(size / FAR_M);
-    for (k, axis) in AXES.into_iter().enumerate() {
-        slope[k + 1] = body[k + 1] + 2.0 * second(a, axis);
-        torque += slope[k + 1] * h[k];
-        if mass > 0.0 {
-            slope[k + 1] += 2.0 * second(h, axis) / mass;
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Load {
+    /// Torque of a mass at `a`, and of moments about it.
+    slope: [f64; PAYLOAD],
+    /// Torque of second moments.
+    second: [[f64; 3]; 3],
+}
+
+impl Load {
+    /// * `body`: torque per inertial parameter of the body that carries it; `a`: where it is expected, m.
+    pub(super) fn new(body: &[f64; PARAMETERS_PER_BODY], a: [f64; 3]) -> Self {
+        let [mass, x, y, z, xx, xy, xz, yy, yz, zz] = *body;
+        // Moments of inertia are sums of second moments, products of inertia are their negatives.
+        let second = [
+            [yy + zz, -0.5 * xy, -0.5 * xz],
+            [-0.5 * xy, xx + zz, -0.5 * yz],
+            [-0.5 * xz, -0.5 * yz, xx + yy],
+        ];
+        let [sx, sy, sz] = second.map(|row| dot(row, a));
+        let first = [x, y, z];
+        Self {
+            slope: [
+                mass + dot(first, a) + dot([sx, sy, sz], a),
+                x + 2.0 * sx,
+                y + 2.0 * sy,
+                z + 2.0 * sz,
+            ],
+            second,
         }
     }
-    if mass > 0.0 {
-        torque += second(h, h) / mass;
+
+    /// The torque, N·m, and its change with mass and moments.
+    pub(super) fn torque(&self, held: &Held) -> (f64, [f64; PAYLOAD]) {
+        let h = held.moments;
+        let [mass, moments @ ..] = self.slope;
+        let mut torque = mass * held.mass_kg + dot(moments, h);
+        let [mut x, mut y, mut z] = moments;
+        if held.over > 0.0 {
+            let per_mass = 1.0 / held.over;
+            let [sx, sy, sz] = self.second.map(|row| per_mass * dot(row, h));
+            torque += dot([sx, sy, sz], h);
+            x += 2.0 * sx;
+            y += 2.0 * sy;
+            z += 2.0 * sz;
+        }
+        (torque, [mass, x, y, z])
     }
-    (torque, slope)
+}
+
+fn dot([a0, a1, a2]: [f64; 3], [b0, b1, b2]: [f64; 3]) -> f64 {
+    a0 * b0 + a1 * b1 + a2 * b2
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn payload_torque(
+        body: &[f64; PARAMETERS_PER_BODY],
+        a: [f64; 3],
+        held: [f64; PAYLOAD],
+    ) -> (f64, [f64; PAYLOAD]) {
+        Load::new(body, a).torque(&Held::new(held))
+    }
 
     /// Inertial parameters of a point mass in the order of the regressor.
     fn point(m: f64, [x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {

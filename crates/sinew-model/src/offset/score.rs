@@ -1,11 +1,13 @@
 //! How much every possible change at every moment would explain.
 
 use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
+use super::cost::chi;
 use super::equation::{Equations, Side};
+use super::linear::Look;
 use super::map::{MapError, MapEstimate};
 use super::prior::Payload;
-use super::solve::{Problem, chi};
-use crate::cholesky;
+use super::solve::Problem;
+use crate::cholesky::{self, Factor};
 use alloc::vec::Vec;
 
 /// A candidate is tried when half its chi-square exceeds this and one per unknown.
@@ -102,16 +104,6 @@ impl Problem<'_> {
         mut fit: Fit,
         every: usize,
     ) -> Vec<Candidate> {
-        let (Some(first), Some(last)) = (self.blocks.first(), self.blocks.last()) else {
-            return Vec::new();
-        };
-        // A strand may have failed before the recording began, and what goes on from a belief may
-        // have changed with its first block; an offset or a load that is open anyway may not.
-        let possible = |what: What, time_s: f64| {
-            let early = seek.continues || matches!(what, What::Compliance(_));
-            let from = if early { 0.0 } else { EDGE_S };
-            (first.time_s + from..last.time_s - EDGE_S).contains(&time_s)
-        };
         let taken = |what: What, at_s: f64| {
             let mut changes = known.changes.iter();
             changes.any(|c| c.what == what && (c.at_s - at_s).abs() < SAME_S)
@@ -123,18 +115,18 @@ impl Problem<'_> {
             .collect();
         let mut sums: Vec<Sum> = kinds.iter().map(|k| Sum::new(k.columns(), total)).collect();
         let mut best: Vec<Vec<Candidate>> = alloc::vec![Vec::new(); kinds.len()];
-        for (b, block) in self.blocks.iter().enumerate().rev() {
+        for b in (0..self.blocks.len()).rev() {
             let weight = fit.weights.pop().unwrap_or_default();
-            self.estimator.equations(known, block, &mut fit.equations);
+            self.equations(known, b, Look::Rows, &mut fit.equations);
             for (sum, what) in sums.iter_mut().zip(kinds) {
                 sum.add(&fit.equations, *what, &weight);
             }
             if b % every != 0 {
                 continue;
             }
-            let at_s = block.time_s - 0.5 * self.estimator.block_s();
+            let at_s = self.start_of(b);
             for (k, what) in kinds.iter().enumerate() {
-                if !possible(*what, block.time_s) || taken(*what, at_s) {
+                if !self.is_possible(*what, at_s, seek) || taken(*what, at_s) {
                     continue;
                 }
                 let worth = WORTH_TRYING + what.columns() as f64;
@@ -159,10 +151,25 @@ impl Problem<'_> {
         for kind in &mut best {
             for (rank, candidate) in kind.iter_mut().enumerate() {
                 candidate.rank = rank;
-                cholesky::backward(&fit.factor, total, &mut candidate.along);
+                fit.factor.backward(&mut candidate.along);
             }
         }
         best.into_iter().flatten().collect()
+    }
+
+    /// When block `b` begins, s.
+    pub(super) fn start_of(&self, b: usize) -> f64 {
+        self.blocks[b].time_s - 0.5 * self.estimator.block_s()
+    }
+
+    /// Whether a change may be told at a moment. A strand may have failed before the recording began,
+    /// and what goes on from a belief may have changed with its first block; an offset or a load that is
+    /// open anyway may not.
+    pub(super) fn is_possible(&self, what: What, at_s: f64, seek: Seek) -> bool {
+        let early = seek.continues || matches!(what, What::Compliance(_));
+        let from_s = if early { 0.0 } else { EDGE_S };
+        let last = self.blocks.len() - 1;
+        (self.start_of(0) + from_s..self.start_of(last) - EDGE_S).contains(&at_s)
     }
 
     /// A weighted fit around a known estimate.
@@ -170,8 +177,8 @@ impl Problem<'_> {
         let mut equations = Equations::new(self.layout(), &known.changes);
         let mut normal = self.prior_equations(known);
         let mut weights = Vec::with_capacity(self.blocks.len());
-        for (b, block) in self.blocks.iter().enumerate() {
-            self.estimator.equations(known, block, &mut equations);
+        for b in 0..self.blocks.len() {
+            self.equations(known, b, Look::Rows, &mut equations);
             let whole = weighing.weight(chi(&equations, known));
             let information = |e: &_| whole * self.information_of(e, known, b);
             normal.add_gradient(&equations, information);
@@ -241,7 +248,7 @@ pub(super) struct Fit {
     /// Information of every equation of every block.
     weights: Vec<Vec<f64>>,
     /// Cholesky factor of its information.
-    factor: Vec<f64>,
+    factor: Factor,
     /// The step of the state the fit would take.
     step: Vec<f64>,
     equations: Equations,
@@ -340,7 +347,7 @@ impl Sum {
         for c in 0..m {
             let (before, rest) = self.through.split_at_mut(c * total);
             let through = &mut rest[..total];
-            cholesky::forward(&fit.factor, total, through);
+            fit.factor.forward(through);
             for (k, other) in before.chunks_exact(total).enumerate() {
                 a[c * m + k] -= cholesky::dot(other, through);
             }
@@ -361,11 +368,11 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::drawn::random;
+    use crate::offset::drawn::{own, random};
     use crate::offset::equation::Equation;
     use crate::offset::layout::Layout;
     use crate::offset::normal::Normal;
-    use crate::offset::prior::{JointParameter, PER_JOINT};
+    use crate::offset::prior::JointParameter;
 
     /// A slip of one joint among many blocks, by a score that computes everything at every moment.
     #[test]
@@ -387,8 +394,9 @@ mod tests {
                     let mut equations = Equations::new(layout, &[]);
                     let phi: Vec<f64> = (0..layout.bodies).map(|_| random(&mut seed)).collect();
                     equations.carry(0, &phi, &core::array::from_fn(|_| random(&mut seed)));
-                    let mut own: [f64; PER_JOINT] = core::array::from_fn(|_| random(&mut seed));
+                    let mut own = own(Side::Link, &mut seed);
                     own[JointParameter::Offset as usize] = 1.0;
+                    own[JointParameter::Zero as usize] = 1.0;
                     let slipped = if b >= 180 { slip } else { 0.0 };
                     equations.push(Equation {
                         joint: 0,

@@ -2,12 +2,15 @@
 
 use super::block::Block;
 use super::changes::Change;
+use super::cost::{chi, variance};
 use super::equation::{Equation, Equations, Side};
 use super::layout::Layout;
+use super::linear::Look;
 use super::map::{MapError, MapEstimate, MapEstimator};
+use super::measured::Measured;
 use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload};
-use crate::cholesky;
+use crate::cholesky::{self, Factor};
 use alloc::vec::Vec;
 
 /// A Gauss–Newton step.
@@ -22,7 +25,7 @@ struct Step {
 
 /// Blocks that are looked at.
 #[derive(Clone, Copy)]
-enum See {
+pub(super) enum See {
     All,
     /// One in [`THIN`].
     Some,
@@ -70,16 +73,17 @@ const COLD: &[Step] = &[
 ];
 /// From a start that is nearly right.
 const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
-/// For what is only looked at.
+/// For what is only looked at, and for what is looked at closely.
 const GLANCE: &[Step] = &[near(3.0)];
+const LOOK: &[Step] = &[near(12.0), near(6.0), near(3.0)];
+/// From there on.
+const ON: &[Step] = &[towards(3.5), towards(3.0), onto(3.0)];
 /// From the solution of nearly the same problem.
 const NEARLY: &[Step] = &[towards(3.0), onto(3.0)];
 /// Neighbours say much the same: their noise is correlated over half a second.
 const THIN: usize = 3;
 /// Fewer blocks than this are all looked at.
 const MANY: usize = 90;
-/// The scale that decides.
-const SCALE: f64 = 3.0;
 
 /// A recording, and what is believed before it.
 pub(super) struct Problem<'a> {
@@ -93,8 +97,10 @@ pub(super) struct Problem<'a> {
     /// What was opened in `before`; it sets what a change of payload may be.
     pub(super) payload: Payload,
     pub(super) blocks: &'a [Block],
+    /// What they say of every joint, `n` a block.
+    measured: Vec<Option<Measured>>,
     /// Variance of a block's mean over that of independent noise, per block.
-    inflation: Vec<f64>,
+    pub(super) inflation: Vec<f64>,
 }
 
 /// An estimate of the model's state, and the information its covariance is the inverse of.
@@ -105,7 +111,7 @@ pub(super) struct Solution {
     /// Lower half.
     information: Vec<f64>,
     /// Its Cholesky factor.
-    factor: Vec<f64>,
+    factor: Factor,
 }
 
 impl Solution {
@@ -114,7 +120,7 @@ impl Solution {
         let total = self.estimate.state.len();
         let mut unit = alloc::vec![0.0; total];
         unit[k] = 1.0;
-        cholesky::forward(&self.factor, total, &mut unit);
+        self.factor.forward(&mut unit);
         libm::sqrt(cholesky::dot(&unit, &unit))
     }
 
@@ -131,10 +137,8 @@ impl Solution {
                 *step += c * shared;
             }
         }
-        // Of the others' information the factor is part of the whole's.
-        let rows = self.factor.chunks_exact(total).take(first);
-        let factor: Vec<f64> = rows.flat_map(|row| &row[..first]).copied().collect();
-        cholesky::solve(&factor, first, &mut step);
+        // Of the others' information the factor is the first rows of the whole's.
+        self.factor.solve(&mut step);
         for (x, step) in state.iter_mut().zip(step) {
             *x += step;
         }
@@ -164,7 +168,8 @@ impl<'a> Problem<'a> {
         if blocks.is_empty() {
             return Err(MapError::NoData);
         }
-        let start = estimator.model().believed(before);
+        let model = estimator.model();
+        let start = model.believed(before);
         Ok(Self {
             estimator,
             before,
@@ -172,6 +177,9 @@ impl<'a> Problem<'a> {
             start,
             payload,
             blocks,
+            measured: (blocks.iter())
+                .flat_map(|block| (0..model.layout.joints).map(|i| model.measured(block, i)))
+                .collect(),
             inflation: pose_runs(blocks)
                 .iter()
                 .map(|r| r.max(estimator.inflation()))
@@ -218,6 +226,32 @@ impl<'a> Problem<'a> {
         self.descend(changes, GLANCE, Some((state, known)))
     }
 
+    /// [`Problem::solve_from`] in three steps: what a change takes off the cost of one block in three.
+    pub(super) fn look_from(
+        &self,
+        changes: &[Change],
+        state: &[f64],
+        known: &MapEstimate,
+    ) -> Result<Solution, MapError> {
+        self.descend(changes, LOOK, Some((state, known)))
+    }
+
+    /// To the end from [`Problem::look_from`].
+    pub(super) fn solve_on(&self, look: &Solution) -> Result<Solution, MapError> {
+        let at = &look.estimate;
+        self.descend(&at.changes, ON, Some((&at.state, at)))
+    }
+
+    /// [`Problem::solve_from`] from the solution of nearly the same problem.
+    pub(super) fn solve_nearly(
+        &self,
+        changes: &[Change],
+        state: &[f64],
+        known: &MapEstimate,
+    ) -> Result<Solution, MapError> {
+        self.descend(changes, NEARLY, Some((state, known)))
+    }
+
     /// The estimate without the changes of `with`: two steps from what that says of it, which is all
     /// of it where equations are linear.
     pub(super) fn solve_without(&self, with: &Solution) -> Result<Solution, MapError> {
@@ -259,8 +293,8 @@ impl<'a> Problem<'a> {
             every = self.every(step.pull);
             let informing = self.every(step.inform);
             normal.start(&prior, &self.prior_pull(&at));
-            for (b, block) in self.blocks.iter().enumerate().step_by(every) {
-                self.estimator.equations(&at, block, &mut equations);
+            for b in (0..self.blocks.len()).step_by(every) {
+                self.equations(&at, b, Look::Rows, &mut equations);
                 let w = step.scale * step.scale;
                 let w = w / (w + chi(&equations, &at));
                 at.weights[b] = w * w;
@@ -299,6 +333,16 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// Equations of block `b` around an estimate.
+    pub(super) fn equations(&self, at: &MapEstimate, b: usize, look: Look, out: &mut Equations) {
+        let model = self.estimator.model();
+        let n = model.layout.joints;
+        let joints = self.measured[b * n..(b + 1) * n].iter().copied();
+        let motor = self.estimator.uses_motor_torque();
+        let with = (at.temperature_c, at.changes.as_slice(), motor, look);
+        model.linearise_measured(&self.blocks[b], joints, with, &at.state, out);
+    }
+
     /// Of the model's state.
     pub(super) fn layout(&self) -> Layout {
         self.estimator.model().layout
@@ -311,7 +355,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Mean before the recording; no change.
-    fn origin(&self, total: usize) -> Vec<f64> {
+    pub(super) fn origin(&self, total: usize) -> Vec<f64> {
         let mut origin = self.start.mean.clone();
         origin.resize(total, 0.0);
         origin
@@ -342,7 +386,7 @@ impl<'a> Problem<'a> {
     }
 
     /// What the prior pulls at the state with: the gradient of its share of the cost, downwards.
-    fn prior_pull(&self, at: &MapEstimate) -> Vec<f64> {
+    pub(super) fn prior_pull(&self, at: &MapEstimate) -> Vec<f64> {
         let d = self.start.mean.len();
         let (state, changes) = at.state.split_at(d);
         let from: Vec<f64> = state
@@ -366,57 +410,13 @@ impl<'a> Problem<'a> {
         normal
     }
 
-    /// Cost of `at` if the noise were that of `noise`.
-    pub(super) fn cost_at(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
-        self.cost_over(at, noise, 1)
-    }
-
-    /// [`Problem::cost_at`] as [`Problem::glance_from`] has it.
-    pub(super) fn cost_at_a_glance(&self, at: &MapEstimate, noise: &MapEstimate) -> f64 {
-        self.cost_over(at, noise, self.every(See::Some))
-    }
-
     /// Of so many blocks one is looked at.
-    fn every(&self, see: See) -> usize {
+    pub(super) fn every(&self, see: See) -> usize {
         match see {
             See::Some if self.blocks.len() >= MANY => THIN,
             _ => 1,
         }
     }
-
-    /// [`Problem::cost_at`] from one block in `every`.
-    fn cost_over(&self, at: &MapEstimate, noise: &MapEstimate, every: usize) -> f64 {
-        let pull = self.prior_pull(at);
-        let origin = self.origin(at.state.len());
-        let from = at.state.iter().zip(origin).map(|(x, o)| x - o);
-        let mut cost = -0.5 * from.zip(pull).map(|(x, g)| x * g).sum::<f64>();
-        let mut equations = Equations::new(self.layout(), &at.changes);
-        for (block, inflation) in self.blocks.iter().zip(&self.inflation).step_by(every) {
-            self.estimator.equations(at, block, &mut equations);
-            let chi = chi(&equations, noise);
-            let count = (equations.list.len() * every) as f64;
-            cost += 0.5 * count * SCALE * SCALE * chi / (SCALE * SCALE + chi) / inflation;
-        }
-        cost
-    }
-}
-
-/// Mean square of a block's residuals over what they may be.
-pub(super) fn chi(equations: &Equations, at: &MapEstimate) -> f64 {
-    let squares = equations
-        .list
-        .iter()
-        .map(|e| e.residual * e.residual / variance(e, at));
-    squares.sum::<f64>() / equations.list.len().max(1) as f64
-}
-
-/// Variance of an equation's residual.
-fn variance(e: &Equation, at: &MapEstimate) -> f64 {
-    let noise = match e.side {
-        Side::Link => at.noise_rad[e.joint],
-        Side::Motor => at.motor_noise_nm[e.joint],
-    };
-    noise * noise + e.unsure * e.unsure
 }
 
 #[cfg(test)]
@@ -441,8 +441,7 @@ mod tests {
             }
         }
         let p = covariance(&information, TOTAL).unwrap();
-        let mut factor = alloc::vec![0.0; TOTAL * TOTAL];
-        cholesky::factorise(&information, &mut factor, TOTAL).unwrap();
+        let factor = Factor::of(&information, TOTAL).unwrap();
         let state: Vec<f64> = (0..TOTAL).map(|_| random(&mut seed)).collect();
         let own = |i: usize| (0..GONE).map(move |k| (FIRST + i) * TOTAL + FIRST + k);
         let own: Vec<f64> = (0..GONE).flat_map(own).map(|at| p[at]).collect();

@@ -1,0 +1,317 @@
+//! Information of many blocks' equations: sums of products of rows, sixteen rows at a time.
+//!
+//! Rows are held back in panels of four columns, so that a tile of 4 × 4 sums stays in registers
+//! while it runs over them: reading and writing the sums for every row is most of the work
+//! otherwise. A row is known by the joint's own entries and the joint's torque,
+//!
+//! ```text
+//! h = (own, worth · carried),   Σ w hᵀ h = | Σ w ownᵀ own                        |
+//!                                          | Σ carriedᵀ (w worth own)   Σ w worth² carriedᵀ carried |
+//! ```
+//!
+//! so that link and motor row of a block share all but the first. What a change adds to an entry has
+//! that entry's column from its moment on: it gets the same sums, of the blocks since then.
+
+use super::changes::What;
+use super::equation::{Equation, Equations};
+use super::layout::Layout;
+use super::prior::{JointParameter as P, PER_JOINT};
+use crate::tile::{TILE, Tile, lower, products};
+use alloc::vec::Vec;
+
+/// Rows that are held back.
+const HELD: usize = 16;
+/// A joint's own entries: those of the link row alone, of both, of the motor row alone. `Zero` has
+/// the column of `Offset`.
+const OWN: [usize; 21] = [
+    P::Offset as usize,
+    P::Compliance as usize,
+    P::Stiffening as usize,
+    P::Drift as usize,
+    P::Thermal as usize,
+    P::Encoder as usize,
+    P::Encoder as usize + 1,
+    P::Encoder as usize + 2,
+    P::Encoder as usize + 3,
+    P::Slack as usize,
+    P::Viscoelastic as usize,
+    P::Gear as usize,
+    P::Coulomb as usize,
+    P::Viscous as usize,
+    P::LoadFriction as usize,
+    P::Stuck as usize,
+    P::MotorScale as usize,
+    P::MotorBias as usize,
+    P::MotorCoulomb as usize,
+    P::MotorViscous as usize,
+    P::MotorLoadFriction as usize,
+];
+/// Tiles of the link row, of the motor row, of both.
+const LINK: core::ops::Range<usize> = 0..4;
+const MOTOR: core::ops::Range<usize> = 3..OWN_TILES;
+const OWN_TILES: usize = OWN.len().div_ceil(TILE);
+
+/// A joint's own entries in the order of [`OWN`].
+type Own = [[f64; TILE]; OWN_TILES];
+
+/// What rows held back say, and the sums of those before them.
+#[derive(Debug, Clone)]
+pub(super) struct Gram {
+    layout: Layout,
+    joints: Vec<Joint>,
+    /// `Σ w worth² carriedᵀ carried`, the lower half.
+    square: Vec<Tile>,
+    /// Changes that have happened by the blocks in it.
+    active: Vec<(usize, What)>,
+    empty: bool,
+}
+
+#[derive(Debug, Clone)]
+struct Joint {
+    held: usize,
+    /// First tile of bodies the joint carries, of the rows held back.
+    first: usize,
+    link: Panel,
+    motor: Panel,
+    /// Times their information.
+    link_weighed: Panel,
+    motor_weighed: Panel,
+    /// `Σ w worth own` of link and motor.
+    along: Panel,
+    carried: Panel,
+    carried_weighed: Panel,
+    /// `Σ w ownᵀ own`, the lower half.
+    own: Vec<Tile>,
+    /// `Σ carriedᵀ (w worth own)`.
+    mixed: Vec<Tile>,
+}
+
+/// Columns of the rows held back, by fours.
+#[derive(Debug, Clone)]
+struct Panel(Vec<[f64; TILE]>);
+
+impl Panel {
+    fn new(tiles: usize) -> Self {
+        Self(alloc::vec![[0.0; TILE]; tiles * HELD])
+    }
+
+    fn put(&mut self, row: usize, tiles: &[[f64; TILE]], factor: f64) {
+        for (to, tile) in self.0.iter_mut().skip(row).step_by(HELD).zip(tiles) {
+            *to = tile.map(|x| factor * x);
+        }
+    }
+
+    fn put_slice(&mut self, row: usize, values: &[f64], factor: f64) {
+        let lanes = self.0.iter_mut().skip(row).step_by(HELD);
+        for (to, values) in lanes.zip(values.chunks(TILE)) {
+            for (to, x) in to.iter_mut().zip(values) {
+                *to = factor * x;
+            }
+        }
+    }
+
+    fn rows(&self, tile: usize, held: usize) -> &[[f64; TILE]] {
+        &self.0[tile * HELD..tile * HELD + held]
+    }
+}
+
+/// `sum += Σ aᵀ b` over rows.
+fn add(sum: &mut Tile, a: &[[f64; TILE]], b: &[[f64; TILE]]) {
+    let more = products(a, b);
+    for (sum, more) in sum.as_flattened_mut().iter_mut().zip(more.as_flattened()) {
+        *sum += more;
+    }
+}
+
+/// Entry of a lower half of tiles.
+fn entry(tiles: &[Tile], i: usize, k: usize) -> f64 {
+    let (i, k) = (i.max(k), i.min(k));
+    tiles[lower(i / TILE, k / TILE)][i % TILE][k % TILE]
+}
+
+/// The own entries in the order of [`OWN`].
+fn own(e: &Equation) -> Own {
+    let mut own = Own::default();
+    for (to, place) in own.as_flattened_mut().iter_mut().zip(OWN) {
+        *to = e.own[place];
+    }
+    own
+}
+
+impl Gram {
+    pub(super) fn new(layout: Layout) -> Self {
+        let tiles = layout.carried().len().div_ceil(TILE);
+        let (zero, link, motor) = ([[0.0; TILE]; TILE], LINK.len(), MOTOR.len());
+        let joint = Joint {
+            held: 0,
+            first: tiles,
+            link: Panel::new(link),
+            motor: Panel::new(motor),
+            link_weighed: Panel::new(link),
+            motor_weighed: Panel::new(motor),
+            along: Panel::new(OWN_TILES),
+            carried: Panel::new(tiles),
+            carried_weighed: Panel::new(tiles),
+            own: alloc::vec![zero; lower(OWN_TILES, 0)],
+            mixed: alloc::vec![zero; tiles * OWN_TILES],
+        };
+        Self {
+            layout,
+            joints: alloc::vec![joint; layout.joints],
+            square: alloc::vec![zero; lower(tiles, 0)],
+            active: Vec::new(),
+            empty: true,
+        }
+    }
+
+    /// Whether a block of these equations can be added to those before it: no change between.
+    pub(super) fn goes_on(&self, equations: &Equations) -> bool {
+        self.empty || self.active == equations.active()
+    }
+
+    /// Adds what the equations of a block say, each with the information it carries.
+    pub(super) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
+        if self.empty {
+            self.active.clear();
+            self.active.extend_from_slice(equations.active());
+            self.empty = false;
+        }
+        let mut rest = equations.list.as_slice();
+        while let Some((link, others)) = rest.split_first() {
+            let motor = others.first().filter(|e| e.joint == link.joint);
+            rest = &others[usize::from(motor.is_some())..];
+            let joint = &mut self.joints[link.joint];
+            joint.hold(
+                (link, information(link)),
+                motor.map(|e| (e, information(e))),
+                equations.carried(link.joint),
+            );
+            if joint.held == HELD {
+                joint.sum(&mut self.square);
+            }
+        }
+    }
+
+    /// Moves all sums to the information of the state, the lower half of a matrix of so many columns.
+    pub(super) fn move_to(&mut self, information: &mut [f64], total: usize) {
+        let mut to = |i: usize, k: usize, value: f64| {
+            information[i.max(k) * total + i.min(k)] += value;
+        };
+        let bodies = self.layout.bodies;
+        let mut carried: Vec<(usize, usize)> = self.layout.carried().enumerate().collect();
+        for &(first, what) in &self.active {
+            if what == What::Payload {
+                carried.extend((0..what.columns()).map(|k| (bodies + k, first + k)));
+            }
+        }
+        let mut own = Vec::new();
+        for (i, joint) in self.joints.iter_mut().enumerate() {
+            joint.sum(&mut self.square);
+            let start = self.layout.own(i).start;
+            own.clear();
+            own.extend(OWN.into_iter().enumerate().map(|(k, at)| (k, start + at)));
+            own.push((0, start + P::Zero as usize));
+            for &(first, what) in &self.active {
+                match what {
+                    What::Offset(joint) if joint == i => own.push((0, first)),
+                    What::Compliance(joint) if joint == i => own.push((1, first)),
+                    _ => {}
+                }
+            }
+            for &(k, at_k) in &own {
+                for &(j, at_j) in own.iter().filter(|(_, at)| *at <= at_k) {
+                    to(at_k, at_j, entry(&joint.own, k, j));
+                }
+                for &(j, at_j) in &carried {
+                    let tile = &joint.mixed[j / TILE * OWN_TILES + k / TILE];
+                    to(at_j, at_k, tile[j % TILE][k % TILE]);
+                }
+            }
+            joint.own.as_flattened_mut().as_flattened_mut().fill(0.0);
+            joint.mixed.as_flattened_mut().as_flattened_mut().fill(0.0);
+        }
+        for &(k, at_k) in &carried {
+            for &(j, at_j) in carried.iter().filter(|(_, at)| *at <= at_k) {
+                to(at_k, at_j, entry(&self.square, k, j));
+            }
+        }
+        self.square.as_flattened_mut().as_flattened_mut().fill(0.0);
+        self.empty = true;
+    }
+}
+
+impl Joint {
+    /// Holds back the rows of a block.
+    fn hold(
+        &mut self,
+        (link, w0): (&Equation, f64),
+        motor: Option<(&Equation, f64)>,
+        carried: &[f64],
+    ) {
+        let row = self.held;
+        let mut along = Own::default();
+        let mut squared = 0.0;
+        let mut with = |rows: &Own, weight: f64, worth: f64| {
+            let factor = weight * worth;
+            for (to, x) in along.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+                *to += factor * x;
+            }
+            squared += factor * worth;
+        };
+        let rows = own(link);
+        with(&rows, w0, link.worth);
+        self.link.put(row, &rows[LINK], 1.0);
+        self.link_weighed.put(row, &rows[LINK], w0);
+        // Without a motor's equation a row of nothing is held.
+        let (rows, w1) = match motor {
+            Some((motor, w1)) => {
+                let rows = own(motor);
+                with(&rows, w1, motor.worth);
+                (rows, w1)
+            }
+            None => (Own::default(), 0.0),
+        };
+        self.motor.put(row, &rows[MOTOR], 1.0);
+        self.motor_weighed.put(row, &rows[MOTOR], w1);
+        self.along.put(row, &along, 1.0);
+        self.carried.put_slice(row, carried, 1.0);
+        self.carried_weighed.put_slice(row, carried, squared);
+        // Bodies further in say nothing of this joint.
+        let first = carried.iter().position(|x| *x != 0.0);
+        self.first = self.first.min(first.unwrap_or(carried.len()) / TILE);
+        self.held += 1;
+    }
+
+    /// Adds up what is held back.
+    fn sum(&mut self, square: &mut [Tile]) {
+        let held = self.held;
+        for (tiles, a, b) in [
+            (LINK, &self.link_weighed, &self.link),
+            (MOTOR, &self.motor_weighed, &self.motor),
+        ] {
+            for i in 0..tiles.len() {
+                for k in 0..=i {
+                    let to = &mut self.own[lower(tiles.start + i, tiles.start + k)];
+                    add(to, a.rows(i, held), b.rows(k, held));
+                }
+            }
+        }
+        let tiles = self.mixed.len() / OWN_TILES;
+        for i in self.first..tiles {
+            let carried = self.carried.rows(i, held);
+            let mixed = &mut self.mixed[i * OWN_TILES..];
+            for (k, to) in mixed.iter_mut().take(OWN_TILES).enumerate() {
+                add(to, carried, self.along.rows(k, held));
+            }
+            for k in self.first..=i {
+                let to = &mut square[lower(i, k)];
+                add(to, carried, self.carried_weighed.rows(k, held));
+            }
+        }
+        self.held = 0;
+        self.first = tiles;
+    }
+}
+
+/// Every entry is in [`OWN`], but for that which goes with the offset.
+const _: () = assert!(OWN.len() + 1 == PER_JOINT);

@@ -1,0 +1,81 @@
+//! What a block says of a joint, made ready once for many looks at it.
+
+use super::block::{Block, ENCODER};
+use super::model::Model;
+use super::payload::Load;
+
+/// All that a joint's equations need of a block but `Φ`, whatever the state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Measured {
+    /// `theta_measured − q`, its square and cube, and with a long memory.
+    pub(super) y: f64,
+    pub(super) y_square: f64,
+    pub(super) y_cube: f64,
+    pub(super) y_slow: f64,
+    /// Joint position, rad, velocity, and what goes with its encoder.
+    pub(super) turned: f64,
+    pub(super) dq: f64,
+    pub(super) encoder: [f64; ENCODER],
+    /// Friction state, what is unknown of it, and times the size of the spring's torque, N·m.
+    pub(super) z: f64,
+    pub(super) z_unknown: f64,
+    pub(super) z_load: f64,
+    /// Torque of the bodies as they are described, N·m.
+    pub(super) tau: f64,
+    /// Of what the gripper holds.
+    pub(super) load: Load,
+    /// Where the motor's torque is recorded.
+    pub(super) drive: Option<Drive>,
+}
+
+/// The motor's side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drive {
+    /// Recorded torque, N·m.
+    pub(super) torque: f64,
+    /// `J ddtheta`, N·m.
+    pub(super) inertial: f64,
+    pub(super) velocity: f64,
+    /// Friction state, and times the size of the spring's torque, N·m.
+    pub(super) z: f64,
+    pub(super) z_load: f64,
+    /// Share of the time it stood.
+    pub(super) stood: f64,
+}
+
+impl Model {
+    /// What `block` says of joint `i`; nothing of a rigid one. Never allocates.
+    pub(super) fn measured(&self, block: &Block, i: usize) -> Option<Measured> {
+        let joint = self.joints.get(i)?.as_ref()?;
+        let stiffness = joint.stiffness_nm_per_rad;
+        // Lengths have been checked: none of these is ever missing. What is becomes NaN, which no
+        // estimate hides.
+        let of = |column: &[f64]| column.get(i).copied().unwrap_or(f64::NAN);
+        let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER)?;
+        let phi = self.phi(block, i)?;
+        let torque = of(&block.motor_torque);
+        let inertia = joint.motor_inertia_kg_m2.filter(|_| torque.is_finite());
+        Some(Measured {
+            y: of(&block.y),
+            y_square: of(&block.y_square),
+            y_cube: of(&block.y_cube),
+            y_slow: of(&block.y_slow),
+            turned: of(&block.turned),
+            dq: of(&block.dq),
+            encoder: *encoder.first_chunk()?,
+            z: of(&block.z),
+            z_unknown: of(&block.z_unknown),
+            z_load: of(&block.z_load) * stiffness,
+            tau: phi.iter().zip(&self.inertial).map(|(p, pi)| p * pi).sum(),
+            load: Load::new(&self.payload_phi(phi), self.payload_at),
+            drive: inertia.map(|inertia| Drive {
+                torque,
+                inertial: inertia * of(&block.motor_acceleration),
+                velocity: of(&block.motor_velocity),
+                z: of(&block.motor_z),
+                z_load: of(&block.motor_z_load) * stiffness,
+                stood: of(&block.motor_stood),
+            }),
+        })
+    }
+}
