@@ -51,7 +51,7 @@ pub(super) const KEEP: f64 = 12.0;
 /// recordings without a change 6 of 127 take more, at most 4.4, and a change is kept from 13 on.
 const WORTH_A_LOOK: f64 = 3.0;
 /// One that takes less at a look is not fitted to the end, nor one that takes less than this share of
-/// what the best takes: of 55 rounds the best fit was within a tenth of the best look in all.
+/// what the best takes: of 55 rounds the best fit was within a fifth of the best look in all.
 const WORTH_A_FIT: f64 = 6.0;
 const NEAR_THE_BEST: f64 = 0.7;
 /// A change so many standard deviations from nothing isn't needless.
