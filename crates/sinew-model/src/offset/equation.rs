@@ -21,7 +21,8 @@ pub(super) enum Side {
 pub(super) struct Equation {
     pub(super) joint: usize,
     pub(super) side: Side,
-    /// How what is expected moves with the joint's own parameters.
+    /// How what is expected moves with the joint's own parameters: nothing with those that only the
+    /// other side knows, and with the zero as with the offset ([`super::gram`] rests on that).
     pub(super) own: [f64; PER_JOINT],
     /// How it moves with the joint's torque: what masses and load do goes through that, so over them
     /// the row is this times [`Equations::carried`].
