@@ -388,3 +388,41 @@ fn a_joint_that_only_shakes_has_unknown_friction() {
     assert!((shaken - 0.9).abs() < 0.02, "{shaken}");
     assert!(unknown(0.03) < 1e-6, "{}", unknown(0.03));
 }
+
+/// On a ramp every filter is exact at any step, so that a rate that changes on the way leaves no trace.
+#[test]
+fn features_follow_a_rate_that_changes() {
+    const SPEED: f64 = 0.03;
+    let robot = pendulum("").unwrap();
+    let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let (mut t, mut last, mut checked) = (0.0, 0.0, 0);
+    // Regressors every 12 ms, or as near as samples come.
+    for (dt, step) in [(0.004, 0.012), (0.010, 0.010), (0.001, 0.012)] {
+        let since = t;
+        for _ in 0..(8.0 / dt) as usize {
+            t += dt;
+            let q = SPEED * t;
+            if features.step(dt, &[q], &[q + 0.05], &[f64::NAN], f64::NAN) != Ok(true) {
+                continue;
+            }
+            let block = features.block();
+            let length = block.time_s - last;
+            last = block.time_s;
+            assert!((block.y[0] - 0.05).abs() < 1e-9, "{dt}: {}", block.y[0]);
+            // The first block, and one that began before the rate changed, have no length of their own.
+            if t < since + 3.0 {
+                continue;
+            }
+            checked += 1;
+            // What the start, at rest, leaves of the lag dies with exp(-3 t).
+            let left = SPEED * (-3.0 * (t - 1.0)).exp();
+            let off = (block.dq[0] - SPEED).abs();
+            assert!(off < left + 1e-9, "{dt}, {t}: {off} {left}");
+            // The low-pass is a third of a second behind, the mean over a block half of it.
+            let behind = SPEED * (1.0 / 3.0 + 0.5 * (length - step));
+            let off = (block.q[0] - block.turned[0] - behind).abs();
+            assert!(off < left + 1e-9, "{dt}, {t}: {off} {left}");
+        }
+    }
+    assert!(checked > 60, "{checked}");
+}

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
-use super::solve::{Problem, Solution};
+use super::solve::{GLANCE, LOOK, Problem, Solution, WARM};
 use alloc::vec::Vec;
 
 /// What changes.
@@ -163,9 +163,9 @@ impl Problem<'_> {
         let mut looked: Vec<(f64, Change, Solution)> = Vec::new();
         for candidate in self.candidates(best, seek)? {
             let (changes, state) = candidate.with(best);
-            let glance = self.glance_from(&changes, &state, best)?;
+            let glance = self.solve_from(&changes, &state, best, GLANCE)?;
             if seen.gain(&glance) > WORTH_A_LOOK {
-                let look = self.look_from(&changes, &state, best)?;
+                let look = self.solve_from(&changes, &state, best, LOOK)?;
                 let gain = seen.gain(&look);
                 // Both weighings may suspect the same; where one of them starts from leads further.
                 let same = looked
@@ -280,7 +280,11 @@ impl Problem<'_> {
             let changes = [&known.changes[..], &[softer]].concat();
             let mut state = known.state.clone();
             state.resize(self.total(&changes), 0.0);
-            let softer = self.fitted(known, softer, self.solve_from(&changes, &state, known)?);
+            let softer = self.fitted(
+                known,
+                softer,
+                self.solve_from(&changes, &state, known, WARM)?,
+            );
             let [.., size] = softer.solution.estimate.state[..] else {
                 return Ok(Some(solution));
             };

@@ -44,7 +44,7 @@ impl Problem<'_> {
         -0.5 * from.zip(pull).map(|(x, g)| x * g).sum::<f64>()
     }
 
-    /// `at` as [`Problem::glance_from`] sees it, to compare many with.
+    /// `at` as a glance sees it, to compare many with.
     pub(super) fn seen(&self, at: &MapEstimate) -> Seen {
         let every = self.every(See::Some);
         let mut equations = Equations::new(self.layout(), &at.changes);

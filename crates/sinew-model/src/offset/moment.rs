@@ -2,7 +2,7 @@
 
 use super::changes::{SAME_S, Seek, What, softens};
 use super::map::{MapError, MapEstimate};
-use super::solve::{Problem, Solution};
+use super::solve::{NEARLY, Problem, Solution};
 use alloc::vec::Vec;
 
 impl Problem<'_> {
@@ -72,7 +72,7 @@ impl Problem<'_> {
         }
         match (is, least) {
             (Some((is, _)), Some((least, at_s))) if least < is => self
-                .solve_nearly(&moved(at_s), &known.state, known)
+                .solve_from(&moved(at_s), &known.state, known, NEARLY)
                 .map(Some),
             _ => Ok(None),
         }
@@ -88,6 +88,7 @@ mod tests {
     use crate::offset::drawn::random;
     use crate::offset::map::MapEstimator;
     use crate::offset::prior::{JointPrior, Payload, Prior};
+    use crate::offset::solve::LOOK;
     use crate::offset::{FeatureConfig, TENSIONED_OFFSET_RAD};
     use crate::tolerances::Tolerances;
     use alloc::string::String;
@@ -177,7 +178,7 @@ mod tests {
         };
         let mut state = best.state.clone();
         state.push(4e-3);
-        let look = problem.look_from(&[slip], &state, &best).unwrap();
+        let look = problem.solve_from(&[slip], &state, &best, LOOK).unwrap();
         let gain = problem.seen(&best).gain(&look);
         let found = problem.fitted(&best, slip, look);
         assert!((gain - found.gain).abs() < 1e-9 * gain.abs(), "{gain}");

@@ -263,10 +263,10 @@ mod tests {
         }
         normal.gather();
         for i in 0..total {
-            assert!((normal.gradient[i] - gradient[i]).abs() < 1e-11);
+            assert!((normal.gradient[i] - gradient[i]).abs() < 1e-12);
             for k in 0..=i {
                 let (is, should) = (normal.information[i * total + k], square[i * total + k]);
-                assert!((is - should).abs() < 1e-11, "{i}, {k}: {is}, {should}");
+                assert!((is - should).abs() < 1e-12, "{i}, {k}: {is}, {should}");
             }
         }
     }

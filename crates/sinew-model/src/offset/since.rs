@@ -5,7 +5,7 @@ use super::map::{MapError, MapEstimate, StiffnessSince};
 use super::mixture::{self, Mixture, Odds};
 use super::model::Model;
 use super::prior::{Belief, JointParameter};
-use super::solve::{Problem, Solution};
+use super::solve::{Problem, Solution, WARM};
 use crate::cholesky;
 use alloc::vec::Vec;
 
@@ -47,7 +47,7 @@ impl Problem<'_> {
             let changes = [&found[..], &softer.estimate.changes].concat();
             let mut state = known.state.clone();
             state.resize(self.total(&changes), 0.0);
-            self.solve_from(&changes, &state, known)?
+            self.solve_from(&changes, &state, known, WARM)?
         };
         let mut out = self.complete(opened)?;
         let prior = self.estimator.prior();

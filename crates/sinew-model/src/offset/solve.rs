@@ -14,7 +14,7 @@ use crate::cholesky::{self, Factor};
 use alloc::vec::Vec;
 
 /// A Gauss–Newton step.
-struct Step {
+pub(super) struct Step {
     /// Scale of the redescending weight, in standard deviations.
     scale: f64,
     /// Blocks that pull at the state.
@@ -72,14 +72,15 @@ const COLD: &[Step] = &[
     onto(3.0),
 ];
 /// From a start that is nearly right.
-const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
-/// For what is only looked at, and for what is looked at closely.
-const GLANCE: &[Step] = &[near(3.0)];
-const LOOK: &[Step] = &[near(12.0), near(6.0), near(3.0)];
+pub(super) const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
+/// For what is only looked at: enough to see whether a change is worth more, by one block in three.
+pub(super) const GLANCE: &[Step] = &[near(3.0)];
+/// Enough to see what it takes off the cost of these.
+pub(super) const LOOK: &[Step] = &[near(12.0), near(6.0), near(3.0)];
 /// From there on.
 const ON: &[Step] = &[towards(3.5), towards(3.0), onto(3.0)];
 /// From the solution of nearly the same problem.
-const NEARLY: &[Step] = &[towards(3.0), onto(3.0)];
+pub(super) const NEARLY: &[Step] = &[towards(3.0), onto(3.0)];
 /// Neighbours say much the same: their noise is correlated over half a second.
 const THIN: usize = 3;
 /// Fewer blocks than this are all looked at.
@@ -206,57 +207,28 @@ impl<'a> Problem<'a> {
         self.descend(changes, COLD, None)
     }
 
-    /// [`Problem::solve`] from a state that is nearly right, with its noise.
+    /// [`Problem::solve`] from a state with its noise, by a course for how near that is.
     pub(super) fn solve_from(
         &self,
         changes: &[Change],
         state: &[f64],
         known: &MapEstimate,
+        course: &[Step],
     ) -> Result<Solution, MapError> {
-        self.descend(changes, WARM, Some((state, known)))
+        self.descend(changes, course, Some((state, known)))
     }
 
-    /// [`Problem::solve_from`] in one step: enough to see whether changes are worth more.
-    pub(super) fn glance_from(
-        &self,
-        changes: &[Change],
-        state: &[f64],
-        known: &MapEstimate,
-    ) -> Result<Solution, MapError> {
-        self.descend(changes, GLANCE, Some((state, known)))
-    }
-
-    /// [`Problem::solve_from`] in three steps: what a change takes off the cost of one block in three.
-    pub(super) fn look_from(
-        &self,
-        changes: &[Change],
-        state: &[f64],
-        known: &MapEstimate,
-    ) -> Result<Solution, MapError> {
-        self.descend(changes, LOOK, Some((state, known)))
-    }
-
-    /// To the end from [`Problem::look_from`].
+    /// To the end from a [`LOOK`].
     pub(super) fn solve_on(&self, look: &Solution) -> Result<Solution, MapError> {
         let at = &look.estimate;
-        self.descend(&at.changes, ON, Some((&at.state, at)))
-    }
-
-    /// [`Problem::solve_from`] from the solution of nearly the same problem.
-    pub(super) fn solve_nearly(
-        &self,
-        changes: &[Change],
-        state: &[f64],
-        known: &MapEstimate,
-    ) -> Result<Solution, MapError> {
-        self.descend(changes, NEARLY, Some((state, known)))
+        self.solve_from(&at.changes, &at.state, at, ON)
     }
 
     /// The estimate without the changes of `with`: two steps from what that says of it, which is all
     /// of it where equations are linear.
     pub(super) fn solve_without(&self, with: &Solution) -> Result<Solution, MapError> {
         let state = with.state_without(self.total(&[]));
-        self.descend(&[], NEARLY, Some((&state, &with.estimate)))
+        self.solve_from(&[], &state, &with.estimate, NEARLY)
     }
 
     fn descend(
