@@ -85,6 +85,7 @@
 //!
 //! A damaged or lossy recording is never an error of a call: see [`Health::is_damaged`].
 
+mod ahead;
 mod frame;
 mod health;
 mod options;

@@ -1,11 +1,12 @@
 //! A recording as blocks of features.
 
 use super::jumps::Jumps;
-use crate::estimate::{EstimateError, Injection, Progress, Request, check_injections};
-use crate::robot_dir::{self, LoadedRobot};
+use crate::estimate::{EstimateError, Injection, Opened, Progress, Request};
+use crate::robot_dir::LoadedRobot;
 use sinew_log::Frame;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, MapError};
 use sinew_model::robot::Robot;
+use std::ops::ControlFlow;
 
 /// Which part of a recording is used, s from its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,80 +187,104 @@ impl Recorder {
     }
 }
 
+/// The blocks of a part of a recording under way.
+pub(super) struct Blocks<'a> {
+    request: &'a Request,
+    window: Window,
+    recorder: Recorder,
+    start_ns: Option<i64>,
+}
+
+impl<'a> Blocks<'a> {
+    /// Before the first frame of what was opened.
+    pub(super) fn new(
+        request: &'a Request,
+        window: Window,
+        opened: &Opened,
+    ) -> Result<Self, EstimateError> {
+        let robot = &opened.loaded.robot;
+        let channels = &opened.recording().channels().joints;
+        let joints = robot.joint_names().iter().zip(&robot.transmissions);
+        for ((name, transmission), channel) in joints.zip(channels) {
+            if !channel.q || (transmission.is_some() && !channel.theta) {
+                return Err(mismatch(
+                    request,
+                    format!(
+                        "has no joint and motor position of '{name}', which the absolute estimate needs for every elastic joint; leave --baseline out"
+                    ),
+                ));
+            }
+        }
+        Ok(Self {
+            request,
+            window,
+            recorder: Recorder::new(robot, &FeatureConfig::default(), request.open.gap_s)
+                .with_injections(robot, &request.injections),
+            start_ns: None,
+        })
+    }
+
+    /// Takes the next frame; whether there may be more to take.
+    pub(super) fn frame(&mut self, frame: &Frame) -> bool {
+        let start: i64 = *self.start_ns.get_or_insert(frame.time_ns);
+        let t = (frame.time_ns - start) as f64 * 1e-9;
+        if t >= self.window.to_s {
+            return false;
+        }
+        if t >= self.window.from_s {
+            self.recorder.push(frame, t);
+        }
+        true
+    }
+
+    /// All of them.
+    pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
+        let Self {
+            request, window, ..
+        } = self;
+        let config = FeatureConfig::default();
+        let mut out = self.recorder.finish();
+        out.damaged = opened.recording().health().is_damaged();
+        if out.blocks.is_empty() {
+            return Err(mismatch(
+                request,
+                format!(
+                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; record longer, or look for gaps with sinew log info",
+                    7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
+                    window.from_s,
+                    if window.to_s.is_finite() {
+                        format!(" up to {} s", window.to_s)
+                    } else {
+                        String::new()
+                    }
+                ),
+            ));
+        }
+        Ok(out)
+    }
+}
+
+fn mismatch(request: &Request, why: String) -> EstimateError {
+    EstimateError::Mismatch {
+        file: request.log.display().to_string(),
+        why,
+    }
+}
+
 /// Reads the blocks of a recording.
 pub(super) fn read(
     request: &Request,
     window: Window,
-    config: &FeatureConfig,
     progress: &mut dyn FnMut(Progress),
-) -> Result<(LoadedRobot, Recorded), AbsoluteError> {
-    let mut recording =
-        sinew_log::open(&request.log, &request.open).map_err(EstimateError::from)?;
-    let place = match &request.robot {
-        Some(place) => place.clone(),
-        None => robot_dir::find(&request.log).map_err(EstimateError::from)?,
-    };
-    let loaded =
-        robot_dir::load(&place, recording.robot_description()).map_err(EstimateError::from)?;
-    let robot = &loaded.robot;
-    let names: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
-    recording.select(&names).map_err(EstimateError::from)?;
-    check_injections(request, &loaded)?;
-    let mismatch = |why: String| {
-        AbsoluteError::Estimate(EstimateError::Mismatch {
-            file: request.log.display().to_string(),
-            why,
+) -> Result<(LoadedRobot, Recorded), EstimateError> {
+    let mut opened = Opened::new(request)?;
+    let mut blocks = Blocks::new(request, window, &opened)?;
+    opened.each_frame(false, progress, |frame| {
+        Ok::<_, EstimateError>(match blocks.frame(frame) {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
         })
-    };
-    for ((name, transmission), channel) in names
-        .iter()
-        .zip(&robot.transmissions)
-        .zip(&recording.channels().joints)
-    {
-        if !channel.q || (transmission.is_some() && !channel.theta) {
-            return Err(mismatch(format!(
-                "has no joint and motor position of '{name}', which the absolute estimate needs for every elastic joint; leave --baseline out"
-            )));
-        }
-    }
-    let mut recorder = Recorder::new(robot, config, request.open.gap_s)
-        .with_injections(robot, &request.injections);
-    let mut start_ns = None;
-    let mut frames = 0u64;
-    while let Some(frame) = recording.next_frame().map_err(EstimateError::from)? {
-        let start: i64 = *start_ns.get_or_insert(frame.time_ns);
-        let t = (frame.time_ns - start) as f64 * 1e-9;
-        if t < window.from_s {
-            continue;
-        }
-        if t >= window.to_s {
-            break;
-        }
-        frames += 1;
-        recorder.push(frame, t);
-        if frames.is_multiple_of(8192) {
-            let at = recording.progress();
-            progress(Progress {
-                bytes_done: at.bytes_done,
-                bytes_total: at.bytes_total,
-                frames,
-                reference: false,
-            });
-        }
-    }
-    let mut out = recorder.finish();
-    out.damaged = recording.health().is_damaged();
-    if out.blocks.is_empty() {
-        return Err(mismatch(format!(
-            "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; record longer, or look for gaps with sinew log info",
-            7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
-            window.from_s,
-            if window.to_s.is_finite() {
-                format!(" up to {} s", window.to_s)
-            } else {
-                String::new()
-            }
-        )));
-    }
-    Ok((loaded, out))
+    })?;
+    let recorded = blocks.finish(&opened)?;
+    Ok((opened.loaded, recorded))
 }

@@ -1,15 +1,16 @@
 //! Learning a baseline and watching with it.
 
 use super::answer::Absolute;
-use super::blocks::{AbsoluteError, Recorded, Window, read};
+use super::blocks::{AbsoluteError, Blocks, Recorded, Window, read};
 use super::file::Baseline;
 use super::said::said;
-use crate::estimate::{Progress, Request};
+use crate::estimate::{self, Estimate, EstimateError, Opened, Pass, Progress, Request};
 use sinew_model::offset::{
     Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
     RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
+use std::ops::ControlFlow;
 
 /// A recording that begins within this time of the last one's end goes on with it, s.
 const CONTINUES_S: f64 = 60.0;
@@ -75,7 +76,7 @@ pub fn learn_from(
     learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, Absolute), AbsoluteError> {
-    let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
+    let (loaded, recorded) = read(request, window, progress)?;
     let file = request.log.display().to_string();
     learn_recorded_from(&loaded.robot, &recorded, &file, learning)
 }
@@ -158,9 +159,41 @@ pub fn watch(
     options: &WatchOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Absolute, Baseline), AbsoluteError> {
-    let (loaded, recorded) = read(request, window, &FeatureConfig::default(), progress)?;
+    let (loaded, recorded) = read(request, window, progress)?;
     let file = request.log.display().to_string();
     watch_recorded(&loaded.robot, &recorded, &file, baseline, options)
+}
+
+/// [`watch`], and the paper's estimate ([`estimate::run`]) of the same frames: the recording is read
+/// once. A CSV file asked for is written last.
+///
+/// # Errors
+/// [`AbsoluteError`]; no file has been written then.
+pub fn watch_beside_paper(
+    request: &Request,
+    window: Window,
+    baseline: Option<(&Baseline, &str)>,
+    options: &WatchOptions,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Estimate, Absolute, Baseline), AbsoluteError> {
+    let reference = estimate::reference(request, progress)?;
+    let mut opened = Opened::new(request)?;
+    let mut pass = Pass::new(request, &opened)?;
+    let mut blocks = Blocks::new(request, window, &opened)?;
+    opened.each_frame(false, progress, |frame| {
+        pass.frame(frame)?;
+        blocks.frame(frame);
+        Ok::<_, EstimateError>(ControlFlow::Continue(()))
+    })?;
+    let recorded = blocks.finish(&opened)?;
+    let file = request.log.display().to_string();
+    let robot = &opened.loaded.robot;
+    let (said, next) = watch_recorded(robot, &recorded, &file, baseline, options)?;
+    let mut paper = pass.finish(opened)?;
+    if let Some(reference) = reference {
+        estimate::compare(&mut paper, &reference);
+    }
+    Ok((paper, said, next))
 }
 
 /// [`watch`] from blocks; `name` of the recording for the answer and errors.

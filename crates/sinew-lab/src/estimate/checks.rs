@@ -93,7 +93,7 @@ pub(super) fn refusals(
     Ok(refused)
 }
 
-pub(crate) fn check_injections(
+pub(super) fn check_injections(
     request: &Request,
     loaded: &LoadedRobot,
 ) -> Result<(), EstimateError> {

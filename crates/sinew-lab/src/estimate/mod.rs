@@ -20,6 +20,7 @@ mod basis;
 mod checks;
 mod csv;
 mod doubts;
+mod pass;
 mod replay;
 mod request;
 mod result;
@@ -27,10 +28,11 @@ mod run;
 mod series;
 mod tally;
 
-pub(crate) use checks::check_injections;
+pub(crate) use pass::{Opened, Pass};
 pub use request::{EstimateError, Progress, Request};
 pub use result::{
     Basis, Difference, Estimate, Injection, JointEstimate, Loss, RecordingInfo, RobotInfo, Series,
     Settings,
 };
 pub use run::run;
+pub(crate) use run::{compare, reference};

@@ -1,10 +1,10 @@
 //! What `sinew baseline` and `sinew estimate --baseline` share: options and the answer as text.
 
-use crate::terminal::{Bar, Failure};
+use crate::terminal::Failure;
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::absolute::{self, Absolute, Baseline, Payload, WatchOptions, Window};
-use sinew_lab::estimate::Request;
+use sinew_lab::absolute::{self, Absolute, AbsoluteError, Baseline, Payload, WatchOptions, Window};
+use sinew_lab::estimate::{Estimate, EstimateError, Progress, Request};
 use sinew_lab::report;
 use std::path::{Path, PathBuf};
 
@@ -96,14 +96,18 @@ impl Watching {
         ))
     }
 
-    /// Watches a recording, and saves what it taught where asked to.
+    /// Watches a recording beside the paper's estimate, and saves what it taught where asked to.
     pub(crate) fn watch(
         &self,
         request: &Request,
         baseline: Option<&Path>,
-        quiet: bool,
-    ) -> Result<Absolute, Failure> {
-        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
+        explain: impl Fn(EstimateError) -> Failure,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(Estimate, Absolute), Failure> {
+        let refused = |error: AbsoluteError| match error {
+            AbsoluteError::Estimate(error) => explain(error),
+            other => Failure::Refused(other.to_string()),
+        };
         let window = self.part.window()?;
         let options = WatchOptions {
             payload: match (self.empty, self.payload_kg) {
@@ -116,21 +120,15 @@ impl Watching {
         let read = baseline
             .map(|path| Ok((Baseline::read(path)?, path.display().to_string())))
             .transpose()
-            .map_err(refused)?;
-        let bar = Bar::new("watching", quiet);
-        let watched = absolute::watch(
-            request,
-            window,
-            read.as_ref().map(|(b, name)| (b, name.as_str())),
-            &options,
-            &mut |at| bar.set(at.bytes_done as f64, at.bytes_total as f64),
-        );
-        drop(bar);
-        let (watched, next) = watched.map_err(refused)?;
+            .map_err(&refused)?;
+        let since = read.as_ref().map(|(b, name)| (b, name.as_str()));
+        let (paper, watched, next) =
+            absolute::watch_beside_paper(request, window, since, &options, progress)
+                .map_err(&refused)?;
         if let Some(path) = &self.save {
             next.write(path)?;
         }
-        Ok(watched)
+        Ok((paper, watched))
     }
 }
 

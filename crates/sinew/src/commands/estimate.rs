@@ -7,7 +7,7 @@ use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
 use sinew_lab::absolute::Absolute;
-use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Request};
+use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Progress, Request};
 use sinew_lab::{output, report, robot_dir};
 use sinew_model::offset::VelocityFilter;
 use std::path::PathBuf;
@@ -97,24 +97,13 @@ impl Estimate {
         request.open = self.opening.options()?;
         request.csv.clone_from(&self.csv);
 
-        let bar = Bar::new("estimating", self.quiet);
-        let result = estimate::run(&request, &mut |at| {
-            bar.say(if at.reference {
-                "reference "
-            } else {
-                "estimating"
-            });
-            bar.set(at.bytes_done as f64, at.bytes_total as f64);
-        });
-        drop(bar);
-        let result = result.map_err(|error| self.explain(error))?;
-
+        let (result, absolute) = self.estimate(&request)?;
         if !self.quiet && !self.json {
-            for warning in &result.warnings {
+            let absolute = absolute.iter().flat_map(|a| &a.warnings);
+            for warning in result.warnings.iter().chain(absolute) {
                 complain("warning", &plain(warning));
             }
         }
-        let absolute = self.absolute(&request)?;
         if let Some(path) = &self.report {
             let page = report::html_with(&result, absolute.as_ref());
             output::write_file(path, page.as_bytes())?;
@@ -137,19 +126,27 @@ impl Estimate {
         Ok(Finish::lossy(result.damaged || passed))
     }
 
-    /// `--baseline` or `--absolute`: the joint estimate.
-    fn absolute(&self, request: &Request) -> Result<Option<Absolute>, Failure> {
+    /// The paper's estimate and, with `--baseline` or `--absolute`, the joint one.
+    fn estimate(&self, request: &Request) -> Result<(Result_, Option<Absolute>), Failure> {
+        let bar = Bar::new("estimating", self.quiet);
+        let mut progress = |at: Progress| {
+            bar.say(if at.reference {
+                "reference "
+            } else {
+                "estimating"
+            });
+            bar.set(at.bytes_done as f64, at.bytes_total as f64);
+        };
+        let explain = |error| self.explain(error);
         if self.baseline.is_none() && !self.absolute {
-            return Ok(None);
+            let result = estimate::run(request, &mut progress).map_err(explain)?;
+            return Ok((result, None));
         }
         let baseline = self.baseline.as_deref();
-        let watched = self.watching.watch(request, baseline, self.quiet)?;
-        if !self.quiet && !self.json {
-            for warning in &watched.warnings {
-                complain("warning", &plain(warning));
-            }
-        }
-        Ok(Some(watched))
+        let (result, absolute) = self
+            .watching
+            .watch(request, baseline, explain, &mut progress)?;
+        Ok((result, Some(absolute)))
     }
 
     fn check_files(&self) -> Result<(), Failure> {
