@@ -16,6 +16,26 @@ fn commands(story: &str) -> Vec<String> {
         .collect()
 }
 
+/// `cargo run … --example NAME -- ARGUMENTS` by the example that the tests of the whole workspace have
+/// built, where they have: another build of everything in release says no more.
+fn built(words: Vec<String>) -> Vec<String> {
+    let example = words.iter().position(|w| w == "--example");
+    let arguments = words.iter().position(|w| w == "--");
+    if let ("cargo", Some(example), Some(arguments)) = (words[0].as_str(), example, arguments) {
+        let place = Path::new(env!("CARGO_BIN_EXE_sinew")).with_file_name("examples");
+        let program = place.join(format!(
+            "{}{}",
+            words[example + 1],
+            std::env::consts::EXE_SUFFIX
+        ));
+        if program.is_file() {
+            let program = program.display().to_string();
+            return [&[program], &words[arguments + 1..]].concat();
+        }
+    }
+    words
+}
+
 #[test]
 fn every_story_runs() {
     let mut stories: Vec<PathBuf> = std::fs::read_dir(root().join("examples"))
@@ -50,7 +70,7 @@ fn every_story_runs() {
                 );
                 continue;
             }
-            let words: Vec<String> = command.split_whitespace().map(here).collect();
+            let words = built(command.split_whitespace().map(here).collect());
             let output = Command::new(&words[0])
                 .args(&words[1..])
                 .current_dir(root())
