@@ -2,9 +2,11 @@
 //!
 //! `cargo bench -p sinew-lab --bench absolute` prints, for 250 Hz and 1 kHz, CSV and MCAP (and
 //! Parquet, 250 Hz, where `../shared` is there), what every stage of
-//! `sinew estimate LOG --baseline FILE` takes and its ratio to reading the log; then the cost of a
-//! feature step, of a block of the recursive form, and batch over recursive.
+//! `sinew estimate LOG --baseline FILE` takes, of processors and by the clock, and its ratio to reading
+//! the log; then the cost of a feature step, of a block of the recursive form, and batch over
+//! recursive.
 
+use cpu_time::ProcessTime;
 use sinew_lab::absolute::{self, Baseline, Recorded, Recorder, WatchOptions, Window};
 use sinew_lab::estimate::{self, Request};
 use sinew_lab::robot_dir;
@@ -14,7 +16,6 @@ use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::time::Instant;
 
 /// A session's length, s.
@@ -112,33 +113,25 @@ fn write_mcap(path: &Path, robot: &Robot, frames: &[Frame]) {
     Box::new(writer).finish().expect("recording");
 }
 
-/// Seconds this thread has had of a processor, where the system tells (Linux), so that a busy
-/// machine doesn't count; else seconds of the clock.
-fn clock_s() -> f64 {
-    static EPOCH: OnceLock<Instant> = OnceLock::new();
-    // The system counts at every tick, 4 ms, and whenever a thread gives way.
-    std::thread::yield_now();
-    let schedule = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let ns = schedule.and_then(|s| s.split_whitespace().next()?.parse::<f64>().ok());
-    ns.map_or_else(
-        || EPOCH.get_or_init(Instant::now).elapsed().as_secs_f64(),
-        |ns| 1e-9 * ns,
-    )
-}
-
-/// What a stage takes, s: the median.
-struct Stage(Vec<f64>);
+/// What a stage takes, s: of processors, all threads together, and by the clock.
+#[derive(Default)]
+struct Stage(Vec<[f64; 2]>);
 
 impl Stage {
     fn run(&mut self, f: impl FnOnce()) {
-        let start = clock_s();
+        let (processor, clock) = (ProcessTime::now(), Instant::now());
         f();
-        self.0.push(clock_s() - start);
+        let elapsed = clock.elapsed().as_secs_f64();
+        self.0.push([processor.elapsed().as_secs_f64(), elapsed]);
     }
 
-    fn median(&mut self) -> f64 {
-        self.0.sort_by(f64::total_cmp);
-        self.0[self.0.len() / 2]
+    /// Median of either.
+    fn median(&self) -> [f64; 2] {
+        [0, 1].map(|which| {
+            let mut all: Vec<f64> = self.0.iter().map(|times| times[which]).collect();
+            all.sort_by(f64::total_cmp);
+            all[all.len() / 2]
+        })
     }
 }
 
@@ -156,7 +149,7 @@ fn stages(
     request.robot = Some(PathBuf::from(place));
     let with = Some((baseline, "A"));
     let options = WatchOptions::default();
-    let mut stage: [Stage; 5] = std::array::from_fn(|_| Stage(Vec::new()));
+    let mut stage: [Stage; 6] = Default::default();
     for _ in 0..rounds {
         let mut kept = Recorded::default();
         stage[0].run(|| {
@@ -176,19 +169,31 @@ fn stages(
             let said = absolute::watch(&request, window, with, &options, &mut |_| {});
             drop(black_box(said.expect("estimate")));
         });
+        stage[5].run(|| {
+            let said = absolute::watch_beside_paper(&request, window, with, &options, &mut |_| {});
+            drop(black_box(said.expect("estimate")));
+        });
     }
-    let [read, features, watch, paper, absolute] = stage.each_mut().map(Stage::median);
-    for (what, seconds) in [
+    let [read, features, watch, paper, absolute, both] = stage.each_ref().map(Stage::median);
+    let features = [features[0] - read[0], features[1] - read[1]];
+    println!(
+        "{name:8} {:38} processor, of reading   elapsed, of reading",
+        ""
+    );
+    for (what, [processor, elapsed]) in [
         ("reading the log", read),
-        ("features beside reading", features - read),
+        ("features beside reading", features),
         ("the batch estimate of the blocks", watch),
         ("reading, features and batch: the whole", absolute),
         ("the paper's estimate, reading included", paper),
+        ("the whole and the paper's", both),
     ] {
         println!(
-            "{name:8} {what:40} {:8.2} ms {:7.2} of reading",
-            1e3 * seconds,
-            seconds / read
+            "{name:8} {what:38} {:6.2} ms {:6.2}       {:6.2} ms {:6.2}",
+            1e3 * processor,
+            processor / read[0],
+            1e3 * elapsed,
+            elapsed / read[1]
         );
     }
 }
@@ -256,7 +261,7 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
     let options = WatchOptions::default();
     let blocks = recorded(robot, frames);
     let dt_s = SESSION_S / frames.len() as f64;
-    let mut stage: [Stage; 3] = std::array::from_fn(|_| Stage(Vec::new()));
+    let mut stage: [Stage; 3] = Default::default();
     for _ in 0..rounds {
         stage[0].run(|| {
             let mut observer = FeatureObserver::new(&robot.arm, FeatureConfig::default());
@@ -276,7 +281,7 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
             drop(black_box(said.expect("estimate")));
         });
     }
-    let [features, recursive, batch] = stage.each_mut().map(Stage::median);
+    let [[features, _], [recursive, _], [batch, _]] = stage.each_ref().map(Stage::median);
     println!(
         "feature step {:.2} µs a frame; recursive form {:.1} µs a block of 0.2 s, {:.2} ms a minute; batch {:.1} ms a minute, {:.1} times the recursive form",
         1e6 * features / frames.len() as f64,

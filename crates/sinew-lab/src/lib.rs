@@ -7,6 +7,7 @@ pub mod control;
 pub mod creep;
 pub mod estimate;
 pub mod excitation;
+mod hands;
 mod journal;
 pub mod output;
 pub mod paper;

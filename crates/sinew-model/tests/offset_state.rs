@@ -4,8 +4,8 @@ mod pendulum;
 
 use pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::offset::{
-    Block, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator, Payload,
-    RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    Block, FeatureConfig, FeatureObserver, Hands, JointParameter, MapError, MapEstimator, OneHand,
+    Payload, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
 
@@ -151,6 +151,59 @@ fn a_step_is_found_with_its_moment_and_size() {
             map.changes
         );
     }
+}
+
+/// A second thread, which begins first.
+#[derive(Debug)]
+struct TwoThreads;
+
+impl Hands for TwoThreads {
+    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        std::thread::scope(|scope| {
+            scope.spawn(other);
+            one();
+        });
+    }
+}
+
+/// The other thing first.
+#[derive(Debug)]
+struct OtherFirst;
+
+impl Hands for OtherFirst {
+    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        other();
+        one();
+    }
+}
+
+#[test]
+fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator
+        .prior()
+        .belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let seek = Seek {
+        offsets: true,
+        payload: true,
+        continues: false,
+    };
+    let truth = Truth {
+        step_rad: 0.003,
+        ..PLAIN
+    };
+    let blocks = blocks(&robot.arm, truth);
+    let answers = [&OneHand as &'static dyn Hands, &TwoThreads, &OtherFirst].map(|hands| {
+        let estimator = estimator.clone().with_hands(hands);
+        let map = estimator.watch(&start, &blocks, Payload::Unknown, seek);
+        let map = map.unwrap();
+        assert!(!map.changes.is_empty());
+        assert_eq!(map.weights.len(), blocks.len());
+        // Every digit, and NaN as itself.
+        format!("{map:?}")
+    });
+    assert!(answers.iter().all(|a| *a == answers[0]));
 }
 
 #[test]

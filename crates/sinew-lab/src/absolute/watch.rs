@@ -5,6 +5,7 @@ use super::blocks::{AbsoluteError, Blocks, Recorded, Window, read};
 use super::file::Baseline;
 use super::said::said;
 use crate::estimate::{self, Estimate, EstimateError, Opened, Pass, Progress, Request};
+use crate::hands::Processors;
 use sinew_model::offset::{
     Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
     RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
@@ -359,7 +360,9 @@ pub fn estimator(robot: &Robot, options: &WatchOptions) -> MapEstimator {
         .body(last)
         .map_or([0.0; 3], |b| b.com.map(|c| 1.5 * c));
     let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, robot.tolerances);
-    MapEstimator::new(prior, &FeatureConfig::default()).with_motor_torque(options.motor_torque)
+    MapEstimator::new(prior, &FeatureConfig::default())
+        .with_motor_torque(options.motor_torque)
+        .with_hands(Processors::machine())
 }
 
 pub(super) fn mean_temperature(blocks: &[Block]) -> f64 {

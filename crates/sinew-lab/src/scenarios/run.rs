@@ -2,6 +2,7 @@
 
 use super::journal::Settings;
 use super::{Plan, Recording, ScenarioError, Summary, record};
+use crate::hands::Processors;
 use crate::journal::{self, Journal};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -85,6 +86,8 @@ pub fn run(
 
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
+    // This thread only waits.
+    let _taken = Processors::machine().take_up_to(options.jobs.saturating_sub(1));
     let mut failed = None;
     std::thread::scope(|scope| {
         for _ in 0..options.jobs.clamp(1, missing.len().max(1)) {

@@ -1,6 +1,7 @@
 //! Sudden changes within a recording: a slip, a failed strand, a load picked up or put down.
 
 use super::block::Block;
+use super::hands;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
 use super::solve::{GLANCE, LOOK, Problem, Solution, WARM};
@@ -159,33 +160,40 @@ impl Problem<'_> {
 
     /// The candidate that takes most off the cost.
     fn most_telling(&self, best: &MapEstimate, seek: Seek) -> Result<Option<Found>, MapError> {
+        let hands = self.estimator.hands();
         let seen = self.seen(best);
-        let mut looked: Vec<(f64, Change, Solution)> = Vec::new();
-        for candidate in self.candidates(best, seek)? {
+        let candidates = self.candidates(best, seek)?;
+        let looks = hands::each(hands, &candidates, |candidate| {
             let (changes, state) = candidate.with(best);
             let glance = self.solve_from(&changes, &state, best, GLANCE)?;
-            if seen.gain(&glance) > WORTH_A_LOOK {
-                let look = self.solve_from(&changes, &state, best, LOOK)?;
-                let gain = seen.gain(&look);
-                // Both weighings may suspect the same; where one of them starts from leads further.
-                let same = looked
-                    .iter()
-                    .position(|(_, change, _)| *change == candidate.change);
-                match same {
-                    Some(k) if looked[k].0 < gain => looked[k] = (gain, candidate.change, look),
-                    Some(_) => {}
-                    None => looked.push((gain, candidate.change, look)),
-                }
+            if seen.gain(&glance) <= WORTH_A_LOOK {
+                return Ok(None);
+            }
+            let look = self.solve_from(&changes, &state, best, LOOK)?;
+            Ok(Some((seen.gain(&look), candidate.change, look)))
+        });
+        let mut looked: Vec<(f64, Change, Solution)> = Vec::new();
+        for look in looks {
+            let Some(look) = look? else {
+                continue;
+            };
+            // Both weighings may suspect the same; where one of them starts from leads further.
+            match looked.iter_mut().find(|(_, change, _)| *change == look.1) {
+                Some(same) if same.0 < look.0 => *same = look,
+                Some(_) => {}
+                None => looked.push(look),
             }
         }
         let most = looked.iter().map(|l| l.0).fold(0.0, f64::max);
+        looked.retain(|(gain, ..)| *gain > WORTH_A_FIT.max(NEAR_THE_BEST * most));
+        let fits = hands::each(hands, &looked, |(_, change, look)| {
+            Ok(self.fitted(best, *change, self.solve_on(look)?))
+        });
         let mut found: Option<Found> = None;
-        for (gain, change, look) in looked {
-            if gain > WORTH_A_FIT.max(NEAR_THE_BEST * most) {
-                let trial = self.fitted(best, change, self.solve_on(&look)?);
-                if trial.likely() > found.as_ref().map_or(0.0, Found::likely) {
-                    found = Some(trial);
-                }
+        for trial in fits {
+            let trial = trial?;
+            if trial.likely() > found.as_ref().map_or(0.0, Found::likely) {
+                found = Some(trial);
             }
         }
         Ok(found)

@@ -19,6 +19,7 @@ use super::block::Block;
 use super::changes::{Change, offset_columns};
 use super::config::FeatureConfig;
 use super::equation::{Equations, Side};
+use super::hands::{Hands, OneHand};
 use super::model::Model;
 use super::prior::{Belief, Payload, Prior};
 use super::solve::Problem;
@@ -160,6 +161,7 @@ pub struct MapEstimator {
     /// No joint is trusted to better than this, rad.
     noise_floor_rad: f64,
     motor_torque: bool,
+    hands: &'static dyn Hands,
 }
 
 impl MapEstimator {
@@ -176,6 +178,7 @@ impl MapEstimator {
             block_s: features.block_s,
             noise_floor_rad: 0.12e-3,
             motor_torque: true,
+            hands: &OneHand,
         }
     }
 
@@ -184,6 +187,17 @@ impl MapEstimator {
     pub fn with_motor_torque(mut self, used: bool) -> Self {
         self.motor_torque = used;
         self
+    }
+
+    /// Who does what can be done at once; one thing goes after the other unless this says otherwise.
+    #[must_use]
+    pub fn with_hands(mut self, hands: &'static dyn Hands) -> Self {
+        self.hands = hands;
+        self
+    }
+
+    pub(super) fn hands(&self) -> &dyn Hands {
+        self.hands
     }
 
     /// Whether a recorded motor torque is used.

@@ -13,6 +13,7 @@ mod features;
 mod filter;
 mod fleet;
 mod gram;
+mod hands;
 mod layout;
 mod linear;
 mod map;
@@ -36,6 +37,7 @@ pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
 };
 pub use features::FeatureObserver;
+pub use hands::{Hands, OneHand};
 pub use map::{MapError, MapEstimate, MapEstimator, StiffnessSince};
 pub use observer::{OffsetObserver, Sample};
 pub use prior::{

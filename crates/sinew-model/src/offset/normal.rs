@@ -7,6 +7,7 @@ use super::layout::Layout;
 use super::map::MapError;
 use crate::cholesky::Factor;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Normal equations under construction, the lower half.
 pub(super) struct Normal {
@@ -33,6 +34,29 @@ impl Normal {
     pub(super) fn start(&mut self, prior: &[f64], pull: &[f64]) {
         self.information.copy_from_slice(prior);
         self.gradient.copy_from_slice(pull);
+    }
+
+    /// Nothing yet.
+    pub(super) fn clear(&mut self) {
+        self.information.fill(0.0);
+        self.gradient.fill(0.0);
+    }
+
+    /// Adds what `other` has been given.
+    pub(super) fn take_over(&mut self, other: &mut Self) {
+        other.gather();
+        let own = self.information.chunks_exact_mut(self.total);
+        for (row, (own, more)) in own
+            .zip(other.information.chunks_exact(self.total))
+            .enumerate()
+        {
+            for (to, more) in own.iter_mut().zip(more).take(row + 1) {
+                *to += more;
+            }
+        }
+        for (to, more) in self.gradient.iter_mut().zip(&other.gradient) {
+            *to += more;
+        }
     }
 
     /// Adds what the equations of a block say, each with the information it carries.
@@ -75,16 +99,19 @@ impl Normal {
 /// Residuals of every block, for the robust noise.
 pub(super) struct Residuals {
     n: usize,
+    /// The first block.
+    first: usize,
     link: Vec<f64>,
     motor: Vec<f64>,
 }
 
 impl Residuals {
-    pub(super) fn new(n: usize, blocks: usize) -> Self {
+    pub(super) fn new(n: usize, blocks: Range<usize>) -> Self {
         Self {
             n,
-            link: alloc::vec![f64::NAN; n * blocks],
-            motor: alloc::vec![f64::NAN; n * blocks],
+            first: blocks.start,
+            link: alloc::vec![f64::NAN; n * blocks.len()],
+            motor: alloc::vec![f64::NAN; n * blocks.len()],
         }
     }
 
@@ -92,7 +119,7 @@ impl Residuals {
         /// A drive that stood longer says nothing about the noise of one that moves.
         const STOOD: f64 = 0.2;
         for e in &equations.list {
-            let k = b * self.n + e.joint;
+            let k = (b - self.first) * self.n + e.joint;
             match e.side {
                 Side::Link => self.link[k] = e.residual,
                 Side::Motor => {
@@ -106,20 +133,19 @@ impl Residuals {
         }
     }
 
-    /// 1.4826 times the median size.
-    pub(super) fn noise(&self, i: usize, side: Side) -> f64 {
+    /// Sizes of a joint's.
+    fn sizes(&self, i: usize, side: Side) -> impl Iterator<Item = f64> {
         let all = match side {
             Side::Link => &self.link,
             Side::Motor => &self.motor,
         };
-        let sizes: Vec<f64> = all
-            .iter()
-            .skip(i)
-            .step_by(self.n)
-            .filter(|r| r.is_finite())
-            .map(|r| r.abs())
-            .collect();
-        1.4826 * median(sizes)
+        let own = all.iter().skip(i).step_by(self.n);
+        own.filter(|r| r.is_finite()).map(|r| r.abs())
+    }
+
+    /// 1.4826 times the median size, of all parts.
+    pub(super) fn noise<'a>(parts: impl Iterator<Item = &'a Self>, i: usize, side: Side) -> f64 {
+        1.4826 * median(parts.flat_map(|p| p.sizes(i, side)).collect())
     }
 }
 

@@ -3,6 +3,7 @@
 use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
 use super::cost::chi;
 use super::equation::{Equations, Side};
+use super::hands;
 use super::linear::Look;
 use super::map::{MapError, MapEstimate};
 use super::prior::Payload;
@@ -76,21 +77,24 @@ impl Problem<'_> {
             *noise = noise.min(QUIET_RAD);
         }
         let known = &quiet;
-        let mut out = Vec::new();
         let weighings = [(offsets, Weighing::Cut), (loads, Weighing::Huber)];
-        for ((kinds, weighing), trials) in weighings.into_iter().zip(TRIALS) {
-            if !kinds.is_empty() {
-                let fit = self.fit(known, weighing)?;
-                let scored = self.score(known, seek, &kinds, fit, EVERY);
-                // The best of every kind before the second best of any: a failed strand and a
-                // slip look alike to the score, and must not crowd each other out.
-                let (mut first, mut second): (Vec<_>, Vec<_>) =
-                    scored.into_iter().partition(|c| c.rank == 0);
-                for some in [&mut first, &mut second] {
-                    some.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-                }
-                out.extend(first.into_iter().chain(second).take(trials));
+        let scored = hands::each(self.estimator.hands(), &weighings, |(kinds, weighing)| {
+            if kinds.is_empty() {
+                return Ok(Vec::new());
             }
+            let fit = self.fit(known, *weighing)?;
+            Ok(self.score(known, seek, kinds, fit, EVERY))
+        });
+        let mut out = Vec::new();
+        for (scored, trials) in scored.into_iter().zip(TRIALS) {
+            // The best of every kind before the second best of any: a failed strand and a
+            // slip look alike to the score, and must not crowd each other out.
+            let (mut first, mut second): (Vec<_>, Vec<_>) =
+                scored?.into_iter().partition(|c| c.rank == 0);
+            for some in [&mut first, &mut second] {
+                some.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            }
+            out.extend(first.into_iter().chain(second).take(trials));
         }
         Ok(out)
     }

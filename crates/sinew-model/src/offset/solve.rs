@@ -12,6 +12,7 @@ use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload};
 use crate::cholesky::{self, Factor};
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// A Gauss–Newton step.
 pub(super) struct Step {
@@ -113,6 +114,16 @@ pub(super) struct Solution {
     information: Vec<f64>,
     /// Its Cholesky factor.
     factor: Factor,
+}
+
+/// What some blocks say.
+struct Part {
+    blocks: Range<usize>,
+    normal: Normal,
+    residuals: Residuals,
+    equations: Equations,
+    /// How much each of them counts.
+    weights: Vec<f64>,
 }
 
 impl Solution {
@@ -248,7 +259,7 @@ impl<'a> Problem<'a> {
             temperature_c: self.start.temperature_c,
             noise_rad: alloc::vec![1e-3; n],
             motor_noise_nm: (0..n).map(|i| self.estimator.motor_floor(i)).collect(),
-            weights: alloc::vec![1.0; self.blocks.len()],
+            weights: Vec::with_capacity(self.blocks.len()),
             cost: 0.0,
             stiffness_since: alloc::vec![None; n],
         };
@@ -257,52 +268,95 @@ impl<'a> Problem<'a> {
             at.noise_rad.copy_from_slice(&known.noise_rad);
             at.motor_noise_nm.copy_from_slice(&known.motor_noise_nm);
         }
-        let mut normal = Normal::new(total, layout);
-        let mut residuals = Residuals::new(n, self.blocks.len());
-        let mut equations = Equations::new(layout, changes);
-        let mut every = 1;
+        let mut parts = self.parts(changes, course);
         for (stage, step) in course.iter().enumerate() {
-            every = self.every(step.pull);
-            let informing = self.every(step.inform);
-            normal.start(&prior, &self.prior_pull(&at));
-            for b in (0..self.blocks.len()).step_by(every) {
-                self.equations(&at, b, Look::Rows, &mut equations);
-                let w = step.scale * step.scale;
-                let w = w / (w + chi(&equations, &at));
-                at.weights[b] = w * w;
-                residuals.keep(b, &equations);
-                let information = |e: &_| w * w * self.information_of(e, &at, b);
-                normal.add_gradient(&equations, |e| every as f64 * information(e));
-                if b % informing == 0 {
-                    normal.add_information(&equations, |e| informing as f64 * information(e));
+            let (first, others) = parts.split_at_mut(1);
+            let first = &mut first[0];
+            first.normal.start(&prior, &self.prior_pull(&at));
+            match others {
+                [] => self.sum(&at, step, first),
+                [other, ..] => {
+                    other.normal.clear();
+                    self.estimator
+                        .hands()
+                        .both(&mut || self.sum(&at, step, first), &mut || {
+                            self.sum(&at, step, other)
+                        });
+                    first.normal.take_over(&mut other.normal);
                 }
             }
-            normal.solve()?;
-            for (x, step) in at.state.iter_mut().zip(&normal.gradient) {
+            first.normal.solve()?;
+            for (x, step) in at.state.iter_mut().zip(&first.normal.gradient) {
                 *x += step;
             }
             // Noise from the residuals, once they mean something.
             if stage >= 2 || warm.is_some() {
                 let floor = self.estimator.noise_floor_rad();
                 for i in 0..n {
-                    at.noise_rad[i] = residuals.noise(i, Side::Link).max(floor);
-                    at.motor_noise_nm[i] = residuals
-                        .noise(i, Side::Motor)
-                        .max(self.estimator.motor_floor(i));
+                    let noise =
+                        |side| Residuals::noise(parts.iter().map(|p| &p.residuals), i, side);
+                    at.noise_rad[i] = noise(Side::Link).max(floor);
+                    at.motor_noise_nm[i] = noise(Side::Motor).max(self.estimator.motor_floor(i));
                 }
             }
         }
+        let every = course.last().map_or(1, |step| self.every(step.pull));
         at.cost = self.cost_over(&at, &at, every);
+        for part in &mut parts {
+            at.weights.append(&mut part.weights);
+        }
         let Normal {
             information,
             factor,
             ..
-        } = normal;
+        } = parts.swap_remove(0).normal;
         Ok(Solution {
             estimate: at,
             information,
             factor,
         })
+    }
+
+    /// All blocks, by halves where a course goes to the end: what is only looked at is small, and
+    /// looked at beside others.
+    fn parts(&self, changes: &[Change], course: &[Step]) -> Vec<Part> {
+        let count = self.blocks.len();
+        let all_near = course.iter().all(|step| matches!(step.pull, See::Some));
+        // Blocks that are looked at are multiples of `THIN`.
+        let middle = count / 2 / THIN * THIN;
+        let ranges = if all_near || middle == 0 {
+            alloc::vec![0..count]
+        } else {
+            alloc::vec![0..middle, middle..count]
+        };
+        let layout = self.layout();
+        let part = |blocks: Range<usize>| Part {
+            normal: Normal::new(self.total(changes), layout),
+            residuals: Residuals::new(layout.joints, blocks.clone()),
+            equations: Equations::new(layout, changes),
+            weights: alloc::vec![1.0; blocks.len()],
+            blocks,
+        };
+        ranges.into_iter().map(part).collect()
+    }
+
+    /// Adds up what the blocks of a part say for a step from `at`.
+    fn sum(&self, at: &MapEstimate, step: &Step, part: &mut Part) {
+        let (every, informing) = (self.every(step.pull), self.every(step.inform));
+        for b in part.blocks.clone().step_by(every) {
+            self.equations(at, b, Look::Rows, &mut part.equations);
+            let w = step.scale * step.scale;
+            let w = w / (w + chi(&part.equations, at));
+            part.weights[b - part.blocks.start] = w * w;
+            part.residuals.keep(b, &part.equations);
+            let information = |e: &_| w * w * self.information_of(e, at, b);
+            part.normal
+                .add_gradient(&part.equations, |e| every as f64 * information(e));
+            if b % informing == 0 {
+                part.normal
+                    .add_information(&part.equations, |e| informing as f64 * information(e));
+            }
+        }
     }
 
     /// Equations of block `b` around an estimate.

@@ -16,6 +16,7 @@ pub use statistics::{FailureSeen, JointErrors, statistics};
 
 use super::life::Life;
 use crate::absolute::AbsoluteError;
+use crate::hands::Processors;
 use crate::journal::Journal;
 use crate::simulate::SimulateError;
 use journal::Settings;
@@ -112,6 +113,8 @@ pub(super) fn sessions(
     progress(done.len(), all);
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
+    // This thread only waits.
+    let _taken = Processors::machine().take_up_to(request.jobs.saturating_sub(1));
     let mut failed = None;
     std::thread::scope(|scope| {
         for _ in 0..request.jobs.clamp(1, missing.len().max(1)) {
