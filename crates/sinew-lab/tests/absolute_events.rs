@@ -65,6 +65,35 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
     );
 }
 
+/// What the baseline took for the gripper is gone.
+#[test]
+fn a_load_below_nothing_is_no_load() {
+    let robot = biorob_like();
+    let load = |text: String| {
+        no_contact(text)
+            .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4")
+            .replace("attach_s = 60.0", "attach_s = 0.0\nrelease_s = 60.0")
+    };
+    let (parts, _) = work_session(&robot, 11, load, &[60.0, 120.0]);
+    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let watched = |part: usize| {
+        let baseline = Some((&baseline, "A"));
+        let options = WatchOptions::default();
+        let (said, _) =
+            absolute::watch_recorded(&robot, &parts[part], "B", baseline, &options).unwrap();
+        let warned = said
+            .warnings
+            .iter()
+            .any(|w| w.contains("less than nothing"));
+        println!("{:?} {:?}", said.payload_kg, said.warnings);
+        (said.payload_kg[0], warned)
+    };
+    let (payload_kg, warned) = watched(1);
+    assert!(payload_kg < -0.1 && warned, "{payload_kg}");
+    let (payload_kg, warned) = watched(0);
+    assert!(payload_kg.abs() < 0.05 && !warned, "{payload_kg}");
+}
+
 #[test]
 fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
     let robot = biorob_like();

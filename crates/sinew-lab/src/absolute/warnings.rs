@@ -3,6 +3,7 @@
 use super::answer::Absolute;
 use super::blocks::Recorded;
 use super::doubt::{Doubt, LASTING_S, may_end};
+use crate::report::rounded;
 
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, mrad.
 const POOR_MRAD: f64 = 10.0;
@@ -10,6 +11,8 @@ const POOR_MRAD: f64 = 10.0;
 const NOISY_MRAD: f64 = 1.0;
 /// A joint that moved less than this while its motor turned ten times as far is stuck, mrad.
 const STUCK_MRAD: f64 = 5.0;
+/// A payload so many half intervals below nothing is none.
+const LIGHTER: f64 = 2.0;
 /// A share left out above this makes what is left suspect.
 const MUCH: f64 = 0.35;
 
@@ -61,6 +64,14 @@ pub(super) fn warnings(said: &Absolute, doubts: &[Doubt], recorded: &Recorded) -
                 joint.name
             ));
         }
+    }
+    let [payload_kg, interval_kg] = said.payload_kg;
+    if payload_kg + LIGHTER * interval_kg < 0.0 {
+        out.push(format!(
+            "payload {} ± {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
+            rounded(payload_kg, 2),
+            rounded(interval_kg, 2)
+        ));
     }
     for left in said
         .left_out
