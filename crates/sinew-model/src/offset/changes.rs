@@ -1,10 +1,12 @@
 //! Sudden changes within a recording: a slip, a failed strand, a load picked up or put down.
 
 use super::block::Block;
+use super::course::{GLANCE, LOOK, WARM};
 use super::hands;
 use super::map::{MapError, MapEstimate, MapEstimator};
 use super::prior::{Belief, JointParameter, Payload, UNKNOWN_OFFSET_RAD};
-use super::solve::{GLANCE, LOOK, Problem, Solution, WARM};
+use super::solution::Solution;
+use super::solve::Problem;
 use alloc::vec::Vec;
 
 /// What changes.

@@ -1,9 +1,11 @@
 //! What an estimate costs: how far it is from the prior, and from the blocks.
 
+use super::course::See;
 use super::equation::{Equation, Equations, Side};
 use super::linear::Look;
 use super::map::MapEstimate;
-use super::solve::{Problem, See, Solution};
+use super::solution::Solution;
+use super::solve::Problem;
 use alloc::vec::Vec;
 
 /// The scale that decides.
@@ -46,7 +48,7 @@ impl Problem<'_> {
 
     /// `at` as a glance sees it, to compare many with.
     pub(super) fn seen(&self, at: &MapEstimate) -> Seen {
-        let every = self.every(See::Some);
+        let every = See::Some.every(self.blocks.len());
         let mut equations = Equations::new(self.layout(), &at.changes);
         let (mut blocks, mut residuals) = (Vec::new(), Vec::new());
         for b in (0..self.blocks.len()).step_by(every) {

@@ -6,6 +6,7 @@ mod chain;
 mod changes;
 mod config;
 mod cost;
+mod course;
 #[cfg(test)]
 pub(crate) mod drawn;
 mod equation;
@@ -29,6 +30,7 @@ mod recursive;
 mod score;
 mod since;
 mod sizes;
+mod solution;
 mod solve;
 
 pub use block::Block;

@@ -1,8 +1,10 @@
 //! When a change came.
 
 use super::changes::{SAME_S, Seek, What, softens};
+use super::course::NEARLY;
 use super::map::{MapError, MapEstimate};
-use super::solve::{NEARLY, Problem, Solution};
+use super::solution::Solution;
+use super::solve::Problem;
 use alloc::vec::Vec;
 
 impl Problem<'_> {
@@ -85,10 +87,10 @@ mod tests {
     use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
     use crate::offset::block::Block;
     use crate::offset::changes::{Change, KEEP};
+    use crate::offset::course::LOOK;
     use crate::offset::drawn::random;
     use crate::offset::map::MapEstimator;
     use crate::offset::prior::{JointPrior, Payload, Prior};
-    use crate::offset::solve::LOOK;
     use crate::offset::{FeatureConfig, TENSIONED_OFFSET_RAD};
     use crate::tolerances::Tolerances;
     use alloc::string::String;

@@ -1,11 +1,13 @@
 //! Stiffness that was lost between two recordings.
 
 use super::changes::{Change, MOST_SOFTER, What};
+use super::course::WARM;
 use super::map::{MapError, MapEstimate, StiffnessSince};
 use super::mixture::{self, Mixture, Odds};
 use super::model::Model;
 use super::prior::{Belief, JointParameter};
-use super::solve::{Problem, Solution, WARM};
+use super::solution::Solution;
+use super::solve::Problem;
 use crate::cholesky;
 use alloc::vec::Vec;
 

@@ -3,6 +3,7 @@
 use super::block::Block;
 use super::changes::Change;
 use super::cost::{chi, variance};
+use super::course::{COLD, NEARLY, ON, See, Step, THIN};
 use super::equation::{Equation, Equations, Side};
 use super::layout::Layout;
 use super::linear::Look;
@@ -10,82 +11,10 @@ use super::map::{MapError, MapEstimate, MapEstimator};
 use super::measured::Measured;
 use super::normal::{Normal, Residuals, pose_runs};
 use super::prior::{Belief, Payload};
-use crate::cholesky::{self, Factor};
+use super::solution::{Solution, covariance};
+use crate::cholesky;
 use alloc::vec::Vec;
 use core::ops::Range;
-
-/// A Gauss–Newton step.
-pub(super) struct Step {
-    /// Scale of the redescending weight, in standard deviations.
-    scale: f64,
-    /// Blocks that pull at the state.
-    pull: See,
-    /// Blocks the information is taken from.
-    inform: See,
-}
-
-/// Blocks that are looked at.
-#[derive(Clone, Copy)]
-pub(super) enum See {
-    All,
-    /// One in [`THIN`].
-    Some,
-}
-
-/// A step that only has to come near.
-const fn near(scale: f64) -> Step {
-    Step {
-        scale,
-        pull: See::Some,
-        inform: See::Some,
-    }
-}
-
-/// A step in the right direction, about as far as it should.
-const fn towards(scale: f64) -> Step {
-    Step {
-        scale,
-        pull: See::All,
-        inform: See::Some,
-    }
-}
-
-/// The last step.
-const fn onto(scale: f64) -> Step {
-    Step {
-        scale,
-        pull: See::All,
-        inform: See::All,
-    }
-}
-
-/// The equations are so nearly linear that one step per scale is within 1 % of many.
-const COLD: &[Step] = &[
-    near(40.0),
-    near(40.0),
-    near(20.0),
-    near(10.0),
-    near(6.0),
-    near(4.0),
-    towards(3.5),
-    towards(3.0),
-    towards(3.0),
-    onto(3.0),
-];
-/// From a start that is nearly right.
-pub(super) const WARM: &[Step] = &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
-/// For what is only looked at: enough to see whether a change is worth more, by one block in three.
-pub(super) const GLANCE: &[Step] = &[near(3.0)];
-/// Enough to see what it takes off the cost of these.
-pub(super) const LOOK: &[Step] = &[near(12.0), near(6.0), near(3.0)];
-/// From there on.
-const ON: &[Step] = &[towards(3.5), towards(3.0), onto(3.0)];
-/// From the solution of nearly the same problem.
-pub(super) const NEARLY: &[Step] = &[towards(3.0), onto(3.0)];
-/// Neighbours say much the same: their noise is correlated over half a second.
-const THIN: usize = 3;
-/// Fewer blocks than this are all looked at.
-const MANY: usize = 90;
 
 /// A recording, and what is believed before it.
 pub(super) struct Problem<'a> {
@@ -105,17 +34,6 @@ pub(super) struct Problem<'a> {
     pub(super) inflation: Vec<f64>,
 }
 
-/// An estimate of the model's state, and the information its covariance is the inverse of.
-#[derive(Clone)]
-pub(super) struct Solution {
-    /// Without its covariance.
-    pub(super) estimate: MapEstimate,
-    /// Lower half.
-    information: Vec<f64>,
-    /// Its Cholesky factor.
-    factor: Factor,
-}
-
 /// What some blocks say.
 struct Part {
     blocks: Range<usize>,
@@ -124,43 +42,6 @@ struct Part {
     equations: Equations,
     /// How much each of them counts.
     weights: Vec<f64>,
-}
-
-impl Solution {
-    /// Standard deviation of entry `k`.
-    pub(super) fn deviation(&self, k: usize) -> f64 {
-        let total = self.estimate.state.len();
-        let mut unit = alloc::vec![0.0; total];
-        unit[k] = 1.0;
-        self.factor.forward(&mut unit);
-        libm::sqrt(cholesky::dot(&unit, &unit))
-    }
-
-    /// The state on condition that its entries from `first` on are zero, without them: with
-    /// information `I`, `x + I⁻¹ I_·c c` of the others.
-    fn state_without(&self, first: usize) -> Vec<f64> {
-        let mut state = self.estimate.state.clone();
-        let total = state.len();
-        let gone = state.split_off(first);
-        let mut step = alloc::vec![0.0; first];
-        let rows = self.information.chunks_exact(total).skip(first);
-        for (c, row) in gone.iter().zip(rows) {
-            for (step, shared) in step.iter_mut().zip(row) {
-                *step += c * shared;
-            }
-        }
-        // Of the others' information the factor is the first rows of the whole's.
-        self.factor.solve(&mut step);
-        for (x, step) in state.iter_mut().zip(step) {
-            *x += step;
-        }
-        state
-    }
-}
-
-/// Inverse of an information matrix of which only the lower half is filled.
-pub(super) fn covariance(lower: &[f64], total: usize) -> Result<Vec<f64>, MapError> {
-    cholesky::inverse(lower, total).map_err(MapError::Prior)
 }
 
 impl<'a> Problem<'a> {
@@ -300,7 +181,9 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        let every = course.last().map_or(1, |step| self.every(step.pull));
+        let every = course
+            .last()
+            .map_or(1, |step| step.pull.every(self.blocks.len()));
         at.cost = self.cost_over(&at, &at, every);
         for part in &mut parts {
             at.weights.append(&mut part.weights);
@@ -342,7 +225,7 @@ impl<'a> Problem<'a> {
 
     /// Adds up what the blocks of a part say for a step from `at`.
     fn sum(&self, at: &MapEstimate, step: &Step, part: &mut Part) {
-        let (every, informing) = (self.every(step.pull), self.every(step.inform));
+        let [every, informing] = [step.pull, step.inform].map(|see| see.every(self.blocks.len()));
         for b in part.blocks.clone().step_by(every) {
             self.equations(at, b, Look::Rows, &mut part.equations);
             let w = step.scale * step.scale;
@@ -434,73 +317,5 @@ impl<'a> Problem<'a> {
         let prior = self.prior_information(&at.changes, total);
         normal.start(&prior, &self.prior_pull(at));
         normal
-    }
-
-    /// Of so many blocks one is looked at.
-    pub(super) fn every(&self, see: See) -> usize {
-        match see {
-            See::Some if self.blocks.len() >= MANY => THIN,
-            _ => 1,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::offset::drawn::random;
-
-    /// Against the same in terms of the covariance, `x − P_·c P_cc⁻¹ c`.
-    #[test]
-    fn a_state_without_changes_is_that_on_condition_that_they_are_nothing() {
-        const TOTAL: usize = 9;
-        const FIRST: usize = 6;
-        const GONE: usize = TOTAL - FIRST;
-        let mut seed = 5;
-        let rows: Vec<f64> = (0..2 * TOTAL * TOTAL).map(|_| random(&mut seed)).collect();
-        let mut information = alloc::vec![0.0; TOTAL * TOTAL];
-        for row in rows.chunks_exact(TOTAL) {
-            for (i, a) in row.iter().enumerate() {
-                for (k, b) in row.iter().enumerate() {
-                    information[i * TOTAL + k] += a * b;
-                }
-            }
-        }
-        let p = covariance(&information, TOTAL).unwrap();
-        let factor = Factor::of(&information, TOTAL).unwrap();
-        let state: Vec<f64> = (0..TOTAL).map(|_| random(&mut seed)).collect();
-        let own = |i: usize| (0..GONE).map(move |k| (FIRST + i) * TOTAL + FIRST + k);
-        let own: Vec<f64> = (0..GONE).flat_map(own).map(|at| p[at]).collect();
-        let inverse = covariance(&own, GONE).unwrap();
-        let expected = |i: usize| {
-            let mut x = state[i];
-            for k in 0..GONE {
-                for j in 0..GONE {
-                    x -= p[i * TOTAL + FIRST + k] * inverse[k * GONE + j] * state[FIRST + j];
-                }
-            }
-            x
-        };
-        let solution = Solution {
-            estimate: MapEstimate {
-                changes: Vec::new(),
-                state: state.clone(),
-                covariance: Vec::new(),
-                temperature_c: f64::NAN,
-                noise_rad: Vec::new(),
-                motor_noise_nm: Vec::new(),
-                weights: Vec::new(),
-                cost: 0.0,
-                stiffness_since: Vec::new(),
-            },
-            information,
-            factor,
-        };
-        let without = solution.state_without(FIRST);
-        assert_eq!(without.len(), FIRST);
-        for (i, x) in without.iter().enumerate() {
-            assert!((x - expected(i)).abs() < 1e-12, "{i}: {x} {}", expected(i));
-        }
-        assert!((0..FIRST).any(|i| (without[i] - state[i]).abs() > 0.01));
     }
 }
