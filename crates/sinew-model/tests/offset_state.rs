@@ -153,6 +153,45 @@ fn a_step_is_found_with_its_moment_and_size() {
     }
 }
 
+/// A contact says nothing about what the sensors do.
+#[test]
+fn noise_is_that_of_the_blocks_that_count() {
+    const NOISE_RAD: f64 = 1e-3;
+    const PUSHED_RAD: f64 = 0.03;
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    // Every fifth stretch of two seconds pushed, or none.
+    let solved = |pushed: bool| {
+        let mut blocks = blocks(&robot.arm, PLAIN);
+        // Twelve even ones have a variance of one: normal noise, the same at every call.
+        let mut seed = 7_u64;
+        let mut even = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for (b, block) in blocks.iter_mut().enumerate() {
+            let normal = (0..12).map(|_| even()).sum::<f64>() - 6.0;
+            block.y[0] += NOISE_RAD * normal;
+            if pushed && b / 10 % 5 == 4 {
+                block.y[0] += PUSHED_RAD;
+            }
+            let y = block.y[0];
+            (block.y_square[0], block.y_cube[0]) = (y * y, y * y * y);
+        }
+        let map = estimator.solve(&start, &[], Payload::Empty, &blocks);
+        map.unwrap()
+    };
+    let (calm, pushed) = (solved(false), solved(true));
+    let [calm_rad, pushed_rad] = [calm.noise_rad[0], pushed.noise_rad[0]];
+    println!("{calm_rad} {pushed_rad}");
+    assert!((calm_rad / NOISE_RAD - 1.0).abs() < 0.15, "{calm_rad}");
+    // A fifth less of them, whose median is good to a twentieth; that of all is 1.38 times as large.
+    assert!((pushed_rad / calm_rad - 1.0).abs() < 0.15, "{pushed_rad}");
+    let left_out = pushed.weights.iter().filter(|w| **w < 0.5).count() as f64;
+    assert!((left_out / pushed.weights.len() as f64 - 0.2).abs() < 0.03);
+}
+
 /// A second thread, which begins first.
 #[derive(Debug)]
 struct TwoThreads;

@@ -10,6 +10,16 @@ pub(super) struct Step {
     pub(super) inform: See,
 }
 
+/// A block whose weight is less, three standard deviations off in the mean, is no noise.
+pub(super) const OFF: f64 = 0.25;
+
+impl Step {
+    /// Whether it starts from so far away that every block may be right.
+    pub(super) fn is_wide(&self) -> bool {
+        self.scale > 4.0
+    }
+}
+
 /// Blocks that are looked at.
 #[derive(Clone, Copy)]
 pub(super) enum See {

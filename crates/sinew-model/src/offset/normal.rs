@@ -115,21 +115,18 @@ impl Residuals {
         }
     }
 
-    pub(super) fn keep(&mut self, b: usize, equations: &Equations) {
+    /// Keeps those of block `b`, unless it doesn't count: noise is that of the blocks which do. Contacts for a
+    /// tenth of the time would make the median a sixth larger.
+    pub(super) fn keep(&mut self, b: usize, equations: &Equations, counts: bool) {
         /// A drive that stood longer says nothing about the noise of one that moves.
         const STOOD: f64 = 0.2;
         for e in &equations.list {
             let k = (b - self.first) * self.n + e.joint;
-            match e.side {
-                Side::Link => self.link[k] = e.residual,
-                Side::Motor => {
-                    self.motor[k] = if e.stood < STOOD {
-                        e.residual
-                    } else {
-                        f64::NAN
-                    };
-                }
-            }
+            let (to, counts) = match e.side {
+                Side::Link => (&mut self.link[k], counts),
+                Side::Motor => (&mut self.motor[k], counts && e.stood < STOOD),
+            };
+            *to = if counts { e.residual } else { f64::NAN };
         }
     }
 

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::changes::Change;
 use super::cost::{chi, variance};
-use super::course::{COLD, NEARLY, ON, See, Step, THIN};
+use super::course::{COLD, NEARLY, OFF, ON, See, Step, THIN};
 use super::equation::{Equation, Equations, Side};
 use super::layout::Layout;
 use super::linear::Look;
@@ -231,7 +231,8 @@ impl<'a> Problem<'a> {
             let w = step.scale * step.scale;
             let w = w / (w + chi(&part.equations, at));
             part.weights[b - part.blocks.start] = w * w;
-            part.residuals.keep(b, &part.equations);
+            let counts = step.is_wide() || w * w > OFF;
+            part.residuals.keep(b, &part.equations, counts);
             let information = |e: &_| w * w * self.information_of(e, at, b);
             part.normal
                 .add_gradient(&part.equations, |e| every as f64 * information(e));
