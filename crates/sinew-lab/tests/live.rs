@@ -3,7 +3,7 @@
 mod support;
 
 use sinew_lab::absolute::{self, WatchOptions};
-use support::{biorob_like, block_by_block, seeds, work_session};
+use support::{asked_seeds, biorob_like, block_by_block, seeds, work_session};
 
 #[test]
 fn block_by_block_gives_what_all_at_once_gives() {
@@ -19,6 +19,11 @@ fn block_by_block_gives_what_all_at_once_gives() {
             "seed {seed}: mean weight {:.2}",
             weights / parts[1].blocks.len() as f64
         );
+        if filter.is_in_doubt() {
+            println!(", in doubt");
+            assert!(asked_seeds().is_some(), "nothing happened");
+            continue;
+        }
         for (joint, said) in batch.joints.iter().enumerate() {
             let [offset, deviation] = filter.offset(joint);
             let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
