@@ -280,7 +280,7 @@ pub(super) fn read(
     let mut opened = Opened::new(request)?;
     let mut blocks = Blocks::new(request, window, &opened)?;
     opened.each_frame(false, progress, |frame| {
-        Ok::<_, EstimateError>(match blocks.frame(frame) {
+        Ok(match blocks.frame(frame) {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
         })

@@ -4,7 +4,7 @@ use super::answer::Absolute;
 use super::blocks::{AbsoluteError, Blocks, Recorded, Window, read};
 use super::file::Baseline;
 use super::said::said;
-use crate::estimate::{self, Estimate, EstimateError, Opened, Pass, Progress, Request};
+use crate::estimate::{self, Estimate, Opened, Pass, Progress, Request};
 use crate::hands::Processors;
 use sinew_model::offset::{
     Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
@@ -184,7 +184,7 @@ pub fn watch_beside_paper(
     opened.each_frame(false, progress, |frame| {
         pass.frame(frame)?;
         blocks.frame(frame);
-        Ok::<_, EstimateError>(ControlFlow::Continue(()))
+        Ok(ControlFlow::Continue(()))
     })?;
     let recorded = blocks.finish(&opened)?;
     let file = request.log.display().to_string();

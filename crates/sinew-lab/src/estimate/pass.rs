@@ -48,12 +48,12 @@ impl Opened {
 
     /// Hands every frame to `take` until it breaks, read ahead on another thread. `progress` is called
     /// every few thousand frames.
-    pub(crate) fn each_frame<E: From<EstimateError>>(
+    pub(crate) fn each_frame(
         &mut self,
         is_reference: bool,
         progress: &mut dyn FnMut(Progress),
-        mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, E>,
-    ) -> Result<(), E> {
+        mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, EstimateError>,
+    ) -> Result<(), EstimateError> {
         let mut frames = 0u64;
         let stopped = self.recording.each_frame(|frame, at| {
             frames += 1;
@@ -71,7 +71,7 @@ impl Opened {
                 Err(error) => ControlFlow::Break(Err(error)),
             }
         });
-        stopped.map_err(EstimateError::from)?.unwrap_or(Ok(()))
+        stopped?.unwrap_or(Ok(()))
     }
 }
 

@@ -58,7 +58,7 @@ fn one(
     let mut pass = Pass::new(request, &opened)?;
     opened.each_frame(is_reference, progress, |frame| {
         pass.frame(frame)?;
-        Ok::<_, EstimateError>(ControlFlow::Continue(()))
+        Ok(ControlFlow::Continue(()))
     })?;
     pass.finish(opened)
 }

@@ -1,7 +1,6 @@
 //! One Kalman filter over blocks, which [`super::RecursiveOffsets`] may run two of.
 
 use super::block::{Block, copy};
-use super::course::OFF;
 use super::equation::{Equation, Equations, Side};
 use super::layout::Layout;
 use super::map::MapEstimator;
@@ -203,21 +202,14 @@ impl Filter {
         for (e, gain) in work.equations.list.iter().zip(gains) {
             let spread = work.equations.dot(e, gain) + self.variance(e);
             chi += e.residual * e.residual / spread;
+            self.follow_noise(estimator, e, spread);
             if let (Side::Link, Some(strain)) = (e.side, self.strain.get_mut(e.joint)) {
                 let innovation = (e.residual / libm::sqrt(spread)).clamp(-CUT, CUT);
                 *strain += share * estimator.inflation() / STRAINED * (innovation - *strain);
             }
         }
         let chi = chi / work.equations.list.len().max(1) as f64;
-        let weight = redescending(chi, scale);
-        if weight > OFF {
-            let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
-            for (e, gain) in work.equations.list.iter().zip(gains) {
-                let spread = work.equations.dot(e, gain) + self.variance(e);
-                self.follow_noise(estimator, e, spread);
-            }
-        }
-        self.put_in_first(work, (weight, share), slot);
+        self.put_in_first(work, (redescending(chi, scale), share), slot);
     }
 
     /// Takes a block in a pass over it, weighed against where the pass before ended.
@@ -472,7 +464,7 @@ impl Filter {
         }
     }
 
-    /// The noise moves towards the median of the innovations that are mostly noise, of blocks that count.
+    /// The noise moves towards the median of the innovations that are mostly noise.
     fn follow_noise(&mut self, estimator: &MapEstimator, e: &Equation, spread: f64) {
         /// The step falls to a tenth of the first, so that the noise settles.
         const STEP: f64 = 0.03;
