@@ -77,6 +77,16 @@ pub(crate) fn injection(text: &str) -> Result<Injection, String> {
     })
 }
 
+/// Which estimate a recording gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Method {
+    /// Absolute offsets with an interval, the paper's shown beside; without a baseline against the
+    /// encoders' zero, with a wider one
+    Absolute,
+    /// The paper's alone, right in differences; a baseline is not read
+    Paper,
+}
+
 /// Where the elastic torque comes from.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Source {

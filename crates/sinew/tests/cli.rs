@@ -152,10 +152,13 @@ fn what_only_the_absolute_estimate_does_is_refused_without_it() {
     ] {
         let mut args = vec!["estimate", "s.mcap", "--robot", robot.as_str()];
         args.extend(option);
-        refused(&args, dir.path(), 2, &["--baseline", "--absolute"]);
+        refused(&args, dir.path(), 2, &["--baseline", "--method"]);
+        // Nor with the paper's estimate alone.
+        args.extend(["--method", "paper", "--baseline", "none.baseline"]);
+        refused(&args, dir.path(), 1, &[option[0], "--method absolute"]);
     }
     let part = ["estimate", "s.mcap", "--robot", robot.as_str(), "--to", "3"];
-    refused(&part, dir.path(), 1, &["--to", "--baseline", "--absolute"]);
+    refused(&part, dir.path(), 1, &["--to", "--baseline", "--method"]);
     assert!(!dir.path().join("x.baseline").exists());
 }
 

@@ -86,14 +86,23 @@ fn known_payload(text: &str) -> Result<Payload, String> {
 }
 
 impl Watching {
-    /// A part of the recording is for the absolute estimate alone; nothing asked for is ignored.
-    pub(crate) fn refuse_a_part(&self) -> Result<(), Failure> {
-        if self.part.from_s == 0.0 && self.part.to_s.is_none() {
-            return Ok(());
+    /// All of it is for the absolute estimate alone; nothing asked for is ignored.
+    pub(crate) fn refuse_all(&self) -> Result<(), Failure> {
+        let asked = [
+            ("--empty", self.empty),
+            ("--payload-kg", self.payload_kg.is_some()),
+            ("--no-motor-torque", self.no_motor_torque),
+            ("--save", self.save.is_some()),
+            ("--nuisance", self.nuisance),
+            ("--from", self.part.from_s != 0.0),
+            ("--to", self.part.to_s.is_some()),
+        ];
+        match asked.into_iter().find(|(_, asked)| *asked) {
+            None => Ok(()),
+            Some((option, _)) => Err(Failure::Refused(format!(
+                "{option} is for the absolute estimate, and the paper's knows nothing of it: give --baseline FILE or --method absolute, or leave {option} out"
+            ))),
         }
-        Err(Failure::Refused(
-            "--from and --to need --baseline FILE or --absolute: the paper's estimate uses the whole recording".into(),
-        ))
     }
 
     /// Watches a recording beside the paper's estimate, and saves what it taught where asked to.

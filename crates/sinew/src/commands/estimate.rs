@@ -1,11 +1,11 @@
 //! `sinew estimate`: from a recording to each tendon's elongation.
 
-use crate::args::{self, Lag, Opening, Source};
+use crate::args::{self, Lag, Method, Opening, Source};
 use crate::files::check_outputs;
 use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use sinew_lab::absolute::Absolute;
 use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Progress, Request};
 use sinew_lab::{output, report, robot_dir};
@@ -20,7 +20,9 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  \
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
     sinew estimate monday.mcap --reference first-day.mcap --json\n  \
-    sinew estimate monday.mcap --inject elbow=0.010@20")]
+    sinew estimate monday.mcap --baseline first-day.baseline --nuisance\n  \
+    sinew estimate monday.mcap --inject elbow=0.010@20",
+    group(ArgGroup::new("since").multiple(true)))]
 pub(crate) struct Estimate {
     /// Recording
     log: PathBuf,
@@ -33,12 +35,12 @@ pub(crate) struct Estimate {
     /// Baseline made by `sinew baseline`: absolute offsets since then, with an interval
     #[arg(long, value_name = "FILE", group = "since")]
     baseline: Option<PathBuf>,
-    /// Absolute offsets without a baseline: against the encoders' zero, with a wider interval
-    #[arg(long, group = "since")]
-    absolute: bool,
     #[command(flatten)]
     watching: super::absolute::Watching,
 
+    /// Which estimate [default: absolute with --baseline, else paper]
+    #[arg(long, value_enum, group = "since", help_heading = "Method")]
+    method: Option<Method>,
     /// Where the elastic torque comes from
     #[arg(long, value_enum, default_value = "observer", help_heading = "Method")]
     source: Source,
@@ -80,8 +82,8 @@ impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         self.check_files()?;
-        if self.baseline.is_none() && !self.absolute {
-            self.watching.refuse_a_part()?;
+        if !self.is_absolute() {
+            self.watching.refuse_all()?;
         }
         let mut request = Request::new(self.log.clone());
         request.robot.clone_from(&self.robot);
@@ -126,7 +128,15 @@ impl Estimate {
         Ok(Finish::lossy(result.damaged || passed))
     }
 
-    /// The paper's estimate and, with `--baseline` or `--absolute`, the joint one.
+    /// Whether the absolute estimate is asked for, beside the paper's.
+    fn is_absolute(&self) -> bool {
+        match self.method {
+            Some(method) => method == Method::Absolute,
+            None => self.baseline.is_some(),
+        }
+    }
+
+    /// The paper's estimate and, where it is asked for, the absolute one.
     fn estimate(&self, request: &Request) -> Result<(Result_, Option<Absolute>), Failure> {
         let bar = Bar::new("estimating", self.quiet);
         let mut progress = |at: Progress| {
@@ -138,7 +148,7 @@ impl Estimate {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         };
         let explain = |error| self.explain(error);
-        if self.baseline.is_none() && !self.absolute {
+        if !self.is_absolute() {
             let result = estimate::run(request, &mut progress).map_err(explain)?;
             return Ok((result, None));
         }
