@@ -315,10 +315,12 @@ fn a_mapping_renames_and_converts_topics_of_other_robots() {
     for step in 0..20 {
         let time = START_NS + 10 * step * MS;
         bag.raw("/arm/states", &little(&joint_state(time, &[("j1", 90.0)])));
-        bag.raw(
-            "/arm/drives",
-            &little(&joint_state(time, &[("m1", -100.0)])),
-        );
+        // Amperes where a torque would be.
+        let drives = JointState {
+            effort: vec![1.5],
+            ..joint_state(time, &[("m1", -100.0)])
+        };
+        bag.raw("/arm/drives", &little(&drives));
     }
     let mapping = r#"
         [joints.shoulder]
@@ -326,6 +328,7 @@ fn a_mapping_renames_and_converts_topics_of_other_robots() {
         motor_name = "m1"
         q = { unit = "deg" }
         theta = { gear_ratio = 50.0, sign = -1, offset = 0.25 }
+        tau_m = { unit = "A", torque_constant_nm_per_a = 0.04, gear_ratio = 50.0 }
         [mcap]
         joint_state_topic = "/arm/states"
         motor_topic = "/arm/drives"
@@ -339,4 +342,5 @@ fn a_mapping_renames_and_converts_topics_of_other_robots() {
     let (frames, _) = read_all(recording);
     assert!((frames[0].q[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     assert!((frames[0].theta[0] - 2.25).abs() < 1e-15);
+    assert!((frames[0].tau_m[0] - 3.0).abs() < 1e-15);
 }

@@ -125,6 +125,43 @@ fn units_and_factors() {
 }
 
 #[test]
+fn a_current_needs_its_torque_constant_and_is_a_motor_torque() {
+    let motor = |source: &str| format!("[joints.a]\ntau_m = {source}\n");
+    let constant = "torque_constant_nm_per_a";
+    for (source, words) in [
+        ("{ column = \"i\", unit = \"A\" }", [constant, "shaft"]),
+        // A scale alone hides what it stands for.
+        (
+            "{ column = \"i\", unit = \"A\", scale = 5.0 }",
+            [constant, "shaft"],
+        ),
+        (
+            "{ column = \"i\", unit = \"N·m\", torque_constant_nm_per_a = 0.05 }",
+            [constant, "\"A\""],
+        ),
+        (
+            "{ column = \"i\", unit = \"A\", torque_constant_nm_per_a = 0.0 }",
+            [constant, "not zero"],
+        ),
+        (
+            "{ column = \"i\", unit = \"A\", torque_constant_nm_per_a = -0.05 }",
+            [constant, "sign"],
+        ),
+    ] {
+        refused(&motor(source), 2, &words);
+    }
+    let current = "{ column = \"i\", unit = \"mA\", torque_constant_nm_per_a = 0.05 }";
+    let elastic = format!("[joints.a]\ntau_el = {current}\n");
+    refused(&elastic, 2, &["current", "tau_m", "tau_el"]);
+    refused(&joint(current), 2, &["current", "tau_m"]);
+    let mapping = Mapping::from_toml(&motor(current), "map.toml").unwrap();
+    assert!(mapping.reads_motor_current());
+    let torque = motor("{ column = \"i\", unit = \"N·m\" }");
+    let mapping = Mapping::from_toml(&torque, "map.toml").unwrap();
+    assert!(!mapping.reads_motor_current());
+}
+
+#[test]
 fn joints_keep_the_order_of_the_file() {
     let text =
         "[joints.z]\nq = { column = \"1\" }\n[joints.a]\nq = { column = \"2\" }\n[joints.m]\n";

@@ -300,10 +300,12 @@ fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
         theta = { column = "ticks", unit = "count", counts_per_turn = 4096, gear_ratio = 2.0, wrap = false }
         dq = { column = "rpm", unit = "rpm" }
         tau_el = { column = "mnm", unit = "mN·m" }
+        tau_m = { column = "ma", unit = "mA", torque_constant_nm_per_a = 0.05, gear_ratio = 100, sign = -1 }
         [joints.a]
+        tau_m = { column = "mnm", unit = "mN·m", gear_ratio = 100 }
         q = { sum = [ { column = "deg", unit = "deg" }, { column = "mnm", unit = "Nmm", scale = 0.5 } ] }
     "#;
-    let text = "t,deg,ticks,rpm,mnm,kelvin\n1500.25,90,4096,60,250,300\n";
+    let text = "t,deg,ticks,rpm,mnm,kelvin,ma\n1500.25,90,4096,60,250,300,1200\n";
     let (frames, _) = mapped(mapping, text).unwrap();
     let frame = &frames[0];
     let pi = std::f64::consts::PI;
@@ -312,6 +314,9 @@ fn a_mapping_converts_units_ratios_signs_counts_and_sums() {
     assert!((frame.theta[0] - pi).abs() < 1e-15);
     assert!((frame.dq[0] - 2.0 * pi).abs() < 1e-14);
     assert!((frame.tau_el[0] - 0.25).abs() < 1e-15);
+    // 1.2 A · 0.05 N·m/A, a hundred times as strong behind the gear.
+    assert!((frame.tau_m[0] + 6.0).abs() < 1e-14);
+    assert!((frame.tau_m[1] - 25.0).abs() < 1e-14);
     assert!((frame.q[1] - (pi / 2.0 + 0.125)).abs() < 1e-15);
     assert!((frame.temperature_c - 26.85).abs() < 1e-10);
 }

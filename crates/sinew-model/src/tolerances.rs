@@ -35,6 +35,8 @@ pub struct Tolerances {
     pub payload_reach_m: f64,
     /// Scale of the motor torque, relative.
     pub motor_torque: f64,
+    /// Torque constant of motors whose current is recorded, relative: in the place of `motor_torque`.
+    pub motor_current: f64,
     /// Share of the deflection that a rope creeps after within half a minute.
     pub viscoelastic: f64,
     /// Gear ratio, relative.
@@ -62,6 +64,7 @@ impl Default for Tolerances {
             payload_kg: [0.25, 0.25],
             payload_reach_m: 0.05,
             motor_torque: 0.03,
+            motor_current: 0.1,
             viscoelastic: 0.02,
             gear: 0.003,
             zero_rad: 0.0,
@@ -71,7 +74,7 @@ impl Default for Tolerances {
 
 impl Tolerances {
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 21] = [
+    pub const KEYS: [&'static str; 22] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -90,6 +93,7 @@ impl Tolerances {
         "payload_kg",
         "payload_reach_mm",
         "motor_torque_percent",
+        "motor_current_percent",
         "viscoelastic_percent",
         "gear_percent",
         "zero_mrad",
@@ -122,6 +126,7 @@ impl Tolerances {
             "gear_percent" => (&mut self.gear, PERCENT),
             "zero_mrad" => (&mut self.zero_rad, MILLI),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
+            "motor_current_percent" => (&mut self.motor_current, PERCENT),
             _ => return None,
         })
     }

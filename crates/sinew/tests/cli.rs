@@ -163,6 +163,59 @@ fn what_only_the_absolute_estimate_does_is_refused_without_it() {
 }
 
 #[test]
+fn a_motor_current_is_a_witness_like_a_torque_and_known_less_well() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let scenario = repository().join("examples/scenarios/work-session.toml");
+    let (scenario, robot) = (scenario.display().to_string(), robot());
+    let simulate = ["simulate", &scenario, "--out", "w.csv", "--duration", "20"];
+    let simulated = sinew(&simulate, dir.path());
+    assert_eq!(code(&simulated), 0, "{}", err(&simulated));
+    let mut mappings = [String::new(), String::new()];
+    for joint in ["shoulder_yaw", "shoulder_pitch", "elbow", "wrist"] {
+        // What is a torque in the file is a current here: 0.05 N·m/A, geared 20 : 1.
+        let current = "unit = \"A\", torque_constant_nm_per_a = 0.05, gear_ratio = 20";
+        for (mapping, how) in mappings.iter_mut().zip(["unit = \"N·m\"", current]) {
+            mapping.push_str(&format!(
+                "[joints.{joint}]\nq = {{ column = \"q.{joint}_rad\" }}\n\
+                 theta = {{ column = \"theta.{joint}_rad\" }}\n\
+                 tau_m = {{ column = \"tau_m.{joint}_nm\", {how} }}\n"
+            ));
+        }
+    }
+    let [torque, current] = mappings.map(|mapping| {
+        std::fs::write(dir.path().join("map.toml"), mapping).expect("a mapping");
+        let with = [
+            "--robot",
+            &robot,
+            "--mapping",
+            "map.toml",
+            "--method",
+            "absolute",
+        ];
+        let args = [&["estimate", "w.csv"], &with[..], &["--json", "--quiet"]].concat();
+        let output = sinew(&args, dir.path());
+        assert_eq!(code(&output), 0, "{}", err(&output));
+        let mut json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
+        json["absolute"].take()
+    });
+    for (said, is_current) in [(&torque, false), (&current, true)] {
+        assert_eq!(said["motor_torque"], true);
+        assert_eq!(said["motor_current"], is_current);
+    }
+    let scale = |said: &serde_json::Value| {
+        let all = said["nuisance"]
+            .as_array()
+            .expect("what was estimated along");
+        let own = all.iter().find(|n| n["name"] == "motor torque scale");
+        own.expect("its scale")["prior"][1]
+            .as_f64()
+            .expect("a deviation")
+    };
+    assert!((scale(&torque) - 0.03).abs() < 1e-12, "{}", scale(&torque));
+    assert!((scale(&current) - 0.1).abs() < 1e-12, "{}", scale(&current));
+}
+
+#[test]
 fn missing_files_exit_with_1_and_are_named() {
     let dir = tempfile::tempdir().unwrap();
     let robot = robot();

@@ -32,6 +32,8 @@ pub struct Absolute {
     pub payload_changes: Vec<PayloadChange>,
     /// Whether the motor's torque was used as a second witness.
     pub motor_torque: bool,
+    /// Whether that was a current times a torque constant.
+    pub motor_current: bool,
     /// Share of the time left out as contact or disturbance.
     pub left_out_share: f64,
     /// The longest such stretches.

@@ -3,7 +3,7 @@
 use super::jumps::Jumps;
 use crate::estimate::{EstimateError, Injection, Opened, Progress, Request};
 use crate::robot_dir::LoadedRobot;
-use sinew_log::Frame;
+use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, MapError};
 use sinew_model::robot::Robot;
 use std::ops::ControlFlow;
@@ -68,6 +68,8 @@ pub struct Recorded {
     pub frames_missing: u64,
     /// Whether the file was damaged.
     pub damaged: bool,
+    /// Whether motor torques are currents times torque constants.
+    pub motor_current: bool,
     /// What jumped between two samples.
     pub jumps: Jumps,
 }
@@ -245,6 +247,8 @@ impl<'a> Blocks<'a> {
         let config = FeatureConfig::default();
         let mut out = self.recorder.finish();
         out.damaged = opened.recording().health().is_damaged();
+        let mapping = request.open.mapping.as_ref();
+        out.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
         if out.blocks.is_empty() {
             return Err(mismatch(
                 request,

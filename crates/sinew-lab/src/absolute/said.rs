@@ -106,6 +106,7 @@ pub(super) fn said(
         payload_kg: [mass, Z95 * mass_deviation],
         payload_changes,
         motor_torque,
+        motor_current: motor_torque && recorded.motor_current,
         left_out_share: out / weights.len().max(1) as f64,
         left_out: left_out(&recorded.blocks, &weights),
         poses,

@@ -25,6 +25,9 @@ pub struct WatchOptions {
     pub payload: Payload,
     /// Whether a recorded motor torque is used.
     pub motor_torque: bool,
+    /// Whether that is a current times a torque constant, which is known less well; a recording that
+    /// says so needs no word here.
+    pub motor_current: bool,
 }
 
 impl Default for WatchOptions {
@@ -32,6 +35,17 @@ impl Default for WatchOptions {
         Self {
             payload: Payload::Unknown,
             motor_torque: true,
+            motor_current: false,
+        }
+    }
+}
+
+impl WatchOptions {
+    /// For what was recorded.
+    fn of(self, recorded: &Recorded) -> Self {
+        Self {
+            motor_current: self.motor_current || recorded.motor_current,
+            ..self
         }
     }
 }
@@ -108,7 +122,9 @@ pub fn learn_recorded_from(
     let options = WatchOptions {
         payload: Payload::Empty,
         motor_torque: learning.motor_torque,
-    };
+        motor_current: false,
+    }
+    .of(recorded);
     let estimator = estimator(robot, &options);
     let prior = estimator.prior();
     let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
@@ -208,6 +224,7 @@ pub fn watch_recorded(
     baseline: Option<(&Baseline, &str)>,
     options: &WatchOptions,
 ) -> Result<(Absolute, Baseline), AbsoluteError> {
+    let options = &options.of(recorded);
     let estimator = estimator(robot, options);
     let prior = estimator.prior();
     let mut continues = false;
@@ -359,7 +376,11 @@ pub fn estimator(robot: &Robot, options: &WatchOptions) -> MapEstimator {
         .arm
         .body(last)
         .map_or([0.0; 3], |b| b.com.map(|c| 1.5 * c));
-    let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, robot.tolerances);
+    let mut tolerances = robot.tolerances;
+    if options.motor_current {
+        tolerances.motor_torque = tolerances.motor_current;
+    }
+    let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, tolerances);
     MapEstimator::new(prior, &FeatureConfig::default())
         .with_motor_torque(options.motor_torque)
         .with_hands(Processors::machine())

@@ -15,6 +15,7 @@
 //! q = { column = "position", unit = "deg", sign = -1, offset = 0.1 }
 //! theta = { sum = [ { column = "position" }, { column = "deflection", scale = -1.0 } ] }
 //! tau_el = { column = "effort", unit = "N·mm" }
+//! tau_m = { column = "current", unit = "A", torque_constant_nm_per_a = 0.05, gear_ratio = 100 }
 //!
 //! [mcap]
 //! joint_state_topic = "/arm/joint_states"
@@ -22,8 +23,10 @@
 //! motor_interface = "position"
 //! ```
 //!
-//! A term is `si = sign · scale · unit(raw) / gear_ratio + offset`; `offset` is
-//! in SI and is added last. `unit = "count"` needs `counts_per_turn`. Positions
+//! A term is `si = sign · scale · unit(raw) / gear_ratio + offset`, for torques and forces
+//! `sign · scale · unit(raw) · gear_ratio + offset`: what a gear slows down it makes strong. `offset` is
+//! in SI and is added last. `unit = "count"` needs `counts_per_turn`. A motor's current (`A`, `mA`) is its
+//! torque by the torque constant of its shaft, N·m/A. Positions
 //! in rad, deg, turn or count are unwrapped with the period `wrap_period`
 //! (default 2π, in SI at the joint) unless `wrap = false`; lengths are not.
 //! In an MCAP recording the terms have no `column` and no `sum`: the topic's own
@@ -70,6 +73,12 @@ impl Mapping {
         from_toml(&text, &file)
     }
 
+    /// Whether the motor torque of a joint is a current times a torque constant.
+    pub fn reads_motor_current(&self) -> bool {
+        let sources = self.joints.iter().flat_map(|joint| &joint.sources);
+        sources.flatten().any(|source| source.is_current)
+    }
+
     /// The joints the mapping names, in the file's order.
     pub fn joint_names(&self) -> impl Iterator<Item = &str> {
         self.joints.iter().map(|joint| joint.name.as_str())
@@ -109,6 +118,8 @@ impl JointMap {
 pub(crate) struct Source {
     pub(crate) terms: Vec<Term>,
     pub(crate) wrap: Wrap,
+    /// A current times a torque constant.
+    pub(crate) is_current: bool,
     pub(crate) line: usize,
 }
 

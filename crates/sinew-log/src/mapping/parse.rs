@@ -53,6 +53,7 @@ struct SourceToml {
     scale: Option<f64>,
     gear_ratio: Option<f64>,
     counts_per_turn: Option<f64>,
+    torque_constant_nm_per_a: Option<f64>,
     sign: Option<f64>,
     offset: Option<f64>,
     wrap_period: Option<f64>,
@@ -68,6 +69,7 @@ struct TermToml {
     scale: Option<f64>,
     gear_ratio: Option<f64>,
     counts_per_turn: Option<f64>,
+    torque_constant_nm_per_a: Option<f64>,
     sign: Option<f64>,
     offset: Option<f64>,
 }
@@ -236,6 +238,7 @@ fn source_map(
         scale,
         gear_ratio,
         counts_per_turn,
+        torque_constant_nm_per_a,
         sign,
         offset,
         wrap_period,
@@ -248,14 +251,16 @@ fn source_map(
         scale,
         gear_ratio,
         counts_per_turn,
+        torque_constant_nm_per_a,
         sign,
         offset,
     };
-    let mut lengths = false;
+    let (mut lengths, mut is_current) = (false, false);
     let terms = match sum {
         None => {
             let (term, unit) = term_map(context, whole, line, quantity, key)?;
             lengths = unit.dimension == Dimension::Length;
+            is_current = unit.dimension == Dimension::Current;
             vec![term]
         }
         Some(terms) => {
@@ -264,6 +269,7 @@ fn source_map(
                 || whole.scale.is_some()
                 || whole.gear_ratio.is_some()
                 || whole.counts_per_turn.is_some()
+                || whole.torque_constant_nm_per_a.is_some()
                 || whole.sign.is_some()
                 || whole.offset.is_some();
             if outside {
@@ -283,6 +289,7 @@ fn source_map(
                     return Err(context.error(line, format!("{key}: a term without a column")));
                 }
                 lengths |= unit.dimension == Dimension::Length;
+                is_current |= unit.dimension == Dimension::Current;
                 mapped.push(term);
             }
             mapped
@@ -311,7 +318,12 @@ fn source_map(
         (None, None) if lengths => Wrap::Never,
         (_, None) => Wrap::default_for(quantity),
     };
-    Ok(Source { terms, wrap, line })
+    Ok(Source {
+        terms,
+        wrap,
+        is_current,
+        line,
+    })
 }
 
 fn term_map(
@@ -327,6 +339,25 @@ fn term_map(
             Unit::parse(text).map_err(|reason| context.error(line, format!("{key}: {reason}")))?
         }
     };
+    let is_current = unit.dimension == Dimension::Current;
+    let constant = term.torque_constant_nm_per_a;
+    if is_current != constant.is_some() {
+        return Err(context.error(
+            line,
+            format!(
+                "{key}: unit \"A\" (or \"mA\") and torque_constant_nm_per_a, N·m per A at the motor's shaft, need each other"
+            ),
+        ));
+    }
+    if is_current && quantity != Quantity::TauM {
+        return Err(context.error(
+            line,
+            format!(
+                "{key}: a motor's current can be a tau_m, not a {}",
+                quantity.symbol()
+            ),
+        ));
+    }
     if !unit.fits(quantity) && term.scale.is_none() {
         return Err(context.error(
             line,
@@ -352,6 +383,13 @@ fn term_map(
     let scale = factor("scale", term.scale, 1.0)?;
     let gear_ratio = factor("gear_ratio", term.gear_ratio, 1.0)?;
     let counts_per_turn = factor("counts_per_turn", term.counts_per_turn, 1.0)?;
+    let constant = factor("torque_constant_nm_per_a", constant, 1.0)?;
+    if constant < 0.0 {
+        return Err(context.error(
+            line,
+            format!("{key}: torque_constant_nm_per_a {constant} must be above 0; 'sign' turns a motor round"),
+        ));
+    }
     let sign = factor("sign", term.sign, 1.0)?;
     if sign.abs() != 1.0 {
         return Err(context.error(line, format!("{key}: sign {sign} must be 1 or -1")));
@@ -372,7 +410,12 @@ fn term_map(
     } else {
         unit.factor
     };
-    let outer = sign * scale / gear_ratio;
+    // A gear divides what a motor turns by, and multiplies what it pulls with.
+    let through_gear = match quantity {
+        Quantity::TauEl | Quantity::TauM | Quantity::TauExt => gear_ratio,
+        Quantity::Q | Quantity::Theta | Quantity::Dq | Quantity::Temperature => 1.0 / gear_ratio,
+    };
+    let outer = sign * scale * constant * through_gear;
     let scale = outer * unit_factor;
     let offset = outer * unit.offset + offset;
     if !(scale.is_finite() && scale != 0.0 && offset.is_finite()) {

@@ -13,6 +13,7 @@ pub(crate) enum Dimension {
     Velocity,
     Torque,
     Force,
+    Current,
     Temperature,
     Count,
     None,
@@ -60,6 +61,8 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
     ),
     (&["kN·m", "kNm"], 1e3, 0.0, Dimension::Torque),
     (&["N"], 1.0, 0.0, Dimension::Force),
+    (&["A"], 1.0, 0.0, Dimension::Current),
+    (&["mA"], 1e-3, 0.0, Dimension::Current),
     (&["°C", "degC", "C"], 1.0, 0.0, Dimension::Temperature),
     (&["K"], 1.0, -273.15, Dimension::Temperature),
     (&["1"], 1.0, 0.0, Dimension::None),
@@ -94,7 +97,8 @@ impl Unit {
         let wanted: &[D] = match quantity {
             Quantity::Q | Quantity::Theta => &[D::Angle, D::Length, D::Count],
             Quantity::Dq => &[D::AngularVelocity, D::Velocity],
-            Quantity::TauEl | Quantity::TauM | Quantity::TauExt => &[D::Torque, D::Force],
+            Quantity::TauM => &[D::Torque, D::Force, D::Current],
+            Quantity::TauEl | Quantity::TauExt => &[D::Torque, D::Force],
             Quantity::Temperature => &[D::Temperature],
         };
         self.dimension == D::None || wanted.contains(&self.dimension)

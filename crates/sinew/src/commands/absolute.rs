@@ -125,6 +125,7 @@ impl Watching {
                 (false, None) => Payload::Unknown,
             },
             motor_torque: !self.no_motor_torque,
+            ..WatchOptions::default()
         };
         let read = baseline
             .map(|path| Ok((Baseline::read(path)?, path.display().to_string())))
@@ -257,10 +258,10 @@ fn events(said: &Absolute) -> Vec<String> {
         },
         100.0 * said.left_out_share,
         said.poses,
-        if said.motor_torque {
-            "; motor torque used"
-        } else {
-            ""
+        match (said.motor_torque, said.motor_current) {
+            (true, true) => "; motor current used",
+            (true, false) => "; motor torque used",
+            (false, _) => "",
         }
     ));
     out
