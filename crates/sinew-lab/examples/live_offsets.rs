@@ -1,6 +1,8 @@
 //! Absolute offsets sample by sample, as beside a running robot:
 //!
-//! `cargo run --release -p sinew-lab --example live_offsets -- ROBOT_DIR BASELINE LOG [FROM_S]`
+//! `cargo run --release -p sinew-lab --example live_offsets -- ROBOT_DIR BASELINE LOG [FROM_S [SAVE]]`
+//!
+//! SAVE is the next baseline file, written in the end.
 //!
 //! A recording stands in for the robot. What it has to do for every sample stands between the
 //! comments "Sample" and "Output": nothing there allocates, locks, panics or prints, so that it may
@@ -28,7 +30,7 @@ fn main() {
 fn run() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [place, file, log, rest @ ..] = arguments.as_slice() else {
-        eprintln!("usage: live_offsets ROBOT_DIR BASELINE LOG [FROM_S]");
+        eprintln!("usage: live_offsets ROBOT_DIR BASELINE LOG [FROM_S [SAVE]]");
         std::process::exit(2);
     };
     let from = rest.first().map_or("0", String::as_str);
@@ -87,8 +89,13 @@ fn run() -> Result<(), Box<dyn Error>> {
             println!(" mrad{doubts}");
         }
     }
-    if last_ns.is_none() {
+    let Some(end_ns) = last_ns else {
         return Err(format!("{log} has nothing from {from_s} s on").into());
+    };
+    if let Some(save) = rest.get(1) {
+        let next = absolute::live_saved(&robot, &baseline, &offsets, (log, end_ns))?;
+        next.write(Path::new(save))?;
+        println!("{save}: what is known now");
     }
     if recording.health().is_damaged() {
         eprintln!("warning: {log} is damaged; `sinew log info {log}` says where");

@@ -44,6 +44,58 @@ fn block_by_block_gives_what_all_at_once_gives() {
     }
 }
 
+/// What the recursive form learned goes on as what the batch learned does.
+#[test]
+fn what_is_saved_goes_on_in_the_next_session() {
+    let robot = biorob_like();
+    let options = WatchOptions::default();
+    for seed in 0..seeds(2) {
+        let no_slips = |text: String| text.replace("rad = 0.005", "rad = 0.0");
+        let cuts = [60.0, 120.0];
+        let (parts, truth) = work_session(&robot, 40 + seed, no_slips, &cuts);
+        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let mut early = absolute::live(&robot, (&baseline, "A"), &options).unwrap();
+        early.step(&parts[1].blocks[0]).unwrap();
+        let end = ("B", parts[1].end_time_ns);
+        let refused = absolute::live_saved(&robot, &baseline, &early, end).unwrap_err();
+        assert!(
+            refused.to_string().contains("B: the offsets are in doubt"),
+            "{refused}"
+        );
+
+        let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
+        if filter.is_in_doubt() {
+            assert!(asked_seeds().is_some(), "nothing happened");
+            continue;
+        }
+        let saved = absolute::live_saved(&robot, &baseline, &filter, end).unwrap();
+        let with = Some((&baseline, "A"));
+        let (_, batch) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+        assert_eq!(saved.recordings, batch.recordings);
+        assert_eq!(saved.end_time_ns, batch.end_time_ns);
+        let [from_saved, from_batch] = [&saved, &batch].map(|baseline| {
+            let with = Some((baseline, "B"));
+            absolute::watch_recorded(&robot, &parts[2], "C", with, &options)
+                .unwrap()
+                .0
+        });
+        for ((a, b), truth) in from_saved.joints.iter().zip(&from_batch.joints).zip(&truth) {
+            println!(
+                "seed {seed} {}: {:+.2} ± {:.2} from the recursive form, {:+.2} ± {:.2} from the batch",
+                a.name,
+                a.offset_mrad - truth,
+                a.interval_95_mrad,
+                b.offset_mrad - truth,
+                b.interval_95_mrad
+            );
+            assert!((a.offset_mrad - truth).abs() < a.interval_95_mrad.max(b.interval_95_mrad));
+            assert!((a.offset_mrad - b.offset_mrad).abs() < 0.5 * b.interval_95_mrad);
+            let wider = a.interval_95_mrad / b.interval_95_mrad;
+            assert!((0.75..1.5).contains(&wider), "{wider}");
+        }
+    }
+}
+
 /// Two tendons slip by 5 mrad, 20 s apart, and nobody says so.
 #[test]
 fn a_slip_is_doubted_and_then_followed() {

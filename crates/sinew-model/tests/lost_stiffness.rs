@@ -4,8 +4,8 @@ mod pendulum;
 
 use pendulum::{PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::offset::{
-    Belief, FeatureConfig, MapEstimator, Payload, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD,
-    UNKNOWN_OFFSET_RAD,
+    Belief, FeatureConfig, JointParameter, MapEstimator, Payload, RecursiveOffsets, Seek,
+    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
 };
 
 const SEEK: Seek = Seek {
@@ -53,6 +53,21 @@ fn the_more_is_lost_the_likelier_and_both_forms_agree() {
         }
         let [other, unsure] = filter.offset(0);
         let probability = filter.stiffness_changed(0);
+        // What is handed on is averaged as what is said.
+        let handed_on = filter.belief().unwrap();
+        let place = |parameter| estimator.prior().place(0, parameter);
+        let [mean, spread] = handed_on.entry(place(JointParameter::Offset));
+        assert!(!filter.is_in_doubt());
+        assert!((mean - other).abs() < 1e-9 * unsure && (spread / unsure - 1.0).abs() < 1e-9);
+        let batch = map.belief(estimator.prior());
+        let [softer, unsure_softer] = batch.entry(place(JointParameter::Compliance));
+        let [mean, spread] = handed_on.entry(place(JointParameter::Compliance));
+        println!("compliance {softer:.4} ± {unsure_softer:.4}, {mean:.4} ± {spread:.4}");
+        assert!(
+            (mean - softer).abs() < 0.5 * unsure_softer,
+            "{mean} {softer}"
+        );
+        assert!((spread / unsure_softer).ln().abs() < 0.4, "{spread}");
         println!(
             "{loss}: {offset:.5} ± {deviation:.5}, {since:?}; {other:.5} ± {unsure:.5}, {probability:.2}"
         );

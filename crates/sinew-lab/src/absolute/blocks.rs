@@ -41,6 +41,14 @@ pub enum AbsoluteError {
         /// Why.
         error: MapError,
     },
+    /// The recursive form can't be saved.
+    #[error(
+        "{recording}: the offsets are in doubt (the first half minute, a contact, a slip not settled yet); save when they are not, or keep the file from before"
+    )]
+    InDoubt {
+        /// The recording, or what stands for it.
+        recording: String,
+    },
     /// The baseline file can't be used.
     #[error("{file}: {why}")]
     Baseline {

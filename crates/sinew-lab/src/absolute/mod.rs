@@ -31,5 +31,5 @@ pub use merge::{MergeOptions, Pooled, merge};
 pub use sinew_model::offset::Payload;
 pub use watch::{
     Learning, WatchOptions, estimator, learn, learn_from, learn_recorded, learn_recorded_from,
-    live, watch, watch_beside_paper, watch_recorded,
+    live, live_saved, watch, watch_beside_paper, watch_recorded,
 };

@@ -292,6 +292,34 @@ pub fn live(
     Ok(filter)
 }
 
+/// What `filter`, which [`live`] began from `before`, knows by `end_time_ns` of `recording`, as the next of the chain:
+/// for the next [`live`] or [`watch`].
+///
+/// # Errors
+/// [`AbsoluteError::InDoubt`] while the filter doubts what it believes.
+pub fn live_saved(
+    robot: &Robot,
+    before: &Baseline,
+    filter: &RecursiveOffsets,
+    (recording, end_time_ns): (&str, i64),
+) -> Result<Baseline, AbsoluteError> {
+    if filter.is_in_doubt() {
+        return Err(AbsoluteError::InDoubt {
+            recording: recording.into(),
+        });
+    }
+    let belief = filter.belief().map_err(|error| AbsoluteError::Map {
+        file: recording.into(),
+        error,
+    })?;
+    let mut recordings = before.recordings.clone();
+    recordings.push(recording.into());
+    let noise = filter.noise().map(<[f64]>::to_vec);
+    let mut next = Baseline::new(robot, recordings, end_time_ns, &belief, noise);
+    next.before.clone_from(&before.before);
+    Ok(next)
+}
+
 /// What a baseline knows, some time later: offsets may be anything, and the gripper hold something
 /// else.
 fn open(prior: &Prior, belief: &mut Belief, options: &WatchOptions) {

@@ -162,6 +162,12 @@ impl Filter {
         &self.belief
     }
 
+    /// Noise of link and motor equations.
+    pub(super) fn noise(&self) -> [&[f64]; 2] {
+        let [link, motor] = &self.noise;
+        [link, motor]
+    }
+
     /// Weight of the last block.
     pub(super) fn weight(&self) -> f64 {
         self.weight

@@ -54,27 +54,42 @@ pub(super) fn average(
         .collect();
     let mut mixture = Mixture::new(n, 0);
     mixture.weigh(&change, &own, odds);
+    let shared: Vec<f64> = (covariance.chunks_exact(total))
+        .flat_map(|row| columns.iter().map(|&c| row[c]))
+        .collect();
+    take_over((&change, &own), &shared, &mixture, state, covariance)?;
+    Ok(mixture.probability)
+}
 
-    // P_·c C⁻¹, a row per entry of the state.
-    let inverse = cholesky::inverse(&own, n).map_err(MapError::Prior)?;
-    let mut moves = Vec::with_capacity(total * n);
-    for row in covariance.chunks_exact(total) {
-        for line in inverse.chunks_exact(n) {
-            moves.push(columns.iter().zip(line).map(|(&c, q)| row[c] * q).sum());
-        }
+/// Makes of a state estimated with changes `c`, `C` open, which share the covariance `P_·c` with it (a row per
+/// entry), that of the mixture over them: the last two equations of [`average`].
+///
+/// # Errors
+/// [`MapError::Prior`] where `C` is no covariance.
+pub(super) fn take_over(
+    (change, own): (&[f64], &[f64]),
+    shared: &[f64],
+    mixture: &Mixture,
+    state: &mut [f64],
+    covariance: &mut [f64],
+) -> Result<(), MapError> {
+    let (n, total) = (change.len(), state.len());
+    if n == 0 {
+        return Ok(());
     }
-    let further: Vec<f64> = mixture
-        .mean
-        .iter()
-        .zip(&change)
+    // P_·c C⁻¹, a row per entry of the state.
+    let inverse = cholesky::inverse(own, n).map_err(MapError::Prior)?;
+    let mut moves = Vec::with_capacity(total * n);
+    for row in shared.chunks_exact(n) {
+        moves.extend(inverse.chunks_exact(n).map(|line| dot(row, line)));
+    }
+    let further: Vec<f64> = (mixture.mean.iter().zip(change))
         .map(|(m, c)| m - c)
         .collect();
-    let wider: Vec<f64> = mixture
-        .spread
-        .iter()
-        .zip(&own)
-        .map(|(v, c)| v - c)
-        .collect();
+    let values = mixture.values;
+    let spread = mixture.spread.chunks_exact(values.max(1)).take(n);
+    let spread = spread.flat_map(|row| row.iter().take(n));
+    let wider: Vec<f64> = spread.zip(own).map(|(v, c)| v - c).collect();
     for (i, x) in state.iter_mut().enumerate() {
         let own: &[f64] = &moves[i * n..(i + 1) * n];
         *x += dot(own, &further);
@@ -84,7 +99,7 @@ pub(super) fn average(
             *p += dot(&half, other);
         }
     }
-    Ok(mixture.probability)
+    Ok(())
 }
 
 /// Changes, and what goes with them, averaged over all sets of changes that happened.

@@ -183,6 +183,12 @@ impl RecursiveOffsets {
         self.believed.expect_noise(&self.start_noise);
     }
 
+    /// Noise of every joint's link (rad) and motor (N·m) equations, as the next filter may
+    /// [expect](RecursiveOffsets::expect_noise) it.
+    pub fn noise(&self) -> [&[f64]; 2] {
+        self.believed.noise()
+    }
+
     /// Takes a block; returns its weight, 0 (left out as disturbed) to 1.
     ///
     /// # Errors
@@ -430,13 +436,14 @@ impl RecursiveOffsets {
         self.since.probability(joint).unwrap_or_default()
     }
 
-    /// What is believed now, where every stiffness that was known may have changed by a tenth.
-    /// Allocates: no step.
+    /// What is believed now, averaged over which stiffness has changed. Allocates: no step.
+    ///
+    /// While the filter [doubts](RecursiveOffsets::is_in_doubt) this may be wrong by more than it says.
     ///
     /// # Errors
     /// [`super::MapError::Prior`] when what was believed before has no inverse.
     pub fn belief(&self) -> Result<Belief, super::MapError> {
-        let now = self.believed.belief();
+        let now = &self.since.averaged(self.believed.belief())?;
         let model = self.estimator.model();
         let (mean, covariance) = model.completed(&self.before, &now.mean, &now.covariance)?;
         Ok(Belief {

@@ -248,6 +248,21 @@ impl Since {
         self.mixture.weigh(&self.values, &self.covariance, ODDS);
     }
 
+    /// What is believed now, averaged as the offsets are. `now` is what [`Since::average`] had last. Allocates.
+    pub(super) fn averaged(&self, now: &Belief) -> Result<Belief, MapError> {
+        let (n, d) = (self.joints.len(), now.mean.len());
+        let mut averaged = now.clone();
+        let change = &self.values[..n];
+        let rows = self.covariance.chunks_exact((2 * n).max(1)).take(n);
+        let own: Vec<f64> = rows.flat_map(|row| row.iter().take(n).copied()).collect();
+        let shared: Vec<f64> = (0..d)
+            .flat_map(|k| (0..n).map(move |i| self.shared[i * d + k]))
+            .collect();
+        let (mean, covariance) = (&mut averaged.mean, &mut averaged.covariance);
+        mixture::take_over((change, &own), &shared, &self.mixture, mean, covariance)?;
+        Ok(averaged)
+    }
+
     /// Offset of a joint and its standard deviation, rad; `None` for one whose stiffness was not known.
     pub(super) fn offset(&self, joint: usize) -> Option<[f64; 2]> {
         let n = self.joints.len();
