@@ -35,6 +35,12 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
     let change = &said.payload_changes[0];
     assert!((change.time_s - 91.0).abs() < 1.5, "{change:?}");
     assert!((change.change_kg - 0.4).abs() < 0.1, "{change:?}");
+    let [from_s, to_s] = change.between_s.unwrap();
+    assert!(
+        from_s < 91.0 && 91.0 < to_s && to_s - from_s < 3.0,
+        "{change:?}"
+    );
+    assert!(change.probability.unwrap() > 0.99, "{change:?}");
     for joint in [PITCH, ELBOW] {
         let found = &said.joints[joint];
         let error = found.offset_mrad - truth[joint];
@@ -124,13 +130,46 @@ fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
         assert!((end - joint.interval_95_mrad).abs() < 1e-9, "{end}");
         let before = said.course.iter().find(|c| c.time_s > 40.0).unwrap();
         assert!(before.interval_95_mrad[PITCH] < 2.0, "{before:?}");
-        (joint.interval_95_mrad, doubted)
+        let [from_s, to_s] = joint.steps[0].between_s.unwrap();
+        assert!(from_s < 114.0 && 114.0 < to_s, "{from_s} {to_s}");
+        let probability = joint.steps[0].probability.unwrap();
+        (joint.interval_95_mrad, doubted, probability)
     };
-    let (interval, doubted) = watch(&[60.0, 120.0]);
+    let (interval, doubted, probability) = watch(&[60.0, 120.0]);
     assert!(doubted && interval > 4.5, "{interval}");
+    assert!(probability < 0.5, "{probability}");
     // Ten seconds later a contact would have ended.
-    let (interval, doubted) = watch(&[60.0, 130.0]);
+    let (interval, doubted, probability) = watch(&[60.0, 130.0]);
     assert!(!doubted && interval < 2.0, "{interval}");
+    assert!(probability > 0.9, "{probability}");
+}
+
+#[test]
+fn a_tendon_that_somebody_tensioned_again_is_told_from_one_that_slipped_back() {
+    let robot = biorob_like();
+    let shorter = |text: String| {
+        let step = |joint: &str, at_s: f64, rad: f64| {
+            format!(
+                "\n[[offsets]]\njoint = \"{joint}\"\nkind = \"physical\"\nshape = \"step\"\nat_s = {at_s}\nrad = {rad}\n"
+            )
+        };
+        // Of 10 mrad at either joint.
+        no_contact(text) + &step("shoulder_pitch", 85.0, -9e-3) + &step("elbow", 100.0, -3e-3)
+    };
+    let (parts, truth) = work_session(&robot, 14, shorter, &[60.0, 120.0]);
+    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, options) = (Some((&baseline, "A")), WatchOptions::default());
+    let (said, _) = absolute::watch_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+    for (joint, at_s, kind) in [(PITCH, 85.0, "re-tensioned"), (ELBOW, 100.0, "slip")] {
+        let found = &said.joints[joint];
+        println!("{:?}", found.steps);
+        assert_eq!(found.steps.len(), 1);
+        let step = &found.steps[0];
+        assert_eq!(step.kind, kind);
+        assert!((step.time_s - at_s).abs() < 0.5, "{step:?}");
+        let error = found.offset_mrad - truth[joint];
+        assert!(error.abs() < found.interval_95_mrad, "{error}");
+    }
 }
 
 #[test]

@@ -95,14 +95,20 @@ pub struct SinceBefore {
 pub struct Step {
     /// When, s from the start of the recording.
     pub time_s: f64,
+    /// It happened between these with 95 %, s; `None` for what happened before the recording.
+    pub between_s: Option<[f64; 2]>,
+    /// Probability that it happened and lasts: one that comes late may be a contact as well. `None` for
+    /// what happened before the recording.
+    pub probability: Option<f64>,
     /// By how much, mrad.
     pub size_mrad: f64,
     /// Half of its 95 % interval, mrad.
     pub interval_95_mrad: f64,
     /// Stiffness lost or gained with it, %, and half its 95 % interval; `None`: no change seen.
     pub stiffness_change_percent: Option<[f64; 2]>,
-    /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, else "slip";
-    /// "softer since before" and "stiffer since before" where the recording began so.
+    /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, "re-tensioned" where
+    /// much of the offset went without a slip of an encoder, else "slip"; "softer since before" and
+    /// "stiffer since before" where the recording began so.
     pub kind: String,
     /// Of a slip: "rope", "motor encoder", "joint encoder" or "can't be told"; else empty.
     pub cause: String,
@@ -115,6 +121,10 @@ pub struct Step {
 pub struct PayloadChange {
     /// When, s from the start of the recording.
     pub time_s: f64,
+    /// It happened between these with 95 %, s.
+    pub between_s: Option<[f64; 2]>,
+    /// Probability that it happened.
+    pub probability: Option<f64>,
     /// By how much, kg.
     pub change_kg: f64,
     /// Half of its 95 % interval, kg.

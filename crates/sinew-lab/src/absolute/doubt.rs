@@ -12,10 +12,23 @@ const TOLD: [&str; 2] = ["motor encoder", "joint encoder"];
 
 /// Whether a change may be a contact that had not ended yet: it came late, and no encoder slipped.
 pub(super) fn may_end(step: &Step, recorded: &Recorded) -> bool {
-    ["slip", "strand failure"].contains(&step.kind.as_str())
-        && !TOLD.contains(&step.cause.as_str())
+    ["slip", "strand failure", "re-tensioned"].contains(&step.kind.as_str())
+        && !is_encoder(step)
         && recorded.duration_s > 0.0
         && recorded.end_s() - step.time_s < LASTING_S
+}
+
+/// Whether an encoder's reading jumped: no contact looks like that, nor a rope.
+pub(super) fn is_encoder(step: &Step) -> bool {
+    TOLD.contains(&step.cause.as_str())
+}
+
+/// What may be a contact that had not ended is half as likely.
+pub(super) fn lessen(steps: &mut [Step], recorded: &Recorded) {
+    const LASTS: f64 = 0.5;
+    for step in steps.iter_mut().filter(|s| may_end(s, recorded)) {
+        step.probability = step.probability.map(|p| LASTS * p);
+    }
 }
 
 /// What widens the interval of one joint.

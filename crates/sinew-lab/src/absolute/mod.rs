@@ -17,6 +17,7 @@ mod file;
 mod jumps;
 mod merge;
 mod said;
+mod sentences;
 mod stiffness;
 mod warnings;
 mod watch;

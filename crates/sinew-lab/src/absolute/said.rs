@@ -69,8 +69,11 @@ pub(super) fn said(
         for (k, change) in map.changes.iter().enumerate() {
             if change.what == What::Payload {
                 let [size, deviation] = map.change(prior, k);
+                let certainty = map.certainty(change);
                 payload_changes.push(PayloadChange {
-                    time_s: change.at_s,
+                    time_s: certainty.map_or(change.at_s, |c| c.at_s),
+                    between_s: certainty.map(|c| c.between_s),
+                    probability: certainty.map(|c| c.probability),
                     change_kg: size,
                     interval_95_kg: Z95 * deviation,
                 });
@@ -147,6 +150,14 @@ fn said_of_joint(
                 What::Offset(i) if i == joint => {
                     let mut step = step(prior, map, (k, joint));
                     tell_cause(&mut step, robot, recorded, joint);
+                    if doubt::is_encoder(&step) {
+                        // Nothing else looks like that.
+                        step.probability = map.certainty(change).map(|c| c.no_noise);
+                    }
+                    tell_tensioning(
+                        &mut step,
+                        map.offset_at(prior, joint, change.at_s - BEFORE_S),
+                    );
                     steps.push(step);
                 }
                 What::Compliance(i) if i == joint && !stiffness::with_slip(map, k) => {
@@ -157,6 +168,7 @@ fn said_of_joint(
             }
         }
     }
+    doubt::lessen(&mut steps, recorded);
     let doubt = Doubt::of(prior, recorded, watched, joint, &steps);
     let offset_mrad = 1e3 * offset;
     let interval_95_mrad = doubt.widen(1e3 * Z95 * deviation, recorded.end_s());
@@ -278,6 +290,27 @@ fn tell_cause(step: &mut Step, robot: &Robot, recorded: &Recorded, joint: usize)
     step.cause_said = cause.sentence().into();
 }
 
+/// Just before a change, s.
+const BEFORE_S: f64 = 1e-3;
+
+/// A slip that takes away at least half of the offset there was, and was no encoder's, is somebody who
+/// tensioned the rope: ropes don't shorten.
+fn tell_tensioning(step: &mut Step, [before, unsure]: [f64; 2]) {
+    const MUCH: f64 = 0.5;
+    let (before_mrad, unsure_mrad) = (1e3 * before, 1e3 * Z95 * unsure);
+    let gone_mrad = -step.size_mrad;
+    if step.kind == "slip"
+        && !doubt::is_encoder(step)
+        && before_mrad > unsure_mrad
+        && gone_mrad > step.interval_95_mrad
+        && gone_mrad > MUCH * before_mrad
+    {
+        step.kind = "re-tensioned".into();
+        step.cause_said =
+            "most of the offset went: it was tensioned again; make a new baseline".into();
+    }
+}
+
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
     let [size, deviation] = map.change(prior, k);
@@ -288,8 +321,11 @@ fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
     });
     let softer = softer.map(|k| map.change(prior, k));
     let failed = softer.is_some_and(|[softer, unsure]| softer > Z95 * unsure);
+    let certainty = map.certainty(&change);
     Step {
-        time_s: change.at_s,
+        time_s: certainty.map_or(change.at_s, |c| c.at_s),
+        between_s: certainty.map(|c| c.between_s),
+        probability: certainty.map(|c| c.probability),
         size_mrad: 1e3 * size,
         interval_95_mrad: 1e3 * Z95 * deviation,
         stiffness_change_percent: softer

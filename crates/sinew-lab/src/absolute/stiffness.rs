@@ -61,8 +61,11 @@ pub(super) fn alone(
         (true, false) => "strand failure",
         (false, false) => "stiffer",
     };
+    let certainty = map.certainty(&map.changes[k]);
     Some(Step {
-        time_s: map.changes[k].at_s.max(0.0),
+        time_s: certainty.map_or(map.changes[k].at_s.max(0.0), |c| c.at_s),
+        between_s: certainty.map(|c| c.between_s),
+        probability: certainty.map(|c| c.probability),
         size_mrad: 0.0,
         interval_95_mrad: 0.0,
         stiffness_change_percent: Some(change_percent(prior, map, joint, [softer, unsure])),

@@ -18,6 +18,7 @@ pub(super) fn sections(page: Page, said: &Absolute) -> Page {
         ),
         Block::Table(offsets(said)),
     ];
+    opening.push(Block::List(said.sentences()));
     if !said.warnings.is_empty() {
         opening.push(Block::List(said.warnings.clone()));
     }

@@ -15,7 +15,7 @@ mod simulated;
 mod summary;
 
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
-pub use recording::{JointScore, Recording, StepScore, record};
+pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use run::{Options, run};
 pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
 

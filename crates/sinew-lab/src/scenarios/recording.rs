@@ -3,7 +3,7 @@
 use super::paper::PaperMeans;
 use super::simulated::Simulated;
 use super::{Plan, ScenarioError, estimator};
-use crate::absolute::{Absolute, Baseline, Recorded};
+use crate::absolute::{Absolute, Baseline, Recorded, Step};
 use serde::{Deserialize, Serialize};
 
 /// How one recording came out.
@@ -18,8 +18,9 @@ pub struct Recording {
     pub joints: Vec<JointScore>,
     /// The slips of session C; empty when it was left out.
     pub steps: Vec<StepScore>,
-    /// Sudden changes reported where there was none, in B and C.
-    pub false_alarms: u32,
+    /// Sudden changes reported where there was none, in B and C: the probability stated of each, 1 of
+    /// what is said of the time before.
+    pub false_alarms: Vec<f64>,
     /// Time they were looked for, s.
     pub watched_s: f64,
     /// Payload estimated less the true one at the end of B, kg.
@@ -70,16 +71,52 @@ pub struct StepScore {
     pub at_s: f64,
     /// True size, mrad.
     pub size_mrad: f64,
-    /// Size found with 20 s after it, mrad; none: not found.
-    pub found_mrad: Option<f64>,
+    /// As it was found with 20 s after it; none: not found.
+    pub found: Option<FoundStep>,
     /// Seconds of recording after the slip from which on it is found.
     pub delay_s: Option<f64>,
+}
+
+/// What was said of a slip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FoundStep {
+    /// Size, mrad.
+    pub size_mrad: f64,
+    /// Moment, s.
+    pub time_s: f64,
+    /// 95 % interval of the moment, s.
+    pub between_s: [f64; 2],
+    /// Probability stated.
+    pub probability: f64,
+}
+
+impl FoundStep {
+    fn of(step: &Step) -> Self {
+        Self {
+            size_mrad: step.size_mrad,
+            time_s: step.time_s,
+            between_s: step.between_s.unwrap_or([step.time_s; 2]),
+            probability: stated(step),
+        }
+    }
+}
+
+/// Probability stated of a change; what was before the recording comes without one.
+fn stated(step: &Step) -> f64 {
+    step.probability.unwrap_or(1.0)
 }
 
 impl StepScore {
     /// Size found less true size, mrad; a slip not found was taken for none.
     pub fn error_mrad(&self) -> f64 {
-        self.found_mrad.unwrap_or(0.0) - self.size_mrad
+        self.found.map_or(0.0, |f| f.size_mrad) - self.size_mrad
+    }
+
+    /// Whether it happened when it was said to have; `None`: not found.
+    pub fn is_moment_inside(&self) -> Option<bool> {
+        let [from_s, to_s] = self.found?.between_s;
+        Some((from_s..=to_s).contains(&self.at_s))
     }
 }
 
@@ -156,7 +193,9 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
         joints,
         steps: Vec::new(),
         // Nothing slips within B.
-        false_alarms: watched.joints.iter().map(|j| j.steps.len() as u32).sum(),
+        false_alarms: (watched.joints.iter())
+            .flat_map(|j| j.steps.iter().map(stated))
+            .collect(),
         watched_s: simulated.sessions[1].duration_s,
         payload_error_kg: watched.payload_kg[0] - simulated.payload_kg,
         payload_interval_95_kg: watched.payload_kg[1],
@@ -189,19 +228,19 @@ fn watch_slips(
         // C goes on where B ended, as one recording would.
         estimator::watch(&plan.robot, &part, "session C", baseline, payload).map(|(said, _)| said)
     };
-    let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<f64> {
+    let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<FoundStep> {
         let joint = said.joints.iter().find(|j| j.name == name)?;
         let step = joint
             .steps
             .iter()
             .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
-        Some(step.size_mrad)
+        Some(FoundStep::of(step))
     };
     for &(joint, at_s, size_mrad) in &simulated.slips {
         let name = &names[joint];
-        let found_mrad = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
+        let found = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
         let mut delay_s = None;
-        if found_mrad.is_some() {
+        if found.is_some() {
             // Found with `late` seconds, not with `early`: halved to a second, as if what is found
             // once stayed found.
             let (mut early, mut late) = (0, WITHIN_S);
@@ -218,7 +257,7 @@ fn watch_slips(
             joint: name.clone(),
             at_s,
             size_mrad,
-            found_mrad,
+            found,
             delay_s,
         });
     }
@@ -229,8 +268,9 @@ fn watch_slips(
                 .iter()
                 .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < SAME_S)
         };
-        let false_ones = joint.steps.iter().filter(|s| !known(s.time_s)).count();
-        out.false_alarms += false_ones as u32;
+        let false_ones = joint.steps.iter().filter(|s| !known(s.time_s));
+        let false_ones: Vec<f64> = false_ones.map(stated).collect();
+        out.false_alarms.extend(false_ones);
     }
     out.watched_s += whole.duration_s;
     Ok(())

@@ -1,6 +1,6 @@
 //! What many recordings say together.
 
-use super::{Options, Plan, Recording, StepScore};
+use super::{FoundStep, Options, Plan, Recording, StepScore};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -30,6 +30,8 @@ pub struct ScenarioSummary {
     pub steps: Vec<StepSummary>,
     /// Sudden changes reported where there was none, per hour.
     pub false_alarms_per_hour: f64,
+    /// Mean of the probabilities stated of them.
+    pub false_alarm_probability: Option<f64>,
     /// Hours they were looked for.
     pub watched_h: f64,
     /// Payload: root mean square error, kg.
@@ -89,6 +91,14 @@ pub struct StepSummary {
     pub rmse_mrad: f64,
     /// The same of those found.
     pub found_rmse_mrad: Option<f64>,
+    /// Mean probability stated of those found.
+    pub probability: Option<f64>,
+    /// Share of those found that happened within the 95 % interval of their moment.
+    pub moment_coverage: Option<f64>,
+    /// Mean half-width of that interval, s.
+    pub moment_interval_95_s: Option<f64>,
+    /// Root mean square error of the moment, s.
+    pub moment_rmse_s: Option<f64>,
     /// Seconds of recording needed to find it: median of those found.
     pub delay_s: Option<f64>,
     /// The same, 90 % quantile.
@@ -124,7 +134,9 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
         .map(|r| r.steps.iter().map(|s| &s.joint).collect())
         .unwrap_or_default();
     let watched_h: f64 = recordings.iter().map(|r| r.watched_s).sum::<f64>() / 3600.0;
-    let alarms: u32 = recordings.iter().map(|r| r.false_alarms).sum();
+    let alarms: Vec<f64> = (recordings.iter())
+        .flat_map(|r| r.false_alarms.iter().copied())
+        .collect();
     let payload: Vec<f64> = recordings.iter().map(|r| r.payload_error_kg).collect();
     let left_out: Vec<f64> = recordings.iter().map(|r| r.left_out_share).collect();
     ScenarioSummary {
@@ -136,7 +148,8 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
             .iter()
             .map(|name| steps(name, recordings))
             .collect(),
-        false_alarms_per_hour: f64::from(alarms) / watched_h,
+        false_alarms_per_hour: alarms.len() as f64 / watched_h,
+        false_alarm_probability: (!alarms.is_empty()).then(|| mean(&alarms)),
         watched_h,
         payload_rmse_kg: rms(&payload),
         left_out_share: mean(&left_out),
@@ -192,9 +205,19 @@ fn steps(name: &str, recordings: &[&Recording]) -> StepSummary {
         .flat_map(|r| &r.steps)
         .filter(|s| s.joint == name)
         .collect();
-    let found: Vec<&&StepScore> = slips.iter().filter(|s| s.found_mrad.is_some()).collect();
+    let found: Vec<&&StepScore> = slips.iter().filter(|s| s.found.is_some()).collect();
     let errors: Vec<f64> = slips.iter().map(|s| s.error_mrad()).collect();
     let found_errors: Vec<f64> = found.iter().map(|s| s.error_mrad()).collect();
+    let told: Vec<(&StepScore, FoundStep)> = (slips.iter())
+        .filter_map(|s| Some((*s, s.found?)))
+        .collect();
+    let of_found = |f: &dyn Fn(&StepScore, FoundStep) -> f64| -> Vec<f64> {
+        told.iter().map(|(s, found)| f(s, *found)).collect()
+    };
+    let probabilities = of_found(&|_, found| found.probability);
+    let inside = of_found(&|s, _| f64::from(u8::from(s.is_moment_inside() == Some(true))));
+    let half = of_found(&|_, found| 0.5 * (found.between_s[1] - found.between_s[0]));
+    let off = of_found(&|s, found| found.time_s - s.at_s);
     let delays: Vec<f64> = slips.iter().filter_map(|s| s.delay_s).collect();
     let some = |values: &[f64], f: &dyn Fn(Vec<f64>) -> f64| {
         (!values.is_empty()).then(|| f(values.to_vec()))
@@ -205,6 +228,10 @@ fn steps(name: &str, recordings: &[&Recording]) -> StepSummary {
         found: found.len() as f64 / slips.len() as f64,
         rmse_mrad: rms(&errors),
         found_rmse_mrad: some(&found_errors, &|v| rms(&v)),
+        probability: some(&probabilities, &|v| mean(&v)),
+        moment_coverage: some(&inside, &|v| mean(&v)),
+        moment_interval_95_s: some(&half, &|v| mean(&v)),
+        moment_rmse_s: some(&off, &|v| rms(&v)),
         delay_s: some(&delays, &|v| quantile(v, 0.5)),
         delay_90_s: some(&delays, &|v| quantile(v, 0.9)),
     }

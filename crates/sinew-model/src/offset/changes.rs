@@ -1,6 +1,7 @@
 //! Sudden changes within a recording: a slip, a failed strand, a load picked up or put down.
 
 use super::block::Block;
+use super::certainty::kept_without;
 use super::course::{GLANCE, LOOK, WARM};
 use super::hands;
 use super::map::{MapError, MapEstimate, MapEstimator};
@@ -58,7 +59,7 @@ const WORTH_A_LOOK: f64 = 3.0;
 const WORTH_A_FIT: f64 = 6.0;
 const NEAR_THE_BEST: f64 = 0.7;
 /// A change so many standard deviations from nothing isn't needless.
-const SURE: f64 = 12.0;
+pub(super) const SURE: f64 = 12.0;
 /// What a loss of stiffness with a slip must take off it: two and a half standard deviations.
 const KEEP_SOFTER: f64 = 3.0;
 /// An offset's change below this is not reported, rad.
@@ -154,10 +155,15 @@ impl Problem<'_> {
             best = self.without_the_needless(better)?;
         }
         best = self.retimed(best, seek)?;
-        match softer {
+        let certainties = self.certainties(&best, seek)?;
+        let said = match softer {
             Some(softer) => self.averaged(best, softer),
             None => self.complete(best),
-        }
+        };
+        Ok(MapEstimate {
+            certainties,
+            ..said?
+        })
     }
 
     /// The candidate that takes most off the cost.
@@ -215,10 +221,7 @@ impl Problem<'_> {
                 k += 1;
                 continue;
             }
-            let changes = best.estimate.changes.iter().copied();
-            let kept: Vec<Change> = changes
-                .filter(|c| *c != change && !softens(c, &change))
-                .collect();
+            let kept = kept_without(&best.estimate.changes, k);
             if kept.is_empty() {
                 break;
             }
@@ -235,7 +238,7 @@ impl Problem<'_> {
     }
 
     /// Size of a change over its standard deviation.
-    fn significance(&self, at: &Solution, k: usize) -> f64 {
+    pub(super) fn significance(&self, at: &Solution, k: usize) -> f64 {
         let place = self.total(&at.estimate.changes[..k]);
         at.estimate.state[place].abs() / at.deviation(place)
     }

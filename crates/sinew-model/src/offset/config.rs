@@ -124,6 +124,14 @@ pub struct FeatureConfig {
     pub presliding_rad: f64,
 }
 
+impl FeatureConfig {
+    /// How much later than a step itself its features are half way, s: `ln 2 / K_I` of the low-pass, `2 / ω` of the
+    /// velocity filter.
+    pub fn delay_s(&self) -> f64 {
+        core::f64::consts::LN_2 / self.gain_per_s + 2.0 / self.cutoff_rad_per_s
+    }
+}
+
 impl Default for FeatureConfig {
     fn default() -> Self {
         Self {

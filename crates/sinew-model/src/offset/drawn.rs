@@ -1,7 +1,14 @@
 //! Numbers for tests.
 
+use super::block::Block;
+use super::config::FeatureConfig;
 use super::equation::Side;
-use super::prior::{JointParameter as P, PER_JOINT};
+use super::map::MapEstimator;
+use super::prior::{JointParameter as P, JointPrior, PER_JOINT, Prior};
+use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
+use crate::tolerances::Tolerances;
+use alloc::string::String;
+use alloc::vec::Vec;
 
 /// A joint's own entries of an equation: what only the other side knows is nothing, the zero is an
 /// offset too.
@@ -22,4 +29,50 @@ pub(crate) fn random(seed: &mut u64) -> f64 {
         .wrapping_mul(6_364_136_223_846_793_005)
         .wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// Blocks of a recording.
+pub(super) const BLOCKS: usize = 80;
+/// The block its joint slips with.
+pub(super) const SLIPS_AT: usize = 40;
+
+/// An estimator for a joint about the vertical.
+pub(super) fn turntable() -> MapEstimator {
+    let turntable = BodySpec {
+        name: String::from("one"),
+        parent: None,
+        kind: JointKind::Revolute,
+        axis: [0.0, 0.0, 1.0],
+        placement: Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),
+        body: BodyInertia::point(1.0, [0.1, 0.0, 0.0]),
+    };
+    let arm = ArmBuilder::new().body(turntable).build().unwrap();
+    let mut prior = Prior::new(&arm, &[None], 0, [0.0; 3], Tolerances::default());
+    prior.joints[0] = Some(JointPrior {
+        stiffness_nm_per_rad: 40.0,
+        motor_inertia_kg_m2: None,
+        coulomb_nm: 0.0,
+        viscous_nm_s_per_rad: 0.0,
+        motor_coulomb_nm: 0.0,
+        motor_viscous_nm_s_per_rad: 0.0,
+        antagonistic: false,
+    });
+    MapEstimator::new(prior, &FeatureConfig::default())
+}
+
+/// Poses without a load, of a joint that slips by `slip_rad`.
+pub(super) fn slipping(estimator: &MapEstimator, slip_rad: f64, mut seed: u64) -> Vec<Block> {
+    let columns = estimator.model().layout.bodies;
+    (0..BLOCKS)
+        .map(|b| {
+            let mut block = Block::zero(1, columns);
+            block.time_s = 0.1 + 0.2 * b as f64;
+            block.q[0] = random(&mut seed);
+            let slipped = if b >= SLIPS_AT { slip_rad } else { 0.0 };
+            let y = 1e-3 + slipped + 0.2e-3 * random(&mut seed);
+            (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
+            block.motor_torque[0] = f64::NAN;
+            block
+        })
+        .collect()
 }

@@ -16,6 +16,7 @@
 //! annealed from a wide scale so that the start doesn't matter.
 
 use super::block::Block;
+use super::certainty::Certainty;
 use super::changes::{Change, offset_columns};
 use super::config::FeatureConfig;
 use super::equation::{Equations, Side};
@@ -78,6 +79,8 @@ pub struct MapEstimate {
     /// Whether each joint's stiffness has changed since what was believed before; `None` where that
     /// isn't sought.
     pub stiffness_since: Vec<Option<StiffnessSince>>,
+    /// How sure each change that was found is ([`MapEstimate::certainty`]).
+    pub certainties: Vec<Certainty>,
 }
 
 impl MapEstimate {
@@ -158,6 +161,8 @@ pub struct MapEstimator {
     /// Correlation time of the noise over the length of a block.
     inflation: f64,
     block_s: f64,
+    /// By how much blocks lag behind what happens, s.
+    delay_s: f64,
     /// No joint is trusted to better than this, rad.
     noise_floor_rad: f64,
     motor_torque: bool,
@@ -176,6 +181,7 @@ impl MapEstimator {
             prior,
             inflation: (correlation_s / features.block_s).max(1.0),
             block_s: features.block_s,
+            delay_s: features.delay_s(),
             noise_floor_rad: 0.12e-3,
             motor_torque: true,
             hands: &OneHand,
@@ -217,6 +223,10 @@ impl MapEstimator {
 
     pub(super) fn block_s(&self) -> f64 {
         self.block_s
+    }
+
+    pub(super) fn delay_s(&self) -> f64 {
+        self.delay_s
     }
 
     /// The estimate from `blocks` with changes at known moments.

@@ -2,6 +2,7 @@
 //! offset estimated with everything that disguises itself as one.
 
 mod block;
+mod certainty;
 mod chain;
 mod changes;
 mod config;
@@ -34,6 +35,7 @@ mod solution;
 mod solve;
 
 pub use block::Block;
+pub use certainty::Certainty;
 pub use changes::{Change, Seek, What};
 pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,

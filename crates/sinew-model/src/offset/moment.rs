@@ -1,6 +1,6 @@
 //! When a change came.
 
-use super::changes::{SAME_S, Seek, What, softens};
+use super::changes::{Change, SAME_S, Seek, What, softens};
 use super::course::NEARLY;
 use super::map::{MapError, MapEstimate};
 use super::solution::Solution;
@@ -42,108 +42,71 @@ impl Problem<'_> {
     ) -> Result<Option<Solution>, MapError> {
         let known = &at.estimate;
         let change = known.changes[k];
-        let moved = |at_s: f64| {
-            let mut moved = known.changes.clone();
-            for c in &mut moved {
-                if softens(c, &change) {
-                    c.at_s = at_s;
-                }
-            }
-            moved[k].at_s = at_s;
-            moved
-        };
-        let cost = |at_s: f64| {
-            let there = MapEstimate {
-                changes: moved(at_s),
-                ..known.clone()
-            };
-            self.cost_by_block(&there)
-        };
-        // Sum of costs if it happened with a block: those before it, and those from there on.
-        let (not_yet, since) = (cost(f64::INFINITY), cost(f64::NEG_INFINITY));
-        let (mut sum, mut is, mut least) = (0.0, None, None);
-        for (b, (not_yet, since)) in not_yet.into_iter().zip(since).enumerate() {
+        let (mut is, mut least) = (None, None);
+        for (b, sum) in self.sums_by_moment(known, k).into_iter().enumerate() {
             let at_s = self.start_of(b);
             if is.is_none() && self.blocks[b].time_s >= change.at_s {
-                is = Some((sum, at_s));
+                is = Some(sum);
             }
             if possible(at_s) && least.is_none_or(|(least, _)| sum < least) {
                 least = Some((sum, at_s));
             }
-            sum += not_yet - since;
         }
         match (is, least) {
-            (Some((is, _)), Some((least, at_s))) if least < is => self
-                .solve_from(&moved(at_s), &known.state, known, NEARLY)
+            (Some(is), Some((least, at_s))) if least < is => self
+                .solve_from(&moved(known, k, at_s), &known.state, known, NEARLY)
                 .map(Some),
             _ => Ok(None),
         }
     }
+
+    /// What all blocks cost if change `k`, with the stiffness that goes with it, came with each of them:
+    /// those before it as if it had not come, those from there on as if it had; over what they cost if
+    /// it came with the first.
+    pub(super) fn sums_by_moment(&self, known: &MapEstimate, k: usize) -> Vec<f64> {
+        let cost = |at_s: f64| {
+            let there = MapEstimate {
+                changes: moved(known, k, at_s),
+                ..known.clone()
+            };
+            self.cost_by_block(&there)
+        };
+        let (not_yet, since) = (cost(f64::INFINITY), cost(f64::NEG_INFINITY));
+        let mut sum = 0.0;
+        let mut sums = Vec::with_capacity(self.blocks.len());
+        for (not_yet, since) in not_yet.into_iter().zip(since) {
+            sums.push(sum);
+            sum += not_yet - since;
+        }
+        sums
+    }
+}
+
+/// The changes with the `k`-th, and the stiffness that goes with it, at another moment.
+fn moved(known: &MapEstimate, k: usize, at_s: f64) -> Vec<Change> {
+    let mut moved = known.changes.clone();
+    for c in &mut moved {
+        if softens(c, &known.changes[k]) {
+            c.at_s = at_s;
+        }
+    }
+    moved[k].at_s = at_s;
+    moved
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
-    use crate::offset::block::Block;
-    use crate::offset::changes::{Change, KEEP};
+    use crate::offset::TENSIONED_OFFSET_RAD;
+    use crate::offset::changes::KEEP;
     use crate::offset::course::LOOK;
-    use crate::offset::drawn::random;
-    use crate::offset::map::MapEstimator;
-    use crate::offset::prior::{JointPrior, Payload, Prior};
-    use crate::offset::{FeatureConfig, TENSIONED_OFFSET_RAD};
-    use crate::tolerances::Tolerances;
-    use alloc::string::String;
-
-    const BLOCKS: usize = 80;
-    const SLIPS_AT: usize = 40;
-
-    /// A joint about the vertical.
-    fn estimator() -> MapEstimator {
-        let turntable = BodySpec {
-            name: String::from("one"),
-            parent: None,
-            kind: JointKind::Revolute,
-            axis: [0.0, 0.0, 1.0],
-            placement: Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),
-            body: BodyInertia::point(1.0, [0.1, 0.0, 0.0]),
-        };
-        let arm = ArmBuilder::new().body(turntable).build().unwrap();
-        let mut prior = Prior::new(&arm, &[None], 0, [0.0; 3], Tolerances::default());
-        prior.joints[0] = Some(JointPrior {
-            stiffness_nm_per_rad: 40.0,
-            motor_inertia_kg_m2: None,
-            coulomb_nm: 0.0,
-            viscous_nm_s_per_rad: 0.0,
-            motor_coulomb_nm: 0.0,
-            motor_viscous_nm_s_per_rad: 0.0,
-            antagonistic: false,
-        });
-        MapEstimator::new(prior, &FeatureConfig::default())
-    }
-
-    /// Poses without a load, of a joint that slips by 5 mrad.
-    fn blocks(estimator: &MapEstimator) -> Vec<Block> {
-        let columns = estimator.model().layout.bodies;
-        let mut seed = 4;
-        (0..BLOCKS)
-            .map(|b| {
-                let mut block = Block::zero(1, columns);
-                block.time_s = 0.1 + 0.2 * b as f64;
-                block.q[0] = random(&mut seed);
-                let slipped = if b >= SLIPS_AT { 5e-3 } else { 0.0 };
-                let y = 1e-3 + slipped + 0.2e-3 * random(&mut seed);
-                (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
-                block.motor_torque[0] = f64::NAN;
-                block
-            })
-            .collect()
-    }
+    use crate::offset::drawn::{SLIPS_AT, slipping, turntable};
+    use crate::offset::prior::Payload;
 
     #[test]
     fn a_slip_moves_to_the_block_it_came_with() {
-        let estimator = estimator();
-        let blocks = blocks(&estimator);
+        let estimator = turntable();
+        let blocks = slipping(&estimator, 5e-3, 4);
         let believed = (estimator.prior()).belief(Payload::Empty, TENSIONED_OFFSET_RAD);
         let problem = Problem::new(&estimator, &believed, Payload::Empty, &blocks).unwrap();
         let slip = |b: usize| Change {
@@ -169,8 +132,8 @@ mod tests {
 
     #[test]
     fn a_look_takes_off_what_the_costs_differ_by() {
-        let estimator = estimator();
-        let blocks = blocks(&estimator);
+        let estimator = turntable();
+        let blocks = slipping(&estimator, 5e-3, 4);
         let believed = (estimator.prior()).belief(Payload::Empty, TENSIONED_OFFSET_RAD);
         let problem = Problem::new(&estimator, &believed, Payload::Empty, &blocks).unwrap();
         let best = problem.solve(&[]).unwrap().estimate;

@@ -99,6 +99,7 @@ mod tests {
                 weights: Vec::new(),
                 cost: 0.0,
                 stiffness_since: Vec::new(),
+                certainties: Vec::new(),
             },
             information,
             factor,

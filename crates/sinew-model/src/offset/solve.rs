@@ -143,6 +143,7 @@ impl<'a> Problem<'a> {
             weights: Vec::with_capacity(self.blocks.len()),
             cost: 0.0,
             stiffness_since: alloc::vec![None; n],
+            certainties: Vec::new(),
         };
         if let Some((state, known)) = warm {
             at.state.copy_from_slice(state);

@@ -175,7 +175,7 @@ pub(crate) fn told(said: &Absolute, nuisance: bool) -> String {
         .collect();
     text.push_str(&table(&head, rows, 1));
     text.push('\n');
-    for line in events(said) {
+    for line in said.sentences() {
         text.push_str(&paragraph(&plain(&line), 2));
     }
     if nuisance {
@@ -183,88 +183,6 @@ pub(crate) fn told(said: &Absolute, nuisance: bool) -> String {
         text.push_str(&nuisance_table(said));
     }
     text
-}
-
-/// What happened, a sentence each.
-fn events(said: &Absolute) -> Vec<String> {
-    let mut out = Vec::new();
-    for joint in &said.joints {
-        if let (Some(true), Some(limit)) = (joint.limit_passed, joint.retension_at_mm) {
-            out.push(format!(
-                "{}: past the {} mm at which to tension again",
-                joint.name,
-                report::rounded(limit, 2)
-            ));
-        }
-        for step in &joint.steps {
-            let stiffness = match step.stiffness_change_percent {
-                Some([change, unsure]) => format!(
-                    "stiffness {} ± {} %",
-                    report::rounded(change, 2),
-                    report::rounded(unsure, 2)
-                ),
-                None => "no loss of stiffness seen".into(),
-            };
-            if step.kind.ends_with("since before") {
-                // It has no moment in this recording.
-                out.push(format!("{}: {stiffness}: {}", joint.name, step.kind));
-                continue;
-            }
-            if step.interval_95_mrad == 0.0 {
-                out.push(format!(
-                    "{}: {stiffness} at {:.1} s without a slip: {}",
-                    joint.name, step.time_s, step.kind
-                ));
-                continue;
-            }
-            out.push(format!(
-                "{}: a sudden change of {} ± {} mrad at {:.1} s, {stiffness}: {}",
-                joint.name,
-                report::rounded(step.size_mrad, 3),
-                report::rounded(step.interval_95_mrad, 2),
-                step.time_s,
-                if step.kind == "slip" {
-                    &step.cause_said
-                } else {
-                    "a strand has failed"
-                }
-            ));
-        }
-        if let Some([slack, unsure]) = joint.slack_mrad {
-            out.push(format!(
-                "{}: dead zone of ± {} mrad (± {} at 95 %); near zero torque its position is unknown by that",
-                joint.name,
-                report::rounded(slack, 2),
-                report::rounded(unsure, 2)
-            ));
-        }
-    }
-    for change in &said.payload_changes {
-        out.push(format!(
-            "payload changed by {} ± {} kg at {:.1} s",
-            report::rounded(change.change_kg, 2),
-            report::rounded(change.interval_95_kg, 2),
-            change.time_s
-        ));
-    }
-    out.push(format!(
-        "payload {} ± {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
-        report::rounded(said.payload_kg[0], 2),
-        report::rounded(said.payload_kg[1], 2),
-        if said.payload_changes.is_empty() {
-            ""
-        } else {
-            " at the end"
-        },
-        100.0 * said.left_out_share,
-        said.poses,
-        match (said.motor_torque, said.motor_current) {
-            (true, true) => "; motor current used",
-            (true, false) => "; motor torque used",
-            (false, _) => "",
-        }
-    ));
-    out
 }
 
 /// Everything estimated along.

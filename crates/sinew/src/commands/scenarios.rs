@@ -182,8 +182,9 @@ fn slips(summaries: &[ScenarioSummary]) -> String {
                 first(s.scenario.clone()),
                 plain(&step.joint),
                 short(100.0 * step.found),
-                short(step.rmse_mrad),
                 optional(step.found_rmse_mrad),
+                optional(step.moment_interval_95_s),
+                optional(step.moment_coverage.map(|c| 100.0 * c)),
                 optional(step.delay_s),
                 optional(step.delay_90_s),
                 first(short(s.false_alarms_per_hour)),
@@ -195,10 +196,11 @@ fn slips(summaries: &[ScenarioSummary]) -> String {
         "joint",
         "found\n%",
         "RMSE\nmrad",
-        "of found\nmrad",
+        "moment\n± s",
+        "in\n%",
         "delay\ns",
         "90 %\ns",
-        "false alarms\n1/h",
+        "false\n1/h",
     ];
     table(&head, rows, 2)
 }
