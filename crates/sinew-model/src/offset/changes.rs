@@ -149,7 +149,7 @@ impl Problem<'_> {
             let Some(found) = self.most_telling(&best.estimate, seek)? else {
                 break;
             };
-            let Some(better) = self.settled(&best.estimate, found)? else {
+            let Some(better) = self.settled(&best.estimate, found, seek)? else {
                 break;
             };
             best = self.without_the_needless(better)?;
@@ -172,7 +172,7 @@ impl Problem<'_> {
         let seen = self.seen(best);
         let candidates = self.candidates(best, seek)?;
         let looks = hands::each(hands, &candidates, |candidate| {
-            let (changes, state) = candidate.with(best);
+            let MapEstimate { changes, state, .. } = self.with(candidate, best);
             let glance = self.solve_from(&changes, &state, best, GLANCE)?;
             if seen.gain(&glance) <= WORTH_A_LOOK {
                 return Ok(None);
@@ -253,7 +253,12 @@ impl Problem<'_> {
     }
 
     /// The best change with its moment and its stiffness settled, if it is sure.
-    fn settled(&self, best: &MapEstimate, mut found: Found) -> Result<Option<Solution>, MapError> {
+    fn settled(
+        &self,
+        best: &MapEstimate,
+        mut found: Found,
+        seek: Seek,
+    ) -> Result<Option<Solution>, MapError> {
         let change = found.change;
         // The score finds the moment to a block or two; the cost decides.
         let near = 2.5 * self.estimator.block_s();
@@ -269,43 +274,86 @@ impl Problem<'_> {
         if found.gain < KEEP + change.what.columns() as f64 {
             return Ok(None);
         }
+        let at_s = found.change.at_s;
         let solution = found.solution;
-        let known = &solution.estimate;
-        let place = self.total(&known.changes[..known.changes.len() - 1]);
-        let (size, deviation) = (known.state[place], solution.deviation(place));
-        let least = match change.what {
-            What::Payload => LEAST_LOAD_KG,
-            What::Offset(_) => LEAST_STEP_RAD,
-            What::Compliance(_) => LEAST_SOFTER,
-        };
-        let stiffness = matches!(change.what, What::Compliance(_));
-        if size.abs() < least
-            || size.abs() < 4.0 * deviation
-            || (stiffness && size.abs() > MOST_SOFTER)
-        {
+        if !self.is_telling(&solution) {
             return Ok(None);
         }
-        if let What::Offset(joint) = change.what {
-            let softer = Change {
-                what: What::Compliance(joint),
-                at_s: found.change.at_s,
-            };
-            let changes = [&known.changes[..], &[softer]].concat();
-            let mut state = known.state.clone();
-            state.resize(self.total(&changes), 0.0);
-            let softer = self.fitted(
-                known,
-                softer,
-                self.solve_from(&changes, &state, known, WARM)?,
-            );
-            let [.., size] = softer.solution.estimate.state[..] else {
-                return Ok(Some(solution));
-            };
-            if softer.gain > KEEP_SOFTER && size.abs() < MOST_SOFTER {
-                return Ok(Some(softer.solution));
+        match change.what {
+            What::Offset(joint) => {
+                let softer = self.with_softer(&solution, joint, at_s, 0.0)?;
+                Ok(Some(softer.unwrap_or(solution)))
             }
+            // A rope that loses a strand gives way: strand and slip are told apart as far as stretch and
+            // load differ, and the offset holds what isn't.
+            What::Compliance(joint) if self.is_possible(What::Offset(joint), at_s, seek) => {
+                self.with_slip(&solution, joint, at_s)
+            }
+            What::Compliance(_) | What::Payload => Ok(Some(solution)),
         }
-        Ok(Some(solution))
+    }
+
+    /// Whether the last change is large enough to be one.
+    fn is_telling(&self, solution: &Solution) -> bool {
+        let known = &solution.estimate;
+        let Some((change, before)) = known.changes.split_last() else {
+            return false;
+        };
+        let place = self.total(before);
+        let (size, deviation) = (known.state[place].abs(), solution.deviation(place));
+        let (least, most) = match change.what {
+            What::Payload => (LEAST_LOAD_KG, f64::INFINITY),
+            What::Offset(_) => (LEAST_STEP_RAD, f64::INFINITY),
+            What::Compliance(_) => (LEAST_SOFTER, MOST_SOFTER),
+        };
+        size >= least && size >= 4.0 * deviation && size <= most
+    }
+
+    /// A slip with a loss of stiffness, looked for from `size` on, if that explains enough more.
+    fn with_softer(
+        &self,
+        slip: &Solution,
+        joint: usize,
+        at_s: f64,
+        size: f64,
+    ) -> Result<Option<Solution>, MapError> {
+        let known = &slip.estimate;
+        let softer = Change {
+            what: What::Compliance(joint),
+            at_s,
+        };
+        let changes = [&known.changes[..], &[softer]].concat();
+        let mut state = known.state.clone();
+        state.push(size);
+        let with = self.solve_from(&changes, &state, known, WARM)?;
+        let with = self.fitted(known, softer, with);
+        let found = with.solution.estimate.state.last();
+        let possible = found.is_some_and(|size| size.abs() < MOST_SOFTER);
+        Ok((with.gain > KEEP_SOFTER && possible).then_some(with.solution))
+    }
+
+    /// A slip in the place of the loss of stiffness that came last, or both.
+    fn with_slip(
+        &self,
+        softer: &Solution,
+        joint: usize,
+        at_s: f64,
+    ) -> Result<Option<Solution>, MapError> {
+        let known = &softer.estimate;
+        let slip = Change {
+            what: What::Offset(joint),
+            at_s,
+        };
+        let (mut changes, mut state) = (known.changes.clone(), known.state.clone());
+        if let (Some(change), Some(size)) = (changes.last_mut(), state.last_mut()) {
+            (*change, *size) = (slip, 0.0);
+        }
+        let alone = self.solve_from(&changes, &state, known, WARM)?;
+        let size = known.state.last().copied().unwrap_or_default();
+        if let Some(both) = self.with_softer(&alone, joint, at_s, size)? {
+            return Ok(Some(both));
+        }
+        Ok(self.is_telling(&alone).then_some(alone))
     }
 }
 

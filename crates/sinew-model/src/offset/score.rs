@@ -2,6 +2,7 @@
 
 use super::changes::{Change, EDGE_S, SAME_S, Seek, What};
 use super::cost::chi;
+use super::course::See;
 use super::equation::{Equations, Side};
 use super::hands;
 use super::linear::Look;
@@ -28,24 +29,36 @@ pub(super) struct Candidate {
     pub(super) rank: usize,
     /// Its entries as the score has them.
     pub(super) size: Vec<f64>,
-    /// How the rest of the state moves along; empty: not known.
-    pub(super) along: Vec<f64>,
-}
-
-impl Candidate {
-    /// Changes and state of `best` with this one more.
-    pub(super) fn with(&self, best: &MapEstimate) -> (Vec<Change>, Vec<f64>) {
-        let (mut changes, mut state) = (best.changes.clone(), best.state.clone());
-        changes.push(self.change);
-        for (x, along) in state.iter_mut().zip(&self.along) {
-            *x += along;
-        }
-        state.extend(&self.size);
-        (changes, state)
-    }
+    /// How the rest of the state moves along.
+    along: Vec<f64>,
+    /// How it moves in the fit of the score without any change.
+    step: Vec<f64>,
 }
 
 impl Problem<'_> {
+    /// `best` with a candidate more, the rest of the state moved along: with the step that the score's
+    /// fit would take or without it, whichever costs less. That fit trusts blocks and joints otherwise than
+    /// the estimate does: where a slip was taken for noise its step is right, where little is known it leads
+    /// far away.
+    pub(super) fn with(&self, candidate: &Candidate, best: &MapEstimate) -> MapEstimate {
+        let mut with = best.clone();
+        with.changes.push(candidate.change);
+        for (x, along) in with.state.iter_mut().zip(&candidate.along) {
+            *x += along;
+        }
+        with.state.extend(&candidate.size);
+        let mut stepped = with.clone();
+        for (x, step) in stepped.state.iter_mut().zip(&candidate.step) {
+            *x += step;
+        }
+        let every = See::Some.every(self.blocks.len());
+        if self.cost_over(&stepped, best, every) < self.cost_over(&with, best, every) {
+            stepped
+        } else {
+            with
+        }
+    }
+
     /// The most telling changes of every kind, by score.
     pub(super) fn candidates(
         &self,
@@ -146,6 +159,7 @@ impl Problem<'_> {
                             gain,
                             rank: 0,
                             along: sums[k].taken_up(&size),
+                            step: fit.step.clone(),
                             size,
                         },
                     );
