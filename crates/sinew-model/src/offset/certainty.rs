@@ -62,8 +62,10 @@ impl Problem<'_> {
         seek: Seek,
     ) -> Result<Vec<Certainty>, MapError> {
         let changes = &best.estimate.changes;
-        let own =
-            |c: &Change| !self.is_since_before(c) && !changes.iter().any(|slip| softens(c, slip));
+        let own = |c: &Change| {
+            let before = matches!(c.what, What::Compliance(_)) && self.is_since_before(c);
+            !before && !changes.iter().any(|slip| softens(c, slip))
+        };
         let numbers = (0..changes.len()).filter(|&k| own(&changes[k]));
         numbers.map(|k| self.certainty(best, k, seek)).collect()
     }
@@ -78,19 +80,25 @@ impl Problem<'_> {
             .collect();
         let here = self.blocks.iter().position(|b| b.time_s >= change.at_s);
         let here = here.and_then(|b| sums.get(b)).copied().unwrap_or_default();
-        let odds: Vec<f64> = moments.iter().map(|(_, s)| libm::exp(here - s)).collect();
+        // Over the likeliest, which may be another where a moment was not settled.
+        let least = moments.iter().fold(here, |least, (_, sum)| least.min(*sum));
+        let odds: Vec<f64> = (moments.iter())
+            .map(|(_, sum)| libm::exp(least - sum))
+            .collect();
         let all: f64 = odds.iter().sum();
         let happens = match change.what {
             What::Payload => LOADS,
             What::Offset(_) | What::Compliance(_) => SLIPS,
         };
-        let ln_explains = libm::log(all / moments.len().max(1) as f64)
+        let ln_explains = here - least
+            + libm::log(all / moments.len().max(1) as f64)
             + self.worth(best, k)?
             + self.ln_narrowed(best, k)?;
         let explains = libm::exp(ln_explains.min(MOST));
         let or_else = (happens + LOOKALIKES) * explains;
         let half_block_s = 0.5 * self.estimator.block_s();
-        let delay_s = self.estimator.delay_s();
+        // The blocks lag, but nothing came before the first.
+        let happened = |at_s: f64| (at_s - self.estimator.delay_s()).max(self.start_of(0));
         let at = |share: f64| {
             let mut sum = 0.0;
             let mut passed = moments.iter().zip(&odds);
@@ -98,14 +106,17 @@ impl Problem<'_> {
                 sum += **odds;
                 sum >= share * all
             });
-            reached.map_or(change.at_s, |((at_s, _), _)| *at_s) - delay_s
+            reached.map_or(change.at_s, |((at_s, _), _)| *at_s)
         };
         Ok(Certainty {
             change,
-            at_s: change.at_s - delay_s,
+            at_s: happened(change.at_s),
             probability: happens * explains / (1.0 + or_else),
             no_noise: or_else / (1.0 + or_else),
-            between_s: [at(TAIL) - half_block_s, at(1.0 - TAIL) + half_block_s],
+            between_s: [
+                happened(at(TAIL) - half_block_s),
+                happened(at(1.0 - TAIL) + half_block_s),
+            ],
         })
     }
 
