@@ -130,6 +130,14 @@ pub(crate) fn shorten(text: &str, limit: usize) -> String {
     short
 }
 
+/// What goes between a name that isn't there and those that are.
+pub(crate) fn hint<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
+    match nearest(wanted, known) {
+        Some(name) => format!("; did you mean '{name}'?"),
+        None => ";".to_owned(),
+    }
+}
+
 /// The known name closest to `wanted`, when it is close enough to be a slip of the pen.
 pub(crate) fn nearest<'a, S: AsRef<str>>(wanted: &str, known: &'a [S]) -> Option<&'a str> {
     let limit = (wanted.chars().count() / 3).max(2);

@@ -353,5 +353,14 @@ fn a_mapping_and_a_table_that_do_not_fit() {
     let message = mapped("[joints.a]\nq = { unit = \"deg\" }\n", text).unwrap_err();
     assert!(message.contains("a 'column' is needed"), "{message}");
     let message = mapped("[time]\ncolumn = \"clock\"\n", text).unwrap_err();
-    assert!(message.contains("no time column 'clock'"), "{message}");
+    assert!(
+        message.contains("no time column 'clock'; columns are"),
+        "{message}"
+    );
+    // Nothing like it.
+    let message = mapped("[joints.a]\nq = { column = \"xyz\" }\n", text).unwrap_err();
+    assert!(
+        message.contains("no column 'xyz' in a.csv; columns are 'time_s'"),
+        "{message}"
+    );
 }

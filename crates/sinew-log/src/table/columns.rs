@@ -1,6 +1,6 @@
 //! Which column is which quantity of which joint.
 
-use crate::error::{LogError, Place, name_list, nearest};
+use crate::error::{LogError, Place, hint, name_list};
 use crate::frame::{ABSENT, BLOCKS, Channels, Quantities, Quantity};
 use crate::join::{Conditioner, Joiner, Signal};
 use crate::mapping::{Mapping, Source, Wrap};
@@ -330,9 +330,7 @@ fn addends_of(
                 .iter()
                 .position(|name| name == wanted)
                 .ok_or_else(|| {
-                    let hint = nearest(wanted, names)
-                        .map(|name| format!("; did you mean '{name}'?"))
-                        .unwrap_or_default();
+                    let hint = hint(wanted, names);
                     error(format!(
                         "no column '{wanted}' in {file}{hint} columns are {}",
                         name_list(names)
@@ -366,9 +364,7 @@ fn time_of(
             .or_else(|| KNOWN.iter().find(|(name, _)| name == wanted).map(|k| k.1))
             .unwrap_or(9);
         return column.map(|column| (column, exponent)).ok_or_else(|| {
-            let hint = nearest(wanted, names)
-                .map(|name| format!("; did you mean '{name}'?"))
-                .unwrap_or_default();
+            let hint = hint(wanted, names);
             LogError::Request {
                 file: file.to_owned(),
                 reason: format!(

@@ -2,7 +2,7 @@
 
 use super::unit::{self, Unit};
 use super::{ColumnChoice, TestQuantity};
-use crate::error::{LogError, Place, name_list, nearest};
+use crate::error::{LogError, Place, hint, name_list};
 
 /// Which column was taken for what.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,9 +168,7 @@ pub(super) fn roles(
                 })
             })
             .ok_or_else(|| {
-                let hint = nearest(&choice.column, headers)
-                    .map(|name| format!("; did you mean '{name}'?"))
-                    .unwrap_or_default();
+                let hint = hint(&choice.column, headers);
                 LogError::Request {
                     file: file.to_owned(),
                     reason: format!(

@@ -4,7 +4,7 @@ use super::cells::{Cell, Table};
 use super::columns::{ColumnUse, Role, roles, split};
 use super::header::{self, Head};
 use super::{TestFile, TestOptions, TestQuantity};
-use crate::error::{LogError, Place, name_list, nearest, shorten};
+use crate::error::{LogError, Place, hint, name_list, shorten};
 
 /// Headers that name a specimen though their cells may be numbers.
 const SPECIMEN_WORDS: &[&str] = &[
@@ -331,9 +331,7 @@ fn key_columns(
                     .iter()
                     .position(|header| header.eq_ignore_ascii_case(column))
                     .ok_or_else(|| {
-                        let hint = nearest(column, &head.headers)
-                            .map(|name| format!("; did you mean '{name}'?"))
-                            .unwrap_or_default();
+                        let hint = hint(column, &head.headers);
                         LogError::Request {
                             file: file.to_owned(),
                             reason: format!(
