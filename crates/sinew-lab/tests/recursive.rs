@@ -5,11 +5,11 @@
 
 mod support;
 
-use sinew_lab::absolute::{self, Payload, Recorded, Recorder, WatchOptions};
+use sinew_lab::absolute::{self, Recorded, Recorder};
 use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::Simulation;
 use sinew_model::offset::FeatureConfig;
-use support::asked_seeds;
+use support::{asked_seeds, watching};
 
 /// Sessions A and B and the true offsets at the end of B, mrad.
 fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
@@ -49,15 +49,7 @@ fn the_recursive_form_says_what_the_batch_says() {
     };
     for name in names {
         let plan = Plan::named(name).unwrap();
-        let payload = if plan.scenario.payloads.is_empty() {
-            Payload::Empty
-        } else {
-            Payload::Unknown
-        };
-        let options = WatchOptions {
-            payload,
-            ..WatchOptions::default()
-        };
+        let options = watching(&plan);
         let (mut apart, mut squares) = (Vec::new(), [0.0, 0.0]);
         let mut inside = [0, 0];
         // Of blocks after the first half minute, and of recordings at their end.

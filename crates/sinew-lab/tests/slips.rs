@@ -5,11 +5,11 @@
 
 mod support;
 
-use sinew_lab::absolute::{self, Absolute, Payload, Recorded, Recorder, WatchOptions};
+use sinew_lab::absolute::{self, Absolute, Recorded, Recorder};
 use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::Simulation;
 use sinew_model::offset::FeatureConfig;
-use support::asked_seeds;
+use support::{asked_seeds, watching};
 
 /// Joint, when, s.
 type Slip = (String, f64);
@@ -45,15 +45,7 @@ fn third_session(plan: &Plan, seed: u64) -> (Absolute, Vec<f64>, Vec<Slip>) {
         truth = now;
     }
     let sessions: Vec<Recorded> = recorders.into_iter().map(Recorder::finish).collect();
-    let payload = if plan.scenario.payloads.is_empty() {
-        Payload::Empty
-    } else {
-        Payload::Unknown
-    };
-    let options = WatchOptions {
-        payload,
-        ..WatchOptions::default()
-    };
+    let options = watching(plan);
     let (baseline, _) = absolute::learn_recorded(&plan.robot, &sessions[0], "A").unwrap();
     let watch = |part: &Recorded, with| {
         absolute::watch_recorded(&plan.robot, part, "part", Some((with, "before")), &options)

@@ -64,7 +64,7 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
         assert!(refused.contains(why), "{refused}");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), other);
     };
-    refused("\"version\":4", "\"version\":1", "estimator 1, now 4");
+    refused("\"version\":5", "\"version\":1", "estimator 1, now 5");
     let (_, description) = text.split_once("\"description\":\"").expect("a checksum");
     refused(
         &description[..16],

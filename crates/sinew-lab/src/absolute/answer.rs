@@ -107,8 +107,8 @@ pub struct Step {
     /// Stiffness lost or gained with it, %, and half its 95 % interval; `None`: no change seen.
     pub stiffness_change_percent: Option<[f64; 2]>,
     /// "strand failure" where the stiffness surely fell, "stiffer" where it rose, "re-tensioned" where
-    /// much of the offset went without a slip of an encoder, else "slip"; "softer since before" and
-    /// "stiffer since before" where the recording began so.
+    /// much of the offset went without a slip of an encoder, "slip or strand failure" where neither alone
+    /// is sure, else "slip"; "softer since before" and "stiffer since before" where the recording began so.
     pub kind: String,
     /// Of a slip: "rope", "motor encoder", "joint encoder" or "can't be told"; else empty.
     pub cause: String,

@@ -12,7 +12,7 @@ const TOLD: [&str; 2] = ["motor encoder", "joint encoder"];
 
 /// Whether a change may be a contact that had not ended yet: it came late, and no encoder slipped.
 pub(super) fn may_end(step: &Step, recorded: &Recorded) -> bool {
-    ["slip", "strand failure", "re-tensioned"].contains(&step.kind.as_str())
+    step.probability.is_some()
         && !is_encoder(step)
         && recorded.duration_s > 0.0
         && recorded.end_s() - step.time_s < LASTING_S

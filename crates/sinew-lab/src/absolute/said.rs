@@ -311,6 +311,22 @@ fn tell_tensioning(step: &mut Step, [before, unsure]: [f64; 2]) {
     }
 }
 
+/// What a change of an offset is, by its size and the compliance it brought, and how that is said where
+/// it needs no look at the readings.
+fn kind(slip: [f64; 2], softer: Option<[f64; 2]>) -> (&'static str, &'static str) {
+    let is_sure = |[size, deviation]: [f64; 2]| size.abs() > Z95 * deviation;
+    match softer {
+        Some(softer) if softer[0] > 0.0 && is_sure(softer) => {
+            ("strand failure", "a strand has failed")
+        }
+        Some(_) if !is_sure(slip) => (
+            "slip or strand failure",
+            "a slip or a failed strand: can't be told",
+        ),
+        _ => ("slip", ""),
+    }
+}
+
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
     let [size, deviation] = map.change(prior, k);
@@ -320,7 +336,7 @@ fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
             && c.at_s == change.at_s
     });
     let softer = softer.map(|k| map.change(prior, k));
-    let failed = softer.is_some_and(|[softer, unsure]| softer > Z95 * unsure);
+    let (kind, cause_said) = kind([size, deviation], softer);
     let certainty = map.certainty(&change);
     Step {
         time_s: certainty.map_or(change.at_s, |c| c.at_s),
@@ -330,9 +346,9 @@ fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
         interval_95_mrad: 1e3 * Z95 * deviation,
         stiffness_change_percent: softer
             .map(|softer| stiffness::change_percent(prior, map, joint, softer)),
-        kind: if failed { "strand failure" } else { "slip" }.into(),
+        kind: kind.into(),
         cause: String::new(),
-        cause_said: String::new(),
+        cause_said: cause_said.into(),
     }
 }
 
@@ -400,4 +416,22 @@ fn distinct_poses(blocks: &[Block]) -> usize {
         }
     }
     poses.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kind;
+
+    #[test]
+    fn a_change_is_called_what_is_sure_of_it() {
+        let named = |slip, softer| kind(slip, softer).0;
+        assert_eq!(named([5.0, 0.3], None), "slip");
+        assert_eq!(named([5.0, 0.3], Some([0.02, 0.02])), "slip");
+        assert_eq!(named([5.0, 0.3], Some([-0.06, 0.02])), "slip");
+        assert_eq!(named([2.0, 1.5], Some([0.06, 0.02])), "strand failure");
+        assert_eq!(
+            named([2.0, 1.5], Some([0.02, 0.02])),
+            "slip or strand failure"
+        );
+    }
 }

@@ -15,6 +15,15 @@ impl Absolute {
                 when(change.time_s, change.between_s, change.probability)
             )
         }));
+        let steps = self.joints.iter().flat_map(|j| &j.steps);
+        let mut stated = (steps.map(|s| s.probability))
+            .chain(self.payload_changes.iter().map(|c| c.probability));
+        if stated.any(|p| p.is_some()) {
+            out.push(
+                "probabilities rest on this recording, and on odds of a change that are starting guesses"
+                    .into(),
+            );
+        }
         out.push(format!(
             "payload {} ± {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
             rounded(self.payload_kg[0], 2),
@@ -78,14 +87,11 @@ fn of_step(step: &Step) -> String {
     if step.interval_95_mrad == 0.0 {
         return format!("{stiffness} {when} without a slip: {}", step.kind);
     }
-    let cause = match step.kind.as_str() {
-        "strand failure" => "a strand has failed",
-        _ => &step.cause_said,
-    };
     format!(
-        "a sudden change of {} ± {} mrad {when}, {stiffness}: {cause}",
+        "a sudden change of {} ± {} mrad {when}, {stiffness}: {}",
         rounded(step.size_mrad, 3),
         rounded(step.interval_95_mrad, 2),
+        step.cause_said
     )
 }
 
@@ -122,6 +128,7 @@ mod tests {
         };
         let kind = |kind: &str, stiffness| Step {
             kind: kind.into(),
+            cause_said: "a strand has failed".into(),
             stiffness_change_percent: stiffness,
             ..slip.clone()
         };

@@ -99,8 +99,15 @@ pub(super) fn warnings(said: &Absolute, doubts: &[Doubt], recorded: &Recorded) -
         let [before, deviation] = moved.prior;
         let off = (moved.posterior[0] - before).abs() / deviation;
         if off > 3.5 {
+            // How a torque is scaled is no matter of robot.toml alone.
+            let check = match moved.name.as_str() {
+                "motor torque scale" => {
+                    "check the recorded torque's or current's unit, constant and gear ratio, or the tolerance in robot.toml"
+                }
+                _ => "check robot.toml or its tolerance",
+            };
             out.push(format!(
-                "{} {}: {:.2} standard deviations from what was believed; check robot.toml or its tolerance",
+                "{} {}: {:.2} standard deviations from what was believed; {check}",
                 moved.joint, moved.name, off
             ));
         }

@@ -3,8 +3,9 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
-use sinew_lab::absolute::{self, Baseline, Recorded, Recorder, WatchOptions};
+use sinew_lab::absolute::{self, Baseline, Payload, Recorded, Recorder, WatchOptions};
 use sinew_lab::robot_dir;
+use sinew_lab::scenarios::Plan;
 use sinew_lab::simulate::{Scenario, Simulation};
 use sinew_lab::trend::{SessionRecord, date::parse_utc_s};
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
@@ -109,6 +110,19 @@ pub(crate) fn work_session(
         }
     }
     (parts.into_iter().map(Recorder::finish).collect(), truth)
+}
+
+/// How a scenario of the bench is watched.
+pub(crate) fn watching(plan: &Plan) -> WatchOptions {
+    let payload = if plan.scenario.payloads.is_empty() {
+        Payload::Empty
+    } else {
+        Payload::Unknown
+    };
+    WatchOptions {
+        payload,
+        ..WatchOptions::default()
+    }
 }
 
 /// The recursive form after a recording, and the sum of its weights.

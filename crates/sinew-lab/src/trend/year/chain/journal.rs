@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
 
 /// Another simulation or estimator: what older files hold can't go on.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// What all sessions of a file have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
