@@ -4,9 +4,12 @@ use sinew_lab::scenarios::{Options, Plan, Summary, record, run};
 use sinew_lab::simulate::scenario::{Draw, PerJoint};
 use std::path::Path;
 
+mod support;
+
 fn options(out: Option<&Path>, n: u64) -> Options {
     Options {
         scenarios: vec!["S7".into()],
+        robot: None,
         n,
         first_seed: 40,
         steps: false,
@@ -189,4 +192,264 @@ fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
             recording.warnings
         );
     }
+}
+
+/// Three joints across each other, twice as heavy as the BioRob-like arm, and nothing said of friction.
+const ARM: &str = r#"<robot name="other">
+<link name="base"/>
+<link name="post"><inertial><origin xyz="0.01 0 0.1"/><mass value="1.5"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="upper"><inertial><origin xyz="0.15 0.01 0"/><mass value="1.0"/>
+<inertia ixx="0.002" iyy="0.015" izz="0.015" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="fore"><inertial><origin xyz="0.12 0 0"/><mass value="0.6"/>
+<inertia ixx="0.001" iyy="0.006" izz="0.006" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="hand"/>
+<joint name="turn" type="continuous"><parent link="base"/><child link="post"/><axis xyz="0 0 1"/></joint>
+<joint name="lift" type="revolute"><parent link="post"/><child link="upper"/><origin xyz="0.03 0 0.2"/>
+<axis xyz="0 1 0"/><limit lower="-1.6" upper="0.4" effort="60" velocity="3"/></joint>
+<joint name="bend" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0.35 0 0"/>
+<axis xyz="0 1 0"/><limit lower="0" upper="2.4" effort="30" velocity="3"/></joint>
+<joint name="grip" type="fixed"><parent link="fore"/><child link="hand"/><origin xyz="0.25 0 0"/></joint>
+</robot>"#;
+
+/// Its folder.
+fn other(folder: &Path, more: &str) -> std::path::PathBuf {
+    let joint = |name: &str, k: f64| {
+        format!(
+            "[joints.{name}]\nstiffness_nm_per_rad = {k}\nmotor_inertia_kg_m2 = {}\n",
+            0.003 * k
+        )
+    };
+    let text = format!(
+        "urdf = \"other.urdf\"\n{}{}{}{more}",
+        joint("turn", 70.0),
+        joint("lift", 90.0),
+        joint("bend", 40.0)
+    );
+    std::fs::write(folder.join("robot.toml"), text).unwrap();
+    std::fs::write(folder.join("other.urdf"), ARM).unwrap();
+    folder.to_path_buf()
+}
+
+#[test]
+fn the_protocol_said_of_its_own_arm_is_the_protocol() {
+    let robot = support::biorob_like();
+    let s8 = Plan::named("S8").unwrap().scenario;
+    let said = Plan::adapted("S8", &robot).unwrap().scenario;
+    let close = |a: Draw, b: Draw, within: f64| {
+        let (Draw::Uniform { min: a, max: b }, Draw::Uniform { min: c, max: d }) = (a, b) else {
+            return a == b;
+        };
+        (a - c).abs() <= within * d && (b - d).abs() <= within * d
+    };
+    for joint in robot.joint_names() {
+        for (a, b) in [
+            (
+                &s8.joint_friction.coulomb_nm,
+                &said.joint_friction.coulomb_nm,
+            ),
+            (
+                &s8.joint_friction.viscous_nm_s_per_rad,
+                &said.joint_friction.viscous_nm_s_per_rad,
+            ),
+            (
+                &s8.motor_friction.coulomb_nm,
+                &said.motor_friction.coulomb_nm,
+            ),
+        ] {
+            assert!(close(of(a, joint), of(b, joint), 1e-9), "{joint}");
+        }
+    }
+    assert_eq!(s8.payloads[0].link, said.payloads[0].link);
+    assert_eq!(s8.payloads[0].mass_kg, said.payloads[0].mass_kg);
+    let contacts = [s8, said.clone()].map(|s| s.random_contacts.unwrap());
+    assert_eq!(contacts[0].link, contacts[1].link);
+    assert!(close(contacts[0].force_n, contacts[1].force_n, 0.05));
+    // The joints that gravity loads most are those that slip.
+    let slips = said
+        .offsets
+        .iter()
+        .filter(|o| o.joint == "shoulder_pitch" || o.joint == "elbow");
+    assert_eq!((slips.count(), said.offsets.len()), (4, 6));
+}
+
+#[test]
+fn offsets_of_another_arm_are_inside_their_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = other(
+        folder.path(),
+        "[tolerances]\npayload_mean_kg = 0.4\npayload_kg = 0.4\n",
+    );
+    let options = Options {
+        scenarios: vec!["S7".into()],
+        robot: Some(robot),
+        n: support::seeds(6),
+        ..options(None, 0)
+    };
+    let summary = ran(&options);
+    let said = &summary.scenarios[0];
+    assert_eq!((said.robot.as_str(), said.joints.len()), ("other", 3));
+    let count = said.recordings as f64;
+    let inside: f64 = said.joints.iter().map(|j| count * j.coverage).sum();
+    eprintln!("{inside} of {} inside", 3.0 * count);
+    assert!(
+        inside >= 0.9 * 3.0 * count - 1.0,
+        "{inside} of {}",
+        3.0 * count
+    );
+    for joint in &said.joints {
+        // The paper's estimate is off by what the load does, here tens of milliradians.
+        let [is, paper] = [joint.rmse_mrad, joint.paper_rmse_mrad.unwrap()];
+        eprintln!(
+            "{}: {is} ± {}, paper {paper}",
+            joint.name, joint.interval_95_mrad
+        );
+        assert!(
+            is < 0.6 && joint.interval_95_mrad < 1.2,
+            "{}: {is}",
+            joint.name
+        );
+        assert!(paper > 3.0 * is, "{}: {is}, paper {paper}", joint.name);
+    }
+}
+
+/// Arms the estimator was not made for, with ropes that gravity stretches by a tenth of a radian or so.
+/// `SINEW_SEEDS=100 cargo test --release --workspace --test scenarios -- --nocapture` is the table of
+/// docs/scenarios.md.
+#[test]
+fn arms_of_other_sizes_are_no_worse() {
+    type Joints = &'static [(&'static str, f64)];
+    let arm4: Joints = &[("j1", 50.0), ("j2", 40.0), ("j3", 20.0), ("j4", 4.0)];
+    let ur5: Joints = &[
+        ("shoulder_pan_joint", 800.0),
+        ("shoulder_lift_joint", 1000.0),
+        ("elbow_joint", 500.0),
+        ("wrist_1_joint", 80.0),
+        ("wrist_2_joint", 60.0),
+        ("wrist_3_joint", 20.0),
+    ];
+    let so101: Joints = &[
+        ("shoulder_pan", 8.0),
+        ("shoulder_lift", 8.0),
+        ("elbow_flex", 4.0),
+        ("wrist_flex", 1.5),
+        ("wrist_roll", 0.5),
+    ];
+    let locked = "[joints.gripper]\nlocked_at_rad = 0.0\n";
+    for (name, joints, more) in [
+        ("arm4", arm4, ""),
+        ("ur5", ur5, ""),
+        ("so101", so101, locked),
+    ] {
+        let Some(urdf) = support::shared(&format!("models/{name}.urdf")) else {
+            continue;
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut text = format!("urdf = '{}'\n{more}", urdf.display());
+        for (joint, k) in joints {
+            text += &format!(
+                "[joints.{joint}]\nstiffness_nm_per_rad = {k}\nmotor_inertia_kg_m2 = {}\n\
+                 joint_friction = {{ coulomb_nm = {}, viscous_nm_s_per_rad = {} }}\n\
+                 motor_friction = {{ coulomb_nm = {}, viscous_nm_s_per_rad = {} }}\n",
+                0.003 * k,
+                0.002 * k,
+                0.00125 * k,
+                0.01 * k,
+                0.0025 * k
+            );
+        }
+        std::fs::write(folder.path().join("robot.toml"), text).unwrap();
+        let asked = support::asked_seeds();
+        let names: &[&str] = if asked.is_some() {
+            &["S5", "S6", "S7", "S8"]
+        } else {
+            &["S7"]
+        };
+        let options = Options {
+            scenarios: names.iter().map(ToString::to_string).collect(),
+            robot: Some(folder.path().to_path_buf()),
+            n: asked.unwrap_or(4),
+            first_seed: 3000,
+            ..options(None, 0)
+        };
+        for said in &ran(&options).scenarios {
+            let count = (said.joints.len() * said.recordings) as f64;
+            let per_joint = said.recordings as f64;
+            let inside: f64 = said.joints.iter().map(|j| per_joint * j.coverage).sum();
+            let most = |of: fn(&sinew_lab::scenarios::JointSummary) -> f64| {
+                said.joints.iter().map(of).fold(0.0, f64::max)
+            };
+            let (rmse, wide) = (most(|j| j.rmse_mrad), most(|j| j.interval_95_mrad));
+            println!(
+                "{name} {}: {inside} of {count} inside, at most {rmse:.2} mrad RMSE, ± {wide:.2}",
+                said.scenario
+            );
+            assert!(inside >= 0.93 * count - 1.0, "{name}: {inside} of {count}");
+            assert!(
+                said.scenario == "S8" || (rmse < 0.5 && wide < 1.2),
+                "{name}: {rmse} ± {wide}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_scenario_may_be_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = other(folder.path(), "");
+    let loaded = sinew_lab::robot_dir::load(&robot, None).unwrap().robot;
+    let by_name = Options {
+        scenarios: vec!["S5".into()],
+        robot: Some(robot),
+        ..options(None, 1)
+    };
+    let file = folder.path().join("mine.toml");
+    // Beside the robot it names.
+    let text = Plan::adapted("S5", &loaded).unwrap().text;
+    std::fs::write(&file, format!("robot = \".\"\n{text}")).unwrap();
+    let by_file = Options {
+        scenarios: vec![file.display().to_string()],
+        robot: None,
+        ..by_name.clone()
+    };
+    assert_eq!(ran(&by_name), ran(&by_file));
+}
+
+#[test]
+fn a_scenario_that_cannot_be_run_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = other(folder.path(), "");
+    let refused = |scenarios: &[&str], robot: Option<&Path>| {
+        let options = Options {
+            scenarios: scenarios.iter().map(ToString::to_string).collect(),
+            robot: robot.map(Path::to_path_buf),
+            ..options(None, 1)
+        };
+        run(&options, &mut |_, _| {}).unwrap_err().to_string()
+    };
+    let about = refused(&["S9"], Some(&robot));
+    assert!(about.contains("S5, S6, S7, S8, S8b"), "{about}");
+    assert!(refused(&["S7"], Some(Path::new("nowhere"))).contains("nowhere"));
+    let file = folder.path().join("mine.toml");
+    let name = file.display().to_string();
+    assert!(refused(&[&name], None).contains("can't read"));
+    let loaded = sinew_lab::robot_dir::load(&robot, None).unwrap().robot;
+    let text = Plan::adapted("S5", &loaded).unwrap().text;
+    std::fs::write(&file, &text).unwrap();
+    let nobody = refused(&[&name], None);
+    assert!(
+        nobody.contains("--robot DIR") && nobody.contains("mine.toml"),
+        "{nobody}"
+    );
+    let twice = refused(&["S5", &name], Some(&robot));
+    assert!(twice.contains("another scenario of this run"), "{twice}");
+    let (start, _) = text.rsplit_once("[[sessions]]").unwrap();
+    std::fs::write(&file, start).unwrap();
+    let sessions = refused(&[&name], Some(&robot));
+    assert!(sessions.contains("three [[sessions]]"), "{sessions}");
+    // A robot without anything to stretch.
+    let rigid = "urdf = \"other.urdf\"\n[joints.turn]\nrigid = true\n[joints.lift]\nrigid = true\n[joints.bend]\nrigid = true\n";
+    std::fs::write(folder.path().join("robot.toml"), rigid).unwrap();
+    let rigid = refused(&["S7"], Some(&robot));
+    assert!(rigid.contains("no elastic joint"), "{rigid}");
 }

@@ -20,6 +20,32 @@ impl Friction {
     /// filtered 13-bit encoder (about 0.005 rad/s), well below working speeds.
     pub const SMOOTHING_RAD_PER_S: f64 = 0.02;
 
+    /// Coulomb friction of a joint over its stiffness where none is stated, rad: that of the BioRob-like
+    /// arm, a starting guess that may be wrong by all of itself.
+    pub const GUESSED_OF_JOINT_RAD: f64 = 2e-3;
+    /// The same of a drive, seen from the joint.
+    pub const GUESSED_OF_DRIVE_RAD: f64 = 1e-2;
+
+    /// What is stated, or where nothing is a guess: Coulomb friction by the stiffness, and 0.6 of it at a
+    /// rad per second.
+    #[must_use]
+    pub fn or_guessed(self, stiffness_nm_per_rad: f64, over_stiffness_rad: f64) -> Self {
+        const VISCOUS_S_PER_RAD: f64 = 0.6;
+        if self.is_stated() {
+            return self;
+        }
+        let coulomb_nm = over_stiffness_rad * stiffness_nm_per_rad;
+        Self {
+            coulomb_nm,
+            viscous_nm_s_per_rad: VISCOUS_S_PER_RAD * coulomb_nm,
+        }
+    }
+
+    /// Whether there is any: no joint is without, so that none means that nobody said.
+    pub fn is_stated(&self) -> bool {
+        self.coulomb_nm > 0.0 || self.viscous_nm_s_per_rad > 0.0
+    }
+
     /// Friction torque at speed `dq`, N·m, positive when it brakes positive motion.
     ///
     /// # Realtime

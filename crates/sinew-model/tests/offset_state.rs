@@ -5,9 +5,10 @@ mod pendulum;
 use pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::offset::{
     Block, FeatureConfig, FeatureObserver, Hands, JointParameter, MapError, MapEstimator, OneHand,
-    Payload, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    Payload, Prior, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::robot::Robot;
+use sinew_model::transmission::Friction;
 
 const JOINT_PARAMETERS: usize = JointParameter::Zero as usize + 1;
 
@@ -359,6 +360,42 @@ fn tolerances_come_from_the_robot_file() {
         let error = pendulum(text).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
         assert!(error.contains("line"), "{error}");
+    }
+}
+
+/// A joint of which no friction is stated isn't believed to be without.
+#[test]
+fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
+    let entry = |more: &str, parameter| {
+        let robot = pendulum(more).unwrap();
+        let mut transmissions = robot.transmissions.clone();
+        if more.is_empty() {
+            transmissions[0].as_mut().unwrap().joint_friction = Friction::default();
+        }
+        let at = [0.0, 0.0, -LENGTH_M];
+        let prior = Prior::new(&robot.arm, &transmissions, 0, at, robot.tolerances);
+        let belief = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        belief.entry(prior.place(0, parameter))
+    };
+    let stated = "motor_friction = { coulomb_nm = 0.06, viscous_nm_s_per_rad = 0.02 }\n";
+    // Two thousandths of the stiffness at rest, 0.6 of that at a rad per second, a hundredth for the drive.
+    let guess = 2e-3 * K;
+    for (more, parameter, expected) in [
+        ("", JointParameter::Coulomb, [guess, guess]),
+        ("", JointParameter::Viscous, [0.6 * guess; 2]),
+        ("", JointParameter::MotorCoulomb, [5.0 * guess; 2]),
+        ("", JointParameter::MotorViscous, [3.0 * guess; 2]),
+        (stated, JointParameter::Coulomb, [0.01, 0.005]),
+        (stated, JointParameter::MotorCoulomb, [0.06, 0.03]),
+        (stated, JointParameter::MotorViscous, [0.02, 0.01]),
+    ] {
+        let found = entry(more, parameter);
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{parameter:?}: {found} {expected}"
+            );
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The scenarios of the protocol, as texts in the program.
 
 use super::ScenarioError;
+use super::adapted::{ADAPTABLE, adapt};
 use crate::simulate::Scenario;
 use sinew_model::robot::{Robot, RobotFile};
 use toml::{Table, Value};
@@ -56,6 +57,8 @@ pub struct Plan {
     pub robot: Robot,
     /// The robot that is simulated, before anything is drawn: the same but for a tilted axis.
     pub simulated: Robot,
+    /// What it depends on beside the program: another robot, a file.
+    pub(super) rests_on: String,
 }
 
 impl Plan {
@@ -87,18 +90,84 @@ impl Plan {
                 RobotFile::parse(ROBOT, "robots/biorob-like/robot.toml")?.build(&urdf)?
             }
         };
-        let text = toml::to_string(&table).map_err(|e| refuse(e.to_string()))?;
+        let plan = Self::of(&table, name, robot)?;
+        Ok(Self {
+            about,
+            simulated,
+            ..plan
+        })
+    }
+
+    /// The protocol's scenario of that name for another robot: its draws, said of that robot's joints
+    /// (docs/scenarios.md).
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unknown`]; [`ScenarioError::Text`] for a scenario that is about the protocol's own
+    /// robot, and for a robot without an elastic joint.
+    pub fn adapted(name: &str, robot: &Robot) -> Result<Self, ScenarioError> {
+        let mut table = merged(name)?;
+        let refuse = |why: String| ScenarioError::Text {
+            name: name.into(),
+            why,
+        };
+        if !ADAPTABLE.contains(&name) {
+            return Err(refuse(format!(
+                "is about the BioRob-like arm's own joints and poses; for other robots there are {}",
+                ADAPTABLE.join(", ")
+            )));
+        }
+        adapt(&mut table, robot).map_err(refuse)?;
+        let plan = Self::of(&table, name, robot.clone())?;
+        Ok(Self {
+            rests_on: format!("{robot:?}"),
+            ..plan
+        })
+    }
+
+    /// A scenario of one's own; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Simulate`] where it is none, [`ScenarioError::Text`] without the sessions A, B and C.
+    pub fn own(
+        scenario: Scenario,
+        text: &str,
+        file: &str,
+        robot: Robot,
+    ) -> Result<Self, ScenarioError> {
+        let plan = Self::with(scenario, text.into(), file, robot)?;
+        let rests_on = format!("{text}{:?}", plan.robot);
+        Ok(Self { rests_on, ..plan })
+    }
+
+    fn of(table: &Table, name: &str, robot: Robot) -> Result<Self, ScenarioError> {
+        let text = toml::to_string(table).map_err(|e| ScenarioError::Text {
+            name: name.into(),
+            why: e.to_string(),
+        })?;
         let scenario = Scenario::from_toml(&text, &format!("scenario {name}"))?;
+        Self::with(scenario, text, name, robot)
+    }
+
+    fn with(
+        scenario: Scenario,
+        text: String,
+        name: &str,
+        robot: Robot,
+    ) -> Result<Self, ScenarioError> {
         if scenario.sessions.len() != 3 {
-            return Err(refuse("needs the sessions A, B and C".into()));
+            return Err(ScenarioError::Text {
+                name: name.into(),
+                why: "needs three [[sessions]]: A teaches the baseline, B is judged, in C something may slip".into(),
+            });
         }
         Ok(Self {
-            name: name.into(),
-            about,
+            name: scenario.name.clone(),
+            about: None,
             text,
             scenario,
+            simulated: robot.clone(),
             robot,
-            simulated,
+            rests_on: String::new(),
         })
     }
 }

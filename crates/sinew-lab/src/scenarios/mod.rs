@@ -4,6 +4,7 @@
 //! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`Summary`]
 //! (what they say together).
 
+mod adapted;
 mod bound;
 mod catalogue;
 mod estimator;
@@ -20,6 +21,7 @@ pub use run::{Options, run};
 pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
 
 use crate::absolute::AbsoluteError;
+use crate::robot_dir::RobotDirError;
 use crate::simulate::SimulateError;
 use sinew_model::offset::OffsetConfigError;
 use sinew_model::robot::RobotError;
@@ -50,6 +52,9 @@ pub enum ScenarioError {
     /// The robot's description was refused.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// The robot could not be loaded.
+    #[error(transparent)]
+    RobotDir(#[from] RobotDirError),
     /// The paper's estimator refused the robot.
     #[error(transparent)]
     Paper(#[from] OffsetConfigError),

@@ -4,16 +4,20 @@ use super::journal::Settings;
 use super::{Plan, Recording, ScenarioError, Summary, record};
 use crate::hands::Processors;
 use crate::journal::{self, Journal};
+use crate::robot_dir;
+use crate::simulate::Scenario;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 /// What to run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Names of scenarios.
+    /// Names of scenarios, or files (`.toml`) of one's own.
     pub scenarios: Vec<String>,
+    /// Folder of the robot, where that isn't the protocol's or the file's.
+    pub robot: Option<PathBuf>,
     /// Recordings per scenario.
     pub n: u64,
     /// Seed of the first; the others follow.
@@ -36,18 +40,14 @@ pub fn run(
     options: &Options,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Summary, ScenarioError> {
-    let mut plans: Vec<Plan> = options
-        .scenarios
-        .iter()
-        .map(|name| Plan::named(name))
-        .collect::<Result<_, _>>()?;
+    let mut plans = plans(options)?;
     if !options.motor_torque {
         for plan in &mut plans {
             plan.scenario.record.tau_m = false;
         }
     }
     let settings = Settings::new(
-        journal::checksum(&super::catalogue::everything()),
+        journal::checksum(&everything(&plans)),
         options.steps,
         options.motor_torque,
     );
@@ -128,4 +128,61 @@ pub fn run(
             Ok(Summary::of(&plans, &recordings, options))
         }
     }
+}
+
+/// What is to be run, each by a name of its own.
+fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
+    let robot = match &options.robot {
+        Some(folder) => Some(robot_dir::load(folder, None)?.robot),
+        None => None,
+    };
+    let mut plans: Vec<Plan> = Vec::new();
+    for name in &options.scenarios {
+        let path = Path::new(name);
+        let plan = match &robot {
+            robot if path.extension().is_some_and(|e| e == "toml") => own(path, robot.clone())?,
+            Some(robot) => Plan::adapted(name, robot)?,
+            None => Plan::named(name)?,
+        };
+        if plans.iter().any(|other| other.name == plan.name) {
+            return Err(ScenarioError::Text {
+                name: name.clone(),
+                why: format!(
+                    "another scenario of this run is called '{}', too; give it another name",
+                    plan.name
+                ),
+            });
+        }
+        plans.push(plan);
+    }
+    Ok(plans)
+}
+
+/// A scenario from a file, with the robot that is given or the one it names.
+fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Text {
+        name: file.clone(),
+        why: format!("can't read: {error}"),
+    })?;
+    let mut scenario = Scenario::from_toml(&text, &file)?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    scenario.correction.read_estimate(beside)?;
+    let robot = match (robot, &scenario.robot) {
+        (Some(robot), _) => robot,
+        (None, Some(folder)) => robot_dir::load(&beside.join(folder), None)?.robot,
+        (None, None) => {
+            return Err(ScenarioError::Text {
+                name: file,
+                why: "names no robot; name its folder with --robot DIR".into(),
+            });
+        }
+    };
+    Plan::own(scenario, &text, &file, robot)
+}
+
+/// All that recordings depend on.
+fn everything(plans: &[Plan]) -> String {
+    let own: BTreeSet<&str> = plans.iter().map(|p| p.rests_on.as_str()).collect();
+    super::catalogue::everything() + &own.into_iter().collect::<String>()
 }

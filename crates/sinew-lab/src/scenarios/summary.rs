@@ -20,6 +20,8 @@ pub struct Summary {
 pub struct ScenarioSummary {
     /// Its name.
     pub scenario: String,
+    /// Its robot.
+    pub robot: String,
     /// What it is about, where that isn't the protocol's.
     pub about: Option<String>,
     /// Recordings.
@@ -141,6 +143,7 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
     let left_out: Vec<f64> = recordings.iter().map(|r| r.left_out_share).collect();
     ScenarioSummary {
         scenario: plan.name.clone(),
+        robot: plan.robot.name.clone(),
         about: plan.about.clone(),
         recordings: recordings.len(),
         joints: names.iter().map(|name| joint(name, recordings)).collect(),

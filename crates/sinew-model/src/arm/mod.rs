@@ -216,6 +216,13 @@ impl Arm {
         self.links.iter().map(|l| l.name.as_str())
     }
 
+    /// Links that joint `i` carries itself, in the order of the description, each with its pose in the
+    /// joint's frame (axis along z).
+    pub fn links_of(&self, i: usize) -> impl Iterator<Item = (&str, &Pose)> {
+        let own = self.links.iter().filter(move |l| l.joint == Some(i));
+        own.map(|l| (l.name.as_str(), &l.pose))
+    }
+
     /// Mass of everything joint `i` carries, kg.
     pub fn subtree_mass(&self, i: usize) -> Option<f64> {
         self.joints.get(i).map(|j| j.subtree_mass)

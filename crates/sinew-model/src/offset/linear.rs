@@ -195,7 +195,7 @@ impl Model {
                 own[p as usize] = scale * value;
             }
         }
-        let grip = at(P::MotorCoulomb).abs().max(joint.motor_coulomb_nm)
+        let grip = at(P::MotorCoulomb).abs().max(joint.drive_coulomb_nm())
             + at(P::MotorLoadFriction).abs() * joint.stiffness_nm_per_rad * y.abs();
         out.push(Equation {
             joint: i,

@@ -291,7 +291,7 @@ impl MapEstimator {
         const PART: f64 = 0.1;
         let joint = self.prior.joints.get(i).and_then(Option::as_ref);
         joint.map_or(1.0, |j| {
-            (PART * j.motor_coulomb_nm).max(1e-4 * j.stiffness_nm_per_rad)
+            (PART * j.drive_coulomb_nm()).max(1e-4 * j.stiffness_nm_per_rad)
         })
     }
 }

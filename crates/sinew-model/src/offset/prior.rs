@@ -4,7 +4,7 @@ use super::block::ENCODER;
 use super::layout::Layout;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
 use crate::tolerances::Tolerances;
-use crate::transmission::Transmission;
+use crate::transmission::{Friction, Transmission};
 use alloc::vec::Vec;
 
 /// Nominal values of one joint.
@@ -14,16 +14,47 @@ pub struct JointPrior {
     pub stiffness_nm_per_rad: f64,
     /// Reflected motor inertia, kg·m²; `None`: the motor's torque is no witness.
     pub motor_inertia_kg_m2: Option<f64>,
-    /// Nominal Coulomb friction, N·m.
+    /// Nominal Coulomb friction, N·m; where it and the viscous one are 0, nobody stated any.
     pub coulomb_nm: f64,
     /// Nominal viscous friction, N·m·s/rad.
     pub viscous_nm_s_per_rad: f64,
-    /// Nominal Coulomb friction of the drive, N·m.
+    /// Nominal Coulomb friction of the drive, N·m; as above.
     pub motor_coulomb_nm: f64,
     /// Nominal viscous friction of the drive, N·m·s/rad.
     pub motor_viscous_nm_s_per_rad: f64,
     /// Whether two ropes pull against each other: one that stretched is a dead zone then.
     pub antagonistic: bool,
+}
+
+impl JointPrior {
+    /// Friction of the joint as far as it is known before any recording, and by what part of itself it may
+    /// be off: a guess by all of it.
+    fn friction(&self, tolerance: f64) -> (Friction, f64) {
+        let stated = Friction {
+            coulomb_nm: self.coulomb_nm,
+            viscous_nm_s_per_rad: self.viscous_nm_s_per_rad,
+        };
+        self.known(stated, Friction::GUESSED_OF_JOINT_RAD, tolerance)
+    }
+
+    /// The same of the drive.
+    fn drive_friction(&self, tolerance: f64) -> (Friction, f64) {
+        let stated = Friction {
+            coulomb_nm: self.motor_coulomb_nm,
+            viscous_nm_s_per_rad: self.motor_viscous_nm_s_per_rad,
+        };
+        self.known(stated, Friction::GUESSED_OF_DRIVE_RAD, tolerance)
+    }
+
+    fn known(&self, stated: Friction, guess_rad: f64, tolerance: f64) -> (Friction, f64) {
+        let off = if stated.is_stated() { tolerance } else { 1.0 };
+        (stated.or_guessed(self.stiffness_nm_per_rad, guess_rad), off)
+    }
+
+    /// Coulomb friction of the drive, N·m, as far as it is known before any recording.
+    pub(super) fn drive_coulomb_nm(&self) -> f64 {
+        self.drive_friction(0.0).0.coulomb_nm
+    }
 }
 
 /// What a joint's parameters are, in their order in the state.
@@ -285,12 +316,10 @@ impl Prior {
             t.stiffening_per_rad2[0],
             t.stiffening_per_rad2[1],
         );
-        set(P::Coulomb, joint.coulomb_nm, t.friction * joint.coulomb_nm);
-        set(
-            P::Viscous,
-            joint.viscous_nm_s_per_rad,
-            t.friction * joint.viscous_nm_s_per_rad,
-        );
+        let (own, off) = joint.friction(t.friction);
+        set(P::Coulomb, own.coulomb_nm, off * own.coulomb_nm);
+        let viscous = own.viscous_nm_s_per_rad;
+        set(P::Viscous, viscous, off * viscous);
         set(P::LoadFriction, t.load_friction[0], t.load_friction[1]);
         set(P::Drift, 0.0, t.drift_rad_per_k);
         set(P::Thermal, t.stiffness_per_k[0], t.stiffness_per_k[1]);
@@ -299,19 +328,17 @@ impl Prior {
         set(P::Gear, 0.0, t.gear);
         set(P::Zero, 0.0, t.zero_rad);
         set(P::MotorScale, 0.0, t.motor_torque);
-        let drive = joint.motor_coulomb_nm;
+        let (friction, off) = joint.drive_friction(t.friction);
+        let drive = friction.coulomb_nm;
         set(
             P::MotorBias,
             0.0,
             // A torque's zero is good to a small part of what the drive's friction is.
             (0.1 * drive).max(t.motor_torque * 0.02 * joint.stiffness_nm_per_rad),
         );
-        set(P::MotorCoulomb, drive, t.friction * drive);
-        set(
-            P::MotorViscous,
-            joint.motor_viscous_nm_s_per_rad,
-            t.friction * joint.motor_viscous_nm_s_per_rad.max(0.1 * drive),
-        );
+        set(P::MotorCoulomb, drive, off * drive);
+        let viscous = friction.viscous_nm_s_per_rad;
+        set(P::MotorViscous, viscous, off * viscous.max(0.1 * drive));
         set(
             P::MotorLoadFriction,
             t.drive_load_friction[0],

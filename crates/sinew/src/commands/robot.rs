@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use sinew_lab::report::rounded;
 use sinew_lab::robot_dir::{self, LoadedRobot};
 use sinew_model::arm::JointKind;
+use sinew_model::transmission::Transmission;
 use std::path::PathBuf;
 
 /// Check a robot's description
@@ -117,19 +118,25 @@ fn told(loaded: &LoadedRobot) -> String {
         })
         .collect();
     out.push_str(&table(&head, rows, 1));
-    let bare: Vec<&str> = robot
-        .joint_names()
-        .iter()
-        .zip(&robot.transmissions)
-        .filter(|(_, t)| t.as_ref().is_some_and(|t| t.tendon.is_none()))
-        .map(|(name, _)| name.as_str())
-        .collect();
-    if !bare.is_empty() {
-        let text = format!(
-            "no tendon, so offsets only in mrad: {}",
-            plain(&bare.join(", "))
-        );
-        out.push_str(&paragraph(&text, 2));
+    let which = |is: &dyn Fn(&Transmission) -> bool| -> String {
+        let joints = robot.joint_names().iter().zip(&robot.transmissions);
+        let own = joints.filter(|(_, t)| t.as_ref().is_some_and(is));
+        own.map(|(name, _)| plain(name))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let notes = [
+        (
+            "no tendon, so offsets only in mrad",
+            which(&|t| t.tendon.is_none()),
+        ),
+        (
+            "friction isn't stated and will be guessed by the stiffness",
+            which(&|t| !t.joint_friction.is_stated()),
+        ),
+    ];
+    for (note, joints) in notes.iter().filter(|(_, joints)| !joints.is_empty()) {
+        out.push_str(&paragraph(&format!("{note}: {joints}"), 2));
     }
     for warning in &robot.warnings {
         out.push_str(&paragraph(&format!("warning: {}", plain(warning)), 2));

@@ -4,7 +4,9 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
+use sinew_lab::robot_dir;
 use sinew_lab::scenarios::{self, DEFAULT, Options, Plan, ScenarioSummary, UNMODELLED};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Judge the absolute offset on many simulated recordings with known truth
@@ -19,15 +21,20 @@ pub(crate) enum Scenarios {
 /// Each recording has a session A of a minute that teaches the baseline, B that is judged at its
 /// end, and C in which two tendons slip by 5 mrad. What is drawn stands in docs/scenarios.md.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n\n\
+#[command(after_help = "Examples:\n  \
+    sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n  \
+    sinew scenarios run --robot my-robot --scenario S7\n\n\
     A run that was stopped goes on where it was with the same --out.")]
 pub(crate) struct Run {
-    /// Scenario; give several times for several [default: S5 S6 S7 S8]
+    /// Scenario by its name, or a file (.toml) of your own with sessions A, B and C; give several
+    /// times for several [default: S5 S6 S7 S8]
     #[arg(long, value_name = "NAME")]
     scenario: Vec<String>,
+    /// Your robot's folder: S5 to S8b with its joints, masses, stiffness, friction and limits
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
     /// The errors of the model that the estimator doesn't know of (U1, U2, …)
-    #[arg(long, conflicts_with = "scenario")]
+    #[arg(long, conflicts_with_all = ["scenario", "robot"])]
     unmodelled: bool,
     /// Recordings per scenario
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -60,6 +67,9 @@ pub(crate) struct Run {
 pub(crate) struct Show {
     /// Its name, such as S7
     name: String,
+    /// For the robot in this folder
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
 }
 
 impl Scenarios {
@@ -68,7 +78,13 @@ impl Scenarios {
         match self {
             Self::Run(run) => run.run(),
             Self::Show(show) => {
-                answer(&Plan::named(&show.name)?.text)?;
+                let plan = match &show.robot {
+                    Some(folder) => {
+                        Plan::adapted(&show.name, &robot_dir::load(folder, None)?.robot)?
+                    }
+                    None => Plan::named(&show.name)?,
+                };
+                answer(&plan.text)?;
                 Ok(Finish::Complete)
             }
         }
@@ -88,11 +104,12 @@ impl Run {
         } else {
             self.scenario.clone()
         };
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         wanted.retain(|name| seen.insert(name.clone()));
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
         let options = Options {
             scenarios: wanted,
+            robot: self.robot.clone(),
             n: self.n,
             first_seed: self.seed,
             steps: !self.no_steps,
@@ -115,7 +132,9 @@ impl Run {
 
 /// Results as text of at most 80 columns.
 fn told(summaries: &[ScenarioSummary], steps: bool) -> String {
-    let mut text = String::from("Offset at the end of session B, mrad; estimate less truth\n");
+    let robots: BTreeSet<String> = summaries.iter().map(|s| plain(&s.robot)).collect();
+    let robots = Vec::from_iter(robots).join(", ");
+    let mut text = format!("{robots}: offset at the end of session B, mrad; estimate less truth\n");
     let mut rows = Vec::new();
     for s in summaries {
         let mut head = vec![format!("{}, n = {}", s.scenario, s.recordings)];
@@ -152,7 +171,7 @@ fn told(summaries: &[ScenarioSummary], steps: bool) -> String {
         }
     }
     if steps {
-        text.push_str("\nSlips of 5 mrad in session C, with 20 s of recording after them\n");
+        text.push_str("\nSlips in session C, with 20 s of recording after them\n");
         text.push_str(&slips(summaries));
     }
     text.push_str(&warned(summaries));
