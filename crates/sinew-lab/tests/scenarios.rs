@@ -318,35 +318,44 @@ fn offsets_of_another_arm_are_inside_their_intervals() {
 /// docs/scenarios.md.
 #[test]
 fn arms_of_other_sizes_are_no_worse() {
-    type Joints = &'static [(&'static str, f64)];
-    let arm4: Joints = &[("j1", 50.0), ("j2", 40.0), ("j3", 20.0), ("j4", 4.0)];
-    let ur5: Joints = &[
-        ("shoulder_pan_joint", 800.0),
-        ("shoulder_lift_joint", 1000.0),
-        ("elbow_joint", 500.0),
-        ("wrist_1_joint", 80.0),
-        ("wrist_2_joint", 60.0),
-        ("wrist_3_joint", 20.0),
+    let asked = support::asked_seeds();
+    let lock = |joint: &str| format!("[joints.{joint}]\nlocked_at_rad = 0.0\n");
+    let arm4 = ["j1 50", "j2 40", "j3 20", "j4 4"]
+        .map(String::from)
+        .to_vec();
+    let ur5 = [
+        "shoulder_pan_joint 800",
+        "shoulder_lift_joint 1000",
+        "elbow_joint 500",
+        "wrist_1_joint 80",
+        "wrist_2_joint 60",
+        "wrist_3_joint 20",
     ];
-    let so101: Joints = &[
-        ("shoulder_pan", 8.0),
-        ("shoulder_lift", 8.0),
-        ("elbow_flex", 4.0),
-        ("wrist_flex", 1.5),
-        ("wrist_roll", 0.5),
+    let so101 = [
+        "shoulder_pan 8",
+        "shoulder_lift 8",
+        "elbow_flex 4",
+        "wrist_flex 1.5",
+        "wrist_roll 0.5",
     ];
-    let locked = "[joints.gripper]\nlocked_at_rad = 0.0\n";
-    for (name, joints, more) in [
-        ("arm4", arm4, ""),
-        ("ur5", ur5, ""),
-        ("so101", so101, locked),
-    ] {
+    let panda = [600, 800, 400, 300, 60, 60, 20].iter().enumerate();
+    let panda = panda.map(|(i, k)| format!("panda_joint{} {k}", i + 1));
+    let fingers = lock("panda_finger_joint1") + &lock("panda_finger_joint2");
+    let arms = [
+        ("arm4", arm4, String::new()),
+        ("ur5", ur5.map(String::from).to_vec(), String::new()),
+        ("so101", so101.map(String::from).to_vec(), lock("gripper")),
+        ("panda", panda.collect(), fingers),
+    ];
+    for (name, joints, more) in arms {
         let Some(urdf) = support::shared(&format!("models/{name}.urdf")) else {
             continue;
         };
         let folder = tempfile::tempdir().unwrap();
         let mut text = format!("urdf = '{}'\n{more}", urdf.display());
-        for (joint, k) in joints {
+        for joint in joints {
+            let (joint, k) = joint.split_once(' ').unwrap();
+            let k: f64 = k.parse().unwrap();
             text += &format!(
                 "[joints.{joint}]\nstiffness_nm_per_rad = {k}\nmotor_inertia_kg_m2 = {}\n\
                  joint_friction = {{ coulomb_nm = {}, viscous_nm_s_per_rad = {} }}\n\
@@ -359,7 +368,6 @@ fn arms_of_other_sizes_are_no_worse() {
             );
         }
         std::fs::write(folder.path().join("robot.toml"), text).unwrap();
-        let asked = support::asked_seeds();
         let names: &[&str] = if asked.is_some() {
             &["S5", "S6", "S7", "S8"]
         } else {

@@ -447,9 +447,18 @@ fn a_robot_and_a_recording_say_what_they_hold() {
     for word in ["shoulder_pitch", "40.0", "480", "mm per"] {
         assert!(text.contains(word), "'{word}' is not in:\n{text}");
     }
+    assert!(!text.contains("friction"), "{text}");
+    let pan_tilt = repository().join("examples/05-your-own-robot");
+    let pan_tilt = pan_tilt.display().to_string();
+    let guessed = out(&sinew(&["robot", "check", &pan_tilt], dir.path()));
+    assert!(
+        guessed.contains("friction isn't stated and will be guessed by the stiffness: tilt"),
+        "{guessed}"
+    );
     let json = out(&sinew(&["robot", "check", &robot(), "--json"], dir.path()));
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["joints"][2]["stiffness_nm_per_rad"], 20.0);
+    assert_eq!(json["joints"][2]["friction_stated"], true);
     let length_mm = json["joints"][2]["tendon"]["length_mm"].as_f64();
     // Through metres and back: one rounding.
     assert!(length_mm.is_some_and(|mm| (mm - 700.0).abs() < 1e-9));

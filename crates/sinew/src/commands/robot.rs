@@ -160,6 +160,7 @@ fn json(loaded: &LoadedRobot) -> serde_json::Value {
                 "upper_rad": robot.limits[i].upper,
                 "stiffness_nm_per_rad": transmission.map(|t| t.stiffness_nm_per_rad),
                 "motor_inertia_kg_m2": transmission.and_then(|t| t.motor_inertia_kg_m2),
+                "friction_stated": transmission.map(|t| t.joint_friction.is_stated()),
                 "tendon": tendon.map(|t| serde_json::json!({
                     "rope": t.rope,
                     "length_mm": MM * t.length_m,
