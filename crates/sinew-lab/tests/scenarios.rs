@@ -420,7 +420,20 @@ fn a_scenario_may_be_a_file() {
         robot: None,
         ..by_name.clone()
     };
-    assert_eq!(ran(&by_name), ran(&by_file));
+    let summary = ran(&by_name);
+    assert_eq!(summary, ran(&by_file));
+    // Results of one robot are not another's.
+    let kept = Options {
+        out: Some(folder.path().join("other.jsonl")),
+        ..by_name
+    };
+    assert_eq!(ran(&kept), summary);
+    let protocol = Options {
+        robot: None,
+        ..kept
+    };
+    let refused = run(&protocol, &mut |_, _| {}).unwrap_err().to_string();
+    assert!(refused.contains("of another robot"), "{refused}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub(super) struct Settings {
     version: u32,
     /// Version of the program.
     pub(super) program: String,
-    /// Checksum of robot and scenarios.
+    /// Checksum of robots and scenarios.
     pub(super) scenarios: String,
     /// With session C.
     pub(super) steps: bool,
@@ -49,7 +49,7 @@ impl journal::Settings for Settings {
         } else if self.version != wanted.version {
             format!("estimator {}, now {}", self.version, wanted.version)
         } else {
-            "of other scenarios than this program's".to_string()
+            "of another robot, or of other scenarios than this program's".to_string()
         }
     }
 }
