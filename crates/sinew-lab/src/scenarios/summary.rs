@@ -254,11 +254,13 @@ fn warnings(recordings: &[&Recording]) -> BTreeMap<String, f64> {
     counts
 }
 
-/// A warning with its numbers taken out.
+/// A warning with its numbers taken out; digits of a name stay.
 fn kind(warning: &str) -> String {
     let mut out = String::new();
+    let mut in_name = false;
     for c in warning.chars() {
-        let numeric = c.is_ascii_digit() || (c == '.' && out.ends_with('#'));
+        in_name = c.is_alphabetic() || c == '_' || (in_name && c.is_ascii_digit());
+        let numeric = !in_name && (c.is_ascii_digit() || (c == '.' && out.ends_with('#')));
         match (numeric, out.ends_with('#')) {
             (true, true) => {}
             (true, false) => out.push('#'),
@@ -321,5 +323,7 @@ mod tests {
     #[test]
     fn warnings_are_told_apart_by_their_words() {
         assert_eq!(kind("only 2 poses in 60.5 s."), "only # poses in # s.");
+        assert_eq!(kind("wrist_1_joint: 3.5 mrad"), "wrist_1_joint: # mrad");
+        assert_eq!(kind("lwr2: −12 ± 4 %"), "lwr2: −# ± # %");
     }
 }
