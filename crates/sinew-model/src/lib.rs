@@ -41,6 +41,7 @@
 //! * `std`: nothing but `std::error::Error` being where std users look for it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
 //! * `catalogue` (default, implies `std`): ropes from catalogue text.
+//! * `serde`: results as data; `schema`: their JSON Schema.
 //!
 //! Without features the crate is `no_std` with `alloc`. Storage is sized at construction; no
 //! step allocates, locks, logs, reads a clock or panics.
@@ -67,5 +68,7 @@ pub mod vec3;
 
 mod cholesky;
 mod error;
+mod gaussian;
 mod tile;
 pub use error::StepError;
+pub use gaussian::{Gaussian, Interval95, Z95};

@@ -1,0 +1,100 @@
+//! An estimated quantity and its uncertainty, in SI.
+
+/// Standard deviations on either side of the mean that hold 95 % of a normal distribution.
+pub const Z95: f64 = 1.96;
+
+/// A normally distributed quantity, in the unit that the name of its field or function says.
+///
+/// `deviation` is one standard deviation. Only where a number is shown to a person does it become a
+/// half width of 95 %.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Gaussian {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation, not negative.
+    pub deviation: f64,
+}
+
+impl Gaussian {
+    /// From mean and standard deviation.
+    pub const fn new(mean: f64, deviation: f64) -> Self {
+        Self { mean, deviation }
+    }
+
+    /// Half the width of the 95 % interval.
+    pub fn half_width_95(self) -> f64 {
+        Z95 * self.deviation
+    }
+
+    /// The 95 % interval.
+    pub fn interval_95(self) -> Interval95 {
+        let half = self.half_width_95();
+        Interval95 {
+            low: self.mean - half,
+            high: self.mean + half,
+        }
+    }
+
+    /// The same quantity in another unit: `factor` of the new one make one of the old.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            mean: factor * self.mean,
+            deviation: factor.abs() * self.deviation,
+        }
+    }
+
+    /// Whether zero lies outside the 95 % interval.
+    pub fn is_nonzero_95(self) -> bool {
+        self.mean.abs() > self.half_width_95()
+    }
+}
+
+/// Bounds that hold a quantity with 95 % probability, in the unit that its field's name says.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Interval95 {
+    /// Lower bound.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
+}
+
+impl Interval95 {
+    /// From its bounds.
+    pub const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
+    }
+
+    /// Whether `x` is inside, the bounds included.
+    pub fn contains(self, x: f64) -> bool {
+        (self.low..=self.high).contains(&x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_is_its_mean_and_a_multiple_of_its_deviation() {
+        let offset_rad = Gaussian::new(0.012, 0.5e-3);
+        let interval = offset_rad.interval_95();
+        assert!(
+            (interval.low - 0.011_02).abs() < 1e-15 && (interval.high - 0.012_98).abs() < 1e-15
+        );
+        assert!(interval.contains(0.0125) && !interval.contains(0.013));
+        assert!(offset_rad.is_nonzero_95() && !Gaussian::new(0.9, 0.5).is_nonzero_95());
+    }
+
+    #[test]
+    fn a_deviation_stays_positive_in_another_unit() {
+        assert_eq!(
+            Gaussian::new(2.0, 0.5).scaled(-1e3),
+            Gaussian::new(-2e3, 500.0)
+        );
+    }
+}
