@@ -9,7 +9,6 @@ pub mod estimate;
 pub mod excitation;
 mod hands;
 mod journal;
-pub mod output;
 pub mod paper;
 pub mod plot;
 pub mod report;

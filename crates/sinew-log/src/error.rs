@@ -9,12 +9,12 @@ use std::fmt;
 /// understood at all, for a wrong request, and for the operating system.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The operating system refused to open, read or write a file.
+    /// The operating system refused to open or read a file.
     #[error("{file}: cannot {action}: {source}")]
     Io {
         /// File as the user named it.
         file: String,
-        /// What was tried: `open`, `read`, `create`, `write`, `rename`.
+        /// What was tried: `open`, `read`.
         action: &'static str,
         /// The system's own reason.
         source: std::io::Error,
@@ -55,6 +55,9 @@ pub enum LogError {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// The operating system refused to write a file.
+    #[error(transparent)]
+    Output(#[from] sinew_files::OutputError),
     /// A writer was used wrongly (frame of the wrong length, no joints).
     #[error("{file}: cannot write: {reason}")]
     Write {

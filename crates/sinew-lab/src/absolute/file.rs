@@ -1,8 +1,8 @@
 //! The baseline file: what recordings have taught about a robot.
 
 use super::blocks::AbsoluteError;
-use crate::output::{OutputError, write_file};
 use serde::{Deserialize, Serialize};
+use sinew_files::{OutputError, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;
 use sinew_model::offset::{Belief, Prior};
 use sinew_model::robot::Robot;

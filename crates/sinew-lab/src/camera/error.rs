@@ -1,7 +1,7 @@
 //! What stops the reading of a whole series.
 
 use super::rejection::WrongPitch;
-use crate::output::OutputError;
+use sinew_files::OutputError;
 use std::path::PathBuf;
 
 /// Why a series of frames can't be read.

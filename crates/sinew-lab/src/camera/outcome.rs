@@ -5,7 +5,7 @@ use super::memory::STEP_MOST;
 use super::reader::{Reading, Scale, stretched};
 use super::rejection::Rejection;
 use super::request::{Conditions, Request};
-use crate::output::write_file;
+use sinew_files::write_file;
 use std::path::Path;
 
 /// One frame and what became of it.

@@ -9,7 +9,7 @@ use super::reader::ScaleReader;
 use super::rejection::Rejection;
 use super::request::{Request, check, check_region};
 use super::video::Video;
-use crate::output::write_file;
+use sinew_files::write_file;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Decoded frames that wait to be read. More would only cost memory.

@@ -2,7 +2,7 @@
 
 use super::replay::FrameOutcome;
 use super::request::EstimateError;
-use crate::output::AtomicFile;
+use sinew_files::AtomicFile;
 use sinew_model::transmission::Transmission;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -36,7 +36,7 @@ impl CsvSink {
             }
         }
         line.push('\n');
-        file.write(line.as_bytes())?;
+        file.append(line.as_bytes())?;
         Ok(Self {
             file,
             elastic,
@@ -65,7 +65,7 @@ impl CsvSink {
             }
         }
         self.line.push('\n');
-        self.file.write(self.line.as_bytes())?;
+        self.file.append(self.line.as_bytes())?;
         Ok(())
     }
 

@@ -1,8 +1,8 @@
 //! What is asked of an estimate, and why it can be refused.
 
 use super::result::Injection;
-use crate::output::OutputError;
 use crate::robot_dir::RobotDirError;
+use sinew_files::OutputError;
 use sinew_log::{LogError, OpenOptions};
 use sinew_model::offset::{
     Comparison, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,

@@ -132,5 +132,5 @@ pub enum PaperError {
     Png(#[from] crate::plot::PngError),
     /// A file could not be written.
     #[error(transparent)]
-    Output(#[from] crate::output::OutputError),
+    Output(#[from] sinew_files::OutputError),
 }

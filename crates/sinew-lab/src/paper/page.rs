@@ -1,8 +1,8 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::{PaperError, PaperFigure};
-use crate::output::write_file;
 use crate::report::{Block, Page};
+use sinew_files::write_file;
 use std::path::{Path, PathBuf};
 
 /// Files of one figure.

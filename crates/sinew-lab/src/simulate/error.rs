@@ -127,7 +127,7 @@ pub enum SimulateError {
     },
     /// The truth file could not be written.
     #[error(transparent)]
-    Output(#[from] crate::output::OutputError),
+    Output(#[from] sinew_files::OutputError),
     /// The truth could not be put into JSON.
     #[error("{file}: can't write the truth: {message}")]
     Truth {

@@ -119,7 +119,7 @@ pub fn run(
         message: e.to_string(),
     })?;
     writer.finish()?;
-    if let Err(error) = crate::output::write_file(&truth_file, (text + "\n").as_bytes()) {
+    if let Err(error) = sinew_files::write_file(&truth_file, (text + "\n").as_bytes()) {
         // A recording without its truth would pass for a real one.
         let _ = std::fs::remove_file(&options.out);
         return Err(error.into());

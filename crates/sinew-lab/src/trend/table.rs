@@ -2,7 +2,7 @@
 
 use super::date::day_of;
 use super::result::TrendReport;
-use crate::output::{OutputError, write_file};
+use sinew_files::{OutputError, write_file};
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! CSV with the column names of the design.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write as _;
 use std::path::Path;
 
+use sinew_files::AtomicFile;
+
 use super::FrameWriter;
-use super::partial::Partial;
 use crate::error::LogError;
 use crate::frame::{Frame, Quantities, Quantity};
 
@@ -14,9 +14,7 @@ use crate::frame::{Frame, Quantities, Quantity};
 /// Numbers are written so that reading gives the same double; NaN is an empty cell.
 #[derive(Debug)]
 pub struct CsvWriter {
-    // Before `partial`: the file is closed before it is renamed or removed.
-    out: BufWriter<File>,
-    partial: Partial,
+    file: AtomicFile,
     joints: usize,
     quantities: Quantities,
     line: Vec<u8>,
@@ -52,12 +50,10 @@ impl CsvWriter {
             }
         }
         header.push('\n');
-        let (partial, mut out) = Partial::create(path)?;
-        out.write_all(header.as_bytes())
-            .map_err(|source| partial.io("write", source))?;
+        let mut file = AtomicFile::create(path)?;
+        file.append(header.as_bytes())?;
         Ok(CsvWriter {
-            out,
-            partial,
+            file,
             joints: joints.len(),
             quantities,
             line: Vec::new(),
@@ -67,7 +63,7 @@ impl CsvWriter {
 
 impl FrameWriter for CsvWriter {
     fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
-        check_lengths(frame, self.joints, &self.partial)?;
+        check_lengths(frame, self.joints, self.file.path())?;
         self.line.clear();
         let sign = if frame.time_ns < 0 { "-" } else { "" };
         let time = frame.time_ns.unsigned_abs();
@@ -83,18 +79,11 @@ impl FrameWriter for CsvWriter {
             }
         }
         self.line.push(b'\n');
-        self.out
-            .write_all(&self.line)
-            .map_err(|source| self.partial.io("write", source))
+        Ok(self.file.append(&self.line)?)
     }
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
-        let CsvWriter {
-            mut out, partial, ..
-        } = *self;
-        out.flush().map_err(|source| partial.io("write", source))?;
-        drop(out);
-        partial.finish()
+        Ok(self.file.finish()?)
     }
 }
 
@@ -107,16 +96,12 @@ fn quoted(name: &str) -> std::borrow::Cow<'_, str> {
 }
 
 /// Every vector of the frame must have one value per joint.
-pub(super) fn check_lengths(
-    frame: &Frame,
-    joints: usize,
-    partial: &Partial,
-) -> Result<(), LogError> {
+pub(super) fn check_lengths(frame: &Frame, joints: usize, path: &Path) -> Result<(), LogError> {
     for quantity in Quantity::PER_JOINT {
         let found = frame.get(quantity).len();
         if found != joints {
             return Err(LogError::Write {
-                file: partial.name(),
+                file: path.display().to_string(),
                 reason: format!(
                     "the frame has {found} values of {} for {joints} joints",
                     quantity.symbol()

@@ -1,18 +1,16 @@
 //! MCAP as ROS 2 writes it.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use serde::Serialize;
+use sinew_files::{AtomicFile, OutputError};
 
 use super::FrameWriter;
 use super::csv_write::check_lengths;
 use super::message_text;
-use super::partial::Partial;
 use crate::error::LogError;
 use crate::frame::{Frame, Quantities};
 
@@ -127,9 +125,8 @@ struct DynamicJointState<'a> {
 ///
 /// Log, publish and header time are the frame's. The same frames give the same bytes.
 pub struct McapWriter {
-    // Before `partial`: the file is closed before it is renamed or removed.
-    out: Option<mcap::Writer<BufWriter<File>>>,
-    partial: Option<Partial>,
+    out: mcap::Writer<AtomicFile>,
+    path: PathBuf,
     options: McapOptions,
     joint_channel: u16,
     motor_channel: Option<u16>,
@@ -160,8 +157,8 @@ impl McapWriter {
                 )));
             }
         }
-        let (partial, file) = Partial::create(path)?;
-        let fail = |error| to_error(&partial, error);
+        let file = AtomicFile::create(path)?;
+        let fail = |error| to_error(path, error);
         let mut out = mcap::WriteOptions::new()
             .profile("ros2")
             .library("sinew")
@@ -223,8 +220,8 @@ impl McapWriter {
             .transpose()
             .map_err(fail)?;
         Ok(McapWriter {
-            out: Some(out),
-            partial: Some(partial),
+            out,
+            path: path.to_path_buf(),
             options: options.clone(),
             joint_channel,
             motor_channel,
@@ -240,7 +237,7 @@ impl McapWriter {
     fn times(&mut self, channel: u16, time_ns: i64) -> Result<(Stamp, MessageHeader), LogError> {
         let seconds = time_ns.div_euclid(1_000_000_000);
         let sec = i32::try_from(seconds).map_err(|_| LogError::Write {
-            file: self.name(),
+            file: self.path.display().to_string(),
             reason: format!("time {time_ns} ns does not fit a ROS 2 stamp (1901 to 2038)"),
         })?;
         // Before 1970 only the stamp tells the time: log times have no sign.
@@ -257,17 +254,11 @@ impl McapWriter {
         ))
     }
 
-    fn name(&self) -> String {
-        self.partial.as_ref().map(Partial::name).unwrap_or_default()
-    }
-
     /// Writes the message that lies in `payload`.
     fn send(&mut self, header: &MessageHeader) -> Result<(), LogError> {
-        let (Some(out), Some(partial)) = (self.out.as_mut(), self.partial.as_ref()) else {
-            return Ok(());
-        };
-        out.write_to_known_channel(header, &self.payload)
-            .map_err(|error| to_error(partial, error))
+        self.out
+            .write_to_known_channel(header, &self.payload)
+            .map_err(|error| to_error(&self.path, error))
     }
 
     fn write_description(&mut self, time_ns: i64) -> Result<(), LogError> {
@@ -278,7 +269,7 @@ impl McapWriter {
             return Ok(());
         };
         let (_, header) = self.times(channel, time_ns)?;
-        encode(&mut self.payload, &text, &self.partial)?;
+        encode(&mut self.payload, &text, &self.path)?;
         self.send(&header)
     }
 
@@ -295,7 +286,7 @@ impl McapWriter {
             velocity: if q.dq { &frame.dq } else { &[] },
             effort: if q.tau_el { &frame.tau_el } else { &[] },
         };
-        encode(&mut self.payload, &message, &self.partial)?;
+        encode(&mut self.payload, &message, &self.path)?;
         self.send(&header)
     }
 
@@ -345,7 +336,7 @@ impl McapWriter {
             joint_names: &self.options.joints,
             interface_values: &interface_values,
         };
-        encode(&mut self.payload, &message, &self.partial)?;
+        encode(&mut self.payload, &message, &self.path)?;
         self.send(&header)
     }
 
@@ -364,16 +355,14 @@ impl McapWriter {
             velocity: &[],
             effort: &frame.tau_ext,
         };
-        encode(&mut self.payload, &message, &self.partial)?;
+        encode(&mut self.payload, &message, &self.path)?;
         self.send(&header)
     }
 }
 
 impl FrameWriter for McapWriter {
     fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
-        if let Some(partial) = &self.partial {
-            check_lengths(frame, self.options.joints.len(), partial)?;
-        }
+        check_lengths(frame, self.options.joints.len(), &self.path)?;
         self.write_description(frame.time_ns)?;
         self.write_joint_side(frame)?;
         self.write_motor_side(frame)?;
@@ -385,38 +374,34 @@ impl FrameWriter for McapWriter {
     fn finish(mut self: Box<Self>) -> Result<(), LogError> {
         // A recording without frames still describes its robot.
         self.write_description(0)?;
-        let (Some(mut out), Some(partial)) = (self.out.take(), self.partial.take()) else {
-            return Ok(());
-        };
-        out.finish().map_err(|error| to_error(&partial, error))?;
-        let mut file = out.into_inner();
-        std::io::Write::flush(&mut file).map_err(|source| partial.io("write", source))?;
-        drop(file);
-        partial.finish()
+        self.out
+            .finish()
+            .map_err(|error| to_error(&self.path, error))?;
+        Ok(self.out.into_inner().finish()?)
     }
 }
 
 /// Encodes a message as little-endian CDR with its encapsulation header.
-fn encode<T: Serialize>(
-    payload: &mut Vec<u8>,
-    message: &T,
-    partial: &Option<Partial>,
-) -> Result<(), LogError> {
+fn encode<T: Serialize>(payload: &mut Vec<u8>, message: &T, path: &Path) -> Result<(), LogError> {
     payload.clear();
     payload.extend_from_slice(&ENCAPSULATION);
     cdr_encoding::to_writer::<_, LittleEndian, _>(payload, message).map_err(|error| {
         LogError::Write {
-            file: partial.as_ref().map(Partial::name).unwrap_or_default(),
+            file: path.display().to_string(),
             reason: format!("CDR: {error}"),
         }
     })
 }
 
-fn to_error(partial: &Partial, error: mcap::McapError) -> LogError {
+fn to_error(path: &Path, error: mcap::McapError) -> LogError {
     match error {
-        mcap::McapError::Io(source) => partial.io("write", source),
+        mcap::McapError::Io(source) => OutputError {
+            path: path.to_path_buf(),
+            source,
+        }
+        .into(),
         other => LogError::Write {
-            file: partial.name(),
+            file: path.display().to_string(),
             reason: other.to_string(),
         },
     }

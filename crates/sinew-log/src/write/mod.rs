@@ -3,7 +3,6 @@
 mod csv_write;
 mod mcap_write;
 mod message_text;
-mod partial;
 
 pub use csv_write::CsvWriter;
 pub use mcap_write::{Compression, McapOptions, McapWriter};
@@ -13,7 +12,7 @@ use crate::frame::Frame;
 
 /// A recording being written.
 ///
-/// Frames are written as `name.tmp` beside the target and renamed by `finish`;
+/// Frames are written to a temporary file beside the target, renamed by `finish`;
 /// a writer dropped before that removes what it wrote.
 pub trait FrameWriter {
     /// Appends a frame.

@@ -5,8 +5,8 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_files::write_file;
 use sinew_lab::camera::{self, Conditions, Outcome, ReadOptions, Region, Request, Summary, Times};
-use sinew_lab::output::write_file;
 use std::path::{Path, PathBuf};
 
 /// Read the carriage's position from pictures of a half-millimetre scale

@@ -4,8 +4,8 @@ use super::creep_files::{TestFiles, Tests, csv_line, short, write_csv};
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_files::write_file;
 use sinew_lab::creep::{self, Contents, Plotted};
-use sinew_lab::output;
 
 /// Readings, moduli, slope m_E, saturation, recovery and faults of creep tests
 ///
@@ -57,7 +57,7 @@ impl Analyze {
                 figures,
                 ..Contents::default()
             });
-            output::write_file(path, page.html().as_bytes())?;
+            write_file(path, page.html().as_bytes())?;
         }
         if self.files.json {
             let document = serde_json::json!({

@@ -5,8 +5,8 @@ use super::creep_files::{TestFiles, csv_line, short, write_csv};
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_files::write_file;
 use sinew_lab::creep::{self, Contents, ScatterSource};
-use sinew_lab::output;
 use std::path::PathBuf;
 
 /// All ropes in one figure, with slopes, ranked with intervals
@@ -57,7 +57,7 @@ impl Compare {
                     )));
                 }
             };
-            output::write_file(path, &bytes)?;
+            write_file(path, &bytes)?;
         }
         let fine = |v: f64| format!("{v:.4}");
         let rows = |number: &dyn Fn(f64) -> String| -> Vec<Vec<String>> {
@@ -148,7 +148,7 @@ impl Compare {
                 figures: vec![(figure, String::new())],
                 ..Contents::default()
             });
-            output::write_file(path, page.html().as_bytes())?;
+            write_file(path, page.html().as_bytes())?;
         }
         if self.files.json {
             let document = serde_json::json!({

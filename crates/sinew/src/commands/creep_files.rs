@@ -4,10 +4,10 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, complain};
 use crate::text::plain;
 use clap::Args;
+use sinew_files::write_file;
 use sinew_lab::creep::{
     self, Analysis, AnalyzeOptions, Conditions, PrepareOptions, Prepared, Source,
 };
-use sinew_lab::output;
 use sinew_log::{ColumnChoice, Specimen, TestOptions, TestQuantity, read_test};
 use std::path::PathBuf;
 
@@ -297,7 +297,7 @@ pub(crate) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
 
 /// Writes the table of specimens.
 pub(crate) fn write_csv(path: &std::path::Path, text: &str) -> Result<(), Failure> {
-    output::write_file(path, text.as_bytes())?;
+    write_file(path, text.as_bytes())?;
     Ok(())
 }
 

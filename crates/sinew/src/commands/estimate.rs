@@ -6,9 +6,10 @@ use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{ArgGroup, Args};
+use sinew_files::write_file;
 use sinew_lab::absolute::Absolute;
 use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Progress, Request};
-use sinew_lab::{output, report, robot_dir};
+use sinew_lab::{report, robot_dir};
 use sinew_model::offset::VelocityFilter;
 use std::path::PathBuf;
 
@@ -108,7 +109,7 @@ impl Estimate {
         }
         if let Some(path) = &self.report {
             let page = report::html_with(&result, absolute.as_ref());
-            output::write_file(path, page.as_bytes())?;
+            write_file(path, page.as_bytes())?;
         }
         if self.json {
             let mut document = serde_json::to_value(&result)?;

@@ -3,8 +3,8 @@
 use super::super::PaperError;
 use super::super::page::{Written, write};
 use super::{Control, Row};
-use crate::output::write_file;
 use crate::report::Table;
+use sinew_files::write_file;
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -11,10 +11,10 @@ use super::creep_files::{TestFiles, Tests, write_csv};
 use super::rope::Ropes;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use clap::{Args, ValueEnum};
+use sinew_files::write_file;
 use sinew_lab::creep::{
     self, Contents, Coverage, Curve, FitOptions, IntervalKind, Law, NoiseKind, Share,
 };
-use sinew_lab::output;
 use std::path::PathBuf;
 
 /// Fit laws of creep, say which one the record supports and what it can't tell
@@ -129,10 +129,10 @@ impl Fit {
         }
         if let Some(path) = &self.files.report {
             let page = creep::page(self.contents(&tests, &pairs, &forecasts, &[], &failures));
-            output::write_file(path, page.html().as_bytes())?;
+            write_file(path, page.html().as_bytes())?;
         }
         if let (Some(path), Some(text)) = (&self.write_rope, &entry) {
-            output::write_file(path, text.as_bytes())?;
+            write_file(path, text.as_bytes())?;
         }
         if self.files.json {
             let document = tell::json(&tests, &pairs, &forecasts, &failures);

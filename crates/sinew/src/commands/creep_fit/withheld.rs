@@ -4,8 +4,8 @@ use super::super::creep_files::{Tests, csv_line, write_csv};
 use super::Fit;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, table};
+use sinew_files::write_file;
 use sinew_lab::creep::{self, Curve, FitOptions};
-use sinew_lab::output;
 
 impl Fit {
     pub(super) fn withheld(
@@ -21,7 +21,7 @@ impl Fit {
         drop(bar);
         if let Some(path) = &self.files.report {
             let page = creep::page(self.contents(tests, &[], &[], &rows, &tests.failures));
-            output::write_file(path, page.html().as_bytes())?;
+            write_file(path, page.html().as_bytes())?;
         }
         if let Some(path) = &self.files.csv {
             let mut text = csv_line(&[

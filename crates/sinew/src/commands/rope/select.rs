@@ -7,7 +7,7 @@ use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
-use sinew_lab::output::write_file;
+use sinew_files::write_file;
 use sinew_lab::report::rounded;
 use sinew_lab::rope::page::{self, bracketed, spoken};
 use sinew_lab::rope::select::{self, Constraints, Selection};
