@@ -1,7 +1,28 @@
-//! Text in, files out.
+//! Text in, files out: what every reader and writer of Sinew shares. No physics, no format of ours.
 //!
+//! * [`located`]: the one error of a text file: file, line, key or column, value, unit, cure;
+//! * [`text`]: bytes as text, in the encodings instruments and spreadsheets write;
+//! * [`section`]: a TOML table read key by key (feature `toml`);
+//! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
+//! * [`bound`]: what a number may be, and the unit its key ends in;
+//! * [`names`]: the name somebody may have meant;
+//! * [`date`]: days and times of day, UTC;
 //! * [`atomic`]: output files that are whole or not there.
 
 pub mod atomic;
+pub mod bound;
+#[cfg(feature = "csv")]
+pub mod csv;
+pub mod date;
+pub mod located;
+pub mod names;
+#[cfg(feature = "toml")]
+pub mod section;
+pub mod text;
 
 pub use atomic::{AtomicFile, OutputError, write_file};
+pub use bound::Bound;
+pub use located::{Fault, Fields, Located, Place};
+#[cfg(feature = "toml")]
+pub use section::{Document, Section, Value};
+pub use text::read_text;

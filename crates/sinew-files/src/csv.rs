@@ -1,0 +1,359 @@
+//! Delimited text in every common dialect: `,`, `;` or tab; a decimal comma where the comma doesn't
+//! part cells; any [`Encoding`](crate::text::Encoding).
+
+use crate::bound::{Bound, unit_of};
+use crate::located::{Fault, Fields, Located};
+use crate::names;
+use ::csv::{ReaderBuilder, StringRecord, Trim};
+use std::path::Path;
+
+/// Lines looked at where a table may begin with names and values above its header.
+const LOOK_LINES: usize = 40;
+
+/// How cells are parted and numbers written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dialect {
+    /// What parts cells.
+    pub delimiter: u8,
+    /// Whether a comma may be a decimal sign.
+    pub decimal_comma: bool,
+}
+
+impl Dialect {
+    fn of_delimiter(delimiter: u8) -> Self {
+        Self {
+            delimiter,
+            decimal_comma: delimiter != b',',
+        }
+    }
+
+    /// Dialect of a table that begins with its header: the delimiter that occurs most often in it
+    /// outside quotes, a comma when none does. No comma in a header is a decimal sign.
+    pub fn of_header(header: &[u8]) -> Self {
+        let mut best = (b',', count(header, b','));
+        for delimiter in [b';', b'\t'] {
+            let found = count(header, delimiter);
+            if found > best.1 {
+                best = (delimiter, found);
+            }
+        }
+        Self::of_delimiter(best.0)
+    }
+
+    /// Dialect of a table somewhere in a text: the delimiter that occurs in most of the first lines.
+    ///
+    /// By the median over lines: names and values above a header have fewer. A tab or a semicolon
+    /// wins over any number of commas, which may then be decimal signs.
+    pub fn of_lines(text: &str) -> Self {
+        let median = |delimiter: u8| {
+            let lines = text.lines().filter(|line| !line.trim().is_empty());
+            let lines = lines.take(LOOK_LINES);
+            let mut counts: Vec<usize> = lines.map(|l| count(l.as_bytes(), delimiter)).collect();
+            counts.sort_unstable();
+            counts.get(counts.len() / 2).copied().unwrap_or(0)
+        };
+        let (tabs, semicolons) = (median(b'\t'), median(b';'));
+        Self::of_delimiter(match (tabs, semicolons) {
+            (0, 0) => b',',
+            _ if semicolons > tabs => b';',
+            _ => b'\t',
+        })
+    }
+
+    /// A cell as a number: `None` when it is none, `Some(None)` when it is empty.
+    ///
+    /// Takes what writers write: `nan`, `inf`, `1e-3`, words for "nothing was measured" (NaN); and a
+    /// decimal comma where the dialect has one.
+    #[inline]
+    pub fn number(self, cell: &[u8]) -> Option<Option<f64>> {
+        let cell = cell.trim_ascii();
+        if cell.is_empty() {
+            return Some(None);
+        }
+        let text = std::str::from_utf8(cell).ok()?;
+        if let Ok(value) = text.parse::<f64>() {
+            return Some(Some(value));
+        }
+        self.odd_number(text).map(Some)
+    }
+
+    fn odd_number(self, text: &str) -> Option<f64> {
+        if self.decimal_comma && text.matches(',').count() == 1 && !text.contains('.') {
+            return text.replace(',', ".").parse().ok();
+        }
+        matches!(
+            text.to_ascii_lowercase().as_str(),
+            "na" | "n/a" | "null" | "none" | "-nan" | "nan(ind)" | "-nan(ind)"
+        )
+        .then_some(f64::NAN)
+    }
+}
+
+/// Line of a row: the library counts from before the empty lines that it skips.
+fn line_of(row: &StringRecord, text: &str) -> u64 {
+    let (byte, line) = row.position().map_or((0, 1), |p| (p.byte(), p.line()));
+    let rest = text.bytes().skip(byte as usize);
+    let skipped = rest.take_while(|b| matches!(b, b'\n' | b'\r'));
+    line + skipped.filter(|b| *b == b'\n').count() as u64
+}
+
+/// How often a delimiter stands outside quotes.
+fn count(line: &[u8], delimiter: u8) -> usize {
+    let mut quoted = false;
+    line.iter()
+        .filter(|byte| {
+            quoted ^= **byte == b'"';
+            **byte == delimiter && !quoted
+        })
+        .count()
+}
+
+/// A small table with a header, in memory. Lines that begin with `#` are comments.
+#[derive(Debug)]
+pub struct Table {
+    file: String,
+    dialect: Dialect,
+    headers: Vec<String>,
+    rows: Vec<(u64, StringRecord)>,
+}
+
+impl Table {
+    /// Reads a file of at most `most` bytes.
+    ///
+    /// # Errors
+    /// As [`read_text`](crate::read_text) and [`Table::parse`].
+    pub fn read(path: &Path, most: u64) -> Result<Self, Located> {
+        let text = crate::read_text(path, most)?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Reads a text; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// [`Fault::Syntax`] with the line, for a row with more cells than the header has too.
+    pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let header = text
+            .lines()
+            .find(|line| !line.trim().is_empty() && !line.starts_with('#'));
+        let dialect = Dialect::of_header(header.unwrap_or_default().as_bytes());
+        let mut reader = ReaderBuilder::new()
+            .delimiter(dialect.delimiter)
+            .trim(Trim::All)
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        let mut rows = Vec::new();
+        for row in reader.records() {
+            let row = row.map_err(|e| Located::new(file, Fault::Syntax, e.to_string()))?;
+            if !row.get(0).is_some_and(|cell| cell.starts_with('#')) {
+                rows.push((line_of(&row, text), row));
+            }
+        }
+        if rows.is_empty() {
+            let problem = "is empty; it needs a line of column names";
+            return Err(Located::new(file, Fault::Syntax, problem));
+        }
+        let (_, header) = rows.remove(0);
+        let headers: Vec<String> = header.iter().map(str::to_owned).collect();
+        for (line, row) in &rows {
+            if row.iter().skip(headers.len()).any(|cell| !cell.is_empty()) {
+                let (found, columns) = (row.len(), headers.len());
+                let problem = format!("{found} cells under {columns} columns");
+                return Err(Located::new(file, Fault::Syntax, problem)
+                    .line(*line)
+                    .cure("a decimal comma needs ; or tab between cells"));
+            }
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            dialect,
+            headers,
+            rows,
+        })
+    }
+
+    /// Place of a column, whatever its case.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.headers
+            .iter()
+            .position(|header| header.eq_ignore_ascii_case(name))
+    }
+
+    /// Refuses a table without one of these columns.
+    ///
+    /// # Errors
+    /// [`Fault::MissingKey`] with the columns needed and found.
+    pub fn need(&self, columns: &[&str]) -> Result<(), Located> {
+        match columns.iter().find(|name| self.column(name).is_none()) {
+            None => Ok(()),
+            Some(missing) => {
+                let problem = format!("has no column '{missing}'; it needs {}", columns.join(", "));
+                let found = names::list(&self.headers);
+                Err(Located::new(&self.file, Fault::MissingKey, problem)
+                    .cure(format!("columns are {found}")))
+            }
+        }
+    }
+
+    /// Refuses a table with any other column.
+    ///
+    /// # Errors
+    /// [`Fault::UnknownKey`] with the nearest name and all there are.
+    pub fn only(&self, columns: &[&str]) -> Result<(), Located> {
+        let known = |header: &&String| columns.iter().any(|c| c.eq_ignore_ascii_case(header));
+        match self.headers.iter().find(|header| !known(header)) {
+            None => Ok(()),
+            Some(stranger) => {
+                let hint = names::hint(stranger, columns);
+                let problem = format!("unknown column '{stranger}'{hint} known are");
+                let problem = format!("{problem} {}", columns.join(", "));
+                Err(Located::new(&self.file, Fault::UnknownKey, problem))
+            }
+        }
+    }
+
+    /// Its rows.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|(line, cells)| Row {
+            table: self,
+            line: *line,
+            cells,
+        })
+    }
+}
+
+/// A row of a [`Table`].
+#[derive(Debug, Clone, Copy)]
+pub struct Row<'t> {
+    table: &'t Table,
+    line: u64,
+    cells: &'t StringRecord,
+}
+
+impl<'t> Row<'t> {
+    /// Line, from 1.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// What stands in a column, unless it is empty or not there.
+    pub fn text(&self, column: &str) -> Option<&'t str> {
+        let cell = self.cells.get(self.table.column(column)?)?;
+        (!cell.is_empty()).then_some(cell)
+    }
+
+    /// What stands in a column.
+    ///
+    /// # Errors
+    /// It is empty.
+    pub fn need_text(&self, column: &'static str) -> Result<&'t str, Located> {
+        self.text(column)
+            .ok_or_else(|| self.missing(column, "every row has one"))
+    }
+
+    /// A fault of the row.
+    pub fn here(&self, fault: Fault, problem: impl Into<String>) -> Located {
+        Located::new(&self.table.file, fault, problem).line(self.line)
+    }
+}
+
+impl Fields for Row<'_> {
+    fn number(&self, key: &'static str, bound: Bound) -> Result<Option<f64>, Located> {
+        let Some(cell) = self.text(key) else {
+            return Ok(None);
+        };
+        match self.table.dialect.number(cell.as_bytes()) {
+            Some(Some(v)) if bound.allows(v) => Ok(Some(v)),
+            Some(None) => Ok(None),
+            Some(Some(v)) if v.is_finite() => Err(self.refuse(key, &bound.must(unit_of(key)))),
+            _ => {
+                let must = "a finite number";
+                let cure = "leave it empty where nothing is known";
+                Err(self.refuse(key, must).cure(cure))
+            }
+        }
+    }
+
+    fn refuse(&self, key: &'static str, must: &str) -> Located {
+        match self.text(key) {
+            None => self.missing(key, must),
+            Some(cell) => self
+                .here(Fault::NotAllowed, format!("must be {must}"))
+                .column(key)
+                .value(format!("'{}'", names::shorten(cell, 60)))
+                .unit(unit_of(key)),
+        }
+    }
+
+    fn missing(&self, key: &'static str, why: &str) -> Located {
+        self.here(Fault::MissingKey, format!("is empty: {why}"))
+            .column(key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_table_in_every_dialect() {
+        for text in [
+            "a_s,b_mm,c\n1.5,2,x\n# not a row\n,-3,\"y,z\"\n",
+            "\u{feff}A_s;b_mm;c\r\n1,5;2;x\r\n# not a row\r\n;-3;y,z\r\n",
+            "a_s\tb_mm\tc\n1,5\t2\tx\n# not a row\n\t-3\ty,z\t\n",
+        ] {
+            let table = Table::parse(text, "t.csv").unwrap();
+            let rows: Vec<Row<'_>> = table.rows().collect();
+            assert_eq!(rows.len(), 2, "{text}");
+            assert_eq!(rows[0].number("a_s", Bound::Any).unwrap(), Some(1.5));
+            assert_eq!(rows[1].number("a_s", Bound::Any).unwrap(), None);
+            assert_eq!((rows[1].text("c"), rows[1].line()), (Some("y,z"), 4));
+            assert_eq!(
+                rows[1]
+                    .number("b_mm", Bound::Positive)
+                    .unwrap_err()
+                    .to_string(),
+                "t.csv, line 4, column 'b_mm' = '-3' (mm): must be above 0 mm"
+            );
+            table.need(&["a_s", "b_mm"]).unwrap();
+            let error = table.need(&["d"]).unwrap_err().to_string();
+            assert!(
+                error.contains("no column 'd'") && error.contains("'b_mm'"),
+                "{error}"
+            );
+            let error = table.only(&["a_s", "bb_mm", "c"]).unwrap_err().to_string();
+            assert!(error.contains("did you mean 'bb_mm'"), "{error}");
+        }
+        let error = Table::parse("a,b\n1,5,2\n", "t.csv")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("line 2") && error.contains("decimal comma"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn cells_are_numbers_nothing_or_refused() {
+        let comma = Dialect::of_header(b"a,b");
+        let semicolon = Dialect::of_header(b"a;b");
+        assert_eq!(comma.number(b"  "), Some(None));
+        assert_eq!(comma.number(b" 1.5e-3 "), Some(Some(1.5e-3)));
+        assert_eq!(semicolon.number(b"1,5"), Some(Some(1.5)));
+        assert_eq!(comma.number(b"1,5"), None);
+        assert_eq!(semicolon.number(b"1,500,000"), None);
+        assert!(comma.number(b"NaN").flatten().unwrap().is_nan());
+        assert_eq!(comma.number(b"-inf"), Some(Some(f64::NEG_INFINITY)));
+        assert_eq!(comma.number(b"error"), None);
+        assert_eq!(comma.number(b"\xff"), None);
+    }
+
+    #[test]
+    fn the_delimiter_is_found_under_a_head_of_names() {
+        let german = "Probe;A1\nL0;350;mm\n\nZeit;Kraft\ns;N\n0,5;1,5\n1,0;1,5\n";
+        assert_eq!(Dialect::of_lines(german).delimiter, b';');
+        assert_eq!(Dialect::of_lines("t,f\n1,2\n3,4\n").delimiter, b',');
+        assert_eq!(Dialect::of_lines("t\tf\n1,5\t2,5\n3\t4\n").delimiter, b'\t');
+    }
+}

@@ -1,0 +1,78 @@
+//! The name somebody may have meant.
+
+/// Most names compared, and most characters of each: they may come from a damaged file.
+const NAMES: usize = 1024;
+const CHARACTERS: usize = 128;
+/// Most names listed in a message.
+const LISTED: usize = 24;
+
+/// The known name nearest to `wanted`, when it is close enough to be a slip of the pen.
+///
+/// Closeness: letters put in, taken out or changed (Levenshtein), ignoring case; at most a third of
+/// the name, or two.
+pub fn nearest<'a, S: AsRef<str>>(wanted: &str, known: &'a [S]) -> Option<&'a str> {
+    let plain = |name: &str| -> String {
+        let head = name.chars().take(CHARACTERS);
+        head.flat_map(char::to_lowercase).collect()
+    };
+    let limit = (wanted.chars().count() / 3).max(2);
+    let wanted = plain(wanted);
+    known
+        .iter()
+        .take(NAMES)
+        .map(|name| {
+            let name = name.as_ref();
+            (strsim::levenshtein(&wanted, &plain(name)), name)
+        })
+        .filter(|(distance, _)| *distance <= limit)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, name)| name)
+}
+
+/// `; did you mean 'elbow'?`, or just the semicolon: what goes between a name that isn't there and
+/// those that are.
+pub fn hint<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
+    match nearest(wanted, known) {
+        Some(name) => format!("; did you mean '{name}'?"),
+        None => ";".to_owned(),
+    }
+}
+
+/// Names in quotes, cut where they would flood the terminal.
+pub fn list<S: AsRef<str>>(names: &[S]) -> String {
+    let shown: Vec<String> = names
+        .iter()
+        .take(LISTED)
+        .map(|name| format!("'{}'", shorten(name.as_ref(), 80)))
+        .collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        n if n > LISTED => format!("{} and {} more", shown.join(", "), n - LISTED),
+        _ => shown.join(", "),
+    }
+}
+
+/// At most `limit` characters of a text that came from a file.
+pub fn shorten(text: &str, limit: usize) -> String {
+    if text.chars().count() <= limit {
+        return text.to_owned();
+    }
+    let mut short: String = text.chars().take(limit).collect();
+    short.push('…');
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_of_the_pen_finds_its_name_and_a_stranger_does_not() {
+        let known = ["shoulder_pitch", "elbow", "wrist"];
+        assert_eq!(nearest("elbwo", &known), Some("elbow"));
+        assert_eq!(nearest("elbo", &known), Some("elbow"));
+        assert_eq!(nearest("sholder_pitch", &known), Some("shoulder_pitch"));
+        assert_eq!(nearest("Shoulder-pitch", &known), Some("shoulder_pitch"));
+        assert_eq!(nearest("gripper", &known), None);
+    }
+}
