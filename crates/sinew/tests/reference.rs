@@ -1,0 +1,345 @@
+//! The reference pages name every key that a file may have, and no other.
+//!
+//! Readers refuse an unknown key and list the keys they know. So each section of each kind of file is
+//! given a key that nobody knows, and what the refusal lists is held against the page.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A key no reader knows.
+const UNKNOWN: &str = "zzz";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// What a command says when it refuses its input.
+fn refusal(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{arguments:?} was not refused");
+    assert!(said.contains(UNKNOWN), "{arguments:?}: {said}");
+    said
+}
+
+/// The keys a refusal lists: the names after the last word that begins a list.
+fn listed(refusal: &str) -> BTreeSet<String> {
+    const BEGIN: [&str; 6] = [
+        "one of ",
+        "expected ",
+        " takes ",
+        " are ",
+        " has ",
+        " known: ",
+    ];
+    let from = BEGIN
+        .iter()
+        .filter_map(|words| refusal.rfind(words).map(|at| at + words.len()))
+        .max()
+        .unwrap_or_else(|| panic!("lists no keys: {refusal}"));
+    let list = refusal[from..].split("\n\n").next().unwrap_or_default();
+    list.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '-'))
+        .filter(|word| !word.is_empty() && *word != "or" && *word != "and")
+        .map(str::to_string)
+        .collect()
+}
+
+/// The keys of a page, with their type: rows of the tables whose first column is called "key".
+fn documented(page: &str) -> BTreeMap<String, String> {
+    let text = std::fs::read_to_string(root().join("docs/src/reference").join(page)).unwrap();
+    let mut keys = BTreeMap::new();
+    let mut of_keys = false;
+    for line in text.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, first, second, ..] = cells[..] else {
+            of_keys = false;
+            continue;
+        };
+        if first == "key" {
+            of_keys = true;
+        } else if of_keys && let Some(key) = first.strip_prefix('`') {
+            keys.insert(key.trim_end_matches('`').to_string(), second.to_string());
+        }
+    }
+    keys
+}
+
+/// Holds a page against what its reader lists: pairs of a section's path and a text with an unknown key
+/// in that section. `named` are the tables whose names are the user's own.
+fn agree(page: &str, named: &[&str], sections: &[(&str, String)], ask: impl Fn(&str) -> String) {
+    let mut known: BTreeSet<String> = named.iter().map(|key| (*key).to_string()).collect();
+    for (section, text) in sections {
+        for key in listed(&ask(text)) {
+            known.insert(match *section {
+                "" => key,
+                section => format!("{section}.{key}"),
+            });
+        }
+    }
+    let keys = documented(page);
+    let written: BTreeSet<String> = keys.keys().cloned().collect();
+    let missing: Vec<_> = known.difference(&written).collect();
+    let invented: Vec<_> = written.difference(&known).collect();
+    assert!(
+        missing.is_empty() && invented.is_empty(),
+        "docs/src/reference/{page}: not documented {missing:?}; documented, but unknown to the reader \
+         (or its section isn't looked at by this test) {invented:?}"
+    );
+    for (table, _) in keys
+        .iter()
+        .filter(|(_, kind)| kind.ends_with("table") || kind.ends_with("tables"))
+    {
+        let inside = [format!("{table}."), format!("{table}[].")];
+        assert!(
+            written
+                .iter()
+                .any(|key| inside.iter().any(|i| key.starts_with(i.as_str()))),
+            "docs/src/reference/{page}: `{table}` is a table without keys"
+        );
+    }
+}
+
+/// A file of this name and text in a folder of its own.
+fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    let path = path.display().to_string();
+    (folder, path)
+}
+
+/// A section's text: what must stand before and in it, and the unknown key at its end.
+fn with(before: &str) -> String {
+    format!("{before}{UNKNOWN} = 1\n")
+}
+
+#[test]
+fn robot_toml() {
+    let whole = std::fs::read_to_string(root().join("robots/biorob-like/robot.toml")).unwrap();
+    let joint = |section: &str| with(&format!("[joints.elbow{section}]\n"));
+    let guide = "[joints.elbow.tendon]\nlength_mm = 1.0\njoint_pulley_radius_mm = 1.0\n";
+    agree(
+        "robot.md",
+        &["joints.NAME"],
+        &[
+            ("", with("")),
+            ("joints.NAME", joint("")),
+            ("joints.NAME.joint_friction", joint(".joint_friction")),
+            ("joints.NAME.motor_friction", joint(".motor_friction")),
+            ("joints.NAME.tendon", joint(".tendon")),
+            (
+                "joints.NAME.tendon.guides[]",
+                with(&format!("{guide}[[joints.elbow.tendon.guides]]\n")),
+            ),
+            ("tolerances", with(&format!("{whole}\n[tolerances]\n"))),
+        ],
+        |text| {
+            let (folder, path) = file("robot.toml", text);
+            let urdf = "biorob-like.urdf";
+            let from = root().join("robots/biorob-like").join(urdf);
+            std::fs::copy(from, folder.path().join(urdf)).unwrap();
+            refusal(&["robot", "check", &path])
+        },
+    );
+}
+
+#[test]
+fn mapping_files() {
+    let mut sections = vec![
+        ("", with("")),
+        ("time", with("[time]\n")),
+        ("joints.NAME", with("[joints.tilt]\n")),
+        ("mcap", with("[mcap]\n")),
+        ("SOURCE", with("[temperature]\n")),
+        ("SOURCE.sum[]", with("[[temperature.sum]]\n")),
+    ];
+    for quantity in ["q", "theta", "dq", "tau_el", "tau_m", "tau_ext"] {
+        sections.push(("SOURCE", with(&format!("[joints.tilt.{quantity}]\n"))));
+        sections.push((
+            "SOURCE.sum[]",
+            with(&format!("[[joints.tilt.{quantity}.sum]]\n")),
+        ));
+    }
+    agree("mapping.md", &["joints.NAME"], &sections, |text| {
+        let (_folder, path) = file("mapping.toml", text);
+        let log = "examples/05-your-own-robot/nod.csv";
+        refusal(&["log", "info", log, "--mapping", &path])
+    });
+}
+
+#[test]
+fn duty_files() {
+    agree(
+        "duty.md",
+        &[],
+        &[("", with("")), ("block[]", with("[[block]]\n"))],
+        |text| {
+            let (_folder, path) = file("duty.toml", text);
+            refusal(&["rope", "predict", "liros-dc000-0301", "--duty", &path])
+        },
+    );
+}
+
+#[test]
+fn bench_files() {
+    let bench = "strand_mm = 600\nstroke_mm = 100\nperiod_s = 10\n";
+    agree(
+        "bench.md",
+        &[],
+        &[
+            ("", with("")),
+            ("guide[]", with(&format!("{bench}[[guide]]\n"))),
+            ("phase[]", with(&format!("{bench}[[phase]]\n"))),
+        ],
+        |text| {
+            let (_folder, path) = file("bench.toml", text);
+            refusal(&["bench", "simulate", &path])
+        },
+    );
+}
+
+#[test]
+fn rope_entries() {
+    let rope = "name = \"mine\"\nmanufacturer = \"m\"\nproduct = \"p\"\nfibre = \"f\"\nmaterial = \"HMPE\"\n\
+                [sources]\ns = \"somewhere\"\n";
+    let value = "{ value = 1.0, origin = \"measured\", source = \"s\" }";
+    let unknown_value = |section: &str| format!("{rope}[{section}]\n{UNKNOWN} = {value}\n");
+    let in_value = |section: &str| with(&format!("{rope}[{section}]\n"));
+    agree(
+        "rope.md",
+        &[],
+        &[
+            ("", with("")),
+            ("published", unknown_value("published")),
+            ("law", unknown_value("law")),
+            ("correlation", in_value("correlation")),
+            ("VALUE", in_value("published.diameter_mm")),
+            ("VALUE", in_value("law.toe_percent")),
+        ],
+        |text| {
+            let (folder, _) = file("mine.toml", text);
+            refusal(&[
+                "rope",
+                "list",
+                "--ropes",
+                &folder.path().display().to_string(),
+            ])
+        },
+    );
+}
+
+#[test]
+fn scenario_files() {
+    let hold = "[motion]\nkind = \"hold\"\n";
+    let section = |text: &str| with(&format!("{hold}{text}\n"));
+    let motion = |text: &str| with(&format!("[motion]\n{text}\n"));
+    let drawn = |keys: &str| format!("{hold}[truth]\nmass_factor = {{ {keys}, {UNKNOWN} = 1 }}\n");
+    let offset = |text: &str| {
+        section(&format!(
+            "[[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nrad = 0.01\n{text}"
+        ))
+    };
+    let mut sections = vec![
+        ("", with("") + hold),
+        ("DRAW", drawn("min = 1, max = 2")),
+        ("DRAW", drawn("mean = 1, std = 0.1")),
+        ("motion", motion("kind = \"hold\"")),
+        ("motion", motion("kind = \"random\"")),
+        (
+            "motion",
+            motion("kind = \"staircase\"\njoint = \"elbow\"\nmove_s = 1\npause_s = 1"),
+        ),
+        (
+            "motion",
+            motion("kind = \"waypoints\"\nwaypoints = [{ move_s = 1 }]"),
+        ),
+        (
+            "motion.waypoints[]",
+            motion("kind = \"waypoints\"\n[[motion.waypoints]]\nmove_s = 1"),
+        ),
+        (
+            "payloads[]",
+            section("[[payloads]]\nlink = \"tool\"\nmass_kg = 1"),
+        ),
+        (
+            "contacts[]",
+            section(
+                "[[contacts]]\nstart_s = 1\nduration_s = 1\nlink = \"tool\"\nforce_n = [1, 0, 0]",
+            ),
+        ),
+        (
+            "random_contacts",
+            section(
+                "[random_contacts]\nfraction = 0.1\nlink = \"tool\"\nforce_n = 1\nduration_s = 1",
+            ),
+        ),
+        ("offsets[]", offset("shape = \"constant\"")),
+        ("offsets[]", offset("shape = \"step\"\nat_s = 1")),
+        (
+            "offsets[]",
+            offset("shape = \"ramp\"\nfrom_s = 1\nto_s = 2"),
+        ),
+        (
+            "offsets[]",
+            offset("shape = \"exponential\"\ntime_constant_s = 1"),
+        ),
+        (
+            "offsets[]",
+            offset("shape = \"table\"\ntable_s_rad = [[0, 0], [1, 0.1]]"),
+        ),
+        (
+            "jams[]",
+            section("[[jams]]\njoint = \"elbow\"\ntorque_nm = 1"),
+        ),
+        (
+            "sessions[]",
+            section("[[sessions]]\nname = \"A\"\nfrom_s = 0\nto_s = 1"),
+        ),
+        (
+            "faults.gaps[]",
+            section("[[faults.gaps]]\nstart_s = 1\nduration_s = 1"),
+        ),
+    ];
+    for table in [
+        "controller",
+        "correction",
+        "contact_detection",
+        "truth",
+        "joint_friction",
+        "motor_friction",
+        "encoder",
+        "motor_torque",
+        "torque_sensor",
+        "temperature",
+        "record",
+        "faults",
+    ] {
+        sections.push((table, section(&format!("[{table}]"))));
+    }
+    agree("scenario.md", &[], &sections, |text| {
+        let (folder, path) = file("scenario.toml", text);
+        let out = folder.path().join("out.mcap").display().to_string();
+        refusal(&[
+            "simulate",
+            &path,
+            "--robot",
+            "robots/biorob-like",
+            "--out",
+            &out,
+        ])
+    });
+}
+
+#[test]
+fn creep_tests() {
+    let column = format!("{UNKNOWN}=a:N");
+    agree("creep-test.md", &[], &[("", String::new())], |_| {
+        let log = "examples/06-creep-test/rope-A.csv";
+        refusal(&["creep", "analyze", log, "--column", &column])
+    });
+}
