@@ -1,0 +1,433 @@
+"""What has changed between two records of golden.py, by the rules of rules.toml."""
+
+import csv
+import difflib
+import fnmatch
+import html
+import io
+import json
+import math
+import re
+import struct
+import tomllib
+from pathlib import Path
+
+BINARY = {".mcap", ".png", ".parquet", ".jpg"}
+
+# ---------------------------------------------------------------- compare: what is a number
+
+# A number that isn't part of a name (wrist_1, S7, fig6). The sign counts where no word precedes it.
+NUMBER = re.compile(r"(?:(?<![\w.])[-−+])?(?<![A-Za-z_0-9.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+−]?\d+)?")
+BOX = re.compile(r"[─━│┃┌┐└┘├┤┬┴┼═╞╪╡]+")
+
+
+def numbers_and_words(text):
+    numbers = [n.replace("−", "-").rstrip(".") for n in NUMBER.findall(text)]
+    words = BOX.sub(" ", NUMBER.sub(" # ", text)).split()
+    return numbers, words
+
+
+def as_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def ulps(a, b):
+    """Representable doubles between two."""
+    if math.isnan(a) or math.isnan(b):
+        return 0 if math.isnan(a) and math.isnan(b) else math.inf
+
+    def order(x):
+        bits = struct.unpack("<q", struct.pack("<d", x))[0]
+        return bits if bits >= 0 else -(bits & 0x7FFFFFFFFFFFFFFF)
+
+    return abs(order(float(a)) - order(float(b)))
+
+
+# ---------------------------------------------------------------- compare: trees
+
+
+def leaves(value, path=""):
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            yield from leaves(inner, f"{path}.{key}" if path else key)
+    elif isinstance(value, list) and value:
+        for i, inner in enumerate(value):
+            yield from leaves(inner, f"{path}[{i}]")
+    else:
+        yield path, value
+
+
+WILD = re.compile(r"\*\*|\*|\[\]")
+
+
+def pattern(text):
+    """`[]` any index, `*` any one key, `**` anything."""
+    parts, at = [], 0
+    for found in WILD.finditer(text):
+        parts.append(re.escape(text[at : found.start()]))
+        parts.append({"**": "(.*)", "*": r"([^.\[\]]+)", "[]": r"\[(\d+)\]"}[found.group()])
+        at = found.end()
+    return re.compile("".join(parts) + re.escape(text[at:]))
+
+
+def fill(template, groups):
+    groups = iter(groups)
+    return WILD.sub(lambda w: f"[{next(groups)}]" if w.group() == "[]" else next(groups), template)
+
+
+class Rules:
+    def __init__(self, path):
+        rules = tomllib.loads(path.read_text()) if path.exists() else {}
+        self.move = [dict(r, match=pattern(r["old"])) for r in rules.get("move", [])]
+        self.rename = [dict(r, match=pattern(r["old"])) for r in rules.get("rename", [])]
+        self.added = [dict(r, match=pattern(r["new"])) for r in rules.get("added", [])]
+        self.dropped = [dict(r, match=pattern(r["old"])) for r in rules.get("dropped", [])]
+        self.value = rules.get("value", [])
+        self.normalise = [dict(r, match=re.compile(r["match"])) for r in rules.get("normalise", [])]
+        self.explained = rules.get("explained", [])
+        self.used = set()
+
+    def of(self, kind, case, file):
+        for i, rule in enumerate(getattr(self, kind)):
+            if fnmatch.fnmatch(case, rule.get("cases", "*")) and fnmatch.fnmatch(file, rule.get("file", "*")):
+                yield (kind, i), rule
+
+
+class Tree:
+    """The leaves of the new document, some missing because a parent is null."""
+
+    def __init__(self, value):
+        self.at = dict(leaves(value))
+        self.taken = set()
+
+    def has(self, path):
+        return path in self.at or self.null(path)
+
+    def null(self, path):
+        while path:
+            cut = max(path.rfind("."), path.rfind("["))
+            path = path[:cut] if cut >= 0 else ""
+            if path in self.at:
+                return self.at[path] is None
+        return False
+
+    def get(self, path):
+        if path in self.at:
+            self.taken.add(path)
+            return self.at[path]
+        while path and path not in self.at:
+            cut = max(path.rfind("."), path.rfind("["))
+            path = path[:cut] if cut >= 0 else ""
+        self.taken.add(path)
+        return None
+
+
+class Outcome:
+    """What became of one case."""
+
+    ORDER = ["identical", "renamed", "within ulps", "words differ", "explained", "NUMBERS DIFFER"]
+
+    def __init__(self, case):
+        self.case, self.level, self.lines, self.renamed, self.ulps = case, 0, [], 0, 0
+
+    def note(self, level, line=None):
+        self.level = max(self.level, self.ORDER.index(level))
+        if line is not None:
+            self.lines.append(f"[{level}] {line}")
+
+
+ALLOWED = {"sqrt": math.sqrt, "abs": abs, "len": len, "float": float, "str": str}
+
+
+def was(rule, values):
+    """The old value as it follows from the new ones, in doubles, by the rule's expression."""
+    if len(values) == 1 and "was" not in rule:
+        return next(iter(values.values()))
+    if any(v is None for v in values.values()):
+        return None
+    return eval(rule.get("was", "new"), {"__builtins__": {}}, {**ALLOWED, **values})
+
+
+def moved(rules, case, file, path):
+    for key, rule in rules.of("move", case, file):
+        found = rule["match"].match(path)
+        if found and path[found.end() : found.end() + 1] in ("", ".", "["):
+            rules.used.add(key)
+            return fill(rule["new"], found.groups()) + path[found.end() :]
+    return path
+
+
+def same_leaf(old, new, rules, case, file):
+    """None where two leaves are the same, else the kind of difference."""
+    if as_number(old) and as_number(new):
+        return None if float(old) == float(new) or (old != old and new != new) else "NUMBERS DIFFER"
+    if type(old) is type(new) and old == new:
+        return None
+    if isinstance(old, str) and isinstance(new, str):
+        for key, rule in rules.of("value", case, file):
+            if rule["old"] == old and rule["new"] == new:
+                rules.used.add(key)
+                return "renamed"
+        return "words differ" if numbers_and_words(old)[0] == numbers_and_words(new)[0] else "NUMBERS DIFFER"
+    return "NUMBERS DIFFER"
+
+
+def compare_trees(old, new, rules, outcome, file):
+    new = Tree(new)
+    for path, value in leaves(old):
+        where = f"{file}: {path}"
+        target = moved(rules, outcome.case, file, path)
+        explained = False
+        for key, rule in rules.of("rename", outcome.case, file):
+            found = rule["match"].fullmatch(target)
+            if not found:
+                continue
+            names = rule["new"] if isinstance(rule["new"], dict) else {"new": rule["new"]}
+            paths = {n: fill(t, found.groups()) for n, t in names.items()}
+            if not all(new.has(p) for p in paths.values()):
+                continue
+            rules.used.add(key)
+            expected = was(rule, {n: new.get(p) for n, p in paths.items()})
+            off = same_leaf(value, expected, rules, outcome.case, file)
+            if off is None or off == "renamed":
+                outcome.renamed += 1
+                outcome.note("renamed")
+            elif as_number(value) and as_number(expected) and ulps(value, expected) <= rule.get("ulps", 0):
+                outcome.ulps += 1
+                outcome.note("within ulps")
+            else:
+                outcome.note(off, f"{where}: {value!r} is now {expected!r} (from {paths})")
+            explained = True
+            break
+        if explained:
+            continue
+        if new.has(target) and (target in new.at or value is None):
+            found = new.get(target)
+            off = same_leaf(value, found, rules, outcome.case, file)
+            if target != path:
+                outcome.renamed += 1
+                outcome.note("renamed")
+            if off == "renamed":
+                outcome.renamed += 1
+                outcome.note("renamed")
+            elif off:
+                outcome.note(off, f"{where}: {value!r} is now {found!r}")
+            continue
+        for key, rule in rules.of("dropped", outcome.case, file):
+            if rule["match"].fullmatch(target):
+                rules.used.add(key)
+                outcome.note("renamed")
+                explained = True
+                break
+        if not explained:
+            outcome.note("NUMBERS DIFFER", f"{where}: {value!r} is gone")
+    for path, value in new.at.items():
+        if path in new.taken:
+            continue
+        for key, rule in rules.of("added", outcome.case, file):
+            if rule["match"].fullmatch(path):
+                rules.used.add(key)
+                outcome.note("renamed")
+                break
+        else:
+            level = "words differ" if value in ([], {}, None) or isinstance(value, (str, bool)) else "NUMBERS DIFFER"
+            outcome.note(level, f"{file}: {path}: new, {value!r}")
+
+
+# ---------------------------------------------------------------- compare: text
+
+
+def compare_text(old, new, rules, outcome, file):
+    if old == new:
+        return
+    (old_numbers, old_words), (new_numbers, new_words) = numbers_and_words(old), numbers_and_words(new)
+    if old_numbers == new_numbers:
+        if old_words == new_words:
+            outcome.note("words differ", f"{file}: only spaces, lines and rules differ")
+            return
+        outcome.note("words differ", f"{file}: words")
+        outcome.lines += word_lines(old, new)
+        return
+    minus, plus = [], []
+    for op, a, b, c, d in difflib.SequenceMatcher(None, old_numbers, new_numbers, autojunk=False).get_opcodes() if (
+        len(old_numbers) + len(new_numbers) < 8000
+    ) else plain_opcodes(old_numbers, new_numbers):
+        if op != "equal":
+            minus += old_numbers[a:b]
+            plus += new_numbers[c:d]
+    for key, rule in rules.of("explained", outcome.case, file):
+        if "minus" in rule and rule["minus"] == minus and rule.get("plus", []) == plus:
+            rules.used.add(key)
+            outcome.note("explained", f"{file}: {rule['why']}")
+            outcome.lines += word_lines(old, new)
+            return
+    order = "the same in another order" if sorted(old_numbers) == sorted(new_numbers) else ""
+    outcome.note(
+        "NUMBERS DIFFER",
+        f"{file}: minus = {minus[:20]}, plus = {plus[:20]}, {len(minus)} and {len(plus)} of {len(old_numbers)} {order}",
+    )
+    outcome.lines += word_lines(old, new)
+
+
+def plain_opcodes(a, b):
+    """Common start and end, the rest as one change: for long lists."""
+    start = 0
+    while start < min(len(a), len(b)) and a[start] == b[start]:
+        start += 1
+    end = 0
+    while end < min(len(a), len(b)) - start and a[-1 - end] == b[-1 - end]:
+        end += 1
+    if len(a) == len(b):
+        return [("replace", i, i + 1, i, i + 1) for i in range(start, len(a) - end) if a[i] != b[i]]
+    return [("replace", start, len(a) - end, start, len(b) - end)]
+
+
+def word_lines(old, new):
+    lines = [
+        f"    {line[:300]}"
+        for line in difflib.unified_diff(old.splitlines(), new.splitlines(), lineterm="", n=0)
+        if not line.startswith(("---", "+++", "@@"))
+    ]
+    return lines[:40] + ([f"    … {len(lines) - 40} lines more"] if len(lines) > 40 else [])
+
+
+def table(text):
+    """A CSV as rows by column name, cells as numbers where they are; None where it isn't one."""
+    rows = list(csv.reader(io.StringIO(text)))
+    if len(rows) < 2 or len(set(rows[0])) < len(rows[0]) or any(len(r) != len(rows[0]) for r in rows):
+        return None
+
+    def cell(word):
+        try:
+            return float(word)
+        except ValueError:
+            return word
+
+    return [dict(zip(rows[0], map(cell, row))) for row in rows[1:]]
+
+
+def documents(text):
+    """One JSON document, or one a line; None where it isn't that."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        pass
+    try:
+        lines = [json.loads(line) for line in text.splitlines()]
+        return lines if lines and all(isinstance(line, dict) for line in lines) else None
+    except ValueError:
+        return None
+
+
+# ---------------------------------------------------------------- compare: cases
+
+
+def markup(text):
+    """A page with an element a line, and the numbers of its paths apart from their letters."""
+    text = re.sub(r' d="[^"]*"', lambda d: re.sub(r"(?<=[A-Za-z])(?=[-.\d])", " ", d.group()), text)
+    return html.unescape(re.sub(r">\s*<", ">\n<", text))
+
+
+def compare_file(old, new, rules, outcome, file):
+    if old == new:
+        return
+    if Path(file).suffix in BINARY:
+        for key, rule in rules.of("explained", outcome.case, file):
+            if rule.get("bytes"):
+                rules.used.add(key)
+                outcome.note("explained", f"{file}: {rule['why']}")
+                return
+        outcome.note("NUMBERS DIFFER", f"{file}: bytes differ ({len(old)} and {len(new)})")
+        return
+    old, new = old.decode("utf-8", "replace"), new.decode("utf-8", "replace")
+    for key, rule in rules.of("normalise", outcome.case, file):
+        if rule["match"].search(old):
+            rules.used.add(key)
+        old, new = (rule["match"].sub(rule["to"], text) for text in (old, new))
+    if old == new:
+        return
+    old_tree, new_tree = documents(old), documents(new)
+    if old_tree is None and Path(file).suffix == ".csv" and any(True for _ in rules.of("rename", outcome.case, file)):
+        old_tree, new_tree = table(old), table(new)
+    if isinstance(old_tree, (dict, list)) and isinstance(new_tree, (dict, list)):
+        compare_trees(old_tree, new_tree, rules, outcome, file)
+    else:
+        if file.endswith((".html", ".svg")):
+            old, new = map(markup, (old, new))
+        compare_text(old, new, rules, outcome, file)
+
+
+def files_of(folder):
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in sorted(folder.rglob("*"))
+        if p.is_file() and p != folder / "arguments"
+    }
+
+
+def compare_case(case, before, after, rules):
+    outcome = Outcome(case)
+    old, new = files_of(before / case), files_of(after / case)
+    for key, rule in rules.of("explained", case, "path"):
+        if "old_path" in rule and rule["old_path"] in old and rule["new_path"] in new:
+            rules.used.add(key)
+            old[rule["new_path"]] = old.pop(rule["old_path"])
+            outcome.note("explained", f"{rule['old_path']} is {rule['new_path']}: {rule['why']}")
+    for file in sorted(set(old) | set(new)):
+        if file not in new or file not in old:
+            why = next((r["why"] for k, r in rules.of("explained", case, file) if r.get("present")), None)
+            outcome.note("explained" if why else "NUMBERS DIFFER", f"{file}: only {'before' if file in old else 'after'} {why or ''}")
+        elif file == "exit" and old[file] != new[file]:
+            codes = [int(old[file]), int(new[file])]
+            why = next((r["why"] for k, r in rules.of("explained", case, file) if r.get("exit") == codes), None)
+            outcome.note("explained" if why else "NUMBERS DIFFER", f"exit code {codes[0]} is now {codes[1]} {why or ''}")
+        else:
+            compare_file(old[file], new[file], rules, outcome, file)
+        if b"panicked at" in new.get(file, b""):
+            outcome.note("NUMBERS DIFFER", f"{file}: a panic")
+    return outcome
+
+
+def case_names(folder):
+    return {f"{e.parent.parent.name}/{e.parent.name}" for e in folder.glob("*/*/exit")}
+
+
+def compare(arguments):
+    rules = Rules(arguments.rules)
+    before, after = case_names(arguments.before), case_names(arguments.after)
+    outcomes = [compare_case(c, arguments.before, arguments.after, rules) for c in sorted(before & after)]
+    by_level = {level: [o for o in outcomes if Outcome.ORDER[o.level] == level] for level in Outcome.ORDER}
+    lines = []
+    for outcome in outcomes:
+        if outcome.level:
+            lines.append(f"{outcome.case}: {Outcome.ORDER[outcome.level]}")
+            shown = outcome.lines if arguments.all else outcome.lines[:60]
+            lines += [f"  {line}" for line in shown]
+            if len(shown) < len(outcome.lines):
+                lines.append(f"  … {len(outcome.lines) - len(shown)} more")
+    inputs = [json.loads((f / "inputs.json").read_text()) for f in (arguments.before, arguments.after)]
+    changed = sorted(p for p in set(inputs[0]) & set(inputs[1]) if inputs[0][p] != inputs[1][p])
+    only = sorted(set(inputs[0]) ^ set(inputs[1]))
+    summary = [f"{len(outcomes)} cases in both"]
+    summary += [f"  {level}: {len(found)}" for level, found in by_level.items()]
+    summary.append(f"  values renamed: {sum(o.renamed for o in outcomes)}, within ulps: {sum(o.ulps for o in outcomes)}")
+    for title, names in (
+        ("only before", sorted(before - after)),
+        ("only after", sorted(after - before)),
+        ("inputs that differ", changed),
+        ("inputs on one side", only),
+        ("NUMBERS DIFFER in", [o.case for o in by_level["NUMBERS DIFFER"]]),
+    ):
+        if names:
+            summary.append(f"  {title}: {' '.join(names)}")
+    everything = [(kind, i) for kind in ("move", "rename", "added", "dropped", "value", "explained") for i in range(len(getattr(rules, kind)))]
+    unused = [f"{kind} {i + 1}" for kind, i in everything if (kind, i) not in rules.used]
+    if unused:
+        summary.append(f"  rules that met nothing: {', '.join(unused)}")
+    text = "\n".join(lines + [""] + summary)
+    if arguments.report:
+        arguments.report.write_text(text + "\n")
+        print("\n".join(summary))
+    else:
+        print(text)
+    return 1 if by_level["NUMBERS DIFFER"] or before - after else 0
