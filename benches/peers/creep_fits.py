@@ -189,7 +189,7 @@ def main():
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     out = WORK / "creep_fits.json"
     WORK.mkdir(parents=True, exist_ok=True)
-    bench = ["cargo", "bench", "-q", "--locked", "-p", "sinew-lab", "--bench", "creep_fits"]
+    bench = ["cargo", "bench", "-q", "--locked", "-p", "sinew-creep", "--bench", "creep_fits"]
     command = [args.program, args.file.resolve(), out] if args.program else [*bench, "--profile", args.profile, "--", args.file.resolve(), out]
 
     def sinew():

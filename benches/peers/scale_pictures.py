@@ -4,7 +4,7 @@
     pip install numpy pillow
     benches/peers/scale_pictures.py [--sinew target/release/sinew] [--frames 24]
 
-The tests of `sinew-lab` draw their own pictures; these are made by a program that shares nothing
+The tests of `sinew-camera` draw their own pictures; these are made by a program that shares nothing
 with them: rays through a pinhole camera (true perspective, radial distortion) onto a printed plane,
 24 per pixel, a blur in both directions, vignetting, a highlight, a gamma curve, shot and read noise,
 and JPEG where said. The scale moves along itself by a random walk with steps up to 3 mm.

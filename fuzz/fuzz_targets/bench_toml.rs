@@ -4,8 +4,8 @@
 use std::sync::OnceLock;
 
 use libfuzzer_sys::fuzz_target;
-use sinew_lab::bench::{Bench, simulate};
-use sinew_lab::rope::{Catalogue, Draws};
+use sinew_rope::bench::{Bench, simulate};
+use sinew_rope::{Catalogue, Draws};
 use sinew_model::rope::Law;
 
 fn law() -> &'static Law {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_lab::camera::{Picture, ReadOptions, ScaleReader};
+use sinew_camera::{Picture, ReadOptions, ScaleReader};
 
 const WIDTH: usize = 160;
 const HEIGHT: usize = 40;

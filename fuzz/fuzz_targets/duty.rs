@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_lab::rope::Duty;
+use sinew_rope::Duty;
 
 fuzz_target!(|text: &str| {
     let (kind, text) = text.split_at(text.chars().next().map_or(0, char::len_utf8));

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_lab::trend::{records_from_csv, records_from_json, sort};
+use sinew_estimate::trend::{records_from_csv, records_from_json, sort};
 use sinew_model::trend::{Prior, Record, Trend, TrendConfig, generic_curves};
 
 fuzz_target!(|text: &str| {

@@ -3,9 +3,9 @@
 use crate::terminal::Failure;
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::absolute::{self, Absolute, AbsoluteError, Baseline, Payload, WatchOptions, Window};
-use sinew_lab::estimate::{Estimate, EstimateError, Progress, Request};
-use sinew_lab::report;
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Absolute, AbsoluteError, Baseline, Payload, WatchOptions, Window};
+use sinew_estimate::estimate::{Estimate, EstimateError, Progress, Request};
 use std::path::{Path, PathBuf};
 
 /// Which part of the recording.
@@ -158,15 +158,15 @@ pub(crate) fn told(said: &Absolute, nuisance: bool) -> String {
         "± (95 %)\nmm",
         "verdict",
     ];
-    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| report::rounded(v, 2));
+    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| sinew_figure::rounded(v, 2));
     let rows = said
         .joints
         .iter()
         .map(|j| {
             vec![
                 plain(&j.name),
-                report::rounded(j.offset_mrad, 3),
-                report::rounded(j.interval_95_mrad, 2),
+                sinew_figure::rounded(j.offset_mrad, 3),
+                sinew_figure::rounded(j.interval_95_mrad, 2),
                 optional(j.elongation_mm),
                 optional(j.interval_95_mm),
                 j.verdict.clone(),
@@ -190,8 +190,8 @@ fn nuisance_table(said: &Absolute) -> String {
     let shown = |[mean, deviation]: [f64; 2]| {
         format!(
             "{} ± {}",
-            report::rounded(mean, 2),
-            report::rounded(deviation, 2)
+            sinew_figure::rounded(mean, 2),
+            sinew_figure::rounded(deviation, 2)
         )
     };
     let rows = said

@@ -5,9 +5,8 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_lab::absolute;
-use sinew_lab::estimate::Request;
-use sinew_lab::report;
+use sinew_estimate::absolute;
+use sinew_estimate::estimate::Request;
 use std::path::{Path, PathBuf};
 
 /// Learn a baseline from a recording taken right after tensioning
@@ -108,7 +107,7 @@ impl Baseline {
             &plain(&format!(
                 "{}: {} s, {} poses, {:.0} % left out as disturbed",
                 said.recording,
-                report::rounded(said.duration_s, 4),
+                sinew_figure::rounded(said.duration_s, 4),
                 said.poses,
                 100.0 * said.left_out_share
             )),
@@ -121,8 +120,8 @@ impl Baseline {
                 let [change, interval] = j.stiffness_change_percent;
                 vec![
                     plain(&j.name),
-                    report::rounded(change, 2),
-                    report::rounded(interval, 2),
+                    sinew_figure::rounded(change, 2),
+                    sinew_figure::rounded(interval, 2),
                 ]
             })
             .collect();

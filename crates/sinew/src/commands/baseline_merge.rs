@@ -4,8 +4,9 @@ use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::absolute::{self, Baseline, MergeOptions, Pooled};
-use sinew_lab::{report, robot_dir};
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Baseline, MergeOptions, Pooled};
+use sinew_estimate::robot_dir;
 use std::path::PathBuf;
 
 /// Put together what several baselines learned
@@ -95,7 +96,10 @@ impl Merge {
 
     fn told(&self, pooled: &Pooled) -> String {
         let shown = |[mean, deviation]: [f64; 2]| {
-            let (mean, deviation) = (report::rounded(mean, 2), report::rounded(deviation, 2));
+            let (mean, deviation) = (
+                sinew_figure::rounded(mean, 2),
+                sinew_figure::rounded(deviation, 2),
+            );
             format!("{mean} ± {deviation}")
         };
         let moved: Vec<_> = pooled.nuisance.iter().filter(|m| m.moved).collect();

@@ -5,11 +5,11 @@ use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
+use sinew_figure::plot::{Band, Figure, Line, Panel};
+use sinew_figure::rounded;
 use sinew_files::write_file;
-use sinew_lab::bench::{Bench, Simulated, routings, simulate};
-use sinew_lab::plot::{Band, Figure, Line, Panel};
-use sinew_lab::report::rounded;
-use sinew_lab::rope::{Catalogue, Draws, Interval};
+use sinew_rope::bench::{Bench, Simulated, routings, simulate};
+use sinew_rope::{Catalogue, Draws, Interval};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

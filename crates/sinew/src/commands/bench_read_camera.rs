@@ -5,8 +5,8 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_camera::{Conditions, Outcome, ReadOptions, Region, Request, Summary, Times};
 use sinew_files::write_file;
-use sinew_lab::camera::{self, Conditions, Outcome, ReadOptions, Region, Request, Summary, Times};
 use std::path::{Path, PathBuf};
 
 /// Read the carriage's position from pictures of a half-millimetre scale
@@ -147,7 +147,7 @@ impl ReadCamera {
         }
         check_outputs(&outputs, &inputs)?;
         let bar = Bar::new("reading", self.quiet);
-        let outcome = camera::run(&self.request(), &mut |at| {
+        let outcome = sinew_camera::run(&self.request(), &mut |at| {
             bar.set(at.done as f64, at.total as f64);
         });
         drop(bar);
@@ -161,7 +161,7 @@ impl ReadCamera {
         if let Some(path) = &self.report {
             let name = self.input.file_name().unwrap_or(self.input.as_os_str());
             let title = format!("Camera reading of {}", name.to_string_lossy());
-            let page = camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"));
+            let page = sinew_camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"));
             write_file(path, page.as_bytes())?;
         }
         let summary = Summary::of(&outcome);

@@ -1,8 +1,7 @@
 //! `sinew simulate --control` as text: joint position and contacts without and with correction.
 
 use crate::text::{indented, plain, table};
-use sinew_lab::control::{Comparison, Score};
-use sinew_lab::report;
+use sinew_eval::control::{Comparison, Score};
 
 /// Two tables of at most 80 columns.
 pub(crate) fn told(comparison: &Comparison) -> String {
@@ -19,7 +18,7 @@ pub(crate) fn told(comparison: &Comparison) -> String {
         ("unknown", &comparison.without),
         ("known", &comparison.with),
     ];
-    let number = |v: f64| report::rounded(v, 2);
+    let number = |v: f64| sinew_figure::rounded(v, 2);
     let mut rows = Vec::new();
     for (i, joint) in comparison.with.joints.iter().enumerate() {
         for (k, (known, score)) in both.iter().enumerate() {

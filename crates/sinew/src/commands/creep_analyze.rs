@@ -4,8 +4,7 @@ use super::creep_files::{TestFiles, Tests, csv_line, short, write_csv};
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_files::write_file;
-use sinew_lab::creep::{self, Contents, Plotted};
+use sinew_creep::{Contents, Plotted};
 
 /// Readings, moduli, slope m_E, saturation, recovery and faults of creep tests
 ///
@@ -29,24 +28,24 @@ impl Analyze {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         let tests = self.files.read()?;
-        let named: Vec<(String, &creep::Analysis)> =
+        let named: Vec<(String, &sinew_creep::Analysis)> =
             tests.groups.iter().cloned().zip(&tests.analyses).collect();
-        let scatter = creep::scatter(&named);
-        let isochrones = creep::isochrones(&named, self.files.level);
+        let scatter = sinew_creep::scatter(&named);
+        let isochrones = sinew_creep::isochrones(&named, self.files.level);
         if let Some(path) = &self.files.csv {
             write_csv(path, &csv(&tests))?;
         }
         if let Some(path) = &self.files.report {
             let plotted = plotted(&tests);
             let mut figures = vec![
-                (creep::figure("", &plotted, false), String::new()),
-                (creep::figure("", &plotted, true), String::new()),
+                (sinew_creep::figure("", &plotted, false), String::new()),
+                (sinew_creep::figure("", &plotted, true), String::new()),
             ];
-            if let Some(figure) = creep::isochronous_figure(&isochrones) {
+            if let Some(figure) = sinew_creep::isochronous_figure(&isochrones) {
                 let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
                 figures.push((figure, caption.into()));
             }
-            let page = creep::page(Contents {
+            let page = sinew_creep::page(Contents {
                 title: "Creep test".to_owned(),
                 sources: &tests.sources,
                 conditions: self.files.conditions(),
@@ -57,7 +56,7 @@ impl Analyze {
                 figures,
                 ..Contents::default()
             });
-            write_file(path, page.html().as_bytes())?;
+            sinew_files::write_file(path, page.html().as_bytes())?;
         }
         if self.files.json {
             let document = serde_json::json!({
@@ -92,7 +91,7 @@ pub(crate) fn plotted(tests: &Tests) -> Vec<Plotted<'_>> {
         .collect()
 }
 
-fn told(tests: &Tests, scatter: &[creep::Scatter]) -> String {
+fn told(tests: &Tests, scatter: &[sinew_creep::Scatter]) -> String {
     let mut out = String::new();
     if tests.analyses.len() <= SHOWN {
         let rows = tests
@@ -168,7 +167,7 @@ fn told(tests: &Tests, scatter: &[creep::Scatter]) -> String {
                 .iter()
                 .map(|r| {
                     vec![
-                        creep::reading_time(r.time_s),
+                        sinew_creep::reading_time(r.time_s),
                         format!("{:.4}", r.strain_percent),
                         r.modulus_mpa.map_or("–".into(), short),
                     ]
@@ -228,7 +227,7 @@ fn told(tests: &Tests, scatter: &[creep::Scatter]) -> String {
 }
 
 /// One line per group and time, the times of a decade each.
-fn isochrones_told(isochrones: &[creep::Isochrone]) -> String {
+fn isochrones_told(isochrones: &[sinew_creep::Isochrone]) -> String {
     /// Readings of every group that the terminal shows.
     const TIMES: [f64; 5] = [60.0, 720.0, 3600.0, 36_000.0, 360_000.0];
     let rows: Vec<Vec<String>> = isochrones
@@ -238,7 +237,7 @@ fn isochrones_told(isochrones: &[creep::Isochrone]) -> String {
             let unit = if i.stress { "MPa" } else { "N" };
             vec![
                 plain(&i.group),
-                creep::reading_time(i.time_s),
+                sinew_creep::reading_time(i.time_s),
                 i.points.len().to_string(),
                 format!("{} {unit}", short(i.secant)),
                 short(i.exponent.value),

@@ -5,8 +5,7 @@ use super::creep_files::{TestFiles, csv_line, short, write_csv};
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_files::write_file;
-use sinew_lab::creep::{self, Contents, ScatterSource};
+use sinew_creep::{Contents, ScatterSource};
 use std::path::PathBuf;
 
 /// All ropes in one figure, with slopes, ranked with intervals
@@ -38,14 +37,14 @@ impl Compare {
             )));
         }
         let tests = self.files.read()?;
-        let ranks = creep::rank(
+        let ranks = sinew_creep::rank(
             &tests.prepared,
             &tests.analyses,
             &tests.groups,
             self.files.level,
             self.scatter,
         );
-        let figure = creep::figure("", &plotted(&tests), false);
+        let figure = sinew_creep::figure("", &plotted(&tests), false);
         if let Some(path) = &self.plot {
             let bytes = match path.extension().and_then(|e| e.to_str()) {
                 Some("png") => figure.png(2.0)?,
@@ -57,7 +56,7 @@ impl Compare {
                     )));
                 }
             };
-            write_file(path, &bytes)?;
+            sinew_files::write_file(path, &bytes)?;
         }
         let fine = |v: f64| format!("{v:.4}");
         let rows = |number: &dyn Fn(f64) -> String| -> Vec<Vec<String>> {
@@ -107,7 +106,7 @@ impl Compare {
                 "scatter_source",
             ]);
             for r in &ranks {
-                let slope = |pick: fn(&creep::Interval) -> f64| {
+                let slope = |pick: fn(&sinew_creep::Interval) -> f64| {
                     r.slope_percent_per_h
                         .as_ref()
                         .map_or(String::new(), |s| pick(s).to_string())
@@ -130,25 +129,25 @@ impl Compare {
         }
         if let Some(path) = &self.files.report {
             // Specimens of no group are ropes of their own, not repeats.
-            let named: Vec<(String, &creep::Analysis)> = tests
+            let named: Vec<(String, &sinew_creep::Analysis)> = tests
                 .groups
                 .iter()
                 .cloned()
                 .zip(&tests.analyses)
                 .filter(|(group, _)| group != "all")
                 .collect();
-            let page = creep::page(Contents {
+            let page = sinew_creep::page(Contents {
                 title: "Creep of ropes compared".to_owned(),
                 sources: &tests.sources,
                 conditions: self.files.conditions(),
                 analyses: &tests.analyses,
                 ranks: &ranks,
-                groups: &creep::scatter(&named),
+                groups: &sinew_creep::scatter(&named),
                 failures: &tests.failures,
                 figures: vec![(figure, String::new())],
                 ..Contents::default()
             });
-            write_file(path, page.html().as_bytes())?;
+            sinew_files::write_file(path, page.html().as_bytes())?;
         }
         if self.files.json {
             let document = serde_json::json!({
@@ -171,7 +170,7 @@ impl Compare {
 }
 
 /// What the intervals of single specimens rest on.
-fn scatter_told(ranks: &[creep::Rank]) -> String {
+fn scatter_told(ranks: &[sinew_creep::Rank]) -> String {
     let Some(single) = ranks.iter().find(|r| r.specimens == 1) else {
         return String::new();
     };

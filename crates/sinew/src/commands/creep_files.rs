@@ -4,10 +4,7 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, complain};
 use crate::text::plain;
 use clap::Args;
-use sinew_files::write_file;
-use sinew_lab::creep::{
-    self, Analysis, AnalyzeOptions, Conditions, PrepareOptions, Prepared, Source,
-};
+use sinew_creep::{Analysis, AnalyzeOptions, Conditions, PrepareOptions, Prepared, Source};
 use sinew_log::{ColumnChoice, Specimen, TestOptions, TestQuantity, read_test};
 use std::path::PathBuf;
 
@@ -206,11 +203,11 @@ impl TestFiles {
         }
         let bar = Bar::new("analysing", self.quiet);
         let total = specimens.len() as f64;
-        let results = creep::each(
+        let results = sinew_creep::each(
             &specimens,
             |specimen| {
-                let prepared = creep::prepare(specimen, &prepare)?;
-                let analysis = creep::analyze(&prepared, &analyze)?;
+                let prepared = sinew_creep::prepare(specimen, &prepare)?;
+                let analysis = sinew_creep::analyze(&prepared, &analyze)?;
                 Ok((prepared, analysis))
             },
             |done| bar.set(done as f64, total),
@@ -231,7 +228,7 @@ impl TestFiles {
                     tests.groups.push(group);
                 }
                 Err(error) => {
-                    let error: creep::CreepError = error;
+                    let error: sinew_creep::CreepError = error;
                     tests.failures.push(error.to_string());
                 }
             }
@@ -297,7 +294,7 @@ pub(crate) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
 
 /// Writes the table of specimens.
 pub(crate) fn write_csv(path: &std::path::Path, text: &str) -> Result<(), Failure> {
-    write_file(path, text.as_bytes())?;
+    sinew_files::write_file(path, text.as_bytes())?;
     Ok(())
 }
 

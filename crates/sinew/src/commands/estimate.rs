@@ -6,10 +6,10 @@ use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{ArgGroup, Args};
-use sinew_files::write_file;
-use sinew_lab::absolute::Absolute;
-use sinew_lab::estimate::{self, Estimate as Result_, EstimateError, Injection, Progress, Request};
-use sinew_lab::{report, robot_dir};
+use sinew_estimate::absolute::Absolute;
+use sinew_estimate::estimate;
+use sinew_estimate::estimate::{Estimate as Result_, EstimateError, Injection, Progress, Request};
+use sinew_estimate::robot_dir;
 use sinew_model::offset::VelocityFilter;
 use std::path::PathBuf;
 
@@ -108,8 +108,8 @@ impl Estimate {
             }
         }
         if let Some(path) = &self.report {
-            let page = report::html_with(&result, absolute.as_ref());
-            write_file(path, page.as_bytes())?;
+            let page = sinew_report::html_with(&result, absolute.as_ref());
+            sinew_files::write_file(path, page.as_bytes())?;
         }
         if self.json {
             let mut document = serde_json::to_value(&result)?;
@@ -214,9 +214,9 @@ fn told(e: &Result_) -> String {
             "{}: {}, {} s, {} frames at {} Hz",
             e.robot.name,
             r.path,
-            report::rounded(r.duration_s, 4),
+            sinew_figure::rounded(r.duration_s, 4),
             r.frames,
-            report::rounded(r.rate_hz, 4)
+            sinew_figure::rounded(r.rate_hz, 4)
         )),
         2,
     );
@@ -230,20 +230,20 @@ fn told(e: &Result_) -> String {
         "used\n%",
         "1 % of K\nmrad",
     ];
-    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| report::rounded(v, 3));
+    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| sinew_figure::rounded(v, 3));
     let rows = e
         .joints
         .iter()
         .map(|j| {
             vec![
                 plain(&j.name),
-                report::rounded(j.delta_e_mrad, 4),
-                report::rounded(j.standard_error_mrad, 2),
-                report::rounded(j.scatter_mrad, 2),
+                sinew_figure::rounded(j.delta_e_mrad, 4),
+                sinew_figure::rounded(j.standard_error_mrad, 2),
+                sinew_figure::rounded(j.scatter_mrad, 2),
                 optional(j.elongation_mm),
                 optional(j.strain_percent),
                 format!("{:.1}", 100.0 * j.usable_share),
-                report::rounded(j.stiffness_error_mrad_per_percent, 2),
+                sinew_figure::rounded(j.stiffness_error_mrad_per_percent, 2),
             ]
         })
         .collect();
@@ -263,7 +263,7 @@ fn told(e: &Result_) -> String {
         out.push('\n');
     }
     for joint in &e.joints {
-        out.push_str(&paragraph(&plain(&report::headline(e, joint)), 2));
+        out.push_str(&paragraph(&plain(&sinew_report::headline(e, joint)), 2));
     }
     out.push('\n');
     for joint in &e.joints {
@@ -306,11 +306,11 @@ fn changes(e: &Result_) -> Vec<Vec<String>> {
         .map(|(j, d)| {
             vec![
                 plain(&j.name),
-                report::rounded(d.reference_mrad, 4),
-                report::with_error(d.difference_mrad, d.standard_error_mrad),
+                sinew_figure::rounded(d.reference_mrad, 4),
+                sinew_figure::with_error(d.difference_mrad, d.standard_error_mrad),
                 d.elongation_mm
-                    .map_or("–".into(), |mm| report::rounded(mm, 3)),
-                report::rounded(d.stiffness_error_mrad_per_percent, 2),
+                    .map_or("–".into(), |mm| sinew_figure::rounded(mm, 3)),
+                sinew_figure::rounded(d.stiffness_error_mrad_per_percent, 2),
             ]
         })
         .collect()

@@ -5,11 +5,11 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_files::write_file;
-use sinew_lab::absolute::Baseline;
-use sinew_lab::excitation::{self, Options, Proposal, Sensors};
-use sinew_lab::report::rounded;
-use sinew_lab::robot_dir;
+use sinew_estimate::absolute::Baseline;
+use sinew_estimate::robot_dir;
+use sinew_eval::excitation;
+use sinew_eval::excitation::{Options, Proposal, Sensors};
+use sinew_figure::rounded;
 use std::path::{Path, PathBuf};
 
 /// Propose a short list of poses that makes the offsets identifiable
@@ -103,7 +103,7 @@ impl Excitation {
         drop(bar);
         let proposal = proposal?;
         if let Some((out, write)) = text {
-            write_file(out, write(&proposal).as_bytes())?;
+            sinew_files::write_file(out, write(&proposal).as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&proposal)? + "\n"))?;

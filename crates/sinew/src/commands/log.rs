@@ -4,7 +4,7 @@ use crate::args::Opening;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_lab::report::rounded;
+use sinew_figure::rounded;
 use sinew_log::{Format, Health, Quantity, Recording};
 use std::path::PathBuf;
 

@@ -3,9 +3,10 @@
 use crate::terminal::{Failure, Finish, answer, complain};
 use crate::text::{indented, paragraph, table};
 use clap::{Args, ValueEnum};
-use sinew_lab::paper::{self, PaperFigure, Written};
-use sinew_lab::rope::Catalogue;
-use sinew_lab::{report, robot_dir};
+use sinew_estimate::robot_dir;
+use sinew_eval::paper;
+use sinew_eval::paper::{PaperFigure, Written};
+use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
 /// Reproduce a figure of the paper beside its sentences, judged from the data
@@ -126,7 +127,7 @@ fn told(figure: &PaperFigure, written: &Written) -> String {
         out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
         let found = format!(
             "found {} {}; {}",
-            report::rounded(sentence.value, 3),
+            sinew_figure::rounded(sentence.value, 3),
             sentence.unit,
             sentence.criterion
         );

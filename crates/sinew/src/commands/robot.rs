@@ -3,8 +3,9 @@
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_lab::report::rounded;
-use sinew_lab::robot_dir::{self, LoadedRobot};
+use sinew_estimate::robot_dir;
+use sinew_estimate::robot_dir::LoadedRobot;
+use sinew_figure::rounded;
 use sinew_model::arm::JointKind;
 use sinew_model::transmission::Transmission;
 use std::path::PathBuf;

@@ -4,8 +4,9 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_lab::robot_dir;
-use sinew_lab::scenarios::{self, DEFAULT, Options, Plan, ScenarioSummary, UNMODELLED};
+use sinew_estimate::robot_dir;
+use sinew_eval::scenarios;
+use sinew_eval::scenarios::{DEFAULT, Options, Plan, ScenarioSummary, UNMODELLED};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 

@@ -5,9 +5,9 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::plain;
 use clap::{Args, ValueEnum};
-use sinew_lab::robot_dir;
-use sinew_lab::simulate::{self, Scenario, SimulateOptions};
+use sinew_estimate::robot_dir;
 use sinew_log::Compression;
+use sinew_sim::{Scenario, SimulateOptions};
 use std::path::{Path, PathBuf};
 
 /// Make a recording of a joint-elastic arm whose tendons stretch
@@ -98,11 +98,11 @@ impl Simulate {
         };
         // Before anything is written: a scenario without a correction is refused.
         let comparison = match self.control {
-            true => Some(sinew_lab::control::compare(&loaded.robot, &scenario)?),
+            true => Some(sinew_eval::control::compare(&loaded.robot, &scenario)?),
             false => None,
         };
         let bar = Bar::new("simulating", self.quiet);
-        let summary = simulate::run(&loaded.robot, &scenario, &options, &mut |at| {
+        let summary = sinew_sim::run(&loaded.robot, &scenario, &options, &mut |at| {
             bar.set(at.done_s, at.total_s);
         });
         drop(bar);

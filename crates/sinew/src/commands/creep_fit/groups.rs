@@ -3,11 +3,15 @@
 use super::super::creep_files::{Tests, short};
 use super::{Fit, Joint};
 use crate::text::{paragraph, plain, table};
-use sinew_lab::creep::{self, Law};
+use sinew_creep::Law;
 
 impl Fit {
     /// The table of groups, where groups were asked for and specimens were fitted alone.
-    pub(super) fn group_table(&self, tests: &Tests, fits: &[(String, Vec<creep::Fit>)]) -> String {
+    pub(super) fn group_table(
+        &self,
+        tests: &Tests,
+        fits: &[(String, Vec<sinew_creep::Fit>)],
+    ) -> String {
         if self.files.group.is_empty() || self.joint != Joint::None {
             return String::new();
         }
@@ -44,17 +48,17 @@ impl Fit {
 fn row(
     group: &str,
     tests: &Tests,
-    fits: &[(String, Vec<creep::Fit>)],
+    fits: &[(String, Vec<sinew_creep::Fit>)],
     laws: &[Law],
 ) -> Vec<String> {
-    let members: Vec<&creep::Analysis> = tests
+    let members: Vec<&sinew_creep::Analysis> = tests
         .groups
         .iter()
         .zip(&tests.analyses)
         .filter(|(g, _)| *g == group)
         .map(|(_, a)| a)
         .collect();
-    let best: Vec<&creep::Fit> = members
+    let best: Vec<&sinew_creep::Fit> = members
         .iter()
         .filter_map(|a| fits.iter().find(|f| f.0 == a.name))
         .filter_map(|f| f.1.first())
@@ -63,7 +67,7 @@ fn row(
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
     };
-    let untold = |f: &&&creep::Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
+    let untold = |f: &&&sinew_creep::Fit| f.parameters.iter().any(|p| p.not_identifiable.is_some());
     let mut cells = vec![
         plain(group),
         members.len().to_string(),

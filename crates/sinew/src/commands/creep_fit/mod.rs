@@ -11,10 +11,7 @@ use super::creep_files::{TestFiles, Tests, write_csv};
 use super::rope::Ropes;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use clap::{Args, ValueEnum};
-use sinew_files::write_file;
-use sinew_lab::creep::{
-    self, Contents, Coverage, Curve, FitOptions, IntervalKind, Law, NoiseKind, Share,
-};
+use sinew_creep::{Contents, Coverage, Curve, FitOptions, IntervalKind, Law, NoiseKind, Share};
 use std::path::PathBuf;
 
 /// Fit laws of creep, say which one the record supports and what it can't tell
@@ -95,7 +92,7 @@ enum Intervals {
     Bootstrap,
 }
 
-type Fitted = (String, Vec<creep::Fit>, Vec<String>);
+type Fitted = (String, Vec<sinew_creep::Fit>, Vec<String>);
 
 impl Fit {
     /// Runs the command.
@@ -117,7 +114,7 @@ impl Fit {
         let fitted = self.fit_all(&sets, &options);
         let mut failures = tests.failures.clone();
         failures.extend(fitted.iter().flat_map(|f| f.2.clone()));
-        let pairs: Vec<(String, Vec<creep::Fit>)> = fitted
+        let pairs: Vec<(String, Vec<sinew_creep::Fit>)> = fitted
             .into_iter()
             .filter(|f| !f.1.is_empty())
             .map(|f| (f.0, f.1))
@@ -128,11 +125,11 @@ impl Fit {
             write_csv(path, &tell::csv(&pairs))?;
         }
         if let Some(path) = &self.files.report {
-            let page = creep::page(self.contents(&tests, &pairs, &forecasts, &[], &failures));
-            write_file(path, page.html().as_bytes())?;
+            let page = sinew_creep::page(self.contents(&tests, &pairs, &forecasts, &[], &failures));
+            sinew_files::write_file(path, page.html().as_bytes())?;
         }
         if let (Some(path), Some(text)) = (&self.write_rope, &entry) {
-            write_file(path, text.as_bytes())?;
+            sinew_files::write_file(path, text.as_bytes())?;
         }
         if self.files.json {
             let document = tell::json(&tests, &pairs, &forecasts, &failures);
@@ -179,13 +176,13 @@ impl Fit {
         let laws = self.laws();
         let bar = Bar::new("fitting", self.files.quiet);
         let total = sets.len() as f64;
-        creep::each(
+        sinew_creep::each(
             sets,
             |(name, curves)| {
                 let mut fits = Vec::new();
                 let mut failures = Vec::new();
                 for law in &laws {
-                    match creep::fit(*law, curves, options) {
+                    match sinew_creep::fit(*law, curves, options) {
                         Ok(fit) => fits.push(fit),
                         Err(error) => failures.push(format!("{name}: {error}")),
                     }
@@ -229,8 +226,8 @@ impl Fit {
     fn contents<'a>(
         &self,
         tests: &'a Tests,
-        fits: &'a [(String, Vec<creep::Fit>)],
-        forecasts: &[(String, creep::Forecast)],
+        fits: &'a [(String, Vec<sinew_creep::Fit>)],
+        forecasts: &[(String, sinew_creep::Forecast)],
         withheld: &'a [Coverage],
         failures: &'a [String],
     ) -> Contents<'a> {
@@ -258,10 +255,10 @@ impl Fit {
             figures: if drawn {
                 vec![
                     (
-                        creep::figure("", &all, false),
+                        sinew_creep::figure("", &all, false),
                         "Dashed: the law of smallest AICc. Shaded: where a reading lies.".into(),
                     ),
-                    (creep::figure("", &all, true), String::new()),
+                    (sinew_creep::figure("", &all, true), String::new()),
                 ]
             } else {
                 Vec::new()
@@ -272,10 +269,10 @@ impl Fit {
 
     fn forecasts(
         &self,
-        fits: &[(String, Vec<creep::Fit>)],
+        fits: &[(String, Vec<sinew_creep::Fit>)],
         sets: &[(String, Vec<Curve>)],
         options: &FitOptions,
-    ) -> Result<Vec<(String, creep::Forecast)>, Failure> {
+    ) -> Result<Vec<(String, sinew_creep::Forecast)>, Failure> {
         let Some(hours) = self.forecast_h else {
             return Ok(Vec::new());
         };
@@ -286,12 +283,12 @@ impl Fit {
         }
         let bar = Bar::new("forecasting", self.files.quiet);
         let total = fits.len() as f64;
-        let found = creep::each(
+        let found = sinew_creep::each(
             fits,
             |(name, fits)| {
                 let (_, curves) = sets.iter().find(|s| s.0 == *name)?;
                 let time = ahead(curves.first()?, hours);
-                let outlook = creep::Outlook::of(fits, curves, 0, options, &time);
+                let outlook = sinew_creep::Outlook::of(fits, curves, 0, options, &time);
                 Some((name.clone(), outlook.combined?))
             },
             |done| bar.set(done as f64, total),

@@ -4,7 +4,7 @@ use super::super::creep_files::Tests;
 use super::super::rope::find;
 use super::{Fit, Joint};
 use crate::terminal::Failure;
-use sinew_lab::creep::{self, FitOptions, Law, Provenance, RopeBase};
+use sinew_creep::{FitOptions, Law, Provenance, RopeBase};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -29,7 +29,7 @@ impl Fit {
     /// The fitted rope's entry, where one was asked for.
     pub(super) fn entry(
         &self,
-        fits: &[(String, Vec<creep::Fit>)],
+        fits: &[(String, Vec<sinew_creep::Fit>)],
         options: &FitOptions,
         tests: &Tests,
     ) -> Result<Option<String>, Failure> {
@@ -58,7 +58,7 @@ impl Fit {
             data: data.join(", "),
             date: today(),
         };
-        let entry = creep::rope_entry(fit, base, &from)?.to_toml();
+        let entry = sinew_creep::rope_entry(fit, base, &from)?.to_toml();
         // A folder of one's own ropes begins with the first.
         if let Some(folder) = path.parent() {
             let made = std::fs::create_dir_all(folder);

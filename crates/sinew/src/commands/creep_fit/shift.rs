@@ -4,7 +4,7 @@ use super::super::creep_files::{csv_line, short, write_csv};
 use super::Fit;
 use crate::terminal::{Failure, Finish, answer, complain};
 use crate::text::{plain, table};
-use sinew_lab::creep::{self, Isotherm, Superposition};
+use sinew_creep::{Isotherm, Superposition};
 use sinew_log::TestQuantity;
 
 impl Fit {
@@ -39,7 +39,7 @@ impl Fit {
                 )),
             }
         }
-        let found = creep::superpose(&isotherms, reference)?;
+        let found = sinew_creep::superpose(&isotherms, reference)?;
         if !self.files.quiet {
             for failure in &failures {
                 complain("warning", &plain(failure));

@@ -2,21 +2,21 @@
 
 use super::super::creep_files::{Tests, csv_line, short};
 use crate::text::{paragraph, plain, table};
-use sinew_lab::creep::{self, Law};
+use sinew_creep::Law;
 
 /// Fits beyond which parameters go to the table file only.
 const SHOWN: usize = 3;
 
 pub(super) fn told(
-    fits: &[(String, Vec<creep::Fit>)],
-    forecasts: &[(String, creep::Forecast)],
+    fits: &[(String, Vec<sinew_creep::Fit>)],
+    forecasts: &[(String, sinew_creep::Forecast)],
     failures: &[String],
 ) -> String {
     let mut out = String::new();
     if fits.len() > SHOWN {
         let mut rows = Vec::new();
         for law in Law::ALL.into_iter().chain([Law::Rope]) {
-            let own: Vec<&creep::Fit> = fits
+            let own: Vec<&sinew_creep::Fit> = fits
                 .iter()
                 .filter_map(|f| f.1.iter().find(|fit| fit.law == law))
                 .collect();
@@ -48,7 +48,7 @@ pub(super) fn told(
         out.push_str(&table(&head, rows, 1));
     } else {
         for (name, fits) in fits {
-            let weights = creep::akaike_weights(fits);
+            let weights = sinew_creep::akaike_weights(fits);
             let least = fits[0].aicc;
             let rows = fits
                 .iter()
@@ -136,14 +136,14 @@ pub(super) fn told(
 
 pub(super) fn json(
     tests: &Tests,
-    fits: &[(String, Vec<creep::Fit>)],
-    forecasts: &[(String, creep::Forecast)],
+    fits: &[(String, Vec<sinew_creep::Fit>)],
+    forecasts: &[(String, sinew_creep::Forecast)],
     failures: &[String],
 ) -> serde_json::Value {
     let sets: Vec<serde_json::Value> = fits
         .iter()
         .map(|(name, fits)| {
-            let weights = creep::akaike_weights(fits);
+            let weights = sinew_creep::akaike_weights(fits);
             let laws: Vec<serde_json::Value> = fits
                 .iter()
                 .zip(weights)
@@ -177,7 +177,7 @@ pub(super) fn json(
     })
 }
 
-pub(super) fn csv(fits: &[(String, Vec<creep::Fit>)]) -> String {
+pub(super) fn csv(fits: &[(String, Vec<sinew_creep::Fit>)]) -> String {
     let mut out = csv_line(&[
         "name",
         "law",

@@ -4,8 +4,7 @@ use super::super::creep_files::{Tests, csv_line, write_csv};
 use super::Fit;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, table};
-use sinew_files::write_file;
-use sinew_lab::creep::{self, Curve, FitOptions};
+use sinew_creep::{Curve, FitOptions};
 
 impl Fit {
     pub(super) fn withheld(
@@ -17,11 +16,12 @@ impl Fit {
         let curves: Vec<Curve> = tests.prepared.iter().map(|p| p.curve.clone()).collect();
         let bar = Bar::new("forecasting", self.files.quiet);
         let total = curves.len() as f64;
-        let rows = creep::withhold_all(&curves, share, options, |done| bar.set(done as f64, total));
+        let rows =
+            sinew_creep::withhold_all(&curves, share, options, |done| bar.set(done as f64, total));
         drop(bar);
         if let Some(path) = &self.files.report {
-            let page = creep::page(self.contents(tests, &[], &[], &rows, &tests.failures));
-            write_file(path, page.html().as_bytes())?;
+            let page = sinew_creep::page(self.contents(tests, &[], &[], &rows, &tests.failures));
+            sinew_files::write_file(path, page.html().as_bytes())?;
         }
         if let Some(path) = &self.files.csv {
             let mut text = csv_line(&[

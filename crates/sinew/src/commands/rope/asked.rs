@@ -5,13 +5,14 @@ use super::values::{
 };
 use crate::terminal::{Failure, complain};
 use clap::{Args, ValueEnum};
-use sinew_lab::rope::duty::Duty;
-use sinew_lab::rope::predict::{Request, Route, TIMES_DEFAULT_S};
-use sinew_lab::rope::recording::{self, Strand};
-use sinew_lab::{estimate, robot_dir};
+use sinew_estimate::estimate;
+use sinew_estimate::robot_dir;
+use sinew_estimate::strand_duty::{self, Strand};
 use sinew_model::rope::Load;
 use sinew_model::rope::routing::Pulley;
 use sinew_model::transmission::Tendon;
+use sinew_rope::duty::Duty;
+use sinew_rope::predict::{Request, Route, TIMES_DEFAULT_S};
 use std::path::PathBuf;
 
 /// Which strand of a recording.
@@ -71,7 +72,7 @@ pub(super) struct Asked {
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
     at: Vec<f64>,
     /// Draws of the rope's parameters for the intervals
-    #[arg(long, value_name = "N", default_value_t = sinew_lab::rope::draws::DRAWS_DEFAULT as u32, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = sinew_rope::draws::DRAWS_DEFAULT as u32, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     draws: u32,
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -184,7 +185,7 @@ impl Asked {
             StrandArg::Negative => Strand::Negative,
         };
         joint
-            .and_then(|j| recording::duty(j, tendon, pretension_n, self.temperature, strand))
+            .and_then(|j| strand_duty::duty(j, tendon, pretension_n, self.temperature, strand))
             .ok_or_else(|| {
                 Failure::Refused(format!(
                     "{}: no torque of joint '{joint_name}' could be made out",

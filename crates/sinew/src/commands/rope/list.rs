@@ -4,9 +4,9 @@ use super::Ropes;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_lab::report::rounded;
-use sinew_lab::rope::{Catalogue, CatalogueRope};
+use sinew_figure::rounded;
 use sinew_model::rope::entry::Value;
+use sinew_rope::{Catalogue, CatalogueRope};
 
 /// All ropes of the catalogue
 ///

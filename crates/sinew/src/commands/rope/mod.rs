@@ -10,7 +10,7 @@ mod values;
 
 use crate::terminal::{Failure, Finish};
 use clap::{Args, Subcommand};
-use sinew_lab::rope::{Catalogue, CatalogueError, CatalogueRope};
+use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
 
 /// Choose a rope, predict how far it stretches, plan its pretension

@@ -7,10 +7,10 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
+use sinew_figure::rounded;
 use sinew_files::write_file;
-use sinew_lab::report::rounded;
-use sinew_lab::rope::page::{self, bracketed, spoken};
-use sinew_lab::rope::predict::{self, Prediction};
+use sinew_report::rope::{bracketed, predicted, spoken};
+use sinew_rope::predict::{self, Prediction};
 use std::path::PathBuf;
 
 /// How far a rope stretches under a duty: after an hour, a day, a month, a year
@@ -66,7 +66,7 @@ impl Predict {
         })?;
         drop(bar);
         if let Some(path) = &self.report {
-            write_file(path, page::predicted(&found).html().as_bytes())?;
+            write_file(path, predicted(&found).html().as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;

@@ -6,10 +6,10 @@ use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
+use sinew_figure::rounded;
 use sinew_files::write_file;
-use sinew_lab::report::rounded;
-use sinew_lab::rope::page::{self, bracketed, spoken};
-use sinew_lab::rope::pretension::{self, Plan, Request, Schedule};
+use sinew_report::rope::{bracketed, planned, spoken};
+use sinew_rope::pretension::{self, Plan, Request, Schedule};
 use std::path::PathBuf;
 
 /// How much pretension, how to bed a rope in, and when to tension it again
@@ -86,7 +86,7 @@ impl Pretension {
             },
         )?;
         if let Some(path) = &self.report {
-            write_file(path, page::planned(&plan, self.remove).html().as_bytes())?;
+            write_file(path, planned(&plan, self.remove).html().as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&plan)? + "\n"))?;

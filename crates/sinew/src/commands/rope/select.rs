@@ -7,10 +7,10 @@ use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
+use sinew_figure::rounded;
 use sinew_files::write_file;
-use sinew_lab::report::rounded;
-use sinew_lab::rope::page::{self, bracketed, spoken};
-use sinew_lab::rope::select::{self, Constraints, Selection};
+use sinew_report::rope::{bracketed, figure, selected, spoken};
+use sinew_rope::select::{self, Constraints, Selection};
 use std::path::{Path, PathBuf};
 
 /// Which ropes meet the constraints, ranked by elongation, and why the others don't
@@ -86,7 +86,7 @@ impl Select {
         };
         let found = select::select(&catalogue, &request, &constraints)?;
         if let Some(plot) = &self.plot {
-            let figure = found.figure(&spoken(found.time_s));
+            let figure = figure(&found, &spoken(found.time_s));
             let png = plot.extension().is_some_and(|e| e == "png");
             let bytes = if png {
                 figure.png(2.0)?
@@ -96,7 +96,7 @@ impl Select {
             write_file(plot, &bytes)?;
         }
         if let Some(path) = &self.report {
-            write_file(path, page::selected(&found, &constraints).html().as_bytes())?;
+            write_file(path, selected(&found, &constraints).html().as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;

@@ -4,9 +4,9 @@ use super::{Ropes, find};
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
-use sinew_lab::report::rounded;
-use sinew_lab::rope::CatalogueRope;
+use sinew_figure::rounded;
 use sinew_model::rope::entry::{Uncertainty, Value};
+use sinew_rope::CatalogueRope;
 
 /// Everything known about a rope, with origin and uncertainty
 #[derive(Debug, Args)]

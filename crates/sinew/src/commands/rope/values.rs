@@ -1,6 +1,6 @@
 //! Values of options: newtons, lengths, durations, guiding pulleys.
 
-use sinew_lab::rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
+use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
 
 fn number(text: &str, unit: &str) -> Result<f64, String> {
     let value: f64 = text
@@ -127,7 +127,7 @@ pub(super) fn guide(text: &str) -> Result<Guide, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_lab::rope::page::spoken;
+    use sinew_report::rope::spoken;
 
     #[test]
     fn durations_are_read_and_spoken() {

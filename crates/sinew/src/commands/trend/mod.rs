@@ -8,14 +8,14 @@ use crate::nearest::nearest;
 use crate::terminal::{Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_files::write_file;
-use sinew_lab::report::rounded;
-use sinew_lab::robot_dir;
-use sinew_lab::rope::{Catalogue, Duty};
-use sinew_lab::trend::{
-    self, JointTrend, LimitSaid, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s,
+use sinew_estimate::robot_dir;
+use sinew_estimate::trend;
+use sinew_estimate::trend::{
+    JointTrend, LimitSaid, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s,
     read_records,
 };
+use sinew_figure::rounded;
+use sinew_rope::{Catalogue, Duty};
 use std::path::{Path, PathBuf};
 
 /// Watch tendons over months: where they stand, what happened, when to tension or replace
@@ -128,7 +128,7 @@ impl Trend {
             trend::write_csv(&report, path)?;
         }
         if let Some(path) = &self.report {
-            write_file(path, trend::html(&report).as_bytes())?;
+            sinew_files::write_file(path, sinew_report::trend::html(&report).as_bytes())?;
         }
         if self.json {
             answer(&(serde_json::to_string_pretty(&report)? + "\n"))?;

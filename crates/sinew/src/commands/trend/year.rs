@@ -5,13 +5,12 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use sinew_files::write_file;
-use sinew_lab::robot_dir;
-use sinew_lab::rope::Catalogue;
-use sinew_lab::trend::year::chain::{ChainRequest, SessionKind, statistics};
-use sinew_lab::trend::year::surrogate::SessionErrors;
-use sinew_lab::trend::year::{self, RobotYear, YearRequest};
+use sinew_estimate::robot_dir;
+use sinew_eval::year::chain::{ChainRequest, SessionKind, statistics};
+use sinew_eval::year::surrogate::SessionErrors;
+use sinew_eval::year::{self, RobotYear, YearRequest};
 use sinew_model::robot::Robot;
+use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
 /// Sessions of a whole year.
@@ -267,5 +266,5 @@ fn keep(path: &Path, header: &Value, years: &[RobotYear]) -> Result<(), Failure>
         text += &serde_json::to_string(year)?;
         text.push('\n');
     }
-    Ok(write_file(path, text.as_bytes())?)
+    Ok(sinew_files::write_file(path, text.as_bytes())?)
 }

@@ -1,9 +1,9 @@
 //! Simulated years as text of at most 80 columns.
 
 use crate::text::{paragraph, plain, table};
-use sinew_lab::report::rounded;
-use sinew_lab::trend::year::Summary;
-use sinew_lab::trend::year::chain::{FailureSeen, JointErrors};
+use sinew_eval::year::Summary;
+use sinew_eval::year::chain::{FailureSeen, JointErrors};
+use sinew_figure::rounded;
 
 /// What the years came to.
 pub(super) fn told(summaries: &[Summary]) -> String {

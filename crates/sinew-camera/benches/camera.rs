@@ -1,0 +1,92 @@
+//! Frames per second of the camera reading at full HD on one core, decoding apart.
+//!
+//! `cargo bench -p sinew-camera --bench camera` prints, for 1920 × 1080 frames of a half-millimetre
+//! scale at 10 px per line: the first frame (finding the scale), reading (lying and upright), and
+//! decoding of PNG and JPEG. Everything runs in the calling thread.
+
+#[path = "../tests/scale_picture.rs"]
+mod scale_picture;
+
+use scale_picture::{Camera, Print, jpeg, picture, png};
+use sinew_camera::{Picture, ReadOptions, ScaleReader};
+use std::hint::black_box;
+use std::time::Instant;
+
+const FRAMES: u32 = 8;
+
+fn main() {
+    // `cargo test --benches` only wants to know that it runs.
+    let quick = std::env::args().any(|a| a == "--test");
+    let rounds = if quick { 1 } else { 25 };
+    let print = Print::half_millimetre();
+    for (name, width, height) in [("lying", 1920, 1080), ("upright", 1080, 1920)] {
+        let camera = Camera {
+            width,
+            height,
+            upright: name == "upright",
+            tilt_deg: 1.0,
+            noise: 4.0,
+            blur_px: 1.2,
+            uneven: 0.6,
+            ..Camera::default()
+        };
+        let pictures: Vec<Picture> = (0..FRAMES)
+            .map(|i| {
+                let camera = Camera {
+                    seed: u64::from(i),
+                    ..camera.clone()
+                };
+                picture(&camera, &print, 0.7 * f64::from(i))
+            })
+            .collect();
+        let mut first = Vec::new();
+        let mut all = Vec::new();
+        for _ in 0..rounds {
+            let mut reader = ScaleReader::new(ReadOptions::default());
+            first.push(time(|| {
+                black_box(reader.read(&pictures[0]).expect("a scale"));
+            }));
+            // To and fro, so that no step is longer than another.
+            for picture in pictures.iter().chain(pictures.iter().rev()) {
+                all.push(time(|| {
+                    black_box(reader.read(picture).expect("a scale"));
+                }));
+            }
+        }
+        say(&format!("{name}: first frame"), &mut first);
+        say(&format!("{name}: reading"), &mut all);
+        if name == "lying" {
+            let files = [
+                ("PNG, 8-bit grey", png(&camera, &print, 0.0)),
+                ("JPEG, quality 90", jpeg(&camera, &print, 0.0, 90)),
+            ];
+            for (kind, file) in files {
+                let mut decode: Vec<f64> = (0..rounds)
+                    .map(|_| time(|| drop(black_box(Picture::decode(&file).expect("a picture")))))
+                    .collect();
+                say(
+                    &format!("decoding {kind} ({:.1} MB)", file.len() as f64 * 1e-6),
+                    &mut decode,
+                );
+            }
+        }
+    }
+}
+
+fn time(run: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_secs_f64()
+}
+
+fn say(what: &str, times: &mut [f64]) {
+    times.sort_unstable_by(f64::total_cmp);
+    let median = times[times.len() / 2];
+    let slow = times[times.len() * 95 / 100];
+    println!(
+        "{what:36} {:7.2} ms median, {:7.2} ms 95 %: {:6.0} frames/s",
+        1e3 * median,
+        1e3 * slow,
+        1.0 / median
+    );
+}

@@ -1,0 +1,63 @@
+//! The carriage's position from pictures of a graduated scale, as the paper measured elongation.
+//!
+//! ```no_run
+//! use crate::{self, Request, Summary, Times};
+//! let mut request = Request::new("frames");
+//! request.times = Times::Rate(0.5);
+//! let outcome = camera::run(&request, &mut |_| {})?;
+//! println!("{:.4} mm", Summary::of(&outcome).elongation_last_mm);
+//! outcome.write_recording("bench.csv".as_ref())?;
+//! # Ok::<(), camera::CameraError>(())
+//! ```
+//!
+//! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
+//! (`strips`) → in the first frame the place of the scale (`find`, `spectrum`) and the map of its
+//! phases (`map`) → in all others the shift against that map by robust least squares (`phase`,
+//! `robust`) → whole graduations by the longer lines and numbers (`marks`, `memory`) → [`Reading`]
+//! or [`Rejection`] (`reference`). [`run`] does it for a folder or a video.
+//!
+//! Holds while camera and rail stand still, the scale moves along itself within a few degrees, a
+//! graduation has 4 to 250 px, and the lines lean by 12° at most. Steps between frames may be of
+//! any length where longer lines or numbers tell lines apart, and below 0.4 graduations where they
+//! don't.
+//!
+//! Not modelled: errors of the print, an angle between scale and movement (1 − cos, 0.015 % at
+//! 1°), a rolling shutter (a moving scale then seems to lean).
+
+mod error;
+mod find;
+mod frames;
+mod map;
+mod marks;
+mod memory;
+mod outcome;
+mod overlay;
+mod phase;
+mod picture;
+mod reader;
+mod reference;
+mod rejection;
+mod report;
+mod request;
+mod robust;
+mod run;
+mod sight;
+mod spectrum;
+mod strips;
+mod summary;
+mod times;
+mod video;
+
+pub use error::CameraError;
+pub use find::{PITCH_LEAST_PX, PITCH_MOST_PX, TILT_MOST_DEG};
+pub use frames::Times;
+pub use outcome::{Frame, Outcome};
+pub use picture::{Picture, SIDE_LIMIT_PX};
+pub use reader::{PITCH_MM, ReadOptions, Reading, Scale, ScaleReader};
+pub use rejection::{Rejection, WrongPitch};
+pub use report::html;
+pub use request::{Conditions, Request};
+pub use run::{Progress, run};
+pub use strips::Region;
+pub use summary::{Rejected, Summary};
+pub use video::VideoTools;

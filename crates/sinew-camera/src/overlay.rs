@@ -1,0 +1,199 @@
+//! A frame with what was found in it drawn on top, to be checked by eye.
+//!
+//! Green: a line where the scale has one, longer every tenth; its colour must lie on the print.
+//! Blue frame: where the scale was found. Green and red tint: blocks that agree, and blocks with a
+//! pattern of the right distance that contradict (numbers, a hand, a second scale).
+
+use super::marks::places;
+use super::picture::Picture;
+use super::reader::{Reading, Scale};
+use super::sight::Sight;
+use image::{ImageEncoder as _, Rgb, RgbImage};
+use sinew_figure::plot::{escape_xml, png_of};
+
+/// Height of the caption under the picture, px, at least.
+const CAPTION_PX: u32 = 46;
+const GREEN: [u8; 3] = [0, 170, 60];
+const RED: [u8; 3] = [215, 40, 30];
+const BLUE: [u8; 3] = [20, 90, 220];
+
+/// What stands under the picture.
+pub(crate) struct Caption<'a> {
+    pub(crate) frame: &'a str,
+    pub(crate) scale: &'a Scale,
+    pub(crate) reading: &'a Reading,
+}
+
+/// The PNG's bytes.
+pub(crate) fn draw(
+    picture: &Picture,
+    sight: &Sight,
+    caption: &Caption<'_>,
+) -> Result<Vec<u8>, String> {
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    let mut image = RgbImage::from_fn(width, height, |x, y| {
+        let level = (255.0 * picture.level(x as usize, y as usize)).round() as u8;
+        Rgb([level; 3])
+    });
+    let mut canvas = Canvas {
+        image: &mut image,
+        upright: sight.upright,
+    };
+    let half = (sight.window_px / 4) as f64;
+    let rows = sight.strip_rows as f64 / 2.0;
+    for (i, block) in sight.blocks.all.iter().enumerate() {
+        if sight.lined[i] {
+            let colour = if sight.shift.agree[i] { GREEN } else { RED };
+            canvas.tint(
+                block.x - half,
+                block.x + half,
+                block.y - rows,
+                block.y + rows,
+                colour,
+            );
+        }
+    }
+    let agreed = || {
+        let blocks = sight.blocks.all.iter().zip(&sight.shift.agree);
+        blocks.filter(|(_, agree)| **agree).map(|(block, _)| block)
+    };
+    let left = agreed().map(|b| b.x).fold(f64::MAX, f64::min) - 2.0 * half;
+    let right = agreed().map(|b| b.x).fold(f64::MIN, f64::max) + 2.0 * half;
+    let top = agreed().map(|b| b.y).fold(f64::MAX, f64::min) - rows;
+    let bottom = agreed().map(|b| b.y).fold(f64::MIN, f64::max) + rows;
+    let (sin, cos) = sight.map.tilt_deg().to_radians().sin_cos();
+    let (left, right) = (
+        left.max(sight.window.x as f64),
+        right.min((sight.window.x + sight.window.width) as f64 - 1.0),
+    );
+    let across = |x: f64, y: f64| (y - sight.map.y0) * cos - (x - sight.map.x0) * sin;
+    let mut range: Vec<f64> = agreed().map(|b| across(b.x, b.y)).collect();
+    range.sort_unstable_by(f64::total_cmp);
+    let share = |p: f64| {
+        range
+            .get(((range.len().max(1) - 1) as f64 * p) as usize)
+            .copied()
+    };
+    let (low, high) = (share(0.1).unwrap_or(0.0), share(0.9).unwrap_or(0.0));
+    for (number, x, y) in places(&sight.map, &sight.shift, left, right) {
+        // Short dashes leave the print beside them in sight.
+        let length = if number.rem_euclid(10) == 0 { 1.0 } else { 0.5 };
+        let (from, to) = (low, low + length * (high - low));
+        canvas.line(
+            (x - from * sin, y + from * cos),
+            (x - to * sin, y + to * cos),
+            GREEN,
+        );
+    }
+    canvas.frame(left, right, top, bottom, BLUE);
+    with_caption(&image, caption)
+}
+
+/// Draws in the coordinates of the measurement, which has upright scales lying.
+struct Canvas<'a> {
+    image: &'a mut RgbImage,
+    upright: bool,
+}
+
+impl Canvas<'_> {
+    fn blend(&mut self, x: i64, y: i64, colour: [u8; 3], share: f64) {
+        let (x, y) = if self.upright { (y, x) } else { (x, y) };
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
+            return;
+        };
+        if let Some(pixel) = self.image.get_pixel_mut_checked(x, y) {
+            for (held, new) in pixel.0.iter_mut().zip(colour) {
+                *held = (f64::from(*held) * (1.0 - share) + f64::from(new) * share) as u8;
+            }
+        }
+    }
+
+    fn tint(&mut self, left: f64, right: f64, top: f64, bottom: f64, colour: [u8; 3]) {
+        for y in (top + 0.5).ceil() as i64..=(bottom - 0.5).floor() as i64 {
+            for x in left.ceil() as i64..right.ceil() as i64 {
+                self.blend(x, y, colour, 0.12);
+            }
+        }
+    }
+
+    fn line(&mut self, from: (f64, f64), to: (f64, f64), colour: [u8; 3]) {
+        let steps = (to.0 - from.0)
+            .abs()
+            .max((to.1 - from.1).abs())
+            .ceil()
+            .max(1.0);
+        for i in 0..=steps as i64 {
+            let t = i as f64 / steps;
+            let (x, y) = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
+            // Between two pixels, each has its share.
+            let left = x.floor();
+            self.blend(left as i64, y.round() as i64, colour, 1.0 - (x - left));
+            self.blend(left as i64 + 1, y.round() as i64, colour, x - left);
+        }
+    }
+
+    fn frame(&mut self, left: f64, right: f64, top: f64, bottom: f64, colour: [u8; 3]) {
+        for offset in [0.0, 1.0] {
+            let (l, r) = (left + offset, right - offset);
+            let (t, b) = (top + offset, bottom - offset);
+            for x in l.round() as i64..=r.round() as i64 {
+                self.blend(x, t.round() as i64, colour, 1.0);
+                self.blend(x, b.round() as i64, colour, 1.0);
+            }
+            for y in t.round() as i64..=b.round() as i64 {
+                self.blend(l.round() as i64, y, colour, 1.0);
+                self.blend(r.round() as i64, y, colour, 1.0);
+            }
+        }
+    }
+}
+
+/// Adds a strip of text below, as large as the picture is wide.
+fn with_caption(image: &RgbImage, caption: &Caption<'_>) -> Result<Vec<u8>, String> {
+    let width = image.width();
+    let scale = f64::from(width) / 800.0;
+    let height = ((f64::from(CAPTION_PX) * scale) as u32).max(8);
+    let (s, r) = (caption.scale, caption.reading);
+    let lines = [
+        format!(
+            "{}: {:.4} mm ± {:.4} mm, quality {:.2}, {} lines in sight",
+            caption.frame, r.position_mm, r.position_std_mm, r.quality, r.lines
+        ),
+        format!(
+            "a line every {} mm = {:.3} px, {:.1} px/mm, tilt {:.2}°, pitch changes by {:.1} % along the scale; longer lines: {}",
+            s.pitch_mm,
+            s.pitch_px,
+            s.pitch_px / s.pitch_mm,
+            s.tilt_deg,
+            // No minus before a zero.
+            s.pitch_change_percent.abs(),
+            s.longer_every
+                .map_or("none found".into(), |n| format!("every {n}")),
+        ),
+    ];
+    let svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"800\" height=\"{h}\" viewBox=\"0 0 800 {h}\">\
+         <text x=\"8\" y=\"18\" font-size=\"13\" font-family=\"Roboto\">{}</text>\
+         <text x=\"8\" y=\"37\" font-size=\"13\" font-family=\"Roboto\">{}</text></svg>",
+        escape_xml(&lines[0]),
+        escape_xml(&lines[1]),
+        h = CAPTION_PX
+    );
+    let strip = png_of(&svg, scale).map_err(|e| e.to_string())?;
+    let strip = image::load_from_memory(&strip)
+        .map_err(|e| e.to_string())?
+        .to_rgb8();
+    let mut whole = RgbImage::from_pixel(width, image.height() + height, Rgb([255; 3]));
+    image::imageops::replace(&mut whole, image, 0, 0);
+    image::imageops::replace(&mut whole, &strip, 0, i64::from(image.height()));
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png)
+        .write_image(
+            whole.as_raw(),
+            whole.width(),
+            whole.height(),
+            image::ExtendedColorType::Rgb8,
+        )
+        .map_err(|e| e.to_string())?;
+    Ok(png)
+}

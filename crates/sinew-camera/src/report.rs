@@ -1,0 +1,155 @@
+//! The series as one HTML file.
+
+use super::outcome::Outcome;
+use super::summary::Summary;
+use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
+use sinew_figure::{Block, Page, Table, rounded};
+
+/// Points of a figure; more can't be told apart on paper.
+const POINTS: usize = 2000;
+
+/// The report's HTML; loads nothing and runs no script.
+pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
+    let summary = Summary::of(outcome);
+    let scale = &summary.scale;
+    let mut page = Page::new(title);
+    page.subtitle = format!(
+        "Elongation read by camera from a graduated scale: {} of {} frames used",
+        summary.frames_used, summary.frames
+    );
+    page.footer = format!("sinew {version}");
+    let mut first = vec![Block::Headlines(vec![
+        format!(
+            "Elongation of the last frame: {} mm after {} s",
+            rounded(summary.elongation_last_mm, 4),
+            rounded(summary.time_to_s - summary.time_from_s, 4)
+        ),
+        format!(
+            "Standard deviation of a frame: {:.4} mm (root mean square)",
+            summary.elongation_std_rms_mm
+        ),
+    ])];
+    first.extend(summary.notes.iter().cloned().map(Block::Notice));
+    first.push(Block::Figure(
+        Box::new(figure(outcome)),
+        "Each frame against the first one used. The band is two standard deviations of a frame, \
+         from the scatter within it."
+            .into(),
+    ));
+    page = page.section("Elongation", first);
+    let mut facts = vec![
+        vec![
+            "line every".into(),
+            format!("{} mm = {:.3} px", scale.pitch_mm, scale.pitch_px),
+        ],
+        vec![
+            "resolution".into(),
+            format!("{:.2} px/mm", summary.px_per_mm),
+        ],
+        vec![
+            "direction".into(),
+            if scale.upright { "upright" } else { "lying" }.into(),
+        ],
+        vec!["tilt".into(), format!("{:.2}°", scale.tilt_deg)],
+        vec![
+            "change of pitch along the scale".into(),
+            format!("{:.2} %", scale.pitch_change_percent),
+        ],
+        vec!["lines in sight".into(), scale.lines.to_string()],
+        vec![
+            "longer lines".into(),
+            scale
+                .longer_every
+                .map_or("none".into(), |n| format!("every {n}")),
+        ],
+        vec!["reference frame".into(), summary.reference_frame.clone()],
+        vec![
+            "elongation per movement".into(),
+            format!("{}", summary.elongation_per_movement),
+        ],
+        vec![
+            "longest step".into(),
+            format!("{} mm", rounded(summary.step_max_mm, 3)),
+        ],
+        vec!["worst quality used".into(), rounded(summary.quality_min, 2)],
+    ];
+    for (name, unit, value) in [
+        ("force", "N", outcome.conditions.force_n),
+        ("gauge length", "mm", outcome.conditions.gauge_length_mm),
+        ("temperature", "°C", outcome.conditions.temperature_c),
+    ] {
+        if let Some(value) = value {
+            facts.push(vec![name.into(), format!("{value} {unit}")]);
+        }
+    }
+    page = page.section(
+        "Scale and camera",
+        vec![Block::Table(Table {
+            rows: facts,
+            ..Table::default()
+        })],
+    );
+    if !summary.rejected.is_empty() {
+        let rows = summary
+            .rejected
+            .iter()
+            .map(|r| vec![r.reason.clone(), r.frames.to_string(), r.first.clone()])
+            .collect();
+        page = page.section(
+            "Frames not used",
+            vec![Block::Table(Table {
+                head: vec!["reason".into(), "frames".into(), "first".into()],
+                rows,
+                ..Table::default()
+            })],
+        );
+    }
+    page.section(
+        "Method",
+        vec![Block::Paragraph(
+            "The phase of the graduation is taken in blocks of eight rows by eight graduations \
+             under a Hann window, compared with the reference frame's map of phases, and averaged \
+             with weights that outliers lose. Whole graduations are counted by laying the pattern \
+             of longer lines and numbers beside all lines seen before. A millimetre is a \
+             millimetre of the printed scale; pixels do not enter. Not corrected: an angle between \
+             scale and movement (1° makes 0.015 %), and errors of the print."
+                .into(),
+        )],
+    )
+    .html()
+}
+
+/// Time, elongation, its deviation, quality.
+type Row = (f64, f64, f64, f64);
+
+fn figure(outcome: &Outcome) -> Figure {
+    let all: Vec<Row> = outcome
+        .used()
+        .map(|(_, frame, reading)| {
+            let (elongation, std) = outcome.elongation_mm(reading);
+            (frame.time_s, elongation, std, reading.quality)
+        })
+        .collect();
+    let every = all.len().div_ceil(POINTS).max(1);
+    let all: Vec<_> = all.into_iter().step_by(every).collect();
+    let time: Vec<f64> = all.iter().map(|v| v.0).collect();
+    let column = |of: &dyn Fn(&Row) -> f64| all.iter().map(of).collect::<Vec<f64>>();
+    Figure::new("")
+        .size(720.0, 420.0)
+        .panel(
+            Panel::new("", "", "elongation (mm)")
+                .weight(3.0)
+                .band(Band::new(
+                    "± 2 standard deviations",
+                    time.clone(),
+                    column(&|v| v.1 - 2.0 * v.2),
+                    column(&|v| v.1 + 2.0 * v.2),
+                ))
+                .line(Line::new("elongation", time.clone(), column(&|v| v.1)).colour(Colour::Blue)),
+        )
+        .panel(
+            Panel::new("", "time (s)", "quality")
+                .y_range(0.0, 1.05)
+                .line(Line::new("quality", time, column(&|v| v.3))),
+        )
+}

@@ -1,0 +1,108 @@
+//! Whole graduations: long ways, jumps, lines that all look alike, pitches that aren't as said.
+
+use crate::scale_picture::{Camera, Print, picture};
+use sinew_camera::{ReadOptions, Rejection, ScaleReader};
+
+fn reader() -> ScaleReader {
+    ScaleReader::new(ReadOptions::default())
+}
+
+#[test]
+fn a_hundred_millimetres_and_back_come_back_to_zero() {
+    let (camera, print) = (Camera::default(), Print::half_millimetre());
+    let mut reader = reader();
+    let way = |i: i32| 200.0 * (std::f64::consts::PI * f64::from(i) / 120.0).sin();
+    for i in 0..=120 {
+        let reading = reader.read(&picture(&camera, &print, way(i))).unwrap();
+        let error = reading.position_mm - 0.5 * way(i);
+        assert!(error.abs() < 2e-3, "frame {i}: {error} mm");
+    }
+}
+
+#[test]
+fn a_jump_of_many_graduations_is_counted_by_the_numbers() {
+    let (camera, print) = (Camera::default(), Print::half_millimetre());
+    let mut reader = reader();
+    reader.read(&picture(&camera, &print, 0.0)).unwrap();
+    for (at, jumped) in [(7.3, true), (7.4, false), (-21.8, true), (-9.3, true)] {
+        let reading = reader.read(&picture(&camera, &print, at)).unwrap();
+        assert!(
+            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            "{at}: {reading:?}"
+        );
+        assert_eq!(reading.jumped, jumped, "{at}");
+    }
+}
+
+#[test]
+fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
+    let (camera, print) = (Camera::default(), Print::comb());
+    let mut reader = reader();
+    reader.read(&picture(&camera, &print, 0.0)).unwrap();
+    assert_eq!(reader.scale().unwrap().longer_every, None);
+    for at in [0.3, 0.65, 1.0, 1.38] {
+        let reading = reader.read(&picture(&camera, &print, at)).unwrap();
+        assert!(
+            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            "{at}: {reading:?}"
+        );
+    }
+    match reader.read(&picture(&camera, &print, 1.83)) {
+        Err(Rejection::Ambiguous {
+            nearest_mm,
+            other_mm,
+        }) => {
+            assert!((nearest_mm - 0.225).abs() < 2e-3, "{nearest_mm}");
+            assert!((other_mm + 0.275).abs() < 2e-3, "{other_mm}");
+        }
+        other => panic!("{other:?}"),
+    }
+    // A frame was missed, so a step may have been twice as long as it looks.
+    let twice = reader.read(&picture(&camera, &print, 1.68));
+    assert!(
+        matches!(twice, Err(Rejection::Ambiguous { .. })),
+        "{twice:?}"
+    );
+    let near = reader.read(&picture(&camera, &print, 1.45)).unwrap();
+    assert!((near.position_mm - 0.725).abs() < 2e-3, "{near:?}");
+}
+
+#[test]
+fn a_millimetre_scale_is_not_taken_for_a_half_millimetre_scale() {
+    let (camera, print) = (Camera::default(), Print::millimetre());
+    let mut said_nothing = reader();
+    said_nothing.read(&picture(&camera, &print, 0.0)).unwrap();
+    let error = said_nothing.check_pitch().unwrap_err();
+    assert!(error.to_string().contains("every 5th line"), "{error}");
+    assert!(error.to_string().contains("--pitch-mm 1"), "{error}");
+    let mut said = ScaleReader::new(ReadOptions {
+        pitch_mm: Some(1.0),
+        ..ReadOptions::default()
+    });
+    said.read(&picture(&camera, &print, 0.0)).unwrap();
+    said.check_pitch().unwrap();
+    let reading = said.read(&picture(&camera, &print, 2.6)).unwrap();
+    assert!((reading.position_mm - 2.6).abs() < 4e-3, "{reading:?}");
+}
+
+#[test]
+fn an_end_of_the_scale_that_passes_through_the_picture_does_no_harm() {
+    let camera = Camera {
+        zero_px: 0.0,
+        ..Camera::default()
+    };
+    let print = Print {
+        from: -40.0,
+        to: 10.0,
+        ..Print::half_millimetre()
+    };
+    let mut reader = reader();
+    for i in 0..12 {
+        let at = 2.3 * f64::from(i);
+        let reading = reader.read(&picture(&camera, &print, at)).unwrap();
+        assert!(
+            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            "{at}: {reading:?}"
+        );
+    }
+}

@@ -1,0 +1,262 @@
+//! Frames that must not be used, and those that may.
+
+use crate::scale_picture::{Camera, Print, draw8, encode_png, picture};
+use sinew_camera::{Picture, ReadOptions, Region, Rejection, ScaleReader};
+
+fn started() -> ScaleReader {
+    let mut reader = ScaleReader::new(ReadOptions::default());
+    let first = picture(&Camera::default(), &Print::half_millimetre(), 0.0);
+    reader.read(&first).unwrap();
+    reader
+}
+
+fn word(result: &Result<sinew_camera::Reading, Rejection>) -> &'static str {
+    result.as_ref().map_or_else(Rejection::word, |_| "used")
+}
+
+#[test]
+fn what_is_wrong_with_a_frame_is_said() {
+    let (camera, print) = (Camera::default(), Print::half_millimetre());
+    let cases: Vec<(&str, Picture)> = vec![
+        (
+            "dark",
+            picture(
+                &Camera {
+                    white: 8.0,
+                    ..camera.clone()
+                },
+                &print,
+                0.2,
+            ),
+        ),
+        (
+            "overexposed",
+            picture(
+                &Camera {
+                    white: 1500.0,
+                    ..camera.clone()
+                },
+                &print,
+                0.2,
+            ),
+        ),
+        (
+            "blurred",
+            picture(
+                &Camera {
+                    blur_px: 5.0,
+                    ..camera.clone()
+                },
+                &print,
+                0.2,
+            ),
+        ),
+        (
+            "blurred",
+            picture(
+                &Camera {
+                    smear_px: 14.5,
+                    ..camera.clone()
+                },
+                &print,
+                0.2,
+            ),
+        ),
+        (
+            "no-scale",
+            picture(
+                &camera,
+                &Print {
+                    from: 0.0,
+                    to: -1.0,
+                    ..print.clone()
+                },
+                0.2,
+            ),
+        ),
+        (
+            "other-size",
+            picture(
+                &Camera {
+                    width: 320,
+                    ..camera.clone()
+                },
+                &print,
+                0.2,
+            ),
+        ),
+    ];
+    let mut reader = started();
+    for (i, (want, picture)) in cases.iter().enumerate() {
+        let result = reader.read(picture);
+        assert_eq!(word(&result), *want, "case {i}: {result:?}");
+        assert!(!result.unwrap_err().to_string().is_empty());
+    }
+    // None of them left a trace.
+    let after = reader.read(&picture(&camera, &print, 1.7)).unwrap();
+    assert!((after.position_mm - 0.85).abs() < 1e-3, "{after:?}");
+}
+
+/// A hand: bright skin with a coarse texture over part of the picture.
+fn covered(share: f64, displacement: f64) -> Picture {
+    let camera = Camera::default();
+    let mut levels = draw8(&camera, &Print::half_millimetre(), displacement);
+    let until = (share * camera.width as f64) as usize;
+    for y in 0..camera.height {
+        for x in 0..until {
+            let texture =
+                30.0 * ((x as f64 / 23.0).sin() + (y as f64 / 17.0 + x as f64 / 41.0).cos());
+            levels[y * camera.width + x] = (140.0 + texture) as u8;
+        }
+    }
+    Picture::from_luma8(camera.width, camera.height, levels).unwrap()
+}
+
+#[test]
+fn half_of_the_scale_covered_is_read_and_four_fifths_are_not() {
+    let mut reader = started();
+    for (share, at) in [(0.3, 1.2), (0.5, 2.6), (0.2, 9.1)] {
+        let reading = reader.read(&covered(share, at)).unwrap();
+        assert!(
+            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            "{share}: {reading:?}"
+        );
+        assert!(reading.in_sight < 1.05 - share, "{share}: {reading:?}");
+        assert!(reading.quality < 1.05 - share, "{share}: {reading:?}");
+    }
+    let result = reader.read(&covered(0.8, 10.0));
+    assert_eq!(word(&result), "covered", "{result:?}");
+    let result = reader.read(&covered(1.0, 10.0));
+    assert_eq!(word(&result), "no-scale", "{result:?}");
+}
+
+#[test]
+fn a_picture_without_a_scale_starts_nothing() {
+    let noise = picture(
+        &Camera {
+            noise: 30.0,
+            ..Camera::default()
+        },
+        &Print {
+            from: 0.0,
+            to: -1.0,
+            ..Print::half_millimetre()
+        },
+        0.0,
+    );
+    let mut reader = ScaleReader::new(ReadOptions::default());
+    let result = reader.read(&noise);
+    assert_eq!(word(&result), "no-scale", "{result:?}");
+    assert_eq!(reader.scale(), None);
+    let flat = Picture::from_luma8(64, 64, vec![128; 64 * 64]).unwrap();
+    assert_eq!(word(&reader.read(&flat)), "no-scale");
+    let tiny = Picture::from_luma8(3, 2, vec![128; 6]).unwrap();
+    assert_eq!(word(&reader.read(&tiny)), "no-scale");
+    // The first good one is the reference.
+    let good = picture(&Camera::default(), &Print::half_millimetre(), 0.0);
+    assert_eq!(reader.read(&good).unwrap().position_mm, 0.0);
+}
+
+#[test]
+fn lines_that_lean_too_much_are_refused_with_what_to_do() {
+    let mut reader = ScaleReader::new(ReadOptions::default());
+    let camera = Camera {
+        tilt_deg: 17.0,
+        height: 400,
+        ..Camera::default()
+    };
+    let error = reader
+        .read(&picture(&camera, &Print::half_millimetre(), 0.0))
+        .unwrap_err();
+    assert_eq!(error.word(), "no-scale", "{error}");
+}
+
+#[test]
+fn colour_and_sixteen_bits_give_the_same_position() {
+    let (camera, print) = (Camera::default(), Print::half_millimetre());
+    let mut reader = started();
+    let grey = draw8(&camera, &print, 1.1);
+    let want = reader
+        .read(&picture(&camera, &print, 1.1))
+        .unwrap()
+        .position_mm;
+    let colour: Vec<u8> = grey.iter().flat_map(|v| [*v, *v, *v]).collect();
+    let alpha: Vec<u8> = grey.iter().flat_map(|v| [*v, *v, *v, 255]).collect();
+    // image takes 16-bit samples in the machine's order.
+    let deep: Vec<u8> = grey
+        .iter()
+        .flat_map(|v| (u16::from(*v) * 257).to_ne_bytes())
+        .collect();
+    for (bytes, kind) in [
+        (&colour, image::ExtendedColorType::Rgb8),
+        (&alpha, image::ExtendedColorType::Rgba8),
+        (&deep, image::ExtendedColorType::L16),
+    ] {
+        let file = encode_png(&camera, bytes, kind);
+        let reading = reader.read(&Picture::decode(&file).unwrap()).unwrap();
+        // Luminance is rounded to whole levels: nothing else may differ.
+        assert!(
+            (reading.position_mm - want).abs() < 1e-4,
+            "{kind:?}: {reading:?}"
+        );
+    }
+}
+
+#[test]
+fn a_named_region_keeps_a_second_scale_out() {
+    let (camera, print) = (
+        Camera {
+            height: 160,
+            ..Camera::default()
+        },
+        Print::half_millimetre(),
+    );
+    // Two scales one above the other: the upper moves, the lower stands.
+    let two = |at: f64| {
+        let mut levels = draw8(&camera, &print, at);
+        levels.extend(draw8(&camera, &print, 0.4));
+        Picture::from_luma8(camera.width, 320, levels).unwrap()
+    };
+    for (y, moves) in [(0, 1.0), (160, 0.0)] {
+        let region = Region {
+            x: 0,
+            y,
+            width: 640,
+            height: 160,
+        };
+        let mut reader = ScaleReader::new(ReadOptions {
+            region: Some(region),
+            ..ReadOptions::default()
+        });
+        reader.read(&two(0.0)).unwrap();
+        let reading = reader.read(&two(3.3)).unwrap();
+        assert!(
+            (reading.position_mm - 1.65 * moves).abs() < 1e-3,
+            "{y}: {reading:?}"
+        );
+    }
+}
+
+#[test]
+fn files_that_are_not_pictures_are_refused() {
+    let file = encode_png(
+        &Camera::default(),
+        &draw8(&Camera::default(), &Print::comb(), 0.0),
+        image::ExtendedColorType::L8,
+    );
+    assert!(Picture::decode(&file).is_ok());
+    for bytes in [
+        &b""[..],
+        b"hello",
+        &file[..40],
+        &file[..file.len() / 2],
+        b"\x89PNG\r\n\x1a\n",
+        b"\xff\xd8\xff",
+    ] {
+        assert!(Picture::decode(bytes).is_err(), "{} bytes", bytes.len());
+    }
+    // A header that promises more than any camera has.
+    let mut huge = file.clone();
+    huge[16..20].copy_from_slice(&60_000_u32.to_be_bytes());
+    assert!(Picture::decode(&huge).is_err());
+}

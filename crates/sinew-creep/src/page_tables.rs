@@ -1,0 +1,389 @@
+//! Tables of the report of a creep test.
+
+use super::analyze::{Analysis, Interval, Scatter, reading_time};
+use super::fit::Fit;
+use super::isochronous::Isochrone;
+use super::page::{Conditions, Source};
+use super::picture::short;
+use super::rank::Rank;
+use super::withhold::Coverage;
+use sinew_figure::{Block, Table};
+
+/// Load, temperature and what the laboratory states.
+pub(super) fn test_table(conditions: &Conditions, analyses: &[Analysis]) -> Table {
+    let stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".to_owned());
+    let of =
+        |pick: fn(&Analysis) -> Option<f64>| analyses.iter().filter_map(pick).collect::<Vec<_>>();
+    let humidity = |pick: fn(&(f64, f64, f64)) -> f64| {
+        analyses
+            .iter()
+            .filter_map(|a| a.humidity_range_percent.as_ref().map(pick))
+            .collect::<Vec<_>>()
+    };
+    let moist = [humidity(|h| h.1), humidity(|h| h.2)].concat();
+    let lengths: Vec<f64> = analyses.iter().map(|a| a.duration_s / 3600.0).collect();
+    let rows = [
+        ("Standard", conditions.standard.clone()),
+        ("Load", span(&of(|a| a.force_n), "N")),
+        ("Preload", span(&of(|a| a.preload_n), "N")),
+        ("Stress", span(&of(|a| a.stress_mpa), "MPa")),
+        ("Temperature", span(&of(|a| a.temperature_c), "°C")),
+        ("Humidity or moisture", span(&moist, "%")),
+        ("Time under load", span(&lengths, "h")),
+        ("Preconditioning", stated(&conditions.preconditioning)),
+        ("Conditions", stated(&conditions.conditions)),
+    ];
+    Table {
+        caption: String::new(),
+        head: Vec::new(),
+        rows: rows
+            .into_iter()
+            .map(|(k, v)| vec![k.to_owned(), v])
+            .collect(),
+    }
+}
+
+fn span(values: &[f64], unit: &str) -> String {
+    if values.is_empty() {
+        return "not recorded".to_owned();
+    }
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high - low < 1e-3 * high.abs() {
+        format!("{} {unit}", short(low))
+    } else {
+        format!("{} to {} {unit}", short(low), short(high))
+    }
+}
+
+/// Readings of every specimen at the times of the standard.
+pub(super) fn reading_blocks(analyses: &[Analysis]) -> Vec<Block> {
+    analyses
+        .iter()
+        .filter(|a| !a.readings.is_empty())
+        .map(|a| {
+            Block::Table(Table {
+                caption: format!("{}: strain from the zero ({})", a.name, a.zero),
+                head: ["time", "strain, %", "creep modulus, MPa"]
+                    .map(String::from)
+                    .to_vec(),
+                rows: a
+                    .readings
+                    .iter()
+                    .map(|r| {
+                        vec![
+                            reading_time(r.time_s),
+                            format!("{:.4}", r.strain_percent),
+                            r.modulus_mpa.map_or("–".into(), short),
+                        ]
+                    })
+                    .collect(),
+            })
+        })
+        .collect()
+}
+
+/// Falls of the load; `None` without any.
+pub(super) fn recovery_table(analyses: &[Analysis]) -> Option<Table> {
+    let rows: Vec<Vec<String>> = analyses
+        .iter()
+        .flat_map(|a| {
+            a.recovery.iter().map(|r| {
+                vec![
+                    a.name.clone(),
+                    format!("{} → {}", short(r.force_before_n), short(r.force_after_n)),
+                    format!("{:.4}", r.at_once_percent),
+                    format!("{:.4}", r.delayed_percent),
+                    format!("{:.4}", r.residual_percent),
+                    duration(r.duration_s),
+                ]
+            })
+        })
+        .collect();
+    (!rows.is_empty()).then(|| Table {
+        caption: String::new(),
+        head: [
+            "specimen",
+            "load, N",
+            "at once, %",
+            "later, %",
+            "left, %",
+            "watched for",
+        ]
+        .map(String::from)
+        .to_vec(),
+        rows,
+    })
+}
+
+/// Exponent and secant of every group and time.
+pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
+    Table {
+        caption: "Strain of a group's specimens after the same time under different loads, ε ∝ σ^p; p = 1: strain is proportional to load. Load per %: secant at the middle of the loads.".into(),
+        head: ["group", "after", "specimens", "load per %", "p", "from", "to"]
+            .map(String::from)
+            .to_vec(),
+        rows: isochrones
+            .iter()
+            .map(|i| {
+                vec![
+                    i.group.clone(),
+                    reading_time(i.time_s),
+                    i.points.len().to_string(),
+                    format!("{} {}", short(i.secant), if i.stress { "MPa" } else { "N" }),
+                    short(i.exponent.value),
+                    short(i.exponent.low),
+                    short(i.exponent.high),
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// Failures and oddities, each a line.
+pub(super) fn odd_blocks(failures: &[String], analyses: &[Analysis]) -> Vec<Block> {
+    let mut odd: Vec<String> = failures.to_vec();
+    for a in analyses {
+        odd.extend(a.faults.iter().map(|f| format!("{}: {}", a.name, f.text)));
+    }
+    if !odd.is_empty() {
+        /// A list nobody reads to its end is cut.
+        const MOST: usize = 60;
+        let more = odd.len().saturating_sub(MOST);
+        odd.truncate(MOST);
+        if more > 0 {
+            odd.push(format!("and {more} more, in the table file"));
+        }
+        return vec![Block::List(odd)];
+    }
+    Vec::new()
+}
+
+/// Files with their checksums, and what was understood of them.
+pub(super) fn source_blocks(sources: &[Source]) -> Vec<Block> {
+    let mut blocks = vec![Block::Table(Table {
+        caption: "A file with another checksum is another file.".into(),
+        head: ["file", "SHA-256"].map(String::from).to_vec(),
+        rows: sources
+            .iter()
+            .map(|s| vec![s.file.clone(), s.sha256.clone()])
+            .collect(),
+    })];
+    let notes: Vec<String> = sources
+        .iter()
+        .flat_map(|s| {
+            let used: Vec<String> = s
+                .columns
+                .iter()
+                .map(|[q, c, u]| format!("{q} from '{c}' in {u}"))
+                .collect();
+            std::iter::once(format!("{}: {}", s.file, used.join(", ")))
+                .chain(s.notes.iter().map(|n| format!("{}: {n}", s.file)))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    blocks.push(Block::List(notes));
+    blocks
+}
+
+/// A duration in the unit a person would choose.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{} s", short(s)),
+        s if s < 7200.0 => format!("{} min", short(s / 60.0)),
+        s if s < 172_800.0 => format!("{} h", short(s / 3600.0)),
+        s => format!("{} d", short(s / 86_400.0)),
+    }
+}
+
+pub(super) fn result_table(analyses: &[Analysis]) -> Table {
+    Table {
+        caption: "m_E: slope of a straight line from 20 min on unless stated otherwise, with the interval that correlated residuals leave. 95 % of creep: when less than a twentieth of the creep was still to come.".into(),
+        head: ["specimen", "load, N", "end, %", "creep, %", "m_E, %/h", "95 % of creep", "saturated"]
+            .map(String::from)
+            .to_vec(),
+        rows: analyses
+            .iter()
+            .map(|a| {
+                vec![
+                    a.name.clone(),
+                    a.force_n.map_or("–".into(), short),
+                    format!("{:.4}", a.end_percent),
+                    format!("{:.4}", a.creep_percent),
+                    a.slope_percent_per_h.map_or("–".into(), |s| {
+                        format!("{} ({} to {})", short(s.value), short(s.low), short(s.high))
+                    }),
+                    a.saturation_s.map_or("–".into(), duration),
+                    a.saturated.map_or("–", |s| if s { "yes" } else { "no" }).into(),
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// Ropes in the order of their strain.
+pub(super) fn rank_table(ranks: &[Rank]) -> Table {
+    let with = |i: &Interval| format!("{} ({} to {})", short(i.value), short(i.low), short(i.high));
+    let after = ranks.first().map_or(0.0, |r| r.at_s) / 60.0;
+    Table {
+        caption: format!(
+            "Strain after {} min; brackets are 95 % intervals of a rope's mean. Ropes whose \
+             intervals overlap share a rank.",
+            short(after)
+        ),
+        head: [
+            "rank",
+            "rope",
+            "specimens",
+            "strain, %",
+            "m_E, %/h",
+            "between specimens",
+        ]
+        .map(String::from)
+        .to_vec(),
+        rows: ranks
+            .iter()
+            .map(|r| {
+                vec![
+                    r.rank.to_string(),
+                    r.name.clone(),
+                    r.specimens.to_string(),
+                    with(&r.strain_percent),
+                    r.slope_percent_per_h.as_ref().map_or("–".into(), with),
+                    format!(
+                        "{} %, {}",
+                        short(100.0 * r.scatter),
+                        r.scatter_source.words()
+                    ),
+                ]
+            })
+            .collect(),
+    }
+}
+
+pub(super) fn group_table(groups: &[Scatter]) -> Table {
+    Table {
+        caption: "Mean and standard deviation between specimens.".into(),
+        head: ["group", "specimens", "end, %", "m_E, %/h", "apart"]
+            .map(String::from)
+            .to_vec(),
+        rows: groups
+            .iter()
+            .map(|g| {
+                let with = |v: f64, d: Option<f64>| match d {
+                    Some(d) => format!("{} ± {}", short(v), short(d)),
+                    None => short(v),
+                };
+                vec![
+                    g.group.clone(),
+                    g.specimens.to_string(),
+                    with(g.end_percent, g.end_deviation_percent),
+                    g.slope_percent_per_h
+                        .map_or("–".into(), |s| with(s, g.slope_deviation)),
+                    g.apart.join(", "),
+                ]
+            })
+            .collect(),
+    }
+}
+
+pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
+    let least = fits.iter().map(|f| f.aicc).fold(f64::INFINITY, f64::min);
+    let weights = super::forecast::akaike_weights(fits);
+    let mut blocks = vec![Block::Table(Table {
+        caption: "Smaller AICc is better; a difference above 10 leaves no doubt.".into(),
+        head: ["law", "equation", "ΔAICc", "weight", "BIC", "residual, %"]
+            .map(String::from)
+            .to_vec(),
+        rows: fits
+            .iter()
+            .zip(weights)
+            .map(|(f, w)| {
+                vec![
+                    f.law.name().to_owned(),
+                    f.law.equation().to_owned(),
+                    format!("{:.1}", f.aicc - least),
+                    format!("{w:.2}"),
+                    format!("{:.1}", f.bic),
+                    short(f.residual_percent),
+                ]
+            })
+            .collect(),
+    })];
+    for fit in fits {
+        let kind = fit.parameters.first().map_or("", |p| p.interval.name());
+        blocks.push(Block::Table(Table {
+            caption: format!(
+                "{}: std. errors from the covariance, intervals by {kind}; noise of the readings {} %, {:.0} % of its variance slow (memory: time times {})",
+                fit.law.name(),
+                short(fit.residual_percent),
+                100.0 * fit.noise.share,
+                short(fit.noise.memory.exp())
+            ),
+            head: ["parameter", "value", "std. error", "from", "to", "unit", "remark"]
+                .map(String::from)
+                .to_vec(),
+            rows: fit
+                .parameters
+                .iter()
+                .map(|p| {
+                    let name = match &p.specimen {
+                        Some(s) => format!("{} of {s}", p.name),
+                        None => p.name.clone(),
+                    };
+                    vec![
+                        name,
+                        short(p.value),
+                        short(p.std_error),
+                        short(p.low),
+                        short(p.high),
+                        p.unit.clone(),
+                        p.not_identifiable.as_ref().map_or(String::new(), |why| {
+                            format!("not identifiable from this record: {why}")
+                        }),
+                    ]
+                })
+                .collect(),
+        }));
+        if !fit.held.is_empty() {
+            let held = |h: &super::rope_law::Held| {
+                vec![h.name.to_owned(), short(h.value), h.why.to_owned()]
+            };
+            blocks.push(Block::Table(Table {
+                caption: "Held at the base rope's values: the records can't tell them.".into(),
+                head: ["parameter", "value", "why"].map(String::from).to_vec(),
+                rows: fit.held.iter().map(held).collect(),
+            }));
+        }
+    }
+    blocks
+}
+
+pub(super) fn coverage_table(rows: &[Coverage]) -> Table {
+    Table {
+        caption: String::new(),
+        head: [
+            "law",
+            "tests",
+            "readings inside, %",
+            "ends inside, %",
+            "median error at the end, % of creep",
+            "median half width",
+        ]
+        .map(String::from)
+        .to_vec(),
+        rows: rows
+            .iter()
+            .map(|c| {
+                vec![
+                    c.law.clone(),
+                    c.tests.to_string(),
+                    format!("{:.1}", c.readings_percent),
+                    format!("{:.1}", c.end_percent),
+                    format!("{:.1}", c.end_error_percent),
+                    format!("{:.1}", c.end_half_width_percent),
+                ]
+            })
+            .collect(),
+    }
+}

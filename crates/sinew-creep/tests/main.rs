@@ -1,0 +1,6 @@
+//! All tests of sinew-creep in one binary: one link, one start.
+
+mod creep_forecast;
+mod fits;
+mod rope;
+mod support;

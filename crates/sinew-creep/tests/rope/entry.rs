@@ -1,0 +1,89 @@
+//! From a fit to an entry of the catalogue to a prediction.
+
+use super::{COLD, SIGMA, base, options, records, seeds, truth};
+use sinew_creep::*;
+use sinew_model::rope::{Law as RopeLaw, Load, State};
+
+#[test]
+fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
+    use sinew_model::rope::entry::{Entry, Origin, Uncertainty};
+    use sinew_rope::predict::{Request, Route, predict};
+    use sinew_rope::{CatalogueRope, Duty};
+    let count = seeds(4);
+    let numbers: Vec<u64> = (0..count).collect();
+    let true_law = RopeLaw::new(truth()).unwrap();
+    let inside = each(
+        &numbers,
+        |&seed| {
+            let base = base();
+            let found = fit(
+                Law::Rope,
+                &records(&COLD, SIGMA, 500 + seed),
+                &options(seed),
+            )
+            .unwrap();
+            let from = Provenance {
+                name: "mine".into(),
+                data: "made.csv (SHA-256 abc)".into(),
+                date: "2026-11-21".into(),
+            };
+            let entry = rope_entry(&found, &base, &from).unwrap();
+            let text = entry.to_toml();
+            let read = Entry::parse(&text, "mine.toml").unwrap();
+            assert_eq!(read, entry, "{text}");
+            for (parameter, value) in &read.law {
+                let fitted = found.parameter(parameter.name()).is_some();
+                assert_eq!(fitted, value.origin == Origin::Fitted, "{parameter:?}");
+                if fitted {
+                    assert_eq!(value.date.as_deref(), Some("2026-11-21"));
+                    assert!(read.sources[&value.source].contains("made.csv"));
+                    assert_ne!(value.uncertainty, Uncertainty::NotStated);
+                }
+            }
+            let rope = CatalogueRope {
+                entry: read,
+                file: None,
+            };
+            // Loads between and within those tested; held parameters (flow, λ_t) are the truth's.
+            [60.0, 120.0]
+                .into_iter()
+                .flat_map(|tension| {
+                    let request = Request {
+                        duty: Duty::constant(tension, 23.0),
+                        route: Route::straight(1.0),
+                        times_s: vec![600.0, 3600.0, 86_400.0, 2_592_000.0],
+                        read_at: None,
+                        draws: 400,
+                        seed,
+                    };
+                    let told = predict(&rope, &request).unwrap();
+                    told.readings
+                        .iter()
+                        .map(|r| {
+                            let load = Load::celsius(tension, 23.0);
+                            let mut s = State::default();
+                            true_law.hold(&mut s, load, r.time_s).unwrap();
+                            let value = true_law.strain(&s, load).unwrap().total_percent();
+                            let i = r.strain_percent;
+                            let width = (i.high - i.low) / i.value;
+                            (i.low <= value && value <= i.high, width)
+                        })
+                        .collect::<Vec<_>>()
+                })
+                .collect::<Vec<_>>()
+        },
+        |_| {},
+    );
+    let all: Vec<(bool, f64)> = inside.into_iter().flatten().collect();
+    let share = all.iter().filter(|i| i.0).count() as f64 / all.len() as f64;
+    let width = all.iter().map(|i| i.1).sum::<f64>() / all.len() as f64;
+    println!(
+        "prediction holds the truth in {:.1} %, mean width {:.1} %",
+        100.0 * share,
+        100.0 * width
+    );
+    let least = if count >= 100 { 0.92 } else { 0.7 };
+    assert!(share >= least, "{share}");
+    // And says something: a catalogue guess is ten times wider.
+    assert!(width < 0.1, "{width}");
+}

@@ -1,0 +1,7 @@
+//! What several tests of this crate start from.
+
+/// How many draws a test makes: `SINEW_SEEDS`, or a few.
+pub(crate) fn seeds(ordinary: u64) -> u64 {
+    let asked = std::env::var("SINEW_SEEDS").ok();
+    asked.and_then(|s| s.parse().ok()).unwrap_or(ordinary)
+}

@@ -1,0 +1,104 @@
+//! Replay against merely reading: one simulated recording, both in the same run.
+//!
+//! `cargo bench -p sinew-estimate --bench replay` prints samples/s and MB/s of `estimate` and of
+//! reading and decompressing the same MCAP with the `mcap` crate, and their ratio.
+
+use sinew_estimate::estimate;
+use sinew_estimate::estimate::Request;
+use sinew_estimate::robot_dir;
+use sinew_log::{Compression, FrameWriter, McapOptions, McapWriter};
+use sinew_sim::{Scenario, Simulation};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+fn main() {
+    // `cargo test --benches` only wants to know that it runs.
+    let quick = std::env::args().any(|a| a == "--test");
+    let rounds = if quick { 1 } else { 9 };
+    let seconds = if quick { 2.0 } else { 300.0 };
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let robot = root.join("robots/biorob-like");
+    for (name, compression) in [
+        ("zstd", Compression::Zstd),
+        ("lz4", Compression::Lz4),
+        ("none", Compression::None),
+    ] {
+        let log = folder.path().join(format!("{name}.mcap"));
+        let frames = record(&root, &robot, &log, compression, seconds);
+        let bytes = std::fs::metadata(&log).expect("recording").len();
+        let (mut read, mut estimated) = (Vec::new(), Vec::new());
+        for _ in 0..rounds {
+            read.push(time(|| merely_read(&log)));
+            estimated.push(time(|| run(&log, &robot)));
+        }
+        let (read, estimated) = (median(&mut read), median(&mut estimated));
+        let speed = |s: f64| {
+            format!(
+                "{:7.2} M samples/s {:7.1} MB/s of file",
+                frames as f64 / s * 1e-6,
+                bytes as f64 / s * 1e-6
+            )
+        };
+        println!("{name:5} mcap crate reads {}", speed(read));
+        println!("{name:5} estimate         {}", speed(estimated));
+        println!(
+            "{name:5} speed of estimate over reading: {:.2}",
+            read / estimated
+        );
+    }
+}
+
+fn record(root: &Path, robot: &Path, log: &Path, compression: Compression, seconds: f64) -> u64 {
+    let file = root.join("examples/scenarios/stretched-arm.toml");
+    let text = std::fs::read_to_string(&file).expect("scenario");
+    let mut scenario = Scenario::from_toml(&text, "stretched-arm.toml").expect("scenario");
+    scenario.duration_s = Some(seconds);
+    scenario.sample_rate_hz = 1000.0;
+    let robot = robot_dir::load(robot, None).expect("robot");
+    let mut simulation = Simulation::new(&robot.robot, &scenario).expect("simulation");
+    let options = McapOptions {
+        joints: simulation.joint_names().to_vec(),
+        compression,
+        robot_description: Some(robot.urdf_text.clone()),
+        ..McapOptions::default()
+    };
+    let mut writer = McapWriter::create(log, &options).expect("recording");
+    let mut frames = 0;
+    while let Some(frame) = simulation.next_frame().expect("frame") {
+        writer.write(frame).expect("frame");
+        frames += 1;
+    }
+    Box::new(writer).finish().expect("recording");
+    frames
+}
+
+/// Reads and decompresses every message and looks at none.
+fn merely_read(log: &Path) -> u64 {
+    let bytes = std::fs::read(log).expect("recording");
+    let mut count = 0;
+    for message in mcap::MessageStream::new(&bytes).expect("mcap") {
+        count += u64::from(!message.expect("message").data.is_empty());
+    }
+    count
+}
+
+fn run(log: &Path, robot: &Path) -> u64 {
+    let mut request = Request::new(log.to_path_buf());
+    request.robot = Some(PathBuf::from(robot));
+    estimate::run(&request, &mut |_| {})
+        .expect("estimate")
+        .recording
+        .frames
+}
+
+fn time(f: impl Fn() -> u64) -> f64 {
+    let start = Instant::now();
+    assert!(f() > 0);
+    start.elapsed().as_secs_f64()
+}
+
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

@@ -1,0 +1,105 @@
+//! Absolute offsets sample by sample, as beside a running robot:
+//!
+//! `cargo run --release -p sinew-estimate --example live_offsets -- ROBOT_DIR BASELINE LOG [FROM_S [SAVE]]`
+//!
+//! SAVE is the next baseline file, written in the end.
+//!
+//! A recording stands in for the robot. What it has to do for every sample stands between the
+//! comments "Sample" and "Output": nothing there allocates, locks, panics or prints, so that it may
+//! stand in a control thread.
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Baseline, WatchOptions};
+use sinew_estimate::robot_dir;
+use sinew_log::OpenOptions;
+use sinew_model::offset::{FeatureConfig, FeatureObserver};
+use std::error::Error;
+use std::path::Path;
+
+/// A pause after which the filters start anew, s.
+const GAP_S: f64 = 0.5;
+/// Between two lines, s.
+const SAY_S: f64 = 10.0;
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [place, file, log, rest @ ..] = arguments.as_slice() else {
+        eprintln!("usage: live_offsets ROBOT_DIR BASELINE LOG [FROM_S [SAVE]]");
+        std::process::exit(2);
+    };
+    let from = rest.first().map_or("0", String::as_str);
+    let number = from.parse().ok().filter(|s: &f64| s.is_finite());
+    let from_s = number.ok_or_else(|| format!("FROM_S: '{from}' is not a number of seconds"))?;
+
+    // Construction.
+    let mut recording = sinew_log::open(Path::new(log), &OpenOptions::default())?;
+    let robot = robot_dir::load(Path::new(place), recording.robot_description())?.robot;
+    let names: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
+    recording.select(&names)?;
+    let baseline = Baseline::read(Path::new(file))?;
+    let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut offsets = absolute::live(&robot, (&baseline, file), &WatchOptions::default())?;
+
+    let mut theta = vec![0.0; names.len()];
+    let mut first_ns = None;
+    let mut last_ns = None;
+    let mut say_s = SAY_S;
+    while let Some(frame) = recording.next_frame()? {
+        let t = (frame.time_ns - *first_ns.get_or_insert(frame.time_ns)) as f64 * 1e-9;
+        if t < from_s {
+            continue;
+        }
+        let dt_s = last_ns.map_or(0.0, |last: i64| (frame.time_ns - last) as f64 * 1e-9);
+        last_ns = Some(frame.time_ns);
+        if dt_s > GAP_S {
+            features.reset();
+        }
+
+        // Sample. A rigid joint's motor doesn't matter; one that isn't finite changes nothing.
+        for (i, to) in theta.iter_mut().enumerate() {
+            let elastic = robot.transmissions[i].is_some();
+            *to = if elastic { frame.theta[i] } else { frame.q[i] };
+        }
+        let (torque, celsius) = (&frame.tau_m, frame.temperature_c);
+        if let Ok(true) = features.step(dt_s, &frame.q, &theta, torque, celsius) {
+            let _weight = offsets.step(features.block())?;
+        }
+
+        // Output.
+        if t - from_s >= say_s {
+            say_s += SAY_S;
+            print!("{:6.1} s", t - from_s);
+            for (i, name) in names.iter().enumerate() {
+                if robot.transmissions[i].is_some() {
+                    let [offset, deviation] = offsets.offset(i).map(|rad| 1e3 * rad);
+                    print!("  {name} {offset:+.2} ± {:.2}", 1.96 * deviation);
+                }
+            }
+            let doubts = if offsets.is_in_doubt() {
+                ", in doubt"
+            } else {
+                ""
+            };
+            println!(" mrad{doubts}");
+        }
+    }
+    let Some(end_ns) = last_ns else {
+        return Err(format!("{log} has nothing from {from_s} s on").into());
+    };
+    if let Some(save) = rest.get(1) {
+        let next = absolute::live_saved(&robot, &baseline, &offsets, (log, end_ns))?;
+        next.write(Path::new(save))?;
+        println!("{save}: what is known now");
+    }
+    if recording.health().is_damaged() {
+        eprintln!("warning: {log} is damaged; `sinew log info {log}` says where");
+    }
+    Ok(())
+}

@@ -1,0 +1,247 @@
+//! What the rope's law says on a tendon before its first record.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use sinew_model::rope::routing::{Portion, Pulley, portions};
+use sinew_model::rope::{Law, Load, State};
+use sinew_model::transmission::Tendon;
+use sinew_model::trend::{Curve, Prior, generic_curves, node_times_s};
+use sinew_rope::history::History;
+use sinew_rope::{Catalogue, CatalogueError, CatalogueRope, Draws, Duty};
+
+/// Draws of the law that stand for the rope.
+pub const CURVES: usize = 200;
+/// Share of the prior that trusts no rope law: the law may be wrong, and its last delay is a day.
+const GENERIC_SHARE: f64 = 0.2;
+/// Deviation of a drawn curve's amplitude: strands, pretension and pulleys aren't as stated.
+const AMPLITUDE_DEVIATION: f64 = 0.4;
+/// Creep of a first year that surprises nobody where no rope is known: strain as a fraction.
+const GENERIC_STRAIN: f64 = 1e-3;
+/// The same without a tendon, rad.
+const GENERIC_RAD: f64 = 30e-3;
+const SECONDS_PER_DAY: f64 = 86_400.0;
+
+/// What a working robot does to a strand, averaged over days.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Work {
+    /// Mean tension over pretension.
+    pub mean_factor: f64,
+    /// Highest tension of a day over pretension.
+    pub peak_factor: f64,
+    /// Share of the time that it is near its highest.
+    pub peak_share: f64,
+    /// Mean temperature, °C.
+    pub temperature_c: f64,
+}
+
+impl Work {
+    /// What is known of work nobody has recorded: peaks of 1.5 to 4 times the pretension for a
+    /// second to three quarters of an hour a day.
+    pub fn unknown(temperature_c: f64, rng: &mut ChaCha8Rng) -> Self {
+        let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+        Self {
+            mean_factor: between(1.0, 1.3),
+            peak_factor: between(1.5, 4.0),
+            peak_share: 10.0_f64.powf(between(-5.0, -1.5)),
+            temperature_c: temperature_c + between(-3.0, 3.0),
+        }
+    }
+}
+
+/// Stretches of the strand between motor and joint: guiding pulleys stand evenly, a quarter turn of
+/// the joint moves the rope.
+pub fn strand(tendon: &Tendon) -> Vec<Portion> {
+    let n = tendon.guides.len() as f64;
+    let pulleys: Vec<Pulley> = tendon
+        .guides
+        .iter()
+        .enumerate()
+        .map(|(i, g)| Pulley {
+            at_m: tendon.length_m * (i as f64 + 1.0) / (n + 1.0),
+            radius_m: g.radius_m,
+            wrap_rad: g.wrap_rad,
+            friction: (g.friction > 0.0).then_some(g.friction),
+        })
+        .collect();
+    let stroke_m = std::f64::consts::FRAC_PI_2 * tendon.joint_pulley_radius_m;
+    portions(tendon.length_m, stroke_m.min(tendon.length_m), &pulleys).unwrap_or_else(|_| {
+        // Pulleys that don't fit on the strand: as if there were none.
+        vec![Portion {
+            length_m: tendon.length_m,
+            middle_m: 0.5 * tendon.length_m,
+            guides: 0,
+        }]
+    })
+}
+
+/// Offset at the nodes of [`node_times_s`] under some work, rad, at pretension and the law's reference
+/// temperature; `None` where the tension breaks the rope.
+///
+/// Between nodes delayed elasticity, flow and retraction see the mean tension, bedding-in and flow the
+/// peaks for their share of the time.
+pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) -> Option<Vec<f64>> {
+    let mean = Load::celsius(pretension_n * work.mean_factor, work.temperature_c);
+    let peak = Load::celsius(pretension_n * work.peak_factor, work.temperature_c);
+    through(law, tendon, pretension_n, |law, state, from_s, to_s| {
+        let dt = to_s - from_s;
+        let mut pulled = *state;
+        law.hold(state, mean, dt).ok()?;
+        let flow = state.flow_percent;
+        law.hold(&mut pulled, peak, dt * work.peak_share).ok()?;
+        state.bedding_percent = state.bedding_percent.max(pulled.bedding_percent);
+        state.flow_percent = flow.max(pulled.flow_percent);
+        Some(())
+    })
+}
+
+/// The same under a duty that is known.
+pub fn duty_curve(law: &Law, tendon: &Tendon, pretension_n: f64, duty: &Duty) -> Option<Vec<f64>> {
+    let read = Load::at_reference(pretension_n);
+    let mut out = vec![0.0; node_times_s().len()];
+    for portion in strand(tendon) {
+        let law = law.passed_by(portion.guides as f64);
+        let mut history = History::new(&law, duty, State::default());
+        let per_percent = 0.01 * portion.length_m / tendon.joint_pulley_radius_m;
+        for (value, t) in out.iter_mut().zip(node_times_s()) {
+            let state = history.at(t).ok()?;
+            *value += per_percent * law.strain(&state, read).ok()?.total_percent();
+        }
+    }
+    since_first(out)
+}
+
+/// Sums the portions of a strand that go from node to node by `step`.
+fn through(
+    law: &Law,
+    tendon: &Tendon,
+    pretension_n: f64,
+    step: impl Fn(&Law, &mut State, f64, f64) -> Option<()>,
+) -> Option<Vec<f64>> {
+    let read = Load::at_reference(pretension_n);
+    let times = node_times_s();
+    let mut out = vec![0.0; times.len()];
+    for portion in strand(tendon) {
+        let law = law.passed_by(portion.guides as f64);
+        let per_percent = 0.01 * portion.length_m / tendon.joint_pulley_radius_m;
+        let (mut state, mut from_s) = (State::default(), 0.0);
+        for (value, &t) in out.iter_mut().zip(&times) {
+            step(&law, &mut state, from_s, t)?;
+            *value += per_percent * law.strain(&state, read).ok()?.total_percent();
+            from_s = t;
+        }
+    }
+    since_first(out)
+}
+
+/// From the first node on; a curve that isn't finite is none.
+fn since_first(mut values: Vec<f64>) -> Option<Vec<f64>> {
+    let first = *values.first()?;
+    values.iter_mut().for_each(|v| *v -= first);
+    values.iter().all(|v| v.is_finite()).then_some(values)
+}
+
+/// Curves of a rope: its law drawn from its stated uncertainty, under the duty or, without one, under
+/// work drawn from what robots do; a fifth of the probability for
+/// [`generic_curves`].
+///
+/// # Errors
+/// [`CatalogueError::NoLaw`].
+pub fn rope_curves(
+    rope: &CatalogueRope,
+    tendon: &Tendon,
+    pretension_n: f64,
+    duty: Option<&Duty>,
+    temperature_c: f64,
+    seed: u64,
+) -> Result<Vec<Curve>, CatalogueError> {
+    let draws = Draws::new(rope, CURVES, seed)?;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut curves = Vec::with_capacity(CURVES + 22);
+    for law in &draws.laws {
+        let work = Work::unknown(temperature_c, &mut rng);
+        let values = match duty {
+            Some(duty) => duty_curve(law, tendon, pretension_n, duty),
+            None => work_curve(law, tendon, pretension_n, &work),
+        };
+        let curve = values.map(|values| Curve {
+            values,
+            amplitude: 1.0,
+            amplitude_deviation: AMPLITUDE_DEVIATION,
+            log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
+        });
+        curves.extend(curve.filter(Curve::is_possible));
+    }
+    let generic = generic(Some(tendon));
+    let share = if curves.is_empty() {
+        1.0
+    } else {
+        GENERIC_SHARE
+    };
+    let log_weight = (share / generic.len() as f64).ln();
+    curves.extend(generic.into_iter().map(|c| Curve { log_weight, ..c }));
+    Ok(curves)
+}
+
+/// Curves without a rope law.
+pub fn generic(tendon: Option<&Tendon>) -> Vec<Curve> {
+    generic_curves(tendon.map_or(GENERIC_RAD, |t| {
+        GENERIC_STRAIN * t.length_m / t.joint_pulley_radius_m
+    }))
+}
+
+/// A prior and what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grounds {
+    /// The prior.
+    pub prior: Prior,
+    /// Name of the rope, where its law is used.
+    pub rope: Option<String>,
+    /// What it rests on, in a sentence.
+    pub basis: String,
+}
+
+/// The prior of a tendon: of its rope where the robot names one that the catalogue has, else generic.
+///
+/// # Errors
+/// [`CatalogueError`] for a rope that is named and not there, or has no complete law.
+pub fn grounds(
+    tendon: Option<&Tendon>,
+    catalogue: &Catalogue,
+    duty: Option<&Duty>,
+    temperature_c: f64,
+    seed: u64,
+) -> Result<Grounds, CatalogueError> {
+    let named = tendon.and_then(|t| Some((t, t.rope.as_ref()?, t.pretension_n?)));
+    let Some((tendon, name, pretension_n)) = named else {
+        let why = match tendon {
+            None => "the robot file has no tendon here",
+            Some(t) if t.rope.is_none() => "the robot file names no rope here",
+            Some(_) => "the robot file has no pretension_n here",
+        };
+        return Ok(Grounds {
+            prior: Prior::new(generic(tendon)),
+            rope: None,
+            basis: format!("generic creep curves, since {why}"),
+        });
+    };
+    let rope = catalogue.find(name)?;
+    let curves = rope_curves(rope, tendon, pretension_n, duty, temperature_c, seed)?;
+    let guesses = rope.entry.guesses();
+    let duty = match duty {
+        Some(duty) => format!("under the duty of {}", duty.about),
+        None => "under work with peaks nobody recorded".into(),
+    };
+    Ok(Grounds {
+        prior: Prior::new(curves),
+        rope: Some(name.clone()),
+        basis: format!(
+            "law of {name} ({guesses} of {} parameters starting guesses), {CURVES} draws {duty}, and a fifth generic curves",
+            rope.entry.law.len()
+        ),
+    })
+}
+
+/// Days to seconds.
+pub fn days(d: f64) -> f64 {
+    d * SECONDS_PER_DAY
+}

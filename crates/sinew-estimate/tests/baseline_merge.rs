@@ -1,0 +1,433 @@
+//! What several recordings learned, put together.
+
+use crate::support;
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Baseline, MergeOptions, Recorded, Recorder, merge};
+use sinew_model::arm::BodyInertia;
+use sinew_model::offset::{
+    Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD,
+};
+use sinew_model::robot::Robot;
+use sinew_sim::{Scenario, Simulation};
+use support::{biorob_like, repository};
+
+const ROBOT: MergeOptions = MergeOptions {
+    fleet: false,
+    scatter: 0.01,
+};
+const FLEET: MergeOptions = MergeOptions {
+    fleet: true,
+    scatter: 0.01,
+};
+
+fn prior(robot: &Robot) -> Prior {
+    absolute::estimator(robot, &absolute::WatchOptions::default())
+        .prior()
+        .clone()
+}
+
+/// A scalar measurement of the state with noise 1: the textbook's update.
+fn measure(belief: &mut Belief, row: &[f64], value: f64) {
+    let d = belief.mean.len();
+    let gain: Vec<f64> = belief
+        .covariance
+        .chunks_exact(d)
+        .map(|line| line.iter().zip(row).map(|(p, h)| p * h).sum())
+        .collect();
+    let spread: f64 = 1.0 + gain.iter().zip(row).map(|(g, h)| g * h).sum::<f64>();
+    let residual = value
+        - row
+            .iter()
+            .zip(&belief.mean)
+            .map(|(h, x)| h * x)
+            .sum::<f64>();
+    for (x, g) in belief.mean.iter_mut().zip(&gain) {
+        *x += g * residual / spread;
+    }
+    for i in 0..d {
+        for k in 0..d {
+            belief.covariance[i * d + k] -= gain[i] * gain[k] / spread;
+        }
+    }
+}
+
+/// Measurements that mix many entries, each moved by about its own deviation, the same for the
+/// same `seed`.
+fn learn(prior: &Prior, belief: &mut Belief, seed: u64) {
+    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64.wrapping_mul(seed + 1);
+    let mut draw = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for _ in 0..40 {
+        let row: Vec<f64> = (0..prior.dimension())
+            .map(|k| 2.0 * draw() / fresh.entry(k)[1])
+            .map(|h| if h.abs() > 1e7 { 0.0 } else { h })
+            .collect();
+        measure(belief, &row, 3.0 * draw());
+    }
+}
+
+fn open(prior: &Prior, belief: &mut Belief) {
+    prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+    prior.open_zero(belief);
+    prior.open_payload(belief, Payload::Unknown);
+}
+
+fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> Baseline {
+    let d = belief.mean.len();
+    let simplest = Recorder::new(robot, &FeatureConfig::default(), 0.5).finish();
+    assert!(absolute::learn_recorded(robot, &simplest, "empty").is_err());
+    Baseline {
+        format: "sinew-baseline".into(),
+        version: 4,
+        robot: robot.name.clone(),
+        joints: robot.joint_names().to_vec(),
+        stiffness_nm_per_rad: robot
+            .transmissions
+            .iter()
+            .map(|t| t.as_ref().map_or(0.0, |t| t.stiffness_nm_per_rad))
+            .collect(),
+        inertial: robot.arm.inertial_parameters(),
+        recordings: recordings.iter().map(|r| (*r).into()).collect(),
+        before: Vec::new(),
+        end_time_ns: end_s * 1_000_000_000,
+        temperature_c: belief
+            .temperature_c
+            .is_finite()
+            .then_some(belief.temperature_c),
+        mean: belief.mean.clone(),
+        covariance_lower: (0..d)
+            .flat_map(|i| belief.covariance[i * d..=i * d + i].to_vec())
+            .collect(),
+        noise_rad: vec![3e-4; robot.joint_names().len()],
+        motor_noise_nm: vec![0.04; robot.joint_names().len()],
+    }
+}
+
+/// Largest difference of means and deviations, in deviations of `b`.
+fn apart(a: &Belief, b: &Belief) -> f64 {
+    (0..a.mean.len())
+        .map(|k| {
+            let ([ma, sa], [mb, sb]) = (a.entry(k), b.entry(k));
+            ((ma - mb) / sb).abs().max((sa / sb - 1.0).abs())
+        })
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn merging_is_estimating_from_both_together_in_any_order() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    for reference_c in [f64::NAN, 21.0] {
+        let mut start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+        start.temperature_c = reference_c;
+        let (mut a, mut b, mut c) = (start.clone(), start.clone(), start.clone());
+        learn(&prior, &mut a, 1);
+        learn(&prior, &mut b, 2);
+        learn(&prior, &mut c, 3);
+        // One after the other, each recording with offsets and payload of its own.
+        let mut both = start.clone();
+        for seed in [1, 2, 3] {
+            open(&prior, &mut both);
+            learn(&prior, &mut both, seed);
+        }
+        open(&prior, &mut both);
+        let files = [(&a, "a"), (&b, "b"), (&c, "c")]
+            .map(|(belief, name)| (baseline(&robot, belief, &[name], 60), name));
+        for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+            let parts: Vec<(&Baseline, &str)> =
+                order.iter().map(|&k| (&files[k].0, files[k].1)).collect();
+            let (merged, said) = merge(&robot, &parts, None, &ROBOT).unwrap();
+            assert_eq!(merged.recordings.len(), 3);
+            assert!((merged.noise_rad[0] - 3e-4).abs() < 1e-12);
+            let belief = merged.belief(&robot, &prior, "merged").unwrap();
+            let apart = apart(&belief, &both);
+            println!("order {order:?}: {apart:.1e} deviations from all together");
+            assert!(apart < 1e-6, "{apart}");
+            assert!(said.nuisance.iter().any(|m| m.moved));
+        }
+    }
+}
+
+#[test]
+fn a_common_start_counts_once_and_temperatures_are_brought_together() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    let mut start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    start.temperature_c = 20.0;
+    learn(&prior, &mut start, 4);
+    let common = baseline(&robot, &start, &["first"], 60);
+    // Whoever goes on from it opens offsets and believes it a little less.
+    let mut aged = start.clone();
+    prior.age(&mut aged);
+    open(&prior, &mut aged);
+    let (mut a, mut b, mut both) = (aged.clone(), aged.clone(), aged.clone());
+    learn(&prior, &mut a, 5);
+    learn(&prior, &mut b, 6);
+    learn(&prior, &mut both, 5);
+    open(&prior, &mut both);
+    learn(&prior, &mut both, 6);
+    open(&prior, &mut both);
+    let a = baseline(&robot, &a, &["first", "second"], 120);
+    let b = baseline(&robot, &b, &["first", "third"], 180);
+    let parts = [(&a, "a"), (&b, "b")];
+    let (merged, _) = merge(&robot, &parts, Some((&common, "common")), &ROBOT).unwrap();
+    assert_eq!(merged.recordings, ["first", "second", "third"]);
+    let belief = merged.belief(&robot, &prior, "merged").unwrap();
+    assert!(apart(&belief, &both) < 1e-6, "{}", apart(&belief, &both));
+
+    // Stiffness at 20 °C and at 30 °C is one line: learned at both, referred to either.
+    let place = |p: JointParameter| prior.place(1, p);
+    let (compliance, thermal) = (
+        place(JointParameter::Compliance),
+        place(JointParameter::Thermal),
+    );
+    let mut there = start.clone();
+    prior.refer_to(&mut there, 30.0);
+    assert_eq!(there.temperature_c, 30.0);
+    let expected = start.mean[compliance] + 10.0 * start.mean[thermal];
+    assert!((there.mean[compliance] - expected).abs() < 1e-15);
+    let mut back = there.clone();
+    prior.refer_to(&mut back, 20.0);
+    assert!(apart(&back, &start) < 1e-9);
+    // Without a temperature there is nothing to refer to.
+    prior.refer_to(&mut back, f64::NAN);
+    assert_eq!(back.temperature_c, 20.0);
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    let mut belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    belief.temperature_c = 20.0;
+    learn(&prior, &mut belief, 7);
+    let a = baseline(&robot, &belief, &["a"], 60);
+    let b = baseline(&robot, &belief, &["b"], 60);
+    let refused = |parts: &[(&Baseline, &str)], common: Option<(&Baseline, &str)>| {
+        merge(&robot, parts, common, &ROBOT)
+            .unwrap_err()
+            .to_string()
+    };
+    let alone = refused(&[(&a, "a")], None);
+    assert!(alone.contains("two files"), "{alone}");
+    let twice = refused(&[(&a, "a"), (&a, "copy")], None);
+    assert!(twice.contains("count twice"), "{twice}");
+    let stranger = Baseline {
+        joints: vec!["hip".into()],
+        ..b.clone()
+    };
+    let stranger = refused(&[(&a, "a"), (&stranger, "hip.baseline")], None);
+    assert!(stranger.contains("hip.baseline: is of robot"), "{stranger}");
+    let mut stiffer = b.clone();
+    stiffer.stiffness_nm_per_rad[0] *= 1.1;
+    let stiffer = refused(&[(&a, "a"), (&stiffer, "b")], None);
+    assert!(stiffer.contains("another stiffness"), "{stiffer}");
+    let chain = baseline(&robot, &belief, &["a", "c"], 60);
+    let chain_said = refused(&[(&b, "b"), (&chain, "chain")], None);
+    assert!(chain_said.contains("--common"), "{chain_said}");
+    let again = Baseline {
+        before: vec!["a".into()],
+        ..b.clone()
+    };
+    let again = refused(&[(&a, "a"), (&again, "again")], None);
+    assert!(again.contains("--common"), "{again}");
+    let fleet = merge(&robot, &[(&a, "a"), (&b, "b")], Some((&a, "a")), &FLEET);
+    assert!(
+        fleet
+            .unwrap_err()
+            .to_string()
+            .contains("leave --common out")
+    );
+    let unrelated = refused(&[(&chain, "chain"), (&b, "b")], Some((&a, "a")));
+    assert!(unrelated.contains("does not go on from a"), "{unrelated}");
+    let cold = Baseline {
+        temperature_c: None,
+        ..b
+    };
+    let cold = refused(&[(&a, "a"), (&cold, "cold")], None);
+    assert!(cold.contains("without a temperature"), "{cold}");
+}
+
+/// Minutes A and B of the example's work session for robot `robot_seed`, whose links are all as
+/// much heavier; `short`: A has three poses only.
+fn sessions(robot: &Robot, robot_seed: u64, seed: u64) -> ([Recorded; 2], Vec<f64>) {
+    let place = repository().join("examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let text = text
+        .replace(
+            "mass_factor = { min = 0.9, max = 1.1 }",
+            "mass_factor = 1.08",
+        )
+        .replace(
+            "com_factor = { min = 0.95, max = 1.05 }",
+            "com_factor = 0.96",
+        )
+        .replace(
+            "com_across_fraction = { std = 0.03 }",
+            "com_across_fraction = 0.0",
+        )
+        .replace(
+            "inertia_factor = { min = 0.7, max = 1.3 }",
+            "inertia_factor = 1.2",
+        )
+        .replace("fraction = 0.1\n", "fraction = 0.0\n")
+        .replace("duration_s = 180.0", "duration_s = 120.0")
+        .replace("    to_s = 180.0", "    to_s = 120.0");
+    assert_eq!(
+        text.matches("= 1.08").count() + text.matches("= 0.96").count(),
+        2
+    );
+    let mut scenario = Scenario::from_toml(&text, "work-session.toml").unwrap();
+    scenario.seed = seed;
+    scenario.robot_seed = Some(robot_seed);
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let (mut a, mut b) = (recorder(), recorder());
+    let mut truth = Vec::new();
+    let mut k = 0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        let t = f64::from(k) / 250.0;
+        k += 1;
+        if t < 60.0 {
+            a.push(frame, t);
+        } else {
+            b.push(frame, t);
+            truth = simulation.true_state().delta_e.clone();
+        }
+    }
+    let truth = truth.iter().map(|x| 1e3 * x).collect();
+    ([a.finish(), b.finish()], truth)
+}
+
+#[test]
+fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    let ([first, _], _) = sessions(&robot, 5, 51);
+    let ([second, _], _) = sessions(&robot, 5, 52);
+    let (a, _) = absolute::learn_recorded(&robot, &first, "a").unwrap();
+    let (b, _) = absolute::learn_recorded(&robot, &second, "b").unwrap();
+    let (merged, _) = merge(&robot, &[(&a, "a"), (&b, "b")], None, &ROBOT).unwrap();
+    let going_on = absolute::Learning {
+        known: Some((&a, "a")),
+        ..absolute::Learning::default()
+    };
+    let (chained, _) = absolute::learn_recorded_from(&robot, &second, "b", &going_on).unwrap();
+    let [merged, mut chained] =
+        [merged, chained].map(|m| m.belief(&robot, &prior, "merged").unwrap());
+    open(&prior, &mut chained);
+    let mut off: Vec<f64> = (0..prior.payload_place())
+        .filter(|&k| merged.entry(k)[1] > 1e-8)
+        .map(|k| (merged.entry(k)[0] - chained.entry(k)[0]).abs() / merged.entry(k)[1])
+        .collect();
+    off.sort_by(f64::total_cmp);
+    println!(
+        "means apart by {:.2} (median), {:.2} (worst) deviations",
+        off[off.len() / 2],
+        off[off.len() - 1]
+    );
+    // Noise and weights are each recording's own, friction ages in between.
+    assert!(off[off.len() / 2] < 0.1 && off[off.len() - 1] < 1.0);
+}
+
+#[test]
+fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    let files: Vec<(Baseline, String)> = (0..3)
+        .map(|k| {
+            let ([a, _], _) = sessions(&robot, 60 + k, 160 + k);
+            let (learned, _) = absolute::learn_recorded(&robot, &a, &format!("arm-{k}")).unwrap();
+            (learned, format!("arm-{k}.baseline"))
+        })
+        .collect();
+    let parts: Vec<(&Baseline, &str)> = files.iter().map(|(b, f)| (b, f.as_str())).collect();
+    let (known, said) = merge(&robot, &parts, None, &FLEET).unwrap();
+    let belief = known.belief(&robot, &prior, "known").unwrap();
+    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    for k in 0..prior.payload_place() {
+        let body = prior.describe(k).unwrap().unit.starts_with("kg");
+        if !body {
+            assert_eq!(belief.entry(k), fresh.entry(k), "{:?}", prior.describe(k));
+        }
+    }
+    let surer = said.nuisance.iter().filter(|m| m.moved).count();
+    println!("{surer} parameters surer or moved");
+    assert!(surer > 3);
+    let mut other = parts.clone();
+    other.reverse();
+    let (again, _) = merge(&robot, &other, None, &FLEET).unwrap();
+    let again = again.belief(&robot, &prior, "again").unwrap();
+    assert!(apart(&again, &belief) < 1e-6);
+
+    // A further arm that is never seen right after tensioning: offsets against the encoders' zero.
+    let ([_, b], truth) = sessions(&robot, 70, 170);
+    let options = absolute::WatchOptions::default();
+    let with = Some((&known, "known"));
+    let (taught, _) = absolute::watch_recorded(&robot, &b, "B", with, &options).unwrap();
+    let (alone, _) = absolute::watch_recorded(&robot, &b, "B", None, &options).unwrap();
+    let mut narrower = 0;
+    for (i, (taught, alone)) in taught.joints.iter().zip(&alone.joints).enumerate() {
+        println!(
+            "{}: {:+.2} ± {:.2} mrad with the type's masses, {:+.2} ± {:.2} without",
+            taught.name,
+            taught.offset_mrad - truth[i],
+            taught.interval_95_mrad,
+            alone.offset_mrad - truth[i],
+            alone.interval_95_mrad
+        );
+        assert!((taught.offset_mrad - truth[i]).abs() < 1.5 * taught.interval_95_mrad);
+        narrower += usize::from(taught.interval_95_mrad < 0.97 * alone.interval_95_mrad);
+    }
+    assert!(narrower > 0);
+}
+
+#[test]
+fn a_baseline_of_other_masses_or_stiffness_is_refused() {
+    let robot = biorob_like();
+    let prior = prior(&robot);
+    let belief = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+    let learned = baseline(&robot, &belief, &["a"], 0);
+    assert!(learned.belief(&robot, &prior, "a").is_ok());
+    let why = |robot: &Robot| {
+        learned
+            .belief(robot, &prior, "a.baseline")
+            .unwrap_err()
+            .to_string()
+    };
+    let mut heavier = robot.clone();
+    let held = BodyInertia {
+        mass: 0.05,
+        com: [0.0; 3],
+        inertia: [[0.0; 3]; 3],
+    };
+    let tool = heavier.arm.with_payload("tool", held);
+    heavier.arm = tool.unwrap().unwrap();
+    let said = why(&heavier);
+    assert!(
+        said.contains("a.baseline") && said.contains("wrist") && said.contains("kg there, now"),
+        "{said}"
+    );
+    let mut softer = robot.clone();
+    softer.transmissions[2]
+        .as_mut()
+        .unwrap()
+        .stiffness_nm_per_rad += 1.0;
+    assert!(
+        why(&softer).contains("stiffness_nm_per_rad"),
+        "{}",
+        why(&softer)
+    );
+    // Read back from its file it still fits.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.baseline");
+    learned.write(&path).unwrap();
+    let read = Baseline::read(&path).unwrap();
+    assert!(read.belief(&robot, &prior, "a").is_ok());
+}

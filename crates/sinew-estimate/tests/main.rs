@@ -1,0 +1,19 @@
+//! All tests of sinew-estimate in one binary: one link, one start.
+
+mod absolute;
+mod absolute_events;
+mod bad_input;
+mod baseline_merge;
+mod live;
+mod motor_current;
+mod offset_map;
+mod offset_scenarios;
+mod real_absolute;
+mod real_data;
+mod recursive;
+mod simulated_recordings;
+mod slip_cause;
+mod slips;
+mod support;
+mod trend;
+mod trend_records;

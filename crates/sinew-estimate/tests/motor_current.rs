@@ -1,0 +1,97 @@
+//! A motor's current as the second witness: its torque constant is known to a tenth only.
+//!
+//! `SINEW_SEEDS=32 cargo test --release --workspace --test motor_current -- --nocapture` measures it.
+
+use crate::support;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, Normal};
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Absolute, Recorded, WatchOptions};
+use sinew_model::robot::Robot;
+use support::{asked_seeds, biorob_like, work_session};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Witness {
+    None,
+    Torque,
+    Current,
+}
+
+/// What is said of session B since A.
+fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> Absolute {
+    let [a, b] = [0, 1].map(|k| Recorded {
+        motor_current: witness == Witness::Current,
+        ..sessions[k].clone()
+    });
+    let motor_torque = witness != Witness::None;
+    let learning = absolute::Learning {
+        motor_torque,
+        ..absolute::Learning::default()
+    };
+    let (baseline, _) = absolute::learn_recorded_from(robot, &a, "A", &learning).unwrap();
+    let options = WatchOptions {
+        motor_torque,
+        ..WatchOptions::default()
+    };
+    let with = Some((&baseline, "A"));
+    absolute::watch_recorded(robot, &b, "B", with, &options)
+        .unwrap()
+        .0
+}
+
+#[test]
+fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
+    let robot = biorob_like();
+    let (asked, error) = (asked_seeds(), Normal::new(0.0, 0.1).unwrap());
+    let recordings = asked.unwrap_or(2);
+    // The mapping's constants are all that is off.
+    let exact = |text: String| text.replace("scale_error = { std = 0.03 }", "scale_error = 0.0");
+    for witness in [Witness::None, Witness::Torque, Witness::Current] {
+        let (mut inside, mut scales, mut count) = (0, 0, 0);
+        let mut squares = vec![0.0; robot.arm.dof()];
+        for seed in 0..recordings {
+            let mut rng = ChaCha12Rng::seed_from_u64(seed);
+            let scale: Vec<f64> = (squares.iter())
+                .map(|_| 1.0 + error.sample(&mut rng))
+                .collect();
+            let (mut parts, truth) = work_session(&robot, 900 + seed, exact, &[60.0, 120.0]);
+            // Features are linear in it.
+            for block in parts.iter_mut().flat_map(|part| &mut part.blocks) {
+                for (torque, scale) in block.motor_torque.iter_mut().zip(&scale) {
+                    *torque *= scale;
+                }
+            }
+            let said = watched(&robot, &parts, witness);
+            assert_eq!(said.motor_current, witness == Witness::Current);
+            for (i, joint) in said.joints.iter().enumerate() {
+                let error = joint.offset_mrad - truth[i];
+                inside += usize::from(error.abs() <= joint.interval_95_mrad);
+                count += 1;
+                squares[i] += error * error / recordings as f64;
+                let own =
+                    |n: &&absolute::Moved| n.joint == joint.name && n.name == "motor torque scale";
+                let [found, unsure] = said.nuisance.iter().find(own).unwrap().posterior;
+                let off = (found - (scale[i] - 1.0)).abs() / unsure;
+                scales += usize::from(off < 1.96);
+            }
+        }
+        let rmse: Vec<String> = (squares.iter())
+            .map(|s| format!("{:.2}", s.sqrt()))
+            .collect();
+        println!(
+            "{witness:?}: {inside} of {count} offsets inside, {scales} scales, RMSE {} mrad",
+            rmse.join(", ")
+        );
+        match witness {
+            Witness::Current => {
+                assert!(10 * inside >= 9 * count, "{inside} of {count}");
+                assert!(10 * scales >= 9 * count, "{scales} of {count}");
+            }
+            // The belief in a torque is too narrow for such constants.
+            Witness::Torque => assert!(10 * scales < 9 * count, "{scales} of {count}"),
+            Witness::None => {}
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The absolute offset on a real arm: the KUKA LWR4+ recording with offsets added by hand.
+//!
+//! The recording has no motor positions; they are built as its own `q + tau/K` for several true `K`.
+//! The baseline is learned from one half, known offsets are added in the other, and the
+//! estimate with that baseline is held against them. Masses are those of the identified model;
+//! the estimator sees the torque sensors only through the springs made of them. Their zeros (up to
+//! 2 N·m) are an encoder's zero then, which `[tolerances] zero_mrad` leaves open.
+//!
+//! `SINEW_LONG=1 cargo test --release --workspace --test real_absolute -- --nocapture` prints the
+//! table of docs/absolute.md.
+
+use crate::support;
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Absolute, Baseline, Payload, WatchOptions, Window};
+use sinew_estimate::estimate::{Injection, Request};
+use sinew_log::Mapping;
+use std::path::Path;
+use support::{repository, shared};
+
+const JOINTS: usize = 7;
+const MIDDLE_S: f64 = 12.5;
+const FIRST: Window = Window {
+    from_s: 0.0,
+    to_s: MIDDLE_S,
+};
+const SECOND: Window = Window {
+    from_s: MIDDLE_S,
+    to_s: f64::INFINITY,
+};
+
+/// The arm as described with `described` and `zero_mrad`, its springs in truth of `k_nm_per_rad`.
+struct Arm {
+    request: Request,
+    _folder: tempfile::TempDir,
+}
+
+impl Arm {
+    fn new(shared: &Path, k_nm_per_rad: f64, described: f64, zero_mrad: f64) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let robot =
+            std::fs::read_to_string(repository().join("examples/03-real-arm/robot.toml")).unwrap();
+        let stated = "stiffness_nm_per_rad = 200.0";
+        assert_eq!(robot.matches(stated).count(), JOINTS);
+        let robot = robot.replace(stated, &format!("stiffness_nm_per_rad = {described:?}"));
+        let zero = "zero_mrad = 30.0";
+        assert_eq!(robot.matches(zero).count(), 1);
+        let robot = robot.replace(zero, &format!("zero_mrad = {zero_mrad:?}"));
+        std::fs::write(folder.path().join("robot.toml"), robot).unwrap();
+        let urdf = "kuka_lwr4_identified.urdf";
+        std::fs::copy(shared.join("models").join(urdf), folder.path().join(urdf)).unwrap();
+        let place = repository().join("examples/mappings/lwr4.toml");
+        let mapping = std::fs::read_to_string(&place).unwrap();
+        let scale = "scale = 0.005 }";
+        assert_eq!(mapping.matches(scale).count(), JOINTS);
+        let mapping = mapping.replace(scale, &format!("scale = {:?} }}", 1.0 / k_nm_per_rad));
+        let log = shared.join("data/lwr4_flobaroid/lwr4_hw_measurements_1.csv");
+        let mut request = Request::new(log);
+        request.open.mapping =
+            Some(Mapping::from_toml(&mapping, &place.display().to_string()).unwrap());
+        request.robot = Some(folder.path().to_path_buf());
+        Self {
+            request,
+            _folder: folder,
+        }
+    }
+
+    fn learn(&mut self, part: Window) -> Baseline {
+        self.request.injections.clear();
+        let (baseline, said) = absolute::learn(&self.request, part, &mut |_| {}).unwrap();
+        // All of the arm moves all of the time.
+        assert!(said.poses > 15 && said.left_out_share < 0.05, "{said:?}");
+        baseline
+    }
+
+    /// The estimate of a part with these offsets added, mrad.
+    fn watch(
+        &mut self,
+        part: Window,
+        baseline: &Baseline,
+        offsets_mrad: [f64; JOINTS],
+    ) -> Absolute {
+        let added = offsets_mrad.iter().enumerate().map(|(i, mrad)| Injection {
+            joint: format!("lwr_{i}_joint"),
+            offset_rad: 1e-3 * mrad,
+            from_s: None,
+        });
+        self.request.injections = added.collect();
+        let options = WatchOptions {
+            payload: Payload::Empty,
+            ..WatchOptions::default()
+        };
+        let with = Some((baseline, "baseline"));
+        let (said, _) = absolute::watch(&self.request, part, with, &options, &mut |_| {}).unwrap();
+        assert_eq!(said.joints.len(), JOINTS);
+        said
+    }
+}
+
+/// Offsets added in the second half, mrad.
+const ADDED: [[f64; JOINTS]; 6] = [
+    [10.0; JOINTS],
+    [2.0, -4.0, 6.0, -8.0, 10.0, -12.0, 14.0],
+    [0.0; JOINTS],
+    [-10.0; JOINTS],
+    [0.0, 15.0, 0.0, 15.0, 0.0, 0.0, 0.0],
+    [5.0, -5.0, 5.0, -5.0, 5.0, -5.0, 5.0],
+];
+
+/// `SINEW_LONG` in the environment: every case, and both halves' order.
+fn long() -> bool {
+    std::env::var_os("SINEW_LONG").is_some()
+}
+
+#[test]
+fn added_offsets_lie_inside_their_interval() {
+    let Some(shared) = shared("data").map(|data| data.join("..")) else {
+        return;
+    };
+    let added = if long() { &ADDED[..] } else { &ADDED[..2] };
+    let (mut inside, mut all) = (0, 0);
+    let halves = [
+        (FIRST, SECOND, "learned in the first half"),
+        (SECOND, FIRST, "in the second"),
+    ];
+    for (learn, watch, said) in halves.into_iter().take(if long() { 2 } else { 1 }) {
+        println!("{said}: RMSE (mean half interval) in mrad, joints 1 to 7; inside");
+        for (k, described) in [
+            (100.0, 100.0),
+            (200.0, 200.0),
+            (400.0, 400.0),
+            (800.0, 800.0),
+            (200.0, 180.0),
+            (200.0, 220.0),
+        ] {
+            let mut arm = Arm::new(&shared, k, described, 30.0);
+            let baseline = arm.learn(learn);
+            let (mut squares, mut widths) = ([0.0; JOINTS], [0.0; JOINTS]);
+            let mut held = 0;
+            for offsets in added {
+                let said = arm.watch(watch, &baseline, *offsets);
+                for (i, joint) in said.joints.iter().enumerate() {
+                    let error = joint.offset_mrad - offsets[i];
+                    squares[i] += error * error / added.len() as f64;
+                    widths[i] += joint.interval_95_mrad / added.len() as f64;
+                    held += usize::from(error.abs() < joint.interval_95_mrad);
+                    let useless = joint.interval_95_mrad > 5.0;
+                    assert_eq!(useless, joint.verdict == "can't tell", "{joint:?}");
+                    assert!(joint.steps.is_empty(), "{:?}", joint.steps);
+                }
+            }
+            print!("K {k}, described {described}:");
+            for (square, width) in squares.iter().zip(widths) {
+                print!(" {:.2} ({width:.2})", square.sqrt());
+            }
+            println!("; {held} of {}", JOINTS * added.len());
+            inside += held;
+            all += JOINTS * added.len();
+        }
+    }
+    println!("{inside} of {all} inside");
+    assert!(20 * inside >= 19 * all, "{inside} of {all}");
+}
+
+#[test]
+fn a_zero_believed_to_be_known_is_complained_of() {
+    let Some(shared) = shared("data").map(|data| data.join("..")) else {
+        return;
+    };
+    let mut arm = Arm::new(&shared, 200.0, 200.0, 0.0);
+    let baseline = arm.learn(FIRST);
+    let said = arm.watch(SECOND, &baseline, [0.0; JOINTS]);
+    // The mean of the torque sensor of joint 1, whose axis is upright, is 0.9 N·m, and so on.
+    let off = said
+        .joints
+        .iter()
+        .filter(|j| j.offset_mrad.abs() > j.interval_95_mrad);
+    assert!(off.count() >= 3, "{:?}", said.joints);
+    let (_, learned) = absolute::learn(&arm.request, FIRST, &mut |_| {}).unwrap();
+    for joint in ["lwr_0_joint", "lwr_4_joint", "lwr_5_joint"] {
+        let complaint = |w: &&String| w.starts_with(joint) && w.contains("zero_mrad");
+        assert!(
+            learned.warnings.iter().any(|w| complaint(&w)),
+            "{:?}",
+            learned.warnings
+        );
+    }
+}

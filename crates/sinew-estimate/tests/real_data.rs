@@ -1,0 +1,87 @@
+//! Real arms: the KUKA LWR4+ recording with offsets added by hand.
+//!
+//! The recording has no motor positions, so they are built as its own `q + tau/K` with a stated
+//! `K` of 200 N·m/rad (`examples/mappings/lwr4.toml`); 0.01 rad is added at joints 2 and 4 from
+//! mid-recording. The observer doesn't see the torque: what it estimates rests on the masses.
+
+use crate::support;
+
+use sinew_estimate::estimate;
+use sinew_estimate::estimate::{Estimate, Injection, Request};
+use sinew_log::Mapping;
+use support::{repository, shared};
+
+fn lwr4(injections: Vec<Injection>) -> Option<Estimate> {
+    let shared = shared("data")?.join("..");
+    let example = repository().join("examples/03-real-arm");
+    let robot = tempfile::tempdir().unwrap();
+    std::fs::copy(example.join("robot.toml"), robot.path().join("robot.toml")).unwrap();
+    std::fs::copy(
+        shared.join("models/kuka_lwr4_identified.urdf"),
+        robot.path().join("kuka_lwr4_identified.urdf"),
+    )
+    .unwrap();
+    let mut request = Request::new(shared.join("data/lwr4_flobaroid/lwr4_hw_measurements_1.csv"));
+    let mapping = repository().join("examples/mappings/lwr4.toml");
+    request.open.mapping = Some(
+        Mapping::from_toml(
+            &std::fs::read_to_string(&mapping).unwrap(),
+            &mapping.display().to_string(),
+        )
+        .unwrap(),
+    );
+    request.robot = Some(robot.path().to_path_buf());
+    request.injections = injections;
+    Some(estimate::run(&request, &mut |_| {}).unwrap())
+}
+
+#[test]
+fn lwr4_offsets_are_found() {
+    const MIDDLE_S: f64 = 12.5;
+    let inject = |joint: &str| Injection {
+        joint: joint.into(),
+        offset_rad: 0.01,
+        from_s: Some(MIDDLE_S),
+    };
+    let Some(plain) = lwr4(Vec::new()) else {
+        return;
+    };
+    let with = lwr4(vec![inject("lwr_1_joint"), inject("lwr_3_joint")]).unwrap();
+    for w in &with.warnings {
+        println!("warning: {w}");
+    }
+    for (i, limit_bias_mrad) in [(1, 1.5), (3, 2.7)] {
+        let (a, b) = (&plain.joints[i], &with.joints[i]);
+        // The step of the means, from the averages over each half.
+        let half = |late: bool| {
+            let s = &b.series;
+            let (mut sum, mut n) = (0.0, 0.0);
+            for (t, d) in s.time_s.iter().zip(&s.delta_e_mrad) {
+                // Leave the observer 1 s to follow the step.
+                let inside = if late {
+                    *t > MIDDLE_S + 1.0
+                } else {
+                    *t < MIDDLE_S
+                };
+                if inside && d.is_finite() {
+                    sum += d;
+                    n += 1.0;
+                }
+            }
+            sum / n
+        };
+        let step = half(true) - half(false);
+        println!(
+            "{}: bias {:+.2} mrad, scatter {:.2} mrad, standard error {:.2} mrad, step of the means {:.2} mrad, usable {:.1} %",
+            a.name,
+            a.delta_e_mrad,
+            a.scatter_mrad,
+            a.standard_error_mrad,
+            step,
+            100.0 * a.usable_share
+        );
+        assert!(a.delta_e_mrad.abs() < limit_bias_mrad, "{}", a.delta_e_mrad);
+        assert!(a.scatter_mrad < 3.5);
+        assert!((step - 10.0).abs() < 0.5, "{step}");
+    }
+}

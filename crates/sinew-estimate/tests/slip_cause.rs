@@ -1,0 +1,163 @@
+//! A slip of the rope and one of an encoder are told apart by the moment they happen at.
+
+use crate::support;
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Cause, Jumps, Recorder, WatchOptions, Why};
+use sinew_model::offset::FeatureConfig;
+use sinew_model::robot::Robot;
+use sinew_sim::{Scenario, Simulation};
+use support::{biorob_like, repository, seeds};
+
+const PITCH: usize = 1;
+const ELBOW: usize = 2;
+/// An arm this quick follows 1.4 · 500 / 250² = 1 % of a slip within a sample of 250 Hz.
+const QUICKNESS: f64 = 500.0;
+
+/// One joint that swings, read by a 13-bit encoder and a finer one on the motor's side, with
+/// what `motor` and `joint` add at a time.
+fn swing(rate_hz: f64, motor: impl Fn(f64) -> f64, joint: impl Fn(f64) -> f64) -> Jumps {
+    let mut jumps = Jumps::new(1);
+    let step = std::f64::consts::TAU / 8192.0;
+    for k in 0..(60.0 * rate_hz) as u32 {
+        let t = f64::from(k) / rate_hz;
+        let q = 0.8 * (1.3 * t).sin();
+        let theta = q + 0.05 * (1.3 * t).cos() + motor(t);
+        let read = ((q + joint(t)) / step).round() * step;
+        jumps.push(t, &[(theta / 6e-5).round() * 6e-5], &[read]);
+    }
+    jumps
+}
+
+/// 5 mrad from 30.1 s on, over `rise_s`.
+fn slip(rise_s: f64) -> impl Fn(f64) -> f64 {
+    move |t: f64| 5e-3 * ((t - 30.1) / rise_s).clamp(0.0, 1.0)
+}
+
+#[test]
+fn which_reading_jumped_is_seen_in_the_samples() {
+    let none = |_: f64| 0.0;
+    let at = |jumps: &Jumps| jumps.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS);
+    assert_eq!(at(&swing(250.0, slip(1e-6), none)), Cause::MotorEncoder);
+    assert_eq!(
+        at(&swing(250.0, none, |t| -slip(1e-6)(t))),
+        Cause::JointEncoder
+    );
+    // The other way round would make the offset smaller: that is no explanation.
+    assert_eq!(at(&swing(250.0, none, slip(1e-6))), Cause::Rope);
+    // Motor and joint share a rope's slip and take a tenth of a second.
+    let motor = |t: f64| 0.4 * slip(0.1)(t);
+    let joint = |t: f64| -0.6 * slip(0.1)(t);
+    assert_eq!(at(&swing(250.0, motor, joint)), Cause::Rope);
+    assert_eq!(
+        at(&swing(250.0, slip(1e-6), |t| -slip(1e-6)(t))),
+        Cause::Unknown(Why::Both)
+    );
+}
+
+#[test]
+fn what_cannot_be_told_is_not_told() {
+    let none = |_: f64| 0.0;
+    let jumps = swing(250.0, slip(1e-6), none);
+    let cause = |size: f64, quickness: f64| jumps.cause(0, 30.6, [size, 0.3e-3], quickness);
+    // Half a milliradian is less than a step of the joint's encoder.
+    assert_eq!(cause(0.5e-3, QUICKNESS), Cause::Unknown(Why::Noise));
+    // 1.4 · 5000 / 250² = 0.11, 1.4 · 20000 / 250² = 0.45 of a slip.
+    assert_eq!(cause(5e-3, 5e3), Cause::MotorEncoder);
+    assert_eq!(cause(5e-3, 2e4), Cause::Unknown(Why::Rate));
+    assert_eq!(cause(5e-3, f64::NAN), Cause::Unknown(Why::Rate));
+    assert_eq!(
+        jumps.cause(7, 30.6, [5e-3, 0.3e-3], QUICKNESS),
+        Cause::Unknown(Why::Missing)
+    );
+    let slow = swing(25.0, slip(1e-6), none);
+    assert_eq!(
+        slow.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS),
+        Cause::Unknown(Why::Rate)
+    );
+    // A hole of 40 ms at the slip.
+    let mut holed = Jumps::new(1);
+    for k in 0..15_000_u32 {
+        let t = f64::from(k) / 250.0;
+        if !(30.08..30.12).contains(&t) {
+            holed.push(t, &[slip(1e-6)(t)], &[0.0]);
+        }
+    }
+    assert_eq!(
+        holed.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS),
+        Cause::Unknown(Why::Missing)
+    );
+    // Elsewhere the same recording tells.
+    assert_eq!(holed.cause(0, 50.0, [5e-3, 0.3e-3], QUICKNESS), Cause::Rope);
+}
+
+/// The work session of the examples, sessions A and C, its two slips of `kind`; every `every`th
+/// frame is recorded.
+fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Absolute {
+    let place = repository().join("examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let (before, slips) = text.split_at(text.find("at_s = 130.0").unwrap() - 60);
+    let slips = slips.replace("\"physical\"", &format!("\"{kind}\""));
+    assert_eq!(slips.matches(kind).count(), 2);
+    let text = format!("{before}{slips}");
+    let mut scenario = Scenario::from_toml(&text, "work-session.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let (mut first, mut last) = (recorder(), recorder());
+    let mut k = 0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        let t = f64::from(k) / 250.0;
+        if (k as usize).is_multiple_of(every) {
+            if t < 60.0 {
+                first.push(frame, t);
+            } else if t >= 120.0 {
+                last.push(frame, t);
+            }
+        }
+        k += 1;
+    }
+    let (baseline, _) = absolute::learn_recorded(robot, &first.finish(), "A").unwrap();
+    let with = Some((&baseline, "baseline"));
+    absolute::watch_recorded(robot, &last.finish(), "C", with, &WatchOptions::default())
+        .unwrap()
+        .0
+}
+
+#[test]
+fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
+    let robot = biorob_like();
+    for (kind, expected) in [
+        ("physical", "rope"),
+        ("motor-encoder", "motor encoder"),
+        ("joint-encoder", "joint encoder"),
+    ] {
+        let (mut found, mut right, mut open) = (0, 0, 0);
+        for seed in 0..seeds(1) {
+            let said = watched(&robot, 70 + seed, kind, 1);
+            for (joint, at_s) in [(PITCH, 130.0), (ELBOW, 150.0)] {
+                let steps = said.joints[joint].steps.iter();
+                for step in steps.filter(|s| (s.time_s - at_s).abs() < 2.5 && s.kind == "slip") {
+                    println!(
+                        "{kind} seed {seed}: {:+.2} ± {:.2} mrad at {:.1} s: {}",
+                        step.size_mrad, step.interval_95_mrad, step.time_s, step.cause_said
+                    );
+                    found += 1;
+                    right += usize::from(step.cause == expected);
+                    open += usize::from(step.cause == "can't be told");
+                }
+            }
+        }
+        println!("{kind}: {found} found, {right} called right, {open} can't be told");
+        assert!(found > 0);
+        assert_eq!(right + open, found, "{kind}: wrong ones");
+        assert!(2 * right > found, "{kind}: {right} of {found}");
+    }
+    // At 25 Hz an arm moves as fast as an encoder jumps.
+    let said = watched(&robot, 70, "motor-encoder", 10);
+    for joint in &said.joints {
+        for step in joint.steps.iter().filter(|s| s.kind == "slip") {
+            assert_eq!(step.cause, "can't be told", "{step:?}");
+        }
+    }
+}

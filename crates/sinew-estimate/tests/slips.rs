@@ -1,0 +1,108 @@
+//! Slips in the third session of the bench's scenarios: found, not taken for lost stiffness or for noise, and
+//! the offset in the end inside its interval.
+//!
+//! `SINEW_SEEDS=40 cargo test --release --workspace --test slips -- --nocapture` measures it.
+
+use crate::support;
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Absolute, Recorded, Recorder};
+use sinew_eval::scenarios::Plan;
+use sinew_model::offset::FeatureConfig;
+use sinew_sim::Simulation;
+use support::{asked_seeds, watching};
+
+/// Joint, when, s.
+type Slip = (String, f64);
+
+/// What is said of session C, the true offsets at its end, mrad, and its slips.
+fn third_session(plan: &Plan, seed: u64) -> (Absolute, Vec<f64>, Vec<Slip>) {
+    let mut scenario = plan.scenario.clone();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(&plan.simulated, &scenario).unwrap();
+    let sessions = &scenario.sessions;
+    let recorder = |_| Recorder::new(&plan.robot, &FeatureConfig::default(), 0.5);
+    let mut recorders: Vec<Recorder> = sessions.iter().map(recorder).collect();
+    let (mut truth, mut slips) = (Vec::new(), Vec::new());
+    let mut k = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        let t: f64 = k / scenario.sample_rate_hz;
+        k += 1.0;
+        let session = sessions
+            .iter()
+            .position(|s| (s.from_s..s.to_s).contains(&t));
+        let Some(session) = session else { continue };
+        recorders[session].push(frame, t);
+        let now: Vec<f64> = (simulation.true_state().delta_e.iter())
+            .map(|x| 1e3 * x)
+            .collect();
+        if session == 2 {
+            for ((name, before), now) in plan.robot.joint_names().iter().zip(&truth).zip(&now) {
+                if f64::abs(now - before) > 1.0 {
+                    slips.push((name.clone(), t));
+                }
+            }
+        }
+        truth = now;
+    }
+    let sessions: Vec<Recorded> = recorders.into_iter().map(Recorder::finish).collect();
+    let options = watching(plan);
+    let (baseline, _) = absolute::learn_recorded(&plan.robot, &sessions[0], "A").unwrap();
+    let watch = |part: &Recorded, with| {
+        absolute::watch_recorded(&plan.robot, part, "part", Some((with, "before")), &options)
+    };
+    let (_, next) = watch(&sessions[1], &baseline).unwrap();
+    let (said, _) = watch(&sessions[2], &next).unwrap();
+    (said, truth, slips)
+}
+
+#[test]
+fn slips_are_no_noise_and_no_lost_stiffness() {
+    // Two thirds of a session after a slip: it was taken for noise. Four poses: for a failed strand.
+    let ordinary = [("S7", vec![3020]), ("S9", vec![3007, 3014])];
+    let asked = asked_seeds().map(|n| {
+        let seeds: Vec<u64> = (3000..3000 + n).collect();
+        ["S5", "S7", "S8", "S9"]
+            .map(|name| (name, seeds.clone()))
+            .to_vec()
+    });
+    for (name, seeds) in asked.clone().unwrap_or_else(|| ordinary.to_vec()) {
+        let plan = Plan::named(name).unwrap();
+        let (mut found, mut slipped, mut inside, mut offsets) = (0, 0, 0, 0);
+        let mut late_s = Vec::new();
+        for seed in seeds {
+            let (said, truth, slips) = third_session(&plan, seed);
+            for (joint, truth) in said.joints.iter().zip(&truth) {
+                let error = joint.offset_mrad - truth;
+                let is_inside = error.abs() < joint.interval_95_mrad;
+                inside += usize::from(is_inside);
+                offsets += 1;
+                let own = slips.iter().filter(|(name, _)| *name == joint.name);
+                for (_, at_s) in own {
+                    slipped += 1;
+                    let near = |s: &&absolute::Step| (s.time_s - at_s).abs() < 5.0;
+                    let step = joint.steps.iter().find(near);
+                    let as_slip = step.is_some_and(|s| s.kind == "slip");
+                    found += usize::from(as_slip);
+                    late_s.extend(step.map(|s| s.time_s - at_s));
+                    if !(as_slip && is_inside) {
+                        println!(
+                            "{name} {seed} {}: {error:+.2} ± {:.2}, slip at {at_s:.1} s, {step:?}",
+                            joint.name, joint.interval_95_mrad
+                        );
+                    }
+                    assert!(asked.is_some() || (as_slip && is_inside), "{name} {seed}");
+                }
+            }
+        }
+        println!(
+            "{name}: {found} of {slipped} slips called so, {inside} of {offsets} inside in the end"
+        );
+        late_s.sort_by(f64::total_cmp);
+        let median_s = late_s[late_s.len() / 2];
+        println!("{name}: {median_s:+.2} s late in the median");
+        // Features lag by 0.26 s, what is said of a moment must not.
+        assert!(median_s.abs() < 0.15, "{median_s}");
+        assert!(slipped > 0);
+    }
+}

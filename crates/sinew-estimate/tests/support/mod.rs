@@ -1,0 +1,140 @@
+//! What several tests of this crate start from.
+
+// Each test file uses its own part of this.
+#![allow(dead_code)]
+
+use sinew_estimate::absolute;
+use sinew_estimate::absolute::{Baseline, Payload, Recorded, Recorder, WatchOptions};
+use sinew_estimate::robot_dir;
+use sinew_estimate::trend::{SessionRecord, date::parse_utc_s};
+use sinew_eval::scenarios::Plan;
+use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
+use sinew_model::robot::Robot;
+use sinew_sim::{Scenario, Simulation};
+use std::path::{Path, PathBuf};
+
+pub(crate) const DAY_S: f64 = 86_400.0;
+
+/// The repository's folder.
+pub(crate) fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Folder of the shipped robot.
+pub(crate) fn biorob_like_folder() -> PathBuf {
+    repository().join("robots/biorob-like")
+}
+
+/// The shipped robot.
+pub(crate) fn biorob_like() -> Robot {
+    robot_dir::load(&biorob_like_folder(), None).unwrap().robot
+}
+
+/// A part of the shared folder beside the checkout (`SINEW_SHARED`), or `None` with a visible word.
+pub(crate) fn shared(part: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("SINEW_SHARED")
+        .map_or_else(|| repository().join("../shared"), PathBuf::from);
+    let place = root.join(part);
+    if place.exists() {
+        return Some(place);
+    }
+    // Past the capture of a test that passes.
+    let _ = std::io::Write::write_fmt(
+        &mut std::io::stderr(),
+        format_args!("SKIPPED: {} is not there\n", place.display()),
+    );
+    None
+}
+
+/// How many draws a test makes: `SINEW_SEEDS`, or a few.
+pub(crate) fn seeds(ordinary: u64) -> u64 {
+    asked_seeds().unwrap_or(ordinary)
+}
+
+/// `SINEW_SEEDS`.
+pub(crate) fn asked_seeds() -> Option<u64> {
+    std::env::var("SINEW_SEEDS").ok()?.parse().ok()
+}
+
+/// Seconds since 1970 of a date.
+pub(crate) fn utc(text: &str) -> f64 {
+    parse_utc_s(text).unwrap()
+}
+
+/// A session of the elbow, so many days after 2026-03-01.
+pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
+    SessionRecord {
+        source: format!("day {day}"),
+        robot: Some("biorob-like".into()),
+        recording: None,
+        baseline: Some("march".into()),
+        time_utc_s: utc("2026-03-01") + day * DAY_S,
+        duration_s: Some(60.0),
+        joint: "elbow".into(),
+        offset_mrad: Some([offset_mrad, 0.6]),
+        temperature_c: Some(21.0),
+        stiffness_percent: None,
+    }
+}
+
+/// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at
+/// 120 s, mrad.
+pub(crate) fn work_session(
+    robot: &Robot,
+    seed: u64,
+    edit: impl Fn(String) -> String,
+    cuts_s: &[f64],
+) -> (Vec<Recorded>, Vec<f64>) {
+    let place = repository().join("examples/scenarios");
+    let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
+    let mut scenario = Scenario::from_toml(&edit(text), "work-session.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder = || Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let mut parts = vec![recorder()];
+    let mut cuts = cuts_s.iter().copied().peekable();
+    let mut truth = Vec::new();
+    let mut frame_at = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        if cuts.next_if(|cut| frame_at >= *cut).is_some() {
+            parts.push(recorder());
+        }
+        parts.last_mut().unwrap().push(frame, frame_at);
+        frame_at += 1.0 / 250.0;
+        if frame_at < 120.0 {
+            truth = simulation
+                .true_state()
+                .delta_e
+                .iter()
+                .map(|x| 1e3 * x)
+                .collect();
+        }
+    }
+    (parts.into_iter().map(Recorder::finish).collect(), truth)
+}
+
+/// How a scenario of the bench is watched.
+pub(crate) fn watching(plan: &Plan) -> WatchOptions {
+    let payload = if plan.scenario.payloads.is_empty() {
+        Payload::Empty
+    } else {
+        Payload::Unknown
+    };
+    WatchOptions {
+        payload,
+        ..WatchOptions::default()
+    }
+}
+
+/// The recursive form after a recording, and the sum of its weights.
+pub(crate) fn block_by_block(
+    robot: &Robot,
+    baseline: &Baseline,
+    options: &WatchOptions,
+    recorded: &Recorded,
+) -> (RecursiveOffsets, f64) {
+    let mut filter = absolute::live(robot, (baseline, "baseline"), options).unwrap();
+    let blocks = recorded.blocks.iter();
+    let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
+    (filter, weights)
+}

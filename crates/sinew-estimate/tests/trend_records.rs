@@ -1,0 +1,213 @@
+//! Records of sessions from files: what is read, what is refused.
+
+use crate::support;
+
+use sinew_estimate::trend::{RecordError, records_from_csv, records_from_json, sort};
+use support::{DAY_S, session_record, utc};
+
+#[test]
+fn csv_says_line_and_cure() {
+    let head = "time,joint,offset_mrad,interval_95_mrad,temperature_c\n";
+    let good = records_from_csv(
+        &format!("{head}# a note\n2026-03-01T08:30Z,elbow,1.5,0.4,21\n2026-03-02,elbow,,,\n"),
+        "s.csv",
+    )
+    .unwrap();
+    assert_eq!(good[0].offset_mrad, Some([1.5, 0.4]));
+    assert_eq!(good[0].time_utc_s, utc("2026-03-01T08:30Z"));
+    assert_eq!((good[1].offset_mrad, good[1].temperature_c), (None, None));
+    for (row, words) in [
+        ("yesterday,elbow,1,0.4,21", "no date"),
+        ("2026-03-01,elbow,nan,0.4,21", "not a finite number"),
+        ("2026-03-01,elbow,1,0,21", "above 0 mrad"),
+        ("2026-03-01,elbow,1,-0.3,21", "above 0 mrad"),
+        ("2026-03-01,elbow,1,,21", "empty beside an offset"),
+        ("2026-03-01,elbow,9999,1,21", "half a turn"),
+        ("2026-03-01,,1,1,21", "'joint' is empty"),
+        ("2026-03-01,elbow,1,1,warm", "temperature_c"),
+    ] {
+        let error = records_from_csv(&format!("{head}{row}\n"), "s.csv")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(words) && error.contains("s.csv, line 2"),
+            "{row}: {error}"
+        );
+    }
+    let error = records_from_csv("time,joint\n", "s.csv")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("no column 'offset_mrad'"), "{error}");
+}
+
+#[test]
+fn what_estimate_prints_is_read() {
+    let joints = r#"[{"name": "elbow", "offset_mrad": 1.5, "interval_95_mrad": 0.4, "verdict": "longer",
+        "stiffness_change_percent": [-2.0, 1.0]},
+        {"name": "wrist", "offset_mrad": 9.0, "interval_95_mrad": 16.0, "verdict": "can't tell"}]"#;
+    let estimate = format!(
+        r#"{{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}},
+            "robot": {{"name": "arm"}}, "joints": [],
+            "absolute": {{"recording": "a.mcap", "baseline": "b", "duration_s": 60.0, "joints": {joints}}}}}"#
+    );
+    let read = records_from_json(&estimate, "a.json").unwrap();
+    assert_eq!(read.len(), 2);
+    assert_eq!(read[0].time_utc_s, 1_772_353_800.0);
+    assert_eq!(read[0].robot.as_deref(), Some("arm"));
+    assert_eq!(read[0].stiffness_percent, Some([-2.0, 1.0]));
+    assert_eq!(read[1].offset_mrad, None, "it couldn't tell");
+    // The absolute estimate alone, with a date of its own; a list; one document after another.
+    let alone = format!(
+        r#"{{"start_time_utc_s": 1772353800.0, "temperature_c": 22.5, "joints": {joints}}}"#
+    );
+    assert_eq!(
+        records_from_json(&alone, "a.json").unwrap()[0].temperature_c,
+        Some(22.5)
+    );
+    assert_eq!(
+        records_from_json(&format!("[{alone},{alone}]"), "a")
+            .unwrap()
+            .len(),
+        4
+    );
+    assert_eq!(
+        records_from_json(&format!("{alone}\n{alone}"), "a")
+            .unwrap()
+            .len(),
+        4
+    );
+    for (text, words) in [
+        (
+            estimate.replace("1772353800000000000", "12"),
+            "says no date",
+        ),
+        (alone.replace("1772353800.0", "0.0"), "says no date"),
+        (
+            r#"{"recording": {"path": "a"}, "joints": []}"#.into(),
+            "--baseline",
+        ),
+        ("{}".into(), "not a session's estimate"),
+        ("[1, 2".into(), "not JSON"),
+        (" ".into(), "is empty"),
+        (alone.replace("0.4", "-1"), "above 0 mrad"),
+    ] {
+        let error = records_from_json(&text, "a.json").unwrap_err().to_string();
+        assert!(
+            error.contains(words) && error.contains("a.json"),
+            "{text}: {error}"
+        );
+    }
+}
+
+#[test]
+fn records_are_put_in_order_and_freed_of_repeats() {
+    let mut late = session_record(3.0, 2.0);
+    late.source = "again".into();
+    let mut overlapping = session_record(2.0, 7.0);
+    overlapping.time_utc_s += 30.0;
+    let sorted = sort(
+        vec![
+            session_record(3.0, 2.0),
+            session_record(2.0, 1.5),
+            late,
+            session_record(1.0, 1.0),
+            overlapping,
+        ],
+        None,
+    )
+    .unwrap();
+    let days: Vec<f64> = (sorted.joints[0].1.iter())
+        .map(|r| (r.time_utc_s - utc("2026-03-01")) / DAY_S)
+        .collect();
+    assert_eq!(days, [1.0, 2.0, 3.0]);
+    assert!(
+        sorted.notes.iter().any(|n| n.contains("counted once")),
+        "{:?}",
+        sorted.notes
+    );
+    assert!(
+        sorted.notes.iter().any(|n| n.contains("overlaps")),
+        "{:?}",
+        sorted.notes
+    );
+
+    let conflict = sort(
+        vec![session_record(1.0, 1.0), session_record(1.0, 2.0)],
+        None,
+    )
+    .unwrap_err();
+    assert!(conflict.to_string().contains("2026-03-02"), "{conflict}");
+    let mut other = session_record(2.0, 1.0);
+    other.robot = Some("other".into());
+    let error = sort(vec![session_record(1.0, 1.0), other], None).unwrap_err();
+    assert!(matches!(error, RecordError::Robot { .. }), "{error}");
+    let joints = ["wrist".to_string()];
+    let error = sort(
+        vec![session_record(1.0, 1.0)],
+        Some(("biorob-like", &joints)),
+    )
+    .unwrap_err();
+    assert!(error.to_string().contains("'elbow'") && error.to_string().contains("wrist"));
+    assert_eq!(sort(Vec::new(), None), Err(RecordError::Empty));
+}
+
+#[test]
+fn damaged_files_are_refused_and_never_break_anything() {
+    let csv = "time,joint,offset_mrad,interval_95_mrad,temperature_c,stiffness_change_percent\n\
+               2026-03-01T08:30Z,elbow,1.5,0.4,21,-2\n2026-03-02,elbow,,,,\n";
+    let json = r#"{"start_time_utc_s": 1772353800.0, "joints": [{"name": "elbow", "offset_mrad": 1.5,
+        "interval_95_mrad": 0.4, "verdict": "longer", "stiffness_change_percent": [-2.0, 1.0]}]}"#;
+    // Bytes replaced, cut out and doubled at places of a simple generator.
+    let mut state = 7_u64;
+    let mut next = |most: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as usize) % most.max(1)
+    };
+    let (mut taken, mut refused) = (0, 0);
+    for _ in 0..4000 {
+        for (text, is_csv) in [(csv, true), (json, false)] {
+            let mut bytes = text.as_bytes().to_vec();
+            for _ in 0..=next(4) {
+                if bytes.is_empty() {
+                    break;
+                }
+                let at = next(bytes.len());
+                match next(3) {
+                    0 => {
+                        let with = b"0123456789-+.eE,:\"[]{}\n \xffnaif";
+                        bytes[at] = with[next(with.len())];
+                    }
+                    1 => drop(bytes.drain(at..(at + next(20)).min(bytes.len()))),
+                    _ => {
+                        let piece = bytes[at..(at + next(20)).min(bytes.len())].to_vec();
+                        bytes.splice(at..at, piece);
+                    }
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            let read = if is_csv {
+                records_from_csv(&text, "f")
+            } else {
+                records_from_json(&text, "f")
+            };
+            match read.and_then(|records| sort(records, None)) {
+                Ok(sorted) => {
+                    taken += 1;
+                    for (_, records) in sorted.joints {
+                        for r in records {
+                            assert!(r.time_utc_s.is_finite());
+                            assert!(r.offset_mrad.is_none_or(|[y, i]| y.is_finite() && i > 0.0));
+                        }
+                    }
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert!(!error.to_string().is_empty());
+                }
+            }
+        }
+    }
+    assert!(taken > 100 && refused > 100, "{taken} {refused}");
+}

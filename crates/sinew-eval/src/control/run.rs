@@ -1,0 +1,200 @@
+//! A scenario run and scored.
+
+use super::score::{AFTERMATH_S, ContactScore, JointTally, SETTLED_S, Score};
+use super::watch::{Watch, WatchedMoment};
+use serde::Serialize;
+use sinew_model::correction::JointCorrection;
+use sinew_model::robot::Robot;
+use sinew_sim::scenario::{Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, Truth};
+use sinew_sim::{SimulateError, Simulation, TrueState};
+
+/// A scenario without and with its correction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Neither the set-points nor the external torque corrected.
+    pub without: Score,
+    /// As the scenario's `[correction]` says.
+    pub with: Score,
+}
+
+/// Contacts with another sensitivity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// Factor on the threshold.
+    pub threshold_factor: f64,
+    /// What was seen with it.
+    pub contacts: ContactScore,
+}
+
+/// A score with other sensitivities beside it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// As the scenario has it.
+    pub score: Score,
+    /// With each factor asked for.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+/// What a moment of a run is shown to.
+type Show<'a> = &'a mut dyn FnMut(&TrueState, WatchedMoment<'_>);
+
+/// Runs a scenario without and with its correction.
+///
+/// Without: no offset known, everything else as the scenario says, thresholds included; those of
+/// a robot whose ropes are thought to be as they were.
+///
+/// # Errors
+/// [`SimulateError`]; a scenario without a correction is refused.
+pub fn compare(robot: &Robot, scenario: &Scenario) -> Result<Comparison, SimulateError> {
+    if scenario.correction.offset == KnownOffset::Nothing {
+        return Err(SimulateError::Missing {
+            file: scenario.file.clone(),
+            line: 1,
+            section: "[correction]".into(),
+            key: "offset".into(),
+            why: "\"true\", or \"stated\" with offset_rad or estimate: there is nothing to compare"
+                .into(),
+        });
+    }
+    let noise = noise_nm(robot, scenario)?;
+    let mut blind = scenario.clone();
+    blind.correction.offset = KnownOffset::Nothing;
+    blind.correction.offset_rad = PerJoint::default();
+    blind.correction.offset_error_rad = PerJoint::default();
+    Ok(Comparison {
+        without: run(robot, &blind, &noise)?,
+        with: run(robot, scenario, &noise)?,
+    })
+}
+
+/// Runs a scenario with the correction it states, and scores it.
+///
+/// * `noise_nm`: noise of the external torque, one per joint, of [`noise_nm()`].
+///
+/// # Errors
+/// [`SimulateError`].
+pub fn run(robot: &Robot, scenario: &Scenario, noise_nm: &[f64]) -> Result<Score, SimulateError> {
+    Ok(run_watched(robot, scenario, noise_nm, &[], &mut |_, _| {})?.score)
+}
+
+/// As [`run`], with further detectors whose thresholds are scaled by `factors`, and `show` told of
+/// every frame.
+///
+/// # Errors
+/// [`SimulateError`].
+pub fn run_watched(
+    robot: &Robot,
+    scenario: &Scenario,
+    noise_nm: &[f64],
+    factors: &[f64],
+    show: Show<'_>,
+) -> Result<Outcome, SimulateError> {
+    let mut simulation = Simulation::new(robot, scenario)?;
+    let names = simulation.joint_names().to_vec();
+    let n = names.len();
+    let known: Vec<JointCorrection> = (0..n).map(|i| simulation.known_at(i, 0.0)).collect();
+    let detection = &scenario.contact_detection;
+    let all: Vec<f64> = std::iter::once(1.0)
+        .chain(factors.iter().copied())
+        .collect();
+    let mut watch = Watch::new(robot, &known, detection, noise_nm, &all)?;
+    let from_s = watch.settling_time_s();
+    let mut tallies = vec![JointTally::default(); n];
+    let mut stood_s = 0.0;
+    let mut last_touch_s = f64::NEG_INFINITY;
+    let dt = 1.0 / scenario.sample_rate_hz;
+    while let Some(frame) = simulation.next_frame()? {
+        let (q, theta) = (frame.q.clone(), frame.theta.clone());
+        let truth = simulation.true_state();
+        let t = truth.time_s;
+        if simulation.known_changes() {
+            for i in 0..n {
+                watch.know(i, &simulation.known_at(i, t))?;
+            }
+        }
+        watch
+            .step(t, &q, &theta)
+            .map_err(|e| SimulateError::Diverged {
+                time_s: t,
+                reason: e.to_string(),
+            })?;
+        if truth.tau_ext.iter().any(|x| *x != 0.0) {
+            last_touch_s = t;
+        }
+        let stands = truth.dq_d.iter().all(|x| *x == 0.0);
+        stood_s = if stands { stood_s + dt } else { 0.0 };
+        let moment = watch.moment();
+        if t - last_touch_s >= AFTERMATH_S {
+            for (i, tally) in tallies.iter_mut().enumerate() {
+                tally.position(truth.q[i] - truth.q_d[i], stood_s >= SETTLED_S);
+                if t >= from_s {
+                    tally.torque(moment.tau_ext[i], truth.tau_ext[i], moment.threshold[i]);
+                }
+            }
+        }
+        show(truth, moment);
+    }
+    let end_s = simulation.duration_s();
+    let contacts: Vec<(f64, f64)> = simulation
+        .contacts()
+        .begun
+        .iter()
+        .map(|c| (c.start_s, c.start_s + c.duration_s))
+        .collect();
+    let mut sensitivities = watch.finish(end_s).into_iter().map(|w| Sensitivity {
+        threshold_factor: w.factor,
+        contacts: ContactScore::of(&w.intervals, &contacts, from_s, end_s),
+    });
+    // The first one is the scenario's own.
+    let own = sensitivities.next().map(|s| s.contacts);
+    Ok(Outcome {
+        score: Score {
+            joints: tallies
+                .iter()
+                .zip(&names)
+                .map(|(tally, name)| tally.score(name))
+                .collect(),
+            contacts: own.unwrap_or_else(|| ContactScore::of(&[], &contacts, from_s, end_s)),
+        },
+        sensitivities: sensitivities.collect(),
+    })
+}
+
+/// Noise of the external torque: what the sensors alone make, N·m per joint.
+///
+/// The scenario's own `noise_nm` where given. Else the scenario is run without contacts, payload,
+/// stretch, friction and model error, and the standard deviation of the estimate is taken: what a
+/// robot shows right after commissioning while nothing touches it.
+///
+/// # Errors
+/// [`SimulateError`].
+pub fn noise_nm(robot: &Robot, scenario: &Scenario) -> Result<Vec<f64>, SimulateError> {
+    let given = &scenario.contact_detection.noise_nm;
+    let n = robot.arm.dof();
+    let mut quiet = scenario.clone();
+    quiet.contacts.clear();
+    quiet.random_contacts = None;
+    quiet.payloads.clear();
+    quiet.offsets.clear();
+    quiet.truth = Truth::default();
+    quiet.joint_friction = FrictionSpec::none();
+    quiet.motor_friction = FrictionSpec::none();
+    quiet.correction = Correction::default();
+    // Long enough for a dozen poses of a random motion.
+    const LONG_S: f64 = 30.0;
+    quiet.duration_s = quiet.duration_s.map(|d| d.min(LONG_S));
+    let mut frictionless = robot.clone();
+    for t in frictionless.transmissions.iter_mut().flatten() {
+        t.joint_friction = Default::default();
+    }
+    let measured = if given.all.is_some() {
+        vec![0.0; n]
+    } else {
+        let score = run(&frictionless, &quiet, &vec![0.0; n])?;
+        let joints = score.joints.iter();
+        joints.map(|j| j.torque_error_rms_nm).collect()
+    };
+    // A scenario's noise may be drawn; nothing else hangs on this stream.
+    let mut rng = sinew_sim::scenario::rng(scenario.seed, sinew_sim::scenario::Stream::Correction);
+    Ok(given.sample(robot.joint_names(), &measured, &mut rng))
+}

@@ -1,0 +1,8 @@
+//! How good the estimates are: scenarios, simulated years, excitation, control, the figures of the paper.
+
+pub mod control;
+pub mod excitation;
+mod journal;
+pub mod paper;
+pub mod scenarios;
+pub mod year;

@@ -1,0 +1,309 @@
+//! Figs. 1 and 2: tensile creep of the ropes at 23 and at 60 °C.
+
+use super::judge::{assumptions, curve, judged, laws, slope};
+use super::{PanelData, PaperError, PaperFigure};
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use sinew_model::rope::{Law, Load, State};
+use sinew_rope::Catalogue;
+use sinew_rope::draws::Interval;
+use sinew_rope::parallel::in_parallel;
+
+/// Load of the tests, N.
+pub(super) const LOAD_N: f64 = 60.0;
+/// Free length of the specimens, mm.
+pub(super) const LENGTH_MM: f64 = 350.0;
+/// Length of the tests, min.
+pub(super) const MINUTES: usize = 85;
+/// The straight line `m_E` begins here, min.
+pub(super) const SLOPE_FROM_MIN: f64 = 20.0;
+
+const ULTRA: &str = "gottifredi-maffioli-sk99-ultra";
+const CORD: &str = "liros-aramid-braided-cord";
+const SK99: &str = "liros-dc000-0301";
+const CLIMAX: &str = "ockert-climax-combat";
+const DM20: &str = "teufelberger-fl-32-ng";
+const TECHNORA: &str = "tu-chemnitz-technora-black";
+const VECTRAN: &str = "tu-chemnitz-vectran";
+/// Ropes under 2 mm.
+const THIN: [&str; 5] = [SK99, CLIMAX, DM20, TECHNORA, VECTRAN];
+/// Ropes of Fig. 2.
+const HOT: [&str; 4] = [DM20, SK99, TECHNORA, VECTRAN];
+
+/// A rope's tests: by draw, nominal first.
+pub(super) struct Test {
+    pub(super) name: String,
+    pub(super) product: String,
+    pub(super) curves: Vec<Vec<f64>>,
+    /// Strain at the end, %.
+    pub(super) end: Vec<f64>,
+    /// `m_E`, %/h.
+    pub(super) slope: Vec<f64>,
+    /// Slope of the last 20 min over that from 20 to 40 min.
+    pub(super) slope_left: Vec<f64>,
+}
+
+pub(super) fn minutes() -> Vec<f64> {
+    (0..=MINUTES).map(|m| m as f64).collect()
+}
+
+/// Strain at every minute of a test, %. The first reading is right after loading.
+fn strain(law: &Law, load: Load) -> Result<Vec<f64>, PaperError> {
+    let mut state = State::default();
+    let rates = law.rates(load)?;
+    let mut out = Vec::with_capacity(MINUTES + 1);
+    for minute in 0..=MINUTES {
+        if minute > 0 {
+            law.advance(&mut state, &rates, 60.0)?;
+        }
+        // The specimen is measured and zeroed at the temperature of its test.
+        let strain = law.strain(&state, load)?;
+        out.push(strain.total_percent() - strain.thermal_percent);
+    }
+    Ok(out)
+}
+
+pub(super) fn test(
+    catalogue: &Catalogue,
+    name: &str,
+    temperature_c: f64,
+) -> Result<Test, PaperError> {
+    let load = Load::celsius(LOAD_N, temperature_c);
+    let laws = laws(catalogue, name)?;
+    let curves = in_parallel(&laws, |law| strain(law, load))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    let minutes = minutes();
+    const END: f64 = MINUTES as f64;
+    let entry = &catalogue.find(name)?.entry;
+    Ok(Test {
+        name: name.into(),
+        product: format!("{} {}", entry.manufacturer, entry.product),
+        end: curves.iter().map(|c| c[MINUTES]).collect(),
+        slope: curves
+            .iter()
+            .map(|c| 60.0 * slope(&minutes, c, SLOPE_FROM_MIN..=END))
+            .collect(),
+        slope_left: curves
+            .iter()
+            .map(|c| {
+                let early = slope(&minutes, c, SLOPE_FROM_MIN..=SLOPE_FROM_MIN + 20.0);
+                slope(&minutes, c, END - 20.0..=END) / early
+            })
+            .collect(),
+        curves,
+    })
+}
+
+fn find<'a>(tests: &'a [Test], name: &str) -> Result<&'a Test, PaperError> {
+    tests
+        .iter()
+        .find(|t| t.name == name)
+        .ok_or_else(|| PaperError::Rope(name.to_string()))
+}
+
+/// Fig. 1: all nine ropes at 23 °C.
+///
+/// # Errors
+/// [`PaperError`] when the catalogue lacks a rope of Table I or its law.
+pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
+    let shipped = Catalogue::shipped()?;
+    let tests = shipped
+        .names()
+        .iter()
+        .map(|name| test(catalogue, name, 23.0))
+        .collect::<Result<Vec<_>, _>>()?;
+    let at = |name| find(&tests, name);
+    let (ultra, cord, climax) = (at(ULTRA)?, at(CORD)?, at(CLIMAX)?);
+    let thin = THIN.into_iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let rest_h = (MINUTES as f64 - SLOPE_FROM_MIN) / 60.0;
+    let highest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MIN, f64::max);
+    let lowest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MAX, f64::min);
+    let sentences = vec![
+        judged(
+            "every rope saturates with a small remaining slope",
+            "for every rope the slope of the last 20 min is at most a third of that from 20 to 40 min (0.39 would be creep with the logarithm of time, which never ends), and the slope m_E, which is above 0, carries at most 15 % of the final strain through the last 65 min",
+            |d| {
+                tests.iter().all(|t| {
+                    t.slope_left[d] <= 1.0 / 3.0
+                        && t.slope[d] > 0.0
+                        && t.slope[d] * rest_h <= 0.15 * t.end[d]
+                })
+            },
+        ),
+        judged(
+            "a larger diameter or breaking load does not mean less elongation: SK99 Ultra at 2 mm is worse than thinner ropes",
+            "SK99 Ultra ends above every rope under 2 mm, all of which have a lower published breaking load or none",
+            |d| ultra.end[d] > highest(d),
+        ),
+        judged(
+            "ropes under 2 mm end within almost 0.2 % of each other",
+            "highest minus lowest final strain of the five ropes under 2 mm is at most 0.2 %",
+            |d| highest(d) - lowest(d) <= 0.2,
+        ),
+        judged(
+            "the aramid cord and Climax Combat have almost the same slope although the cord ends far higher",
+            "their slopes m_E differ by at most a quarter of their mean, and the cord ends at least half again as high",
+            |d| {
+                let (a, b) = (cord.slope[d], climax.slope[d]);
+                (a - b).abs() <= 0.25 * 0.5 * (a + b) && cord.end[d] >= 1.5 * climax.end[d]
+            },
+        ),
+        judged(
+            "Technora and Vectran have the smallest slopes",
+            "both slopes m_E are below that of each of the other seven ropes",
+            |d| {
+                let theirs = at_most(&tests, d, |t| t.name == TECHNORA || t.name == VECTRAN);
+                let others = at_least(&tests, d, |t| t.name != TECHNORA && t.name != VECTRAN);
+                theirs < others
+            },
+        ),
+    ];
+    Ok(figure(
+        "fig1",
+        "Fig. 1: tensile creep of nine ropes at 23 °C",
+        &tests,
+        None,
+        sentences,
+    ))
+}
+
+fn at_most(tests: &[Test], d: usize, which: impl Fn(&Test) -> bool) -> f64 {
+    let slopes = tests.iter().filter(|t| which(t)).map(|t| t.slope[d]);
+    slopes.fold(f64::MIN, f64::max)
+}
+
+fn at_least(tests: &[Test], d: usize, which: impl Fn(&Test) -> bool) -> f64 {
+    let slopes = tests.iter().filter(|t| which(t)).map(|t| t.slope[d]);
+    slopes.fold(f64::MAX, f64::min)
+}
+
+/// Fig. 2: DM20, SK99, Technora and Vectran at 60 °C.
+///
+/// # Errors
+/// As [`fig1`].
+pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
+    let all = |celsius: f64| {
+        HOT.into_iter()
+            .map(|name| test(catalogue, name, celsius))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let (cold, hot) = (all(23.0)?, all(60.0)?);
+    let pair = |name| Ok::<_, PaperError>((find(&cold, name)?, find(&hot, name)?));
+    let (dm20, sk99) = (pair(DM20)?, pair(SK99)?);
+    let (technora, vectran) = (pair(TECHNORA)?, pair(VECTRAN)?);
+    let end = |p: &(&Test, &Test), d: usize| p.1.end[d] / p.0.end[d];
+    let slope = |p: &(&Test, &Test), d: usize| p.1.slope[d] / p.0.slope[d];
+    let sentences = vec![
+        judged(
+            "all except Liros SK99 reach an elongation similar to 23 °C",
+            "the final strain of DM20, Technora and Vectran at 60 °C is within 15 % of that at 23 °C",
+            |d| {
+                [&dm20, &technora, &vectran]
+                    .iter()
+                    .all(|p| (end(p, d) - 1.0).abs() <= 0.15)
+            },
+        ),
+        judged(
+            "Technora's and Vectran's slopes rise only a little",
+            "both slopes m_E at 60 °C are 1 to 1.5 times those at 23 °C",
+            |d| {
+                [&technora, &vectran]
+                    .iter()
+                    .all(|p| (1.0..=1.5).contains(&slope(p, d)))
+            },
+        ),
+        judged(
+            "SK99's and DM20's slopes fall strongly",
+            "both slopes m_E at 60 °C are at most half of those at 23 °C",
+            |d| [&sk99, &dm20].iter().all(|p| slope(p, d) <= 0.5),
+        ),
+        judged(
+            "Liros SK99 ends at about half its 23 °C value",
+            "its final strain at 60 °C is 0.4 to 0.6 of that at 23 °C",
+            |d| (0.4..=0.6).contains(&end(&sk99, d)),
+        ),
+    ];
+    let mut out = figure(
+        "fig2",
+        "Fig. 2: tensile creep of four ropes at 60 °C",
+        &hot,
+        Some(&cold),
+        sentences,
+    );
+    out.assumptions.push("\"Liros SK99\" is taken to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into());
+    out.assumptions
+        .push("The rope is warm from the start of the test.".into());
+    Ok(out)
+}
+
+/// Curves of all tests, intervals of their ends beside them; dashed, the same ropes at 23 °C where
+/// `cold` has them.
+fn figure(
+    name: &'static str,
+    title: &str,
+    tests: &[Test],
+    cold: Option<&[Test]>,
+    sentences: Vec<super::Sentence>,
+) -> PaperFigure {
+    let minutes = minutes();
+    let end = MINUTES as f64;
+    // Bars of the ends stand beside each other to the right of the curves.
+    let bar_at = |i: usize| end + 1.2 + 0.9 * i as f64;
+    let mut panel = Panel::new("", "time (min)", "strain (%)").x_range(0.0, bar_at(tests.len()));
+    let mut data = PanelData {
+        title: title.into(),
+        series: Vec::new(),
+    };
+    let colour = |i: usize| Colour::CYCLE[i % Colour::CYCLE.len()];
+    for (i, t) in cold.into_iter().flatten().enumerate() {
+        let line = Line::new("", minutes.clone(), t.curves[0].clone());
+        panel = panel.line(line.colour(colour(i)).dash(Dash::Dashed).width(1.0));
+    }
+    for (i, t) in tests.iter().enumerate() {
+        let label = format!("{}: m_{{E}} = {:.3} %/h", t.product, t.slope[0]);
+        let (line, _, mut series) = curve(&label, &minutes, &t.curves, colour(i));
+        series.name = t.name.clone();
+        data.series.push(series);
+        let dash = [Dash::Solid, Dash::Dotted][i / Colour::CYCLE.len()];
+        panel = panel.line(line.dash(dash));
+        let interval = Interval::of(t.end[0], &t.end[1..]);
+        let bar = |x: [f64; 2], y: [f64; 2], width| {
+            let line = Line::new("", x.to_vec(), y.to_vec());
+            line.colour(colour(i)).width(width)
+        };
+        let x = bar_at(i);
+        panel = panel
+            .line(bar([x, x], [interval.low, interval.high], 1.6).dash(dash))
+            .line(bar([x - 0.35, x + 0.35], [interval.value; 2], 3.0));
+    }
+    let celsius = if cold.is_some() { 60.0 } else { 23.0 };
+    let dashed = if cold.is_some() {
+        "; dashed: the same at 23 °C"
+    } else {
+        ""
+    };
+    let mut assumptions = assumptions();
+    assumptions.push(format!(
+        "Free length {LENGTH_MM} mm; the load is there at once."
+    ));
+    PaperFigure {
+        name,
+        title: title.into(),
+        about: vec![format!(
+            "Virtual creep tests at {LOAD_N} N and {celsius} °C over {MINUTES} min with the catalogue's ropes. m_E is the slope of a straight line fitted from {SLOPE_FROM_MIN} min on."
+        )],
+        figure: Figure::new(title)
+            .subtitle(format!(
+                "simulated: {LOAD_N} N, {celsius} °C{dashed}; bars at the right: 95 % of the draws at the end"
+            ))
+            .size(900.0, 520.0)
+            .panel(panel),
+        panels: vec![data],
+        sentences,
+        not_judged: vec![
+            "The standard atmosphere's humidity (23/50): the law knows temperature only.".into(),
+        ],
+        tables: Vec::new(),
+        assumptions,
+    }
+}

@@ -1,0 +1,107 @@
+//! Sentences about ropes, judged at the catalogue's values and in every draw of them.
+
+use super::{PaperError, Sentence, SeriesData};
+use sinew_figure::plot::{Band, Colour, Line};
+use sinew_model::rope::Law;
+use sinew_rope::draws::quantile;
+use sinew_rope::{Catalogue, Draws};
+
+/// Draws behind every share and band.
+pub(super) const DRAWS: usize = 400;
+/// Seed of the draws.
+pub(super) const SEED: u64 = 1;
+
+/// What every rope figure assumes.
+pub(super) fn assumptions() -> Vec<String> {
+    vec![
+        "The parameters of the ropes are starting guesses, tuned by hand to the paper's text: that a sentence holds at the catalogue's values shows that the law can say it, not that the ropes do.".into(),
+        format!("\"Holds\" is the verdict at the catalogue's values. What is found beside it, the share of {DRAWS} draws (seed {SEED}) of the parameters in which the sentence holds, shows how much it hangs on the guesses. Parameters are drawn independently within their stated intervals, so sentences that two ropes are alike hold in fewer draws than sentences that they differ."),
+        "A strain counts from the new, slack rope, so that it includes the elastic part at once.".into(),
+    ]
+}
+
+/// The law of a rope of the catalogue, nominal first, then drawn.
+pub(super) fn laws(catalogue: &Catalogue, name: &str) -> Result<Vec<Law>, PaperError> {
+    let draws = Draws::new(catalogue.find(name)?, DRAWS, SEED)?;
+    let mut all = vec![draws.nominal];
+    all.extend(draws.laws);
+    Ok(all)
+}
+
+/// Judges a sentence; `holds` is asked with 0 for the catalogue's values and 1… for the draws.
+pub(super) fn judged(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
+    let held = (1..=DRAWS).filter(|&i| holds(i)).count();
+    Sentence {
+        text: text.into(),
+        criterion: rule.into(),
+        value: 100.0 * held as f64 / DRAWS as f64,
+        unit: format!("% of {DRAWS} draws"),
+        holds: holds(0),
+    }
+}
+
+/// Slope of the least-squares line through the points in a range of `x`, per unit of `x`.
+pub(super) fn slope(x: &[f64], y: &[f64], range: std::ops::RangeInclusive<f64>) -> f64 {
+    let points: Vec<(f64, f64)> = x
+        .iter()
+        .zip(y)
+        .filter(|(x, _)| range.contains(*x))
+        .map(|(x, y)| (*x, *y))
+        .collect();
+    let n = points.len().max(1) as f64;
+    let mx = points.iter().map(|p| p.0).sum::<f64>() / n;
+    let my = points.iter().map(|p| p.1).sum::<f64>() / n;
+    let (mut sxy, mut sxx) = (0.0, 0.0);
+    for (x, y) in points {
+        sxy += (x - mx) * (y - my);
+        sxx += (x - mx) * (x - mx);
+    }
+    sxy / sxx
+}
+
+/// A curve with its 95 % band, from nominal and drawn curves over the same minutes.
+pub(super) fn curve(
+    name: &str,
+    minutes: &[f64],
+    curves: &[Vec<f64>],
+    colour: Colour,
+) -> (Line, Band, SeriesData) {
+    let column = |i: usize| {
+        let mut all: Vec<f64> = curves[1..].iter().map(|c| c[i]).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        all
+    };
+    let (low, high) = (0..minutes.len())
+        .map(|i| {
+            let all = column(i);
+            let at = |share| quantile(&all, share).unwrap_or(f64::NAN);
+            (at(0.025), at(0.975))
+        })
+        .unzip();
+    let line = Line::new(name, minutes.to_vec(), curves[0].clone())
+        .colour(colour)
+        .width(1.8);
+    let band = Band::new("", minutes.to_vec(), low, high).colour(colour);
+    let series = SeriesData {
+        name: name.into(),
+        time_s: minutes.iter().map(|m| 60.0 * m).collect(),
+        value_percent: curves[0].clone(),
+        ..SeriesData::default()
+    };
+    (line, band, series)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_those_of_a_line() {
+        let x: Vec<f64> = (0..86).map(f64::from).collect();
+        let y: Vec<f64> = x
+            .iter()
+            .map(|x| if *x < 20.0 { 9.0 } else { 0.3 + 0.02 * x })
+            .collect();
+        assert!((slope(&x, &y, 20.0..=85.0) - 0.02).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,77 @@
+//! The paper's motion, and what is assumed about it.
+//!
+//! The paper says: one joint, 0 to 90° in four steps. It doesn't say how fast, how long the rests
+//! are, nor the observer's gain. They follow from what is known of its estimate:
+//!
+//! * moves of 1.0 s and a gain of 25 1/s: the lag of a first-order observer against an
+//!   unfiltered `theta − q` is `τ̇/(K_I K)`, which peaks at 4.5 mrad;
+//! * rests of 1.5 s: the mean of that lag over the whole motion is the torque gained,
+//!   `3.635 N·m/(K_I K T)` = 0.32 mrad for `T` = 11.5 s, and 1.5 s hold one swing of the arm on
+//!   its springs several times over.
+
+use sinew_sim::scenario::{Controller, Draw, Motion, PerJoint};
+use std::f64::consts::FRAC_PI_2;
+
+/// Number of moves.
+pub const STEPS: usize = 4;
+/// Length of a move, s.
+pub const MOVE_S: f64 = 1.0;
+/// Rest before the first and after each move, s.
+pub const PAUSE_S: f64 = 1.5;
+/// Last angle, rad; the first is 0.
+pub const TO_RAD: f64 = FRAC_PI_2;
+/// Observer gain, 1/s.
+pub const GAIN_PER_S: f64 = 25.0;
+/// "At rest" is the mean over this last part of a rest, s: about one swing of the arm on its
+/// springs (0.6 s at the shoulder), whose ringing would be read as offset otherwise.
+pub const REST_WINDOW_S: f64 = 0.5;
+/// Length of the whole motion, s.
+pub const LENGTH_S: f64 = PAUSE_S + STEPS as f64 * (MOVE_S + PAUSE_S);
+
+/// The motion of `joint`; the others stay at 0, hanging down.
+pub fn motion(joint: &str) -> Motion {
+    Motion::Staircase {
+        joint: joint.into(),
+        line: 0,
+        from_rad: 0.0,
+        to_rad: TO_RAD,
+        steps: STEPS,
+        move_s: Draw::Fixed(MOVE_S),
+        pause_s: Draw::Fixed(PAUSE_S),
+        pose_rad: PerJoint::default(),
+        there_and_back: false,
+        repeat: false,
+    }
+}
+
+/// End of rest `k`, s; rest 0 is the one before the first move.
+pub fn rest_end_s(k: usize) -> f64 {
+    PAUSE_S + k as f64 * (MOVE_S + PAUSE_S)
+}
+
+/// Angle of rest `k`, rad.
+pub fn rest_angle_rad(k: usize) -> f64 {
+    TO_RAD * k as f64 / STEPS as f64
+}
+
+/// Gains of the BioRob-like arm; other robots get their defaults.
+pub fn controller(joints: &[String]) -> Controller {
+    const GAINS: [(&str, f64, f64); 4] = [
+        ("shoulder_yaw", 60.0, 6.5),
+        ("shoulder_pitch", 50.0, 5.6),
+        ("elbow", 30.0, 2.4),
+        ("wrist", 24.0, 0.9),
+    ];
+    let of = |gain: fn(&(&str, f64, f64)) -> f64| PerJoint {
+        all: None,
+        by_joint: GAINS
+            .iter()
+            .filter(|g| joints.iter().any(|j| j == g.0))
+            .map(|g| (g.0.to_string(), 0, Draw::Fixed(gain(g))))
+            .collect(),
+    };
+    Controller {
+        stiffness_nm_per_rad: of(|g| g.1),
+        damping_nm_s_per_rad: of(|g| g.2),
+    }
+}

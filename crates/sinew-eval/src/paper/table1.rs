@@ -1,0 +1,159 @@
+//! Table I: the ropes as published, and what their laws make of them.
+
+use super::creep::{LOAD_N, MINUTES, Test, test};
+use super::judge::assumptions;
+use super::{PaperError, PaperFigure, Sentence};
+use sinew_figure::Table;
+use sinew_figure::plot::{Colour, Figure, Line, Panel};
+use sinew_rope::draws::Interval;
+use sinew_rope::{Catalogue, CatalogueRope};
+
+/// Table I with the simulated creep test of every rope.
+///
+/// # Errors
+/// [`PaperError`].
+pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
+    let shipped = Catalogue::shipped()?;
+    let mut rows = Vec::new();
+    let mut tests = Vec::new();
+    for rope in shipped.ropes() {
+        let t = test(catalogue, &rope.entry.name, 23.0)?;
+        rows.push(published(rope));
+        tests.push(t);
+    }
+    let count =
+        |f: &dyn Fn(&CatalogueRope) -> bool| shipped.ropes().iter().filter(|r| f(r)).count() as f64;
+    let known = |text: &str, found: f64, printed: f64| Sentence {
+        text: text.into(),
+        criterion: format!("{printed} in the printed table; a test holds every value against it"),
+        value: found,
+        unit: "ropes".into(),
+        holds: found == printed,
+    };
+    let sentences = vec![
+        known("nine ropes", count(&|_| true), 9.0),
+        known(
+            "with a breaking load",
+            count(&|r| r.entry.breaking_load_n.is_some()),
+            7.0,
+        ),
+        known(
+            "with a weight",
+            count(&|r| r.entry.weight_g_per_m.is_some()),
+            5.0,
+        ),
+        known("with a plait", count(&|r| r.entry.plait.is_some()), 5.0),
+    ];
+    Ok(PaperFigure {
+        name: "table1",
+        title: "Table I: the ropes, and their simulated creep test".into(),
+        about: vec![format!(
+            "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
+        )],
+        panels: Vec::new(),
+        figure: figure(&tests),
+        sentences,
+        not_judged: Vec::new(),
+        tables: vec![
+            table("Table I as printed", &PUBLISHED, rows),
+            table(
+                "Simulated; brackets are 95 % of the draws",
+                &SIMULATED,
+                tests.iter().map(simulated).collect(),
+            ),
+        ],
+        assumptions: assumptions(),
+    })
+}
+
+const PUBLISHED: [&str; 6] = [
+    "rope",
+    "fibre",
+    "diameter, mm",
+    "breaking load, N",
+    "plait",
+    "weight, g/m",
+];
+
+fn published(rope: &CatalogueRope) -> Vec<String> {
+    let e = &rope.entry;
+    let number = |v: &Option<sinew_model::rope::entry::Value>, digits: usize| {
+        v.as_ref()
+            .map_or_else(|| "–".into(), |v| format!("{:.digits$}", v.value))
+    };
+    vec![
+        format!("{} {}", e.manufacturer, e.product),
+        format!("{}, {}", e.fibre, e.material.name()),
+        number(&e.diameter_mm, 2),
+        number(&e.breaking_load_n, 0),
+        e.plait.clone().unwrap_or_else(|| "–".into()),
+        number(&e.weight_g_per_m, 2),
+    ]
+}
+
+const SIMULATED: [&str; 3] = ["rope", "strain at the end, %", "m_E, %/h"];
+
+fn simulated(t: &Test) -> Vec<String> {
+    let interval = |values: &[f64], digits: usize| {
+        let i = Interval::of(values[0], &values[1..]);
+        format!(
+            "{:.digits$} ({:.digits$} to {:.digits$})",
+            i.value, i.low, i.high
+        )
+    };
+    vec![
+        t.product.clone(),
+        interval(&t.end, 2),
+        interval(&t.slope, 3),
+    ]
+}
+
+fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
+    Table {
+        caption: caption.into(),
+        head: head.iter().map(|h| (*h).to_owned()).collect(),
+        rows,
+    }
+}
+
+/// Final strain and slope of every rope with their intervals.
+fn figure(tests: &[Test]) -> Figure {
+    // The first row stands on top, as in the table.
+    let names: Vec<(f64, String)> = tests
+        .iter()
+        .enumerate()
+        .map(|(i, t)| ((tests.len() - i) as f64, t.product.clone()))
+        .collect();
+    let panel = |label: &str, of: &dyn Fn(&Test) -> Interval| {
+        let mut panel = Panel::new("", label, "").y_names(names.clone());
+        let mut right = 0.0f64;
+        for (i, t) in tests.iter().enumerate() {
+            let (y, v) = ((tests.len() - i) as f64, of(t));
+            right = right.max(v.high);
+            panel = panel
+                .line(
+                    Line::new("", vec![v.low, v.high], vec![y, y])
+                        .colour(Colour::Blue)
+                        .width(1.2),
+                )
+                .line(
+                    Line::new("", vec![v.value, v.value], vec![y - 0.2, y + 0.2])
+                        .colour(Colour::Blue)
+                        .width(4.0),
+                );
+        }
+        panel
+            .x_range(0.0, 1.05 * right)
+            .y_range(0.3, tests.len() as f64 + 0.7)
+    };
+    let end = |t: &Test| Interval::of(t.end[0], &t.end[1..]);
+    let slope = |t: &Test| Interval::of(t.slope[0], &t.slope[1..]);
+    Figure::new("The ropes of Table I in a simulated creep test")
+        .subtitle(format!(
+            "{LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws"
+        ))
+        .size(1100.0, 440.0)
+        .columns(2)
+        .panel(panel("strain at the end (%)", &end))
+        .panel(panel("slope m_{E} (%/h)", &slope))
+}

@@ -1,0 +1,79 @@
+//! The scenario bench: how good is the absolute offset, over many recordings with known truth?
+//!
+//! Reading order: [`Plan`] (a scenario of the protocol: arm, motion, what is drawn), [`record`]
+//! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`Summary`]
+//! (what they say together).
+
+mod adapted;
+mod bound;
+mod catalogue;
+mod estimator;
+mod journal;
+mod paper;
+mod recording;
+mod run;
+mod simulated;
+mod summary;
+
+pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
+pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
+pub use run::{Options, run};
+pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
+
+use sinew_estimate::absolute::AbsoluteError;
+use sinew_estimate::robot_dir::RobotDirError;
+use sinew_model::offset::OffsetConfigError;
+use sinew_model::robot::RobotError;
+use sinew_sim::SimulateError;
+
+/// Why the bench could not run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScenarioError {
+    /// A name nobody knows.
+    #[error("there is no scenario '{name}'; known are {known}")]
+    Unknown {
+        /// The name given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A scenario's text doesn't make a scenario.
+    #[error("scenario {name}: {why}")]
+    Text {
+        /// The scenario.
+        name: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// The simulator refused.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The robot's description was refused.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// The robot could not be loaded.
+    #[error(transparent)]
+    RobotDir(#[from] RobotDirError),
+    /// The paper's estimator refused the robot.
+    #[error(transparent)]
+    Paper(#[from] OffsetConfigError),
+    /// The absolute estimate refused a recording.
+    #[error("scenario {scenario}, seed {seed}: {error}")]
+    Absolute {
+        /// The scenario.
+        scenario: String,
+        /// Its seed.
+        seed: u64,
+        /// Why.
+        error: Box<AbsoluteError>,
+    },
+    /// The file of results can't be used.
+    #[error("{file}: {why}")]
+    Journal {
+        /// The file.
+        file: String,
+        /// Why, and what to do.
+        why: String,
+    },
+}

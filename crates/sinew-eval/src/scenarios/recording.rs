@@ -1,0 +1,277 @@
+//! One recording, simulated and judged.
+
+use super::paper::PaperMeans;
+use super::simulated::Simulated;
+use super::{Plan, ScenarioError, estimator};
+use serde::{Deserialize, Serialize};
+use sinew_estimate::absolute::{Absolute, Baseline, Recorded, Step};
+
+/// How one recording came out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// Scenario.
+    pub scenario: String,
+    /// Seed of everything drawn.
+    pub seed: u64,
+    /// Every elastic joint at the end of session B.
+    pub joints: Vec<JointScore>,
+    /// The slips of session C; empty when it was left out.
+    pub steps: Vec<StepScore>,
+    /// Sudden changes reported where there was none, in B and C: the probability stated of each, 1 of
+    /// what is said of the time before.
+    pub false_alarms: Vec<f64>,
+    /// Time they were looked for, s.
+    pub watched_s: f64,
+    /// Payload estimated less the true one at the end of B, kg.
+    pub payload_error_kg: f64,
+    /// Half of its 95 % interval, kg.
+    pub payload_interval_95_kg: f64,
+    /// Share of B left out as contact or disturbance.
+    pub left_out_share: f64,
+    /// Distinct poses of B.
+    pub poses: usize,
+    /// What baseline and watch warned of.
+    pub warnings: Vec<String>,
+}
+
+/// One joint at the end of session B. Errors are estimate less truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointScore {
+    /// Joint.
+    pub name: String,
+    /// True offset, mrad.
+    pub truth_mrad: f64,
+    /// Error of the absolute estimate, mrad.
+    pub error_mrad: f64,
+    /// Half of its 95 % interval, mrad.
+    pub interval_95_mrad: f64,
+    /// Its verdict in a word.
+    pub verdict: String,
+    /// Error of the paper's mean over B, mrad.
+    pub paper_error_mrad: Option<f64>,
+    /// The same minus its mean over A.
+    pub paper_minus_baseline_error_mrad: Option<f64>,
+    /// Error of the mean over B with matched filters, mrad.
+    pub matched_error_mrad: Option<f64>,
+    /// The same minus its mean over A.
+    pub matched_minus_baseline_error_mrad: Option<f64>,
+    /// Bayesian Cramér–Rao bound at this recording's truth, mrad.
+    pub bound_mrad: Option<f64>,
+}
+
+/// A slip of session C.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepScore {
+    /// Joint.
+    pub joint: String,
+    /// When, s.
+    pub at_s: f64,
+    /// True size, mrad.
+    pub size_mrad: f64,
+    /// As it was found with 20 s after it; none: not found.
+    pub found: Option<FoundStep>,
+    /// Seconds of recording after the slip from which on it is found.
+    pub delay_s: Option<f64>,
+}
+
+/// What was said of a slip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FoundStep {
+    /// Size, mrad.
+    pub size_mrad: f64,
+    /// Moment, s.
+    pub time_s: f64,
+    /// 95 % interval of the moment, s.
+    pub between_s: [f64; 2],
+    /// Probability stated.
+    pub probability: f64,
+}
+
+impl FoundStep {
+    fn of(step: &Step) -> Self {
+        Self {
+            size_mrad: step.size_mrad,
+            time_s: step.time_s,
+            between_s: step.between_s.unwrap_or([step.time_s; 2]),
+            probability: stated(step),
+        }
+    }
+}
+
+/// Probability stated of a change; what was before the recording comes without one.
+fn stated(step: &Step) -> f64 {
+    step.probability.unwrap_or(1.0)
+}
+
+impl StepScore {
+    /// Size found less true size, mrad; a slip not found was taken for none.
+    pub fn error_mrad(&self) -> f64 {
+        self.found.map_or(0.0, |f| f.size_mrad) - self.size_mrad
+    }
+
+    /// Whether it happened when it was said to have; `None`: not found.
+    pub fn is_moment_inside(&self) -> Option<bool> {
+        let [from_s, to_s] = self.found?.between_s;
+        Some((from_s..=to_s).contains(&self.at_s))
+    }
+}
+
+/// A slip must be found with this much recording after it, s.
+const WITHIN_S: u32 = 20;
+/// A change reported further from a slip than this is another one, s.
+const SAME_S: f64 = 5.0;
+
+/// Simulates `plan` with `seed` and judges the estimate; `steps`: with session C.
+///
+/// # Errors
+/// [`ScenarioError`].
+pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, ScenarioError> {
+    let simulated = Simulated::new(plan, seed, steps)?;
+    let refused = |error| ScenarioError::Absolute {
+        scenario: plan.name.clone(),
+        seed,
+        error: Box::new(error),
+    };
+    let payload = !plan.scenario.payloads.is_empty();
+    let robot = &plan.robot;
+    let (baseline, learned) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
+    let (watched, after_b) = estimator::watch(
+        robot,
+        &simulated.sessions[1],
+        "session B",
+        &baseline,
+        payload,
+    )
+    .map_err(refused)?;
+    let mut out = judged(plan, seed, &simulated, &watched);
+    out.warnings.extend(
+        learned
+            .warnings
+            .iter()
+            .filter(|w| !w.starts_with("without a baseline"))
+            .chain(&watched.warnings)
+            .cloned(),
+    );
+    if steps {
+        watch_slips(plan, &simulated, &after_b, payload, &mut out).map_err(refused)?;
+    }
+    Ok(out)
+}
+
+/// Session B against its truth.
+fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> Recording {
+    let joints = watched
+        .joints
+        .iter()
+        .filter_map(|joint| {
+            let i = plan.robot.arm.joint_index(&joint.name)?;
+            let truth_mrad = simulated.truth_mrad[i];
+            let [lagging, matched] = &simulated.means;
+            let plain = |m: &PaperMeans| Some(m.mean_mrad(1, i)? - truth_mrad);
+            let minus = |m: &PaperMeans| Some(plain(m)? - m.mean_mrad(0, i)?);
+            Some(JointScore {
+                name: joint.name.clone(),
+                truth_mrad,
+                error_mrad: joint.offset_mrad - truth_mrad,
+                interval_95_mrad: joint.interval_95_mrad,
+                verdict: joint.verdict.clone(),
+                paper_error_mrad: plain(lagging),
+                paper_minus_baseline_error_mrad: minus(lagging),
+                matched_error_mrad: plain(matched),
+                matched_minus_baseline_error_mrad: minus(matched),
+                bound_mrad: simulated.bound_rad.as_ref().map(|b| 1e3 * b[i]),
+            })
+        })
+        .collect();
+    Recording {
+        scenario: plan.name.clone(),
+        seed,
+        joints,
+        steps: Vec::new(),
+        // Nothing slips within B.
+        false_alarms: (watched.joints.iter())
+            .flat_map(|j| j.steps.iter().map(stated))
+            .collect(),
+        watched_s: simulated.sessions[1].duration_s,
+        payload_error_kg: watched.payload_kg[0] - simulated.payload_kg,
+        payload_interval_95_kg: watched.payload_kg[1],
+        left_out_share: watched.left_out_share,
+        poses: watched.poses,
+        warnings: Vec::new(),
+    }
+}
+
+/// Session C: what is found of the slips, how soon, and what is reported besides.
+fn watch_slips(
+    plan: &Plan,
+    simulated: &Simulated,
+    baseline: &Baseline,
+    payload: bool,
+    out: &mut Recording,
+) -> Result<(), sinew_estimate::absolute::AbsoluteError> {
+    let whole = &simulated.sessions[2];
+    let names = plan.robot.joint_names();
+    let until = |end_s: f64| -> Result<Absolute, sinew_estimate::absolute::AbsoluteError> {
+        let part = Recorded {
+            blocks: whole
+                .blocks
+                .iter()
+                .filter(|b| b.time_s <= end_s)
+                .cloned()
+                .collect(),
+            ..whole.clone()
+        };
+        // C goes on where B ended, as one recording would.
+        estimator::watch(&plan.robot, &part, "session C", baseline, payload).map(|(said, _)| said)
+    };
+    let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<FoundStep> {
+        let joint = said.joints.iter().find(|j| j.name == name)?;
+        let step = joint
+            .steps
+            .iter()
+            .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
+        Some(FoundStep::of(step))
+    };
+    for &(joint, at_s, size_mrad) in &simulated.slips {
+        let name = &names[joint];
+        let found = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
+        let mut delay_s = None;
+        if found.is_some() {
+            // Found with `late` seconds, not with `early`: halved to a second, as if what is found
+            // once stayed found.
+            let (mut early, mut late) = (0, WITHIN_S);
+            while late - early > 1 {
+                let middle = (early + late) / 2;
+                match reported(&until(at_s + f64::from(middle))?, name, at_s) {
+                    Some(_) => late = middle,
+                    None => early = middle,
+                }
+            }
+            delay_s = Some(f64::from(late));
+        }
+        out.steps.push(StepScore {
+            joint: name.clone(),
+            at_s,
+            size_mrad,
+            found,
+            delay_s,
+        });
+    }
+    let said = until(f64::INFINITY)?;
+    for joint in &said.joints {
+        let known = |time_s: f64| {
+            out.steps
+                .iter()
+                .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < SAME_S)
+        };
+        let false_ones = joint.steps.iter().filter(|s| !known(s.time_s));
+        let false_ones: Vec<f64> = false_ones.map(stated).collect();
+        out.false_alarms.extend(false_ones);
+    }
+    out.watched_s += whole.duration_s;
+    Ok(())
+}

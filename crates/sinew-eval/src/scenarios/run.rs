@@ -1,0 +1,189 @@
+//! Many recordings, in parallel, resumable.
+
+use super::journal::Settings;
+use super::{Plan, Recording, ScenarioError, Summary, record};
+use crate::journal;
+use crate::journal::Journal;
+use sinew_estimate::hands::Processors;
+use sinew_estimate::robot_dir;
+use sinew_sim::Scenario;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// What to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Names of scenarios, or files (`.toml`) of one's own.
+    pub scenarios: Vec<String>,
+    /// Folder of the robot, where that isn't the protocol's or the file's.
+    pub robot: Option<PathBuf>,
+    /// Recordings per scenario.
+    pub n: u64,
+    /// Seed of the first; the others follow.
+    pub first_seed: u64,
+    /// With session C: slips, delays, false alarms.
+    pub steps: bool,
+    /// Whether the motor's torque is recorded.
+    pub motor_torque: bool,
+    /// Threads.
+    pub jobs: usize,
+    /// Where a line per recording goes, and where a stopped run is taken up again.
+    pub out: Option<PathBuf>,
+}
+
+/// Runs all recordings; `progress` is told how many of how many are done.
+///
+/// # Errors
+/// [`ScenarioError`]; what was finished before is in the file of results.
+pub fn run(
+    options: &Options,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Summary, ScenarioError> {
+    let mut plans = plans(options)?;
+    if !options.motor_torque {
+        for plan in &mut plans {
+            plan.scenario.record.tau_m = false;
+        }
+    }
+    let settings = Settings::new(
+        journal::checksum(&everything(&plans)),
+        options.steps,
+        options.motor_torque,
+    );
+    let out = options.out.as_ref();
+    let wrong = |why: String| ScenarioError::Journal {
+        file: out.map_or_else(String::new, |path| path.display().to_string()),
+        why,
+    };
+    let (mut journal, done) = match out {
+        Some(path) => {
+            let (journal, done) = Journal::open(path, &settings).map_err(wrong)?;
+            (Some(journal), done)
+        }
+        None => (None, Vec::new()),
+    };
+    let wanted: Vec<(usize, u64)> = (0..options.n)
+        .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
+        .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
+        .collect();
+    let is = |r: &Recording, (plan, seed): (usize, u64)| {
+        r.seed == seed && r.scenario == plans[plan].name
+    };
+    // Two runs at once may have kept the same recording: it counts once.
+    let mut seen = BTreeSet::new();
+    let mut recordings: Vec<Recording> = done
+        .into_iter()
+        .filter(|r| wanted.iter().any(|&w| is(r, w)))
+        .filter(|r| seen.insert((r.scenario.clone(), r.seed)))
+        .collect();
+    let missing: Vec<(usize, u64)> = wanted
+        .iter()
+        .copied()
+        .filter(|&w| !recordings.iter().any(|r| is(r, w)))
+        .collect();
+    progress(recordings.len(), wanted.len());
+
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    // This thread only waits.
+    let _taken = Processors::machine().take_up_to(options.jobs.saturating_sub(1));
+    let mut failed = None;
+    std::thread::scope(|scope| {
+        for _ in 0..options.jobs.clamp(1, missing.len().max(1)) {
+            let (sender, next, missing, plans) = (sender.clone(), &next, &missing, &plans);
+            scope.spawn(move || {
+                while let Some(&(plan, seed)) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let result = record(&plans[plan], seed, options.steps);
+                    if sender.send(result).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for result in &receiver {
+            let kept = result.and_then(|recording| {
+                if let Some(journal) = &mut journal {
+                    journal.add(&recording).map_err(wrong)?;
+                }
+                Ok(recording)
+            });
+            match kept {
+                Ok(recording) => recordings.push(recording),
+                Err(error) => {
+                    // Nobody takes up another recording.
+                    next.store(missing.len(), Ordering::Relaxed);
+                    failed.get_or_insert(error);
+                }
+            }
+            progress(recordings.len(), wanted.len());
+        }
+    });
+    match failed {
+        Some(error) => Err(error),
+        None => {
+            // In the order of seeds, whoever was first: sums come out the same to the last bit.
+            recordings.sort_by_key(|r| r.seed);
+            Ok(Summary::of(&plans, &recordings, options))
+        }
+    }
+}
+
+/// What is to be run, each by a name of its own.
+fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
+    let robot = match &options.robot {
+        Some(folder) => Some(robot_dir::load(folder, None)?.robot),
+        None => None,
+    };
+    let mut plans: Vec<Plan> = Vec::new();
+    for name in &options.scenarios {
+        let path = Path::new(name);
+        let plan = match &robot {
+            robot if path.extension().is_some_and(|e| e == "toml") => own(path, robot.clone())?,
+            Some(robot) => Plan::adapted(name, robot)?,
+            None => Plan::named(name)?,
+        };
+        if plans.iter().any(|other| other.name == plan.name) {
+            return Err(ScenarioError::Text {
+                name: name.clone(),
+                why: format!(
+                    "another scenario of this run is called '{}', too; give it another name",
+                    plan.name
+                ),
+            });
+        }
+        plans.push(plan);
+    }
+    Ok(plans)
+}
+
+/// A scenario from a file, with the robot that is given or the one it names.
+fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Text {
+        name: file.clone(),
+        why: format!("can't read: {error}"),
+    })?;
+    let mut scenario = Scenario::from_toml(&text, &file)?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    scenario.correction.read_estimate(beside)?;
+    let robot = match (robot, &scenario.robot) {
+        (Some(robot), _) => robot,
+        (None, Some(folder)) => robot_dir::load(&beside.join(folder), None)?.robot,
+        (None, None) => {
+            return Err(ScenarioError::Text {
+                name: file,
+                why: "names no robot; name its folder with --robot DIR".into(),
+            });
+        }
+    };
+    Plan::own(scenario, &text, &file, robot)
+}
+
+/// All that recordings depend on.
+fn everything(plans: &[Plan]) -> String {
+    let own: BTreeSet<&str> = plans.iter().map(|p| p.rests_on.as_str()).collect();
+    super::catalogue::everything() + &own.into_iter().collect::<String>()
+}

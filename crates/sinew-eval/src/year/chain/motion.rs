@@ -1,0 +1,168 @@
+//! What a robot does while it is recorded: a check, or a minute of its work.
+
+use super::ChainError;
+use serde::{Deserialize, Serialize};
+use sinew_model::robot::Robot;
+use sinew_sim::Scenario;
+use sinew_sim::scenario::{Bound, Draw, Motion, PerJoint, Waypoint};
+
+const WORK: &str = include_str!("../../../../../examples/scenarios/work-session.toml");
+/// Length of a session of work, s.
+const WORK_S: f64 = 60.0;
+/// Step of the simulation, s.
+const STEP_S: f64 = 1e-3;
+/// Poses of a check.
+const POSES: usize = 24;
+/// A check's move and rest, s.
+const MOVE_S: f64 = 1.25;
+const PAUSE_S: f64 = 0.85;
+
+/// What a robot does while it is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SessionKind {
+    /// The same 24 poses every day, the gripper empty, nobody touches the arm.
+    Check,
+    /// Random poses for a minute, an unknown payload of up to 0.5 kg that is another every day,
+    /// contacts a tenth of the time.
+    Work,
+}
+
+impl SessionKind {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Check => "check",
+            Self::Work => "work",
+        }
+    }
+}
+
+/// The work session of `examples/scenarios`, or the check within the same limits, for any robot: what it
+/// says of joints the robot doesn't have falls away.
+pub(super) fn scenario(robot: &Robot, kind: SessionKind) -> Result<Scenario, ChainError> {
+    let mut out = Scenario::from_toml(WORK, "work-session.toml")?;
+    out.duration_s = Some(WORK_S);
+    out.integration_step_s = STEP_S;
+    out.offsets.clear();
+    out.sessions.clear();
+    keep_known(&mut out, robot);
+    for payload in &mut out.payloads {
+        payload.attach_s = 0.0;
+    }
+    if let Some(contacts) = &mut out.random_contacts {
+        contacts.from_to_s.0 = 0.0;
+    }
+    out.temperature.zero_drift_rad_per_k.all = Some(Draw::Normal {
+        mean: 0.0,
+        std: 1e-4,
+        bound: Bound::Any,
+    });
+    out.temperature.stiffness_per_k.all = Some(Draw::Uniform {
+        min: -0.003,
+        max: -0.001,
+    });
+    if kind == SessionKind::Check {
+        out.payloads.clear();
+        out.random_contacts = None;
+        if let Motion::Random { range_rad, .. } = &out.motion {
+            let waypoints = poses(&ranges(robot, range_rad));
+            out.duration_s = Some((MOVE_S + PAUSE_S) * POSES as f64);
+            out.motion = check(robot, &waypoints);
+        }
+    }
+    Ok(out)
+}
+
+/// Takes out joints and links that the robot doesn't have.
+fn keep_known(scenario: &mut Scenario, robot: &Robot) {
+    let known = |joint: &str| robot.arm.joint_index(joint).is_some();
+    let (joint, motor) = (&mut scenario.joint_friction, &mut scenario.motor_friction);
+    let lists = [
+        &mut scenario.controller.stiffness_nm_per_rad,
+        &mut scenario.controller.damping_nm_s_per_rad,
+        &mut joint.coulomb_nm,
+        &mut joint.viscous_nm_s_per_rad,
+        &mut motor.coulomb_nm,
+        &mut motor.viscous_nm_s_per_rad,
+    ];
+    for list in lists {
+        list.by_joint.retain(|(name, _, _)| known(name));
+    }
+    if let Motion::Random { range_rad, .. } = &mut scenario.motion {
+        range_rad.by_joint.retain(|(name, _, _)| known(name));
+    }
+    let last = robot.arm.link_names().last().map(str::to_string);
+    let links = scenario.payloads.iter_mut().map(|p| &mut p.link);
+    let links = links.chain(scenario.random_contacts.as_mut().map(|c| &mut c.link));
+    for link in links {
+        if let (false, Some(last)) = (robot.arm.link_names().any(|l| l == link), &last) {
+            link.clone_from(last);
+        }
+    }
+}
+
+/// Where each joint may go, rad: as stated, else 80 % of its limits, half a turn where it has none.
+fn ranges(robot: &Robot, stated: &PerJoint) -> Vec<[f64; 2]> {
+    let own = |i: usize| {
+        let [low, high] = [robot.limits[i].lower, robot.limits[i].upper];
+        if low.is_finite() && high.is_finite() {
+            let (middle, half) = (0.5 * (low + high), 0.4 * (high - low));
+            [middle - half, middle + half]
+        } else {
+            [-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2]
+        }
+    };
+    (robot.joint_names().iter().enumerate())
+        .map(|(i, name)| {
+            let stated = stated.by_joint.iter().find(|(n, _, _)| n == name);
+            match stated.map(|(_, _, draw)| *draw) {
+                Some(Draw::Uniform { min, max }) => [min, max],
+                _ => own(i),
+            }
+        })
+        .collect()
+}
+
+/// Poses spread evenly over the ranges: multiples of the powers of `1/g`, `g^(n+1) = g + 1`, less their
+/// whole parts (Roberts' generalised golden ratio).
+fn poses(ranges: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    let n = ranges.len() as f64;
+    let mut g: f64 = 1.5;
+    for _ in 0..60 {
+        g = (1.0 + g).powf(1.0 / (n + 1.0));
+    }
+    (1..=POSES)
+        .map(|k| {
+            let mut step = 1.0;
+            ranges
+                .iter()
+                .map(|[low, high]| {
+                    step /= g;
+                    low + (high - low) * (0.5 + k as f64 * step).fract()
+                })
+                .collect()
+        })
+        .collect()
+}
+
+fn check(robot: &Robot, poses: &[Vec<f64>]) -> Motion {
+    let pose = |values: &[f64]| PerJoint {
+        all: None,
+        by_joint: (robot.joint_names().iter().zip(values))
+            .map(|(name, v)| (name.clone(), 0, Draw::Fixed(*v)))
+            .collect(),
+    };
+    Motion::Waypoints {
+        start_rad: pose(&poses[poses.len() - 1]),
+        waypoints: poses
+            .iter()
+            .map(|values| Waypoint {
+                pose_rad: pose(values),
+                move_s: Draw::Fixed(MOVE_S),
+                pause_s: Draw::Fixed(PAUSE_S),
+            })
+            .collect(),
+        repeat: true,
+    }
+}

@@ -1,0 +1,217 @@
+//! One robot's sessions: simulated, and estimated since the first day's baseline.
+
+use super::ChainError;
+use super::motion::{SessionKind, scenario};
+use crate::year::life::Life;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use serde::{Deserialize, Serialize};
+use sinew_estimate::absolute::{
+    Absolute, Baseline, Payload, Recorded, Recorder, WatchOptions, learn_recorded, watch_recorded,
+};
+use sinew_model::offset::FeatureConfig;
+use sinew_model::robot::Robot;
+use sinew_sim::scenario::{Draw, Offset, OffsetKind, Shape};
+use sinew_sim::{Scenario, Simulation};
+
+const DAY_NS: i64 = 86_400_000_000_000;
+/// Heaviest payload of work, kg.
+const PAYLOAD_KG: f64 = 0.5;
+/// Error of the thermometer, K.
+const THERMOMETER_K: f64 = 0.5;
+
+/// What a session said of a joint, and the truth behind it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SessionJoint {
+    /// Joint.
+    pub name: String,
+    /// True offset since the baseline, mrad.
+    pub truth_mrad: f64,
+    /// Offset estimated and half its 95 % interval, mrad; `None`: it couldn't tell.
+    pub offset_mrad: Option<[f64; 2]>,
+    /// True stiffness over nominal less 1 at the baseline's temperature, %.
+    pub true_stiffness_percent: f64,
+    /// The same estimated and half its 95 % interval, %.
+    pub stiffness_percent: [f64; 2],
+    /// Sudden changes reported within the session; there were none.
+    pub steps: usize,
+}
+
+/// One simulated session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// Robot.
+    pub seed: u64,
+    /// Days since the baseline.
+    pub day: usize,
+    /// True temperature, °C.
+    pub true_temperature_c: f64,
+    /// As read, °C.
+    pub temperature_c: f64,
+    /// Payload, kg.
+    pub payload_kg: f64,
+    /// Share of it left out as contact or disturbance.
+    pub left_out_share: f64,
+    /// One per elastic joint.
+    pub joints: Vec<SessionJoint>,
+}
+
+/// A robot whose sessions are simulated: what is drawn for it and stays.
+pub(super) struct ChainRobot<'a> {
+    robot: &'a Robot,
+    life: &'a Life,
+    kind: SessionKind,
+    scenario: Scenario,
+    /// Stiffness over nominal per joint.
+    stiffness: Vec<f64>,
+}
+
+/// What is another every day.
+struct Conditions {
+    reading_error_k: f64,
+    payload_kg: f64,
+}
+
+impl<'a> ChainRobot<'a> {
+    pub(super) fn new(
+        robot: &'a Robot,
+        life: &'a Life,
+        kind: SessionKind,
+    ) -> Result<Self, ChainError> {
+        let mut scenario = scenario(robot, kind)?;
+        scenario.robot_seed = Some(life.seed);
+        scenario.temperature.reference_c = life.temperature_c[0];
+        // Drawn here, so that a failed strand can take its share.
+        let mut rng = ChaCha8Rng::seed_from_u64(life.seed);
+        let stiffness = robot
+            .joint_names()
+            .iter()
+            .map(|_| rng.random_range(0.8..1.2))
+            .collect();
+        Ok(Self {
+            robot,
+            life,
+            kind,
+            scenario,
+            stiffness,
+        })
+    }
+
+    /// The baseline of the day it was tensioned, the gripper empty and nobody near.
+    pub(super) fn baseline(&self) -> Result<Baseline, ChainError> {
+        let (recorded, _) = self.record(0)?;
+        Ok(learn_recorded(self.robot, &recorded, "day 0")?.0)
+    }
+
+    /// A day's session, estimated since `baseline`; the second answer is the next of the chain.
+    pub(super) fn session(
+        &self,
+        day: usize,
+        baseline: &Baseline,
+    ) -> Result<(Session, Baseline), ChainError> {
+        let (recorded, conditions) = self.record(day)?;
+        let options = WatchOptions {
+            payload: match self.kind {
+                SessionKind::Check => Payload::Empty,
+                SessionKind::Work => Payload::Unknown,
+            },
+            ..WatchOptions::default()
+        };
+        let name = format!("day {day}");
+        let since = Some((baseline, "baseline"));
+        let (said, next) = watch_recorded(self.robot, &recorded, &name, since, &options)?;
+        let true_temperature_c = self.life.temperature_c[day];
+        let session = Session {
+            seed: self.life.seed,
+            day,
+            true_temperature_c,
+            temperature_c: true_temperature_c + conditions.reading_error_k,
+            payload_kg: conditions.payload_kg,
+            left_out_share: said.left_out_share,
+            joints: self.judged(day, &said),
+        };
+        Ok((session, next))
+    }
+
+    fn judged(&self, day: usize, said: &Absolute) -> Vec<SessionJoint> {
+        let names = self.robot.joint_names();
+        said.joints
+            .iter()
+            .map(|joint| {
+                let place = names.iter().position(|n| *n == joint.name);
+                let stiffness = place.map_or(1.0, |i| self.stiffness_on(i, day));
+                let told = joint.verdict != "can't tell";
+                SessionJoint {
+                    name: joint.name.clone(),
+                    truth_mrad: 1e3 * self.life.offset_rad(&joint.name, day),
+                    offset_mrad: told.then_some([joint.offset_mrad, joint.interval_95_mrad]),
+                    true_stiffness_percent: 100.0 * (stiffness - 1.0),
+                    stiffness_percent: joint.stiffness_change_percent,
+                    steps: joint.steps.len(),
+                }
+            })
+            .collect()
+    }
+
+    /// Stiffness of joint `i` over nominal on a day: a failed strand is missing.
+    fn stiffness_on(&self, i: usize, day: usize) -> f64 {
+        let failure = self.life.failure_of(&self.robot.joint_names()[i]);
+        let lost = failure
+            .filter(|f| day >= f.day)
+            .map_or(0.0, |f| 0.01 * f.stiffness_percent);
+        self.stiffness[i] * (1.0 - lost)
+    }
+
+    /// Simulates a day's session; day 0 is the baseline's.
+    fn record(&self, day: usize) -> Result<(Recorded, Conditions), ChainError> {
+        let mut scenario = self.scenario.clone();
+        scenario.seed = (self.life.seed.wrapping_mul(1_000_003)).wrapping_add(day as u64);
+        scenario.start_time_ns += day as i64 * DAY_NS;
+        let mut rng = ChaCha8Rng::seed_from_u64(scenario.seed);
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        let mut conditions = Conditions {
+            reading_error_k: THERMOMETER_K * normal,
+            payload_kg: rng.random_range(0.0..PAYLOAD_KG),
+        };
+        if day == 0 {
+            scenario.random_contacts = None;
+        }
+        if day == 0 || scenario.payloads.is_empty() {
+            conditions.payload_kg = 0.0;
+        }
+        // Every draw of the simulation moves those after it: an empty gripper holds a payload of no
+        // mass, or the encoders' errors would be other ones on the baseline's day.
+        // Drawn here: the simulation would give a robot the same ones every day.
+        for payload in &mut scenario.payloads {
+            payload.mass_kg = Draw::Fixed(conditions.payload_kg);
+        }
+        scenario.temperature.reading_error_k = Draw::Fixed(conditions.reading_error_k);
+        scenario.temperature.profile_c = Some(vec![(0.0, self.life.temperature_c[day])]);
+        let names = self.robot.joint_names();
+        scenario.truth.stiffness_factor.by_joint = (0..names.len())
+            .map(|i| (names[i].clone(), 0, Draw::Fixed(self.stiffness_on(i, day))))
+            .collect();
+        scenario.offsets = names
+            .iter()
+            .map(|joint| Offset {
+                joint: joint.clone(),
+                line: 0,
+                kind: OffsetKind::Physical,
+                size_rad: Draw::Fixed(self.life.offset_rad(joint, day)),
+                shape: Shape::Constant,
+                later_s: Draw::Fixed(0.0),
+            })
+            .collect();
+        let gap_s = sinew_log::OpenOptions::default().gap_s;
+        let mut recorder = Recorder::new(self.robot, &FeatureConfig::default(), gap_s);
+        let mut simulation = Simulation::new(self.robot, &scenario)?;
+        while let Some(frame) = simulation.next_frame()? {
+            let time_s = (frame.time_ns - scenario.start_time_ns) as f64 * 1e-9;
+            recorder.push(frame, time_s);
+        }
+        Ok((recorder.finish(), conditions))
+    }
+}

@@ -1,0 +1,289 @@
+//! One robot's year, seen by every forecaster.
+
+use super::chain::Session;
+use super::forecaster::Forecaster;
+use super::life::{Life, Roped, WATCHED, roped};
+use super::surrogate::{self, Failure};
+use super::truth::TendonYear;
+use super::{YearError, YearRequest};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use serde::{Deserialize, Serialize};
+use sinew_model::Z95;
+use sinew_model::robot::Robot;
+use sinew_model::trend::{Prior, Record, Trend, TrendConfig, first_passage};
+use sinew_rope::Catalogue;
+use sinew_rope::draws::quantile;
+
+const DAY_S: f64 = 86_400.0;
+/// Days forecasts are made on.
+const FORECAST_DAYS: [usize; 3] = [60, 90, 120];
+/// An alarm belongs to a failure when its record is this close to it, days.
+const NEAR_DAYS: f64 = 3.0;
+
+/// One robot's year.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotYear {
+    /// Seed.
+    pub seed: u64,
+    /// Joint whose strand failed.
+    pub failed_joint: String,
+    /// The failure.
+    pub failure: Failure,
+    /// One entry per forecaster and tendon.
+    pub tendons: Vec<TendonResult>,
+}
+
+/// What a forecaster made of one tendon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TendonResult {
+    /// Who.
+    pub forecaster: Forecaster,
+    /// Joint.
+    pub joint: String,
+    /// Days from the first session after the failure to its confirmation; `None`: not found, or
+    /// no failure here.
+    pub found_after_days: Option<f64>,
+    /// Days of confirmed changes that weren't there.
+    pub false_alarm_days: Vec<f64>,
+    /// Days of confirmed changes that were there and no failure: a hard day's work stretched the rope.
+    pub sudden_creep_days: Vec<f64>,
+    /// RMS of the filtered offset against the truth, mrad.
+    pub error_rms_mrad: f64,
+    /// Forecasts.
+    pub forecasts: Vec<Forecast>,
+}
+
+/// A forecast of the day a limit is passed, no further failure supposed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Forecast {
+    /// Day it was made.
+    pub made_day: f64,
+    /// True day, had nothing failed since.
+    pub true_day: f64,
+    /// Median; `None`: beyond ten years.
+    pub median_day: Option<f64>,
+    /// Quantiles of 2.5, 5, 95 and 97.5 %; infinite ones as `None`.
+    pub quantile_days: [Option<f64>; 4],
+}
+
+/// What all years share.
+pub(super) struct Fleet<'a> {
+    request: &'a YearRequest,
+    roped: Vec<Roped<'a>>,
+    /// Per watched tendon and forecaster.
+    priors: Vec<Vec<(Forecaster, Prior)>>,
+}
+
+impl<'a> Fleet<'a> {
+    pub(super) fn new(
+        robot: &'a Robot,
+        catalogue: &'a Catalogue,
+        request: &'a YearRequest,
+    ) -> Result<Self, YearError> {
+        let roped = roped(robot, catalogue, &request.joints)?;
+        let mut priors = Vec::new();
+        for r in roped.iter().filter(|r| r.watched) {
+            let mut own = Vec::new();
+            for &who in &request.forecasters {
+                let curves = request.oracle_curves;
+                own.push((who, who.prior(r.rope, r.tendon, &request.errors, curves)?));
+            }
+            priors.push(own);
+        }
+        Ok(Self {
+            request,
+            roped,
+            priors,
+        })
+    }
+
+    /// What truly happens to the robot of a seed.
+    pub(super) fn life(&self, seed: u64) -> Result<Life, YearError> {
+        Life::draw(seed, &self.roped)
+    }
+
+    /// The year of a seed, its sessions drawn.
+    pub(super) fn year(&self, seed: u64) -> Result<RobotYear, YearError> {
+        let life = self.life(seed)?;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5e55_1011_0000_0000);
+        let records: Vec<Vec<Record>> = life
+            .tendons
+            .iter()
+            .take(self.priors.len())
+            .map(|(joint, year)| {
+                let own = life.failure_of(joint);
+                let errors = &self.request.errors;
+                let days = &year.creep_rad[..=WATCHED];
+                surrogate::records(days, &life.temperature_c, own, errors, &mut rng)
+            })
+            .collect();
+        self.judge(&life, &records)
+    }
+
+    /// The year of a life whose sessions were simulated.
+    pub(super) fn chained(
+        &self,
+        life: &Life,
+        sessions: &[Session],
+    ) -> Result<RobotYear, YearError> {
+        let records: Vec<Vec<Record>> = life
+            .tendons
+            .iter()
+            .take(self.priors.len())
+            .map(|(joint, _)| sessions.iter().filter_map(|s| record(s, joint)).collect())
+            .collect();
+        self.judge(life, &records)
+    }
+
+    /// Gives each watched tendon's records to the forecasters.
+    fn judge(&self, life: &Life, records: &[Vec<Record>]) -> Result<RobotYear, YearError> {
+        let mut tendons = Vec::new();
+        for (i, priors) in self.priors.iter().enumerate() {
+            let (joint, year) = &life.tendons[i];
+            let own = life.failure_of(joint);
+            for (who, prior) in priors {
+                let reference_c = life.temperature_c[0];
+                let mut result = watch(prior, reference_c, &records[i], year, own, life.seed)?;
+                result.forecaster = *who;
+                result.joint.clone_from(joint);
+                tendons.push(result);
+            }
+        }
+        Ok(RobotYear {
+            seed: life.seed,
+            failed_joint: life.failed_joint.clone(),
+            failure: life.failure,
+            tendons,
+        })
+    }
+}
+
+/// What the trend is told of a simulated session.
+fn record(session: &Session, joint: &str) -> Option<Record> {
+    let own = session.joints.iter().find(|j| j.name == joint)?;
+    Some(Record {
+        time_s: session.day as f64 * DAY_S,
+        offset_rad: own.offset_mrad.map(|[y, i]| [1e-3 * y, 1e-3 * i / Z95]),
+        temperature_c: Some(session.temperature_c),
+        stiffness: Some(own.stiffness_percent.map(|v| 0.01 * v)).map(|[v, i]| [v, i / Z95]),
+    })
+}
+
+/// Gives a year's records to a trend, day by day.
+fn watch(
+    prior: &Prior,
+    reference_c: f64,
+    records: &[Record],
+    year: &TendonYear,
+    failure: Option<Failure>,
+    seed: u64,
+) -> Result<TendonResult, YearError> {
+    let prior = Prior {
+        temperature_ref_c: reference_c,
+        ..prior.clone()
+    };
+    let mut trend = Trend::new(prior, TrendConfig::default())?;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x00f0_7eca_5700);
+    let mut out = TendonResult {
+        forecaster: Forecaster::Rope,
+        joint: String::new(),
+        found_after_days: None,
+        false_alarm_days: Vec::new(),
+        sudden_creep_days: Vec::new(),
+        error_rms_mrad: 0.0,
+        forecasts: Vec::new(),
+    };
+    let true_rad = |day: usize, failed_by: usize| {
+        let jump = failure.filter(|f| day >= f.day && f.day <= failed_by);
+        year.creep_rad[day] + jump.map_or(0.0, |f| 1e-3 * f.size_mrad)
+    };
+    let (mut squares, mut counted) = (0.0, 0.0);
+    for record in records {
+        let day = (record.time_s / DAY_S).round() as usize;
+        if let Some(event) = trend.add(*record)?.confirmed {
+            let at = event.time_s / DAY_S;
+            // A failure shows in the first session after it that could tell.
+            match failure.filter(|f| (at - f.day as f64).abs() <= NEAR_DAYS) {
+                Some(f) if out.found_after_days.is_none() => {
+                    out.found_after_days = Some(event.confirmed_s / DAY_S - f.day as f64);
+                }
+                _ if sudden(&year.creep_rad, at.round() as usize) => {
+                    out.sudden_creep_days.push(event.confirmed_s / DAY_S);
+                }
+                _ => out.false_alarm_days.push(event.confirmed_s / DAY_S),
+            }
+        }
+        if day.is_multiple_of(15) {
+            let error = mean_offset(&trend, &mut rng) - true_rad(day, day);
+            squares += error * error;
+            counted += 1.0;
+        }
+        if FORECAST_DAYS.contains(&day) {
+            let path: Vec<f64> = (day..year.creep_rad.len())
+                .map(|d| true_rad(d, day))
+                .collect();
+            let times: Vec<f64> = (day..year.creep_rad.len()).map(|d| d as f64).collect();
+            let true_day = first_passage(&times, &[path], year.limit_rad)[0];
+            if true_day > day as f64 && true_day.is_finite() {
+                out.forecasts
+                    .push(forecast(&trend, day, true_day, year.limit_rad, &mut rng));
+            }
+        }
+    }
+    out.error_rms_mrad = 1e3 * (squares / f64::max(counted, 1.0)).sqrt();
+    Ok(out)
+}
+
+/// Whether the rope itself grew by at least as much as is reported more than on the days around, within a day
+/// of `day`.
+fn sudden(creep_rad: &[f64], day: usize) -> bool {
+    let grown = |d: usize| match (
+        d.checked_sub(1).and_then(|b| creep_rad.get(b)),
+        creep_rad.get(d),
+    ) {
+        (Some(before), Some(then)) => then - before,
+        _ => 0.0,
+    };
+    let least = TrendConfig::default().least_jump_rad;
+    (day.saturating_sub(1).max(2)..=day + 1)
+        .any(|d| grown(d) - grown(d - 1).max(grown(d + 1)) >= least)
+}
+
+/// Mean of the present offset, rad.
+fn mean_offset(trend: &Trend, rng: &mut ChaCha8Rng) -> f64 {
+    const PATHS: usize = 100;
+    let paths = trend.paths(&[trend.time_s()], PATHS, &mut || StandardNormal.sample(rng));
+    paths.offset_rad.iter().map(|p| p[0]).sum::<f64>() / PATHS as f64
+}
+
+fn forecast(
+    trend: &Trend,
+    day: usize,
+    true_day: f64,
+    limit_rad: f64,
+    rng: &mut ChaCha8Rng,
+) -> Forecast {
+    const PATHS: usize = 1000;
+    const STEPS: i32 = 120;
+    const HORIZON_DAYS: f64 = 3652.5;
+    let ratio = (HORIZON_DAYS / day as f64).powf(1.0 / f64::from(STEPS));
+    let times: Vec<f64> = (0..=STEPS)
+        .map(|i| trend.time_s() * ratio.powi(i))
+        .collect();
+    let paths = trend.paths(&times, PATHS, &mut || StandardNormal.sample(rng));
+    let mut found = first_passage(&paths.times_s, &paths.offset_rad, limit_rad);
+    found.sort_unstable_by(f64::total_cmp);
+    let at = |share: f64| {
+        quantile(&found, share)
+            .filter(|t| t.is_finite())
+            .map(|t| t / DAY_S)
+    };
+    Forecast {
+        made_day: day as f64,
+        true_day,
+        median_day: at(0.5),
+        quantile_days: [at(0.025), at(0.05), at(0.95), at(0.975)],
+    }
+}

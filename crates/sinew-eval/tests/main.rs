@@ -1,0 +1,12 @@
+//! All tests of sinew-eval in one binary: one link, one start.
+
+mod control;
+mod excitation;
+mod rope_figures;
+mod scenarios;
+mod science_figures;
+mod spoiled_bytes;
+#[path = "../../sinew-estimate/tests/support/mod.rs"]
+mod support;
+mod trend_chain;
+mod trend_year;

@@ -1,0 +1,8 @@
+//! Plots, pages and numbers as Sinew shows them.
+
+mod number;
+mod page;
+pub mod plot;
+
+pub use number::{count, date_utc, duration, given, rounded, share, with_error};
+pub use page::{Block, Page, Section, Sentence, Table};

@@ -1,0 +1,172 @@
+//! Words in a figure: how wide they are, how they are written.
+
+use std::fmt::Write as _;
+
+/// Advance widths of Roboto Regular in em for U+0020 to U+007E, in hundredths.
+///
+/// The families named in the SVG (Helvetica, Arial, Liberation Sans) differ by a few percent;
+/// [`width`] adds that much.
+const ADVANCE: [u8; 95] = [
+    25, 26, 32, 62, 56, 73, 62, 17, 34, 35, 43, 57, 20, 28, 26, 41, 56, 56, 56, 56, 56, 56, 56, 56,
+    56, 56, 24, 21, 51, 55, 52, 47, 90, 65, 62, 65, 66, 57, 55, 68, 71, 27, 55, 63, 54, 87, 71, 69,
+    63, 69, 62, 59, 60, 65, 64, 89, 63, 60, 60, 27, 41, 27, 42, 45, 31, 54, 56, 52, 56, 53, 35, 56,
+    55, 24, 24, 51, 24, 88, 55, 57, 56, 57, 34, 52, 33, 55, 48, 75, 50, 47, 50, 34, 24, 34, 68,
+];
+
+/// Size of a subscript relative to its line.
+const SUBSCRIPT: f64 = 0.75;
+
+/// About how wide a text is, px, rather too wide than too narrow.
+pub(super) fn width(text: &str, size_px: f64) -> f64 {
+    let mut em = 0.0;
+    for (piece, subscript) in pieces(text) {
+        let scale = if subscript { SUBSCRIPT } else { 1.0 };
+        for c in piece.chars() {
+            let hundredths = match c {
+                ' '..='~' => ADVANCE[c as usize - 0x20],
+                '·' | '’' | '‘' => 26,
+                '°' | '¹' | '²' | '³' | '⁻' => 38,
+                c if (c as u32) < 0x0500 => 60,
+                // Chinese, Japanese, Korean, signs
+                c if (0x2000..0x2300).contains(&(c as u32)) => 60,
+                _ => 100,
+            };
+            em += scale * f64::from(hundredths) / 100.0;
+        }
+    }
+    1.05 * em * size_px
+}
+
+/// Splits `τ_{el}` into plain and subscript pieces.
+fn pieces(text: &str) -> impl Iterator<Item = (&str, bool)> {
+    let mut rest = text;
+    let mut pending: Option<&str> = None;
+    std::iter::from_fn(move || {
+        if let Some(sub) = pending.take() {
+            return Some((sub, true));
+        }
+        if rest.is_empty() {
+            return None;
+        }
+        if let Some(start) = rest.find("_{")
+            && let Some(length) = rest[start..].find('}')
+        {
+            let plain = &rest[..start];
+            pending = Some(&rest[start + 2..start + length]);
+            rest = &rest[start + length + 1..];
+            return Some((plain, false));
+        }
+        Some((std::mem::take(&mut rest), false))
+    })
+}
+
+/// Text as the content of an SVG `text` element.
+pub(super) fn markup(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut lowered = false;
+    for (piece, subscript) in pieces(text) {
+        if piece.is_empty() {
+            continue;
+        }
+        if subscript {
+            let _ = write!(
+                out,
+                "<tspan dy=\"0.25em\" font-size=\"{:.0}%\">{}</tspan>",
+                100.0 * SUBSCRIPT,
+                escape_xml(piece)
+            );
+            lowered = true;
+        } else if lowered {
+            // Back up by what the subscript went down, in its own smaller em.
+            let _ = write!(
+                out,
+                "<tspan dy=\"{:.4}em\">{}</tspan>",
+                -0.25 * SUBSCRIPT,
+                escape_xml(piece)
+            );
+            lowered = false;
+        } else {
+            out.push_str(&escape_xml(piece));
+        }
+    }
+    out
+}
+
+/// Text safe inside XML and HTML, as content and in quoted attributes.
+///
+/// Control characters, which XML can't hold, become U+FFFD; line ends become spaces.
+pub fn escape_xml(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\r' | '\t' => out.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Breaks a text into lines no wider than `room_px`, at spaces.
+pub(super) fn wrap(text: &str, size_px: f64, room_px: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width(&format!("{line} {word}"), size_px) <= room_px => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines
+}
+
+/// Cuts a text to `room_px` with an ellipsis; `None` when nothing sensible is left.
+pub(super) fn shorten(text: &str, size_px: f64, room_px: f64) -> Option<String> {
+    if width(text, size_px) <= room_px {
+        return Some(text.to_string());
+    }
+    let mut plain: Vec<char> = pieces(text).flat_map(|(p, _)| p.chars()).collect();
+    while plain.len() > 3 {
+        plain.pop();
+        let cut: String = plain.iter().collect::<String>().trim_end().to_string() + "…";
+        if width(&cut, size_px) <= room_px {
+            return Some(cut);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subscripts_go_down_and_come_back() {
+        let text = markup("τ_{el} and <θ>");
+        assert!(text.starts_with("τ<tspan dy=\"0.25em\""), "{text}");
+        assert!(text.ends_with("> and &lt;θ&gt;</tspan>"), "{text}");
+        assert_eq!(markup("broken _{ brace"), "broken _{ brace");
+    }
+
+    #[test]
+    fn what_xml_cannot_hold_is_replaced() {
+        assert_eq!(
+            escape_xml("a\u{0}\u{7}b\nc\"'"),
+            "a\u{fffd}\u{fffd}b c&quot;&#39;"
+        );
+    }
+
+    #[test]
+    fn long_words_are_cut_and_long_texts_wrapped() {
+        assert!(wrap("one two three four", 10.0, 50.0).len() > 1);
+        assert!(shorten("left_shoulder_pitch_joint", 10.0, 60.0).is_some_and(|t| t.ends_with('…')));
+        assert_eq!(shorten("elbow", 10.0, 1.0), None);
+    }
+}

@@ -1,0 +1,75 @@
+//! SVG to PNG with a font that is always there.
+
+use resvg::{tiny_skia, usvg};
+use std::sync::{Arc, OnceLock};
+
+/// Why there is no PNG.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PngError {
+    /// The picture would have no pixels or too many.
+    #[error(
+        "a figure can't be drawn as PNG at {scale} pixels per px: {width} × {height} pixels (at most {} each)",
+        LARGEST_PX
+    )]
+    Size {
+        /// Pixels per CSS px.
+        scale: f64,
+        /// Pixels across.
+        width: f64,
+        /// Pixels down.
+        height: f64,
+    },
+    /// The SVG could not be read; a fault of this program.
+    #[error("the figure's SVG could not be read: {0}")]
+    Svg(String),
+}
+
+/// 16,384 pixels are half a metre at 800 dpi, and 1 GiB of memory squared.
+const LARGEST_PX: f64 = 16_384.0;
+
+fn fonts() -> Arc<usvg::fontdb::Database> {
+    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
+    FONTS
+        .get_or_init(|| {
+            let mut db = usvg::fontdb::Database::new();
+            db.load_font_data(include_bytes!("fonts/Roboto-Regular-subset.ttf").to_vec());
+            db.load_font_data(include_bytes!("fonts/Roboto-Medium-subset.ttf").to_vec());
+            db.set_sans_serif_family("Roboto");
+            Arc::new(db)
+        })
+        .clone()
+}
+
+/// Draws `svg` into a PNG file, `scale` pixels per CSS pixel.
+///
+/// # Errors
+/// [`PngError`].
+pub fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
+    let options = usvg::Options {
+        font_family: "Roboto".to_string(),
+        fontdb: fonts(),
+        ..usvg::Options::default()
+    };
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| PngError::Svg(e.to_string()))?;
+    let width = (f64::from(tree.size().width()) * scale).round();
+    let height = (f64::from(tree.size().height()) * scale).round();
+    let fits = |v: f64| (1.0..=LARGEST_PX).contains(&v);
+    let size_error = PngError::Size {
+        scale,
+        width,
+        height,
+    };
+    if !(fits(width) && fits(height)) {
+        return Err(size_error);
+    }
+    let Some(mut pixels) = tiny_skia::Pixmap::new(width as u32, height as u32) else {
+        return Err(size_error);
+    };
+    pixels.fill(tiny_skia::Color::WHITE);
+    let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
+    resvg::render(&tree, transform, &mut pixels.as_mut());
+    pixels
+        .encode_png()
+        .map_err(|e| PngError::Svg(e.to_string()))
+}

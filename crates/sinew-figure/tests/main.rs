@@ -1,0 +1,3 @@
+//! All tests of sinew-figure in one binary: one link, one start.
+
+mod plot;

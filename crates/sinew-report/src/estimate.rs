@@ -1,0 +1,318 @@
+//! The report of an estimate.
+
+use super::figures;
+use super::sentences::{doubt, headline};
+use sinew_estimate::absolute::Absolute;
+use sinew_estimate::estimate::{Estimate, JointEstimate, Loss};
+use sinew_figure::{
+    Block, Page, Table, count, date_utc, duration, given, rounded, share, with_error,
+};
+
+/// The estimate as one HTML file that opens offline.
+///
+/// What it says, in this order: each joint in a sentence; what to be careful about; the table;
+/// for every joint its figure and its unused frames; recording, robot and settings; what each
+/// number rests on.
+pub fn html(estimate: &Estimate) -> String {
+    html_with(estimate, None)
+}
+
+/// [`html`] with the absolute estimate of the same recording before it.
+pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
+    let mut page = Page::new(format!("Tendon stretch of {}", estimate.robot.name));
+    page.subtitle = format!(
+        "{}, {}, {} frames",
+        estimate.recording.path,
+        duration(estimate.recording.duration_s),
+        count(estimate.recording.frames)
+    );
+    page.footer = format!("Made by Sinew {}", estimate.sinew_version);
+
+    let mut opening = Vec::new();
+    if estimate.damaged {
+        opening.push(Block::Notice(
+            "A part of the recording was damaged or could not be decoded. The estimate uses what could be read; the warnings say what was lost.".into(),
+        ));
+    }
+    opening.push(Block::Headlines(
+        estimate
+            .joints
+            .iter()
+            .map(|j| headline(estimate, j))
+            .collect(),
+    ));
+    opening.push(Block::Paragraph(how_sure(estimate)));
+    let mut page = match absolute {
+        Some(said) => {
+            let page = super::absolute::sections(page, said);
+            page.section("From this recording alone, as in the paper", opening)
+        }
+        None => page.section("", opening),
+    };
+
+    let mut numbers = vec![Block::Table(offsets(estimate))];
+    if estimate.joints.iter().any(|j| j.difference.is_some()) {
+        numbers.push(Block::Table(differences(estimate)));
+    }
+    numbers.push(Block::Paragraph(
+        "Scatter: standard deviation of the single estimates. Standard error: of their mean, with the correlation from one to the next taken into account. Both speak of this recording only, not of an error in stiffness, masses, payload or contact, which moves all estimates alike.".into(),
+    ));
+    let doubts: Vec<String> = estimate.joints.iter().filter_map(doubt).collect();
+    if !doubts.is_empty() {
+        numbers.push(Block::List(doubts));
+    }
+    page = page.section("Numbers", numbers);
+
+    if !estimate.warnings.is_empty() {
+        page = page.section("Warnings", vec![Block::List(estimate.warnings.clone())]);
+    }
+    for joint in &estimate.joints {
+        page = page.section(format!("Joint {}", joint.name), of_joint(estimate, joint));
+    }
+    page = page.section("Frames not used", losses(estimate));
+    page = page.section(
+        "Recording, robot and settings",
+        vec![Block::Table(circumstances(estimate))],
+    );
+    page.section(
+        "What each number rests on",
+        vec![
+            Block::Paragraph(
+                "δe = (θ_measured − q) − τ_el / K;  elongation ΔL = r · δe;  strain ε = ΔL / L  (Kirchhoff and von Stryk, IROS 2018, eq. 4 to 7). θ_measured and q are the motor and joint positions, τ_el the elastic torque, K the stiffness, r the radius of the joint's pulley, L the tendon's length.".into(),
+            ),
+            Block::Table(Table {
+                rows: estimate
+                    .basis
+                    .iter()
+                    .map(|b| vec![b.quantity.clone(), b.rests_on.clone()])
+                    .collect(),
+                ..Table::default()
+            }),
+        ],
+    )
+    .html()
+}
+
+fn how_sure(estimate: &Estimate) -> String {
+    let masses = match estimate.settings.source.as_str() {
+        "torque-sensor" => "the torque sensor",
+        "motor" => "the motor torque, its friction",
+        _ => "the masses in the robot's description",
+    };
+    let absolute = format!(
+        "The method is right in differences: what changed between two recordings of like motion. The absolute value rests on the stiffness and on {masses}, and on a payload and contacts being known; the table says what 1 % of error there adds."
+    );
+    match estimate.settings.reference {
+        Some(_) => format!(
+            "{absolute} These are differences to the reference recording; they are as sure as robot, payload and motion were alike."
+        ),
+        None => format!(
+            "{absolute} Estimate again with --reference and an earlier recording to see what changed."
+        ),
+    }
+}
+
+fn offsets(estimate: &Estimate) -> Table {
+    let head = [
+        "joint",
+        "offset δe, mrad",
+        "scatter, mrad",
+        "standard error, mrad",
+        "elongation, mm",
+        "strain, %",
+        "frames used",
+        "1 % too much stiffness adds, mrad",
+    ];
+    Table {
+        caption: String::new(),
+        head: head.map(String::from).to_vec(),
+        rows: estimate
+            .joints
+            .iter()
+            .map(|j| {
+                let none = || "–".to_string();
+                let optional = |v: Option<f64>| v.map_or_else(none, |v| rounded(v, 3));
+                let error_mm = j.elongation_standard_error_mm.unwrap_or(f64::NAN);
+                vec![
+                    j.name.clone(),
+                    rounded(j.delta_e_mrad, 4),
+                    rounded(j.scatter_mrad, 2),
+                    rounded(j.standard_error_mrad, 2),
+                    j.elongation_mm
+                        .map_or_else(none, |mm| with_error(mm, error_mm)),
+                    optional(j.strain_percent),
+                    share(j.usable_share),
+                    rounded(j.stiffness_error_mrad_per_percent, 2),
+                ]
+            })
+            .collect(),
+    }
+}
+
+fn differences(estimate: &Estimate) -> Table {
+    let head = [
+        "joint",
+        "reference, mrad",
+        "difference, mrad",
+        "difference, mm",
+        "1 % too much stiffness adds, mrad",
+    ];
+    Table {
+        caption: format!(
+            "Difference to {}",
+            estimate
+                .settings
+                .reference
+                .as_deref()
+                .unwrap_or("the reference")
+        ),
+        head: head.map(String::from).to_vec(),
+        rows: estimate
+            .joints
+            .iter()
+            .filter_map(|j| j.difference.as_ref().map(|d| (j, d)))
+            .map(|(j, d)| {
+                vec![
+                    j.name.clone(),
+                    rounded(d.reference_mrad, 4),
+                    with_error(d.difference_mrad, d.standard_error_mrad),
+                    d.elongation_mm.map_or("–".into(), |mm| rounded(mm, 3)),
+                    rounded(d.stiffness_error_mrad_per_percent, 2),
+                ]
+            })
+            .collect(),
+    }
+}
+
+fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
+    if let Some(why) = &joint.refused {
+        return vec![Block::Paragraph(format!("No estimate: {why}."))];
+    }
+    let (figure, caption) = figures::joint(estimate, joint);
+    let [low, mean, high] = joint.tau_el_nm.map(|t| rounded(t, 3));
+    let mut blocks = vec![
+        Block::Figure(Box::new(figure), caption),
+        Block::Paragraph(format!(
+            "Stiffness {} N·m/rad; elastic torque from {low} to {high} N·m, {mean} N·m on average; {} of {} frames used ({}).",
+            given(joint.stiffness_nm_per_rad),
+            count(joint.usable_frames),
+            count(estimate.recording.frames),
+            share(joint.usable_share)
+        )),
+    ];
+    if !joint.losses.is_empty() {
+        blocks.push(loss_table("Why the others were not", &joint.losses));
+    }
+    blocks
+}
+
+fn losses(estimate: &Estimate) -> Vec<Block> {
+    if estimate.losses.is_empty() {
+        return vec![Block::Paragraph(
+            "No frame was lost for all joints; what single joints could not use stands with them."
+                .into(),
+        )];
+    }
+    vec![loss_table("For any joint", &estimate.losses)]
+}
+
+fn loss_table(caption: &str, losses: &[Loss]) -> Block {
+    Block::Table(Table {
+        caption: caption.into(),
+        head: ["reason", "frames", "of all frames"]
+            .map(String::from)
+            .to_vec(),
+        rows: losses
+            .iter()
+            .map(|l| vec![l.reason.clone(), count(l.frames), share(l.share)])
+            .collect(),
+    })
+}
+
+fn circumstances(estimate: &Estimate) -> Table {
+    let (recording, robot, settings) = (&estimate.recording, &estimate.robot, &estimate.settings);
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    let mut add = |name: &str, value: String| rows.push([name.to_string(), value]);
+    add(
+        "recording",
+        format!("{} ({})", recording.path, recording.format),
+    );
+    if let Some(date) = date_utc(recording.start_time_ns) {
+        add("begins", date);
+    }
+    add(
+        "length",
+        format!(
+            "{}, {} frames at {} Hz, {}",
+            duration(recording.duration_s),
+            count(recording.frames),
+            rounded(recording.rate_hz, 4),
+            match recording.segments {
+                1 => "without a gap".to_string(),
+                n => format!("in {n} stretches"),
+            }
+        ),
+    );
+    add("robot", format!("{} ({})", robot.name, robot.file));
+    add("URDF", robot.urdf.clone());
+    add(
+        "elastic torque from",
+        match settings.source.as_str() {
+            "observer" => "the momentum observer".into(),
+            "torque-sensor" => "the joint torque sensors".into(),
+            "motor" => "the motor torque".into(),
+            other => other.to_string(),
+        },
+    );
+    add(
+        "comparison",
+        match settings.comparison.as_str() {
+            "matched" => "matched: θ − q passes the same filters as the torque".into(),
+            "paper" => "the paper's: θ − q unfiltered against a filtered torque".into(),
+            other => other.to_string(),
+        },
+    );
+    add(
+        "observer gain K_I",
+        format!("{} 1/s", given(settings.gain_per_s)),
+    );
+    add(
+        "velocities",
+        match settings.velocity_filter_rad_per_s {
+            Some(cutoff) => format!(
+                "from positions, state-variable filter at {} rad/s",
+                given(cutoff)
+            ),
+            None => "as recorded".into(),
+        },
+    );
+    add(
+        "external torque",
+        if settings.tau_ext {
+            "as recorded"
+        } else {
+            "taken as zero"
+        }
+        .into(),
+    );
+    for injection in &settings.injected {
+        let from = injection
+            .from_s
+            .map_or(String::new(), |t| format!(" from {} on", duration(t)));
+        add(
+            "added by hand",
+            format!(
+                "{} mrad at {}{from}",
+                given(1e3 * injection.offset_rad),
+                injection.joint
+            ),
+        );
+    }
+    if let Some(reference) = &settings.reference {
+        add("reference", reference.clone());
+    }
+    Table {
+        rows: rows.into_iter().map(Vec::from).collect(),
+        ..Table::default()
+    }
+}

@@ -1,0 +1,213 @@
+//! The figure of one joint: offset with its band, torque, motion.
+
+use sinew_estimate::estimate::{Estimate, JointEstimate, Series};
+use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
+use sinew_figure::{duration, given, rounded};
+
+/// Most unused stretches that are shaded; there are only so many px.
+const MOST_SPANS: usize = 60;
+
+/// Intervals a figure shows: two px each, so that mean and band are two things to the eye.
+const INTERVALS: usize = 350;
+
+/// The figure and, for its caption, what of the data lies outside its axes.
+pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, String) {
+    let series = &coarse(&joint.series);
+    let (unit, seconds) = time_unit(estimate.recording.duration_s);
+    let time: Vec<f64> = series.time_s.iter().map(|t| t / seconds).collect();
+    let end = estimate.recording.duration_s / seconds;
+    let framed = |panel: Panel| {
+        if end.is_finite() && end > 0.0 {
+            panel.x_range(0.0, end)
+        } else {
+            panel
+        }
+    };
+    let label = format!("time ({unit})");
+
+    let (range, outside) = offset_range(series, joint);
+    let mut offset = framed(Panel::new("Offset", "", "offset δ_{e} (mrad)"))
+        .weight(1.35)
+        .band(Band::new(
+            "smallest to largest",
+            time.clone(),
+            series.delta_e_min_mrad.clone(),
+            series.delta_e_max_mrad.clone(),
+        ))
+        .line(Line::new(
+            "estimate",
+            time.clone(),
+            series.delta_e_mrad.clone(),
+        ));
+    if let Some((low, high)) = range {
+        offset = offset.y_range(low, high);
+    }
+    for (from, to) in unused(series, &time) {
+        offset = offset.span(from, to, "not used");
+    }
+    for injection in &estimate.settings.injected {
+        if injection.joint == joint.name
+            && let Some(from) = injection.from_s
+        {
+            let size = given(1e3 * injection.offset_rad);
+            offset = offset.event(from / seconds, format!("{size} mrad injected"));
+        }
+    }
+    if joint.delta_e_mrad.is_finite() {
+        let mean = format!("mean {} mrad", rounded(joint.delta_e_mrad, 3));
+        offset = offset.reference(joint.delta_e_mrad, mean);
+    }
+    if let Some(d) = &joint.difference {
+        let then = format!("reference {} mrad", rounded(d.reference_mrad, 3));
+        offset = offset.reference(d.reference_mrad, then);
+    }
+    if let Some(mm) = joint.elongation_mm
+        && (mm / joint.delta_e_mrad).is_finite()
+    {
+        offset = offset.y_right("elongation (mm)", mm / joint.delta_e_mrad);
+    }
+
+    let source = match estimate.settings.source.as_str() {
+        "torque-sensor" => "measured τ_{el}",
+        "motor" => "τ_{el} from the motor",
+        _ => "observed τ_{el}",
+    };
+    let torque = framed(Panel::new("Torque", "", "torque (N·m)"))
+        .line(Line::new(source, time.clone(), series.tau_el_nm.clone()))
+        .line(
+            Line::new(
+                "encoders: K(θ_{measured} − q)",
+                time.clone(),
+                series.tau_spring_nm.clone(),
+            )
+            .colour(Colour::Orange)
+            .dash(Dash::Dashed),
+        );
+    let motion = framed(Panel::new("Motion", label, "q (rad)"))
+        .weight(0.75)
+        .line(Line::new("", time, series.q_rad.clone()).colour(Colour::Black));
+    let figure = Figure::new("")
+        .size(820.0, 560.0)
+        .panel(offset)
+        .panel(torque)
+        .panel(motion);
+
+    let interval = match series.time_s.as_slice() {
+        [first, second, ..] => second - first,
+        _ => estimate.recording.duration_s,
+    };
+    let caption = format!(
+        "Averages over {}. Where the two torques differ by more than their lag, the offset is not zero.{outside}",
+        duration(interval)
+    );
+    (figure, caption)
+}
+
+fn time_unit(duration_s: f64) -> (&'static str, f64) {
+    match duration_s {
+        d if d > 3.0 * 3600.0 => ("h", 3600.0),
+        d if d > 600.0 => ("min", 60.0),
+        _ => ("s", 1.0),
+    }
+}
+
+/// An axis for the means and nearly all of the band, and a word on what it cuts off.
+///
+/// A single spike must not flatten the curve that the figure is about.
+fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
+    let finite = |v: &[f64]| -> Vec<f64> {
+        let mut v: Vec<f64> = v.iter().copied().filter(|x| x.is_finite()).collect();
+        v.sort_by(f64::total_cmp);
+        v
+    };
+    let (means, lows, highs) = (
+        finite(&series.delta_e_mrad),
+        finite(&series.delta_e_min_mrad),
+        finite(&series.delta_e_max_mrad),
+    );
+    let (Some(&mean_low), Some(&mean_high)) = (means.first(), means.last()) else {
+        return (None, String::new());
+    };
+    let at = |v: &[f64], share: f64| {
+        v.get((share * v.len().saturating_sub(1) as f64) as usize)
+            .copied()
+    };
+    let mut low = mean_low.min(at(&lows, 0.01).unwrap_or(mean_low));
+    let mut high = mean_high.max(at(&highs, 0.99).unwrap_or(mean_high));
+    if let Some(d) = &joint.difference
+        && d.reference_mrad.is_finite()
+    {
+        low = low.min(d.reference_mrad);
+        high = high.max(d.reference_mrad);
+    }
+    let margin = 0.08 * (high - low);
+    let (low, high) = (low - margin, high + margin);
+    let (least, most) = (
+        lows.first().copied().unwrap_or(low),
+        highs.last().copied().unwrap_or(high),
+    );
+    // Only what a reader would miss: a fifth of the axis' height or more.
+    let far = 0.2 * (high - low);
+    let outside = if least < low - far || most > high + far {
+        format!(
+            " Single estimates reach from {} to {} mrad; the axis leaves the rarest 1 % out.",
+            rounded(least, 3),
+            rounded(most, 3)
+        )
+    } else {
+        String::new()
+    };
+    ((low < high).then_some((low, high)), outside)
+}
+
+/// Stretches of time without a usable frame, the longest first when there are too many.
+fn unused(series: &Series, time: &[f64]) -> Vec<(f64, f64)> {
+    let half = match time {
+        [first, second, ..] => 0.5 * (second - first),
+        _ => return Vec::new(),
+    };
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    let mut open: Option<(f64, f64)> = None;
+    for (&t, &share) in time.iter().zip(&series.usable_share) {
+        if share > 0.0 {
+            spans.extend(open.take());
+        } else {
+            open = Some((open.map_or(t - half, |o| o.0), t + half));
+        }
+    }
+    spans.extend(open);
+    if spans.len() > MOST_SPANS {
+        spans.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
+        spans.truncate(MOST_SPANS);
+    }
+    spans
+}
+
+/// The series in at most [`INTERVALS`] intervals: means of means, smallest and largest of all.
+fn coarse(series: &Series) -> Series {
+    let group = series.time_s.len().div_ceil(INTERVALS).max(1);
+    let mean_of = |values: &[f64]| -> Vec<f64> {
+        values
+            .chunks(group)
+            .map(|chunk| {
+                let finite = || chunk.iter().filter(|v| v.is_finite());
+                finite().sum::<f64>() / finite().count() as f64
+            })
+            .collect()
+    };
+    // `min` and `max` pass over NaN; a chunk of nothing but NaN stays NaN.
+    let extreme = |values: &[f64], of: fn(f64, f64) -> f64| -> Vec<f64> {
+        let fold = |chunk: &[f64]| chunk.iter().copied().fold(f64::NAN, of);
+        values.chunks(group).map(fold).collect()
+    };
+    Series {
+        time_s: mean_of(&series.time_s),
+        delta_e_mrad: mean_of(&series.delta_e_mrad),
+        delta_e_min_mrad: extreme(&series.delta_e_min_mrad, f64::min),
+        delta_e_max_mrad: extreme(&series.delta_e_max_mrad, f64::max),
+        tau_el_nm: mean_of(&series.tau_el_nm),
+        tau_spring_nm: mean_of(&series.tau_spring_nm),
+        q_rad: mean_of(&series.q_rad),
+        usable_share: mean_of(&series.usable_share),
+    }
+}

@@ -1,0 +1,18 @@
+//! Reports: one HTML file each, that opens offline, prints, and can be read on a telephone.
+//!
+//! [`html`] tells an [`Estimate`](sinew_estimate::estimate::Estimate); [`Page`](sinew_figure::Page) is what it and the paper's
+//! figures are built with. A page holds its style and its figures; it loads nothing and runs no
+//! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
+//! date, no path that wasn't given.
+
+mod absolute;
+mod estimate;
+mod figures;
+pub mod rope;
+mod sentences;
+#[cfg(test)]
+mod tests;
+pub mod trend;
+
+pub use estimate::{html, html_with};
+pub use sentences::headline;

@@ -1,0 +1,80 @@
+//! The choice of a rope as a figure.
+
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use sinew_rope::select::{Candidate, Selection, is_pareto};
+
+/// Elongation against diameter and against weight; the thin line joins the ropes that nothing
+/// beats in both.
+pub fn figure(selection: &Selection, time: &str) -> Figure {
+    let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
+        let mut panel = Panel::new("", label, format!("elongation after {time} (mm)"));
+        let mut front: Vec<(f64, f64)> = Vec::new();
+        let points: Vec<(Option<f64>, f64)> = selection
+            .candidates
+            .iter()
+            .map(|c| (x(c), c.elongation_mm.value))
+            .collect();
+        let known = points.iter().filter_map(|p| p.0);
+        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+            (a.min(v), b.max(v))
+        });
+        if low > high {
+            return None;
+        }
+        let room = (0.15 * (high - low)).max(0.1 * high);
+        let (left, right) = (low - room, high + 2.5 * room);
+        let tick = 0.008 * (right - left);
+        for (i, c) in selection.candidates.iter().enumerate() {
+            let Some(at) = x(c) else { continue };
+            // Ropes of the same size stand beside each other.
+            let before = points[..i].iter().filter(|p| p.0 == Some(at)).count();
+            let at = at + 3.0 * tick * before as f64;
+            let beaten = !is_pareto(&points, i);
+            let colour = if beaten { Colour::Grey } else { Colour::Blue };
+            let e = c.elongation_mm;
+            panel = panel
+                .line(
+                    Line::new("", vec![at, at], vec![e.low, e.high])
+                        .colour(colour)
+                        .width(1.2),
+                )
+                .line(
+                    Line::new("", vec![at - tick, at + tick], vec![e.value, e.value])
+                        .colour(colour)
+                        .width(4.0),
+                )
+                .note(at + 1.5 * tick, e.value, c.rope.clone());
+            if !beaten {
+                front.push((at, e.value));
+            }
+        }
+        front.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (xs, ys) = front.into_iter().unzip();
+        Some(
+            panel
+                .line(
+                    Line::new("nothing beats these in both", xs, ys)
+                        .colour(Colour::Blue)
+                        .dash(Dash::Dotted)
+                        .width(1.0),
+                )
+                .x_range(left, right),
+        )
+    };
+    let mut figure = Figure::new("Ropes for this duty")
+        .subtitle(format!(
+            "{}; bars are 95 % intervals from the catalogue's uncertainty",
+            selection.duty
+        ))
+        .size(820.0, 860.0);
+    for panel in [
+        panel("rope diameter (mm)", &|c| c.diameter_mm),
+        panel("weight (g/m), where published", &|c| c.weight_g_per_m),
+    ]
+    .into_iter()
+    .flatten()
+    {
+        figure = figure.panel(panel);
+    }
+    figure
+}

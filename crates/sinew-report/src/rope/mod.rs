@@ -1,0 +1,150 @@
+//! Predictions, choices and plans as HTML pages.
+
+mod choice;
+mod planned;
+mod predicted;
+mod selected;
+
+pub use choice::figure;
+pub use planned::planned;
+pub use predicted::predicted;
+pub use selected::selected;
+
+use sinew_figure::{Block, Page, Table, rounded};
+use sinew_rope::Interval;
+use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
+
+/// A duration as a person says it.
+pub fn spoken(s: f64) -> String {
+    let whole = |v: f64, unit: &str| {
+        let rounded = (10.0 * v).round() / 10.0;
+        // Abbreviations have no plural.
+        let plural = if rounded == 1.0 || ["s", "min", "h"].contains(&unit) {
+            ""
+        } else {
+            "s"
+        };
+        format!("{rounded} {unit}{plural}")
+    };
+    if s < 90.0 {
+        whole(s, "s")
+    } else if s < 0.99 * HOUR_S {
+        whole(s / 60.0, "min")
+    } else if s < 0.99 * DAY_S {
+        whole(s / HOUR_S, "h")
+    } else if s < 0.99 * MONTH_S {
+        whole(s / DAY_S, "day")
+    } else if s < 0.99 * YEAR_S {
+        whole(s / MONTH_S, "month")
+    } else {
+        whole(s / YEAR_S, "year")
+    }
+}
+
+/// `0.42 (0.31 to 0.58)`
+pub fn bracketed(i: Interval, digits: u8) -> String {
+    format!(
+        "{} ({} to {})",
+        rounded(i.value, digits),
+        rounded(i.low, digits),
+        rounded(i.high, digits)
+    )
+}
+
+fn table(head: &[&str], rows: Vec<Vec<String>>) -> Block {
+    Block::Table(Table {
+        head: head.iter().map(|h| (*h).to_owned()).collect(),
+        rows,
+        ..Table::default()
+    })
+}
+
+fn facts<const N: usize>(rows: [(&str, String); N]) -> Block {
+    let rows = rows.into_iter().map(|(k, v)| vec![k.to_owned(), v]);
+    Block::Table(Table {
+        rows: rows.collect(),
+        ..Table::default()
+    })
+}
+
+fn notices(warnings: &[String]) -> impl Iterator<Item = Block> + '_ {
+    warnings.iter().map(|w| Block::Notice(format!("{w}.")))
+}
+
+fn page(title: String, subtitle: String) -> Page {
+    Page {
+        subtitle,
+        footer: format!("Sinew {}", env!("CARGO_PKG_VERSION")),
+        ..Page::new(title)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_rope::predict::{Request, Route, TIMES_DEFAULT_S, predict};
+    use sinew_rope::select::Constraints;
+    use sinew_rope::{Catalogue, Duty, pretension, select};
+
+    fn request() -> Request {
+        Request {
+            duty: Duty::constant(60.0, 23.0),
+            route: Route::straight(0.7),
+            times_s: TIMES_DEFAULT_S.to_vec(),
+            read_at: None,
+            draws: 20,
+            seed: 1,
+        }
+    }
+
+    #[test]
+    fn pages_say_what_the_tables_say() {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        let rope = catalogue.find("liros-dc000-0301").expect("there");
+        let p = predict(rope, &request()).expect("a prediction");
+        let text = predicted(&p).html();
+        let last = p.readings.last().expect("readings").since_tensioned_mm;
+        for words in [
+            bracketed(last, 2).as_str(),
+            "after 1 year",
+            "<svg",
+            "starting guesses",
+        ] {
+            assert!(text.contains(words), "{words}");
+        }
+        let limits = Constraints {
+            diameter_max_mm: Some(1.9),
+            ..Constraints::default()
+        };
+        let s = select::select(&catalogue, &request(), &limits).expect("a choice");
+        let text = selected(&s, &limits).html();
+        for words in [
+            "diameter at most",
+            "1.9 mm",
+            "diameter 2.00 mm is above 1.9 mm",
+            "<svg",
+        ] {
+            assert!(text.contains(words), "{words}");
+        }
+        let asked = pretension::Request {
+            tension_n: 60.0,
+            temperature_c: 23.0,
+            length_m: 0.7,
+            horizon_s: YEAR_S,
+            lowest_n: 48.0,
+            remove: 0.8,
+            draws: 20,
+            seed: 1,
+        };
+        let plan = pretension::plan(rope, &asked).expect("a plan");
+        let text = planned(&plan, 0.8).html();
+        for words in [
+            "Hold it at 60.0 N for 1 h",
+            "as it comes",
+            "bedded in",
+            "<svg",
+        ] {
+            assert!(text.contains(words), "{words}");
+        }
+    }
+}

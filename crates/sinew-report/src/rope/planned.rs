@@ -1,0 +1,139 @@
+//! A plan of pretension as a page.
+
+use super::{bracketed, notices, page, spoken, table};
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use sinew_figure::{Block, Page, rounded};
+use sinew_rope::pretension::{Plan, Schedule};
+
+/// How to bed a rope in, and when to tension it again.
+pub fn planned(p: &Plan, remove: f64) -> Page {
+    let percent = rounded(100.0 * remove, 2);
+    let headline = match p.chosen.map(|i| &p.procedures[i]) {
+        Some(c) => format!(
+            "Hold it at {} N for {}, then tension it anew at {} N: that takes {} % of the later elongation away ({percent} % was asked for).",
+            rounded(c.tension_n, 3),
+            spoken(c.duration_s),
+            rounded(p.tension_n, 3),
+            bracketed(c.removed.scaled(100.0), 2),
+        ),
+        None => format!("No procedure tried takes {percent} % of the later elongation away."),
+    };
+    let mut first = vec![Block::Headlines(vec![
+        format!(
+            "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.",
+            rounded(p.tension_n, 3),
+            p.rope,
+            bracketed(p.without_mm, 2),
+            spoken(p.horizon_s)
+        ),
+        headline,
+    ])];
+    first.extend(notices(&p.warnings));
+    first.push(Block::Figure(
+        Box::new(plan_figure(p)),
+        "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values.".into(),
+    ));
+    let rows = p.procedures.iter().enumerate().map(|(i, q)| {
+        vec![
+            format!("{} N for {}", rounded(q.tension_n, 3), spoken(q.duration_s)),
+            bracketed(q.still_to_come_mm, 2),
+            bracketed(q.removed.scaled(100.0), 2),
+            if p.chosen == Some(i) { "taken" } else { "" }.into(),
+        ]
+    });
+    let head = ["hold at", "still to come, mm", "taken away, %", ""];
+    page(
+        format!("Pretension and bedding-in of {}", p.rope),
+        format!(
+            "{} N at {} °C, strand of {} mm, for {}",
+            rounded(p.tension_n, 3),
+            rounded(p.temperature_c, 3),
+            rounded(p.length_mm, 4),
+            spoken(p.horizon_s)
+        ),
+    )
+    .section("", first)
+    .section("Bedding-in", vec![table(&head, rows.collect())])
+    .section(
+        "Re-tensioning at constant length",
+        vec![
+            Block::Paragraph(format!(
+                "The rope is strung at {} N, has a minute to settle and is left at the length it then has; nothing else in the machine gives. It is tensioned again when it has fallen below {} N.",
+                rounded(p.tension_n, 3),
+                rounded(p.lowest_n, 3)
+            )),
+            schedules(p),
+        ],
+    )
+}
+
+/// Times of re-tensioning that are listed.
+const SHOWN: usize = 8;
+
+/// Both schedules side by side.
+fn schedules(p: &Plan) -> Block {
+    let both = [&p.schedule_new, &p.schedule_bedded];
+    let row = |what: &str, of: &dyn Fn(&Schedule) -> String| {
+        let mut row = vec![what.to_owned()];
+        row.extend(both.map(of));
+        row
+    };
+    let times = |s: &Schedule| {
+        let all: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
+        match s.times_s.len() {
+            0 => "never".to_owned(),
+            n if n > SHOWN => format!("{} and {} more", all.join(", "), n - SHOWN),
+            _ => all.join(", "),
+        }
+    };
+    let start = |s: &Schedule| {
+        s.start_n
+            .map_or_else(|| "no tension does".into(), |i| bracketed(i, 2))
+    };
+    table(
+        &["", "as it comes", "bedded in"],
+        vec![
+            row("re-tension after", &times),
+            row("times", &|s| bracketed(s.count, 2)),
+            row("none needed, % of the draws", &|s| {
+                format!("{:.0}", 100.0 * s.never_share)
+            }),
+            row("left alone it ends at, N", &|s| {
+                bracketed(s.tension_at_end_n, 2)
+            }),
+            row("string it at, N, and none is needed", &start),
+        ],
+    )
+}
+
+fn plan_figure(p: &Plan) -> Figure {
+    let mut bedding = Panel::new("", "held for", "still to come (mm)").x_times();
+    let mut tensions: Vec<f64> = p.procedures.iter().map(|q| q.tension_n).collect();
+    tensions.dedup();
+    for (n, colour) in tensions.iter().zip(Colour::CYCLE) {
+        let (x, y) = p
+            .procedures
+            .iter()
+            .filter(|q| q.tension_n == *n)
+            .map(|q| (q.duration_s.log10(), q.still_to_come_mm.value))
+            .unzip();
+        let line = Line::new(format!("{} N", rounded(*n, 3)), x, y).colour(colour);
+        bedding = bedding.line(line);
+    }
+    let mut strung = Panel::new("", "time since it was strung", "tension (N)")
+        .x_times()
+        .reference(p.lowest_n, "lowest");
+    for (word, s, colour) in [
+        ("as it comes", &p.schedule_new, Colour::Orange),
+        ("bedded in", &p.schedule_bedded, Colour::Blue),
+    ] {
+        let x = s.left_alone.time_s.iter().map(|t| t.log10()).collect();
+        let line = Line::new(word, x, s.left_alone.tension_n.clone());
+        strung = strung.line(line.colour(colour).dash(Dash::Solid));
+    }
+    Figure::new("")
+        .size(960.0, 360.0)
+        .columns(2)
+        .panel(bedding)
+        .panel(strung)
+}

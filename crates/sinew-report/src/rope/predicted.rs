@@ -1,0 +1,126 @@
+//! A prediction as a page.
+
+use super::{bracketed, facts, notices, page, spoken, table};
+use sinew_figure::plot::{Band, Figure, Line, Panel};
+use sinew_figure::{Block, Page, rounded};
+use sinew_rope::draws::Interval;
+use sinew_rope::predict::Prediction;
+
+/// How far a rope will stretch.
+pub fn predicted(p: &Prediction) -> Page {
+    let mut first = Vec::new();
+    if let Some(last) = p.readings.last() {
+        first.push(Block::Headlines(vec![format!(
+            "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).",
+            p.rope,
+            spoken(last.time_s),
+            bracketed(last.since_tensioned_mm, 2)
+        )]));
+    }
+    first.extend(notices(&p.warnings));
+    if p.readings.len() > 1 {
+        let x: Vec<f64> = p.readings.iter().map(|r| r.time_s.log10()).collect();
+        let of = |f: &dyn Fn(&Interval) -> f64| -> Vec<f64> {
+            let all = p.readings.iter().map(|r| &r.since_tensioned_mm);
+            all.map(f).collect()
+        };
+        let most = of(&|i| i.high).into_iter().fold(0.0, f64::max);
+        let panel = Panel::new("", "time", "elongation since tensioned (mm)")
+            .y_range(0.0, 1.06 * most)
+            .band(Band::new(
+                "95 % of the draws",
+                x.clone(),
+                of(&|i| i.low),
+                of(&|i| i.high),
+            ))
+            .line(Line::new("catalogue's values", x.clone(), of(&|i| i.value)))
+            .x_times();
+        let figure = Figure::new("").size(820.0, 360.0).panel(panel);
+        first.push(Block::Figure(Box::new(figure), String::new()));
+    }
+    let rows = p.readings.iter().map(|r| {
+        vec![
+            spoken(r.time_s),
+            bracketed(r.since_tensioned_mm, 2),
+            bracketed(r.elongation_mm, 2),
+            bracketed(r.strain_percent, 2),
+            bracketed(r.irreversible_mm, 2),
+        ]
+    });
+    let head = [
+        "after",
+        "since tensioned, mm",
+        "from new and slack, mm",
+        "from new and slack, %",
+        "of that unloading leaves, mm",
+    ];
+    let s = &p.summary;
+    let celsius = [
+        s.temperature_min_c,
+        s.temperature_mean_c,
+        s.temperature_max_c,
+    ];
+    let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
+    let mut basis = vec![facts([
+        ("duty", p.duty.clone()),
+        (
+            "one cycle",
+            if constant {
+                "always the same".into()
+            } else {
+                spoken(s.duration_s)
+            },
+        ),
+        (
+            "tension",
+            span([s.tension_min_n, s.tension_mean_n, s.tension_max_n], "N"),
+        ),
+        ("temperature", span(celsius, "°C")),
+        ("strand", format!("{} mm", rounded(p.length_mm, 4))),
+        (
+            "read at",
+            format!(
+                "{} N, {} °C",
+                rounded(p.read_at_n, 3),
+                rounded(p.read_at_c, 3)
+            ),
+        ),
+        (
+            "parameters",
+            format!(
+                "{} of {} are starting guesses; {} draws (seed {})",
+                p.starting_guesses, p.parameters, p.draws, p.seed
+            ),
+        ),
+        (
+            "strength left after bending",
+            p.strength_left.map_or_else(
+                || "not asked for".into(),
+                |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
+            ),
+        ),
+    ])];
+    if p.broken_share > 0.0 {
+        basis.push(Block::Notice(format!(
+            "The rope breaks in {} % of the draws, which are left out above.",
+            rounded(100.0 * p.broken_share, 2)
+        )));
+    }
+    page(format!("Elongation of {}", p.rope), p.duty.clone())
+        .section("", first)
+        .section("Readings", vec![table(&head, rows.collect())])
+        .section("What it rests on", basis)
+}
+
+/// Least, mean and most; one number where they are the same.
+fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
+    if least == most {
+        return format!("{} {unit}", rounded(mean, 3));
+    }
+    format!(
+        "{} to {} {unit}, mean {} {unit}",
+        rounded(least, 3),
+        rounded(most, 3),
+        rounded(mean, 3)
+    )
+}

@@ -1,0 +1,113 @@
+//! An estimate in words.
+
+use sinew_estimate::estimate::{Estimate, JointEstimate};
+use sinew_figure::{rounded, with_error};
+
+/// Beyond this many standard errors a change is called seen; closer, it is said not to be.
+const SEEN_ERRORS: f64 = 2.0;
+/// What quantised encoders leave even in a good estimate, mrad: the upper end of what a 12–14 bit
+/// encoder reaches with filter and matched comparison. The standard error can't see it, because
+/// it is the same in every frame of a pose.
+const ENCODER_MRAD: f64 = 0.3;
+/// An error of stiffness or masses below this many percent is ordinary, so an offset that such an
+/// error would show as well is no proof of stretch.
+const ORDINARY_ERROR_PERCENT: f64 = 10.0;
+
+/// One joint in one sentence: how much longer its tendon is, than what, and how sure that is.
+pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
+    let name = &joint.name;
+    if let Some(why) = &joint.refused {
+        return format!("{name}: no estimate; {why}");
+    }
+    let (value, error, elongation_mm, than) =
+        match (&joint.difference, &estimate.settings.reference) {
+            (Some(d), Some(reference)) => (
+                d.difference_mrad,
+                d.standard_error_mrad,
+                d.elongation_mm,
+                format!("in the reference {reference}"),
+            ),
+            _ => (
+                joint.delta_e_mrad,
+                joint.standard_error_mrad,
+                joint.elongation_mm,
+                "at the encoders' calibration".to_string(),
+            ),
+        };
+    if !value.is_finite() {
+        return format!("{name}: no estimate");
+    }
+    let what = if joint.difference.is_some() {
+        "change"
+    } else {
+        "offset"
+    };
+    let mut offset = format!("{what} {} mrad", with_error(value, error));
+    if !(error.is_finite() && error > 0.0) {
+        offset.push_str(", error unknown: the recording is too short for one");
+    }
+    if error.is_finite() && value.abs() < seen(error) {
+        return format!("{name}: no stretch seen ({offset})");
+    }
+    match elongation_mm.filter(|mm| mm.is_finite()) {
+        Some(mm) => {
+            let word = if mm < 0.0 { "shorter" } else { "longer" };
+            let mm = rounded(mm.abs(), 2);
+            format!("{name}: tendon {mm} mm {word} than {than} ({offset})")
+        }
+        None => format!(
+            "{name}: motor {} mrad ahead of {than} ({offset}); no tendon in robot.toml, so no elongation",
+            rounded(value, 3)
+        ),
+    }
+}
+
+/// From here on a change is called seen, mrad.
+fn seen(standard_error_mrad: f64) -> f64 {
+    (SEEN_ERRORS * standard_error_mrad).max(ENCODER_MRAD)
+}
+
+/// How large an error of stiffness or masses would look the same, where that is worth a word.
+pub(super) fn doubt(joint: &JointEstimate) -> Option<String> {
+    if joint.refused.is_some() {
+        return None;
+    }
+    let (value, per_percent, what) = match &joint.difference {
+        Some(d) => (
+            d.difference_mrad,
+            d.stiffness_error_mrad_per_percent,
+            "difference",
+        ),
+        None => (
+            joint.delta_e_mrad,
+            joint.stiffness_error_mrad_per_percent,
+            "offset",
+        ),
+    };
+    let error = joint
+        .difference
+        .as_ref()
+        .map_or(joint.standard_error_mrad, |d| d.standard_error_mrad);
+    let percent = (value / per_percent).abs();
+    // What isn't seen needs no doubt.
+    if !percent.is_finite() || value.abs() < seen(error) {
+        return None;
+    }
+    Some(if percent < ORDINARY_ERROR_PERCENT {
+        format!(
+            "{}: an error of {} % in its stiffness or in the masses it carries would show the same {what}; take it for stretch only if you know them better than that.",
+            joint.name,
+            rounded(percent, 2)
+        )
+    } else {
+        format!(
+            "{}: it would take an error of {} % in stiffness or masses to show this {what} without any stretch.",
+            joint.name,
+            if percent > 1000.0 {
+                "over 1000".to_string()
+            } else {
+                rounded(percent, 2)
+            }
+        )
+    })
+}

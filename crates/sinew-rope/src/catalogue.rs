@@ -1,0 +1,344 @@
+//! Ropes to choose from: those that ship with the program and those in the user's own folders.
+
+use sinew_model::rope::entry::{Entry, EntryError};
+use std::path::{Path, PathBuf};
+
+/// The ropes of the paper's Table I, in its order.
+const SHIPPED: [(&str, &str); 9] = [
+    (
+        "gottifredi-maffioli-sk99-ultra.toml",
+        include_str!("../../../ropes/gottifredi-maffioli-sk99-ultra.toml"),
+    ),
+    (
+        "liros-aramid-braided-cord.toml",
+        include_str!("../../../ropes/liros-aramid-braided-cord.toml"),
+    ),
+    (
+        "liros-dc000-0301.toml",
+        include_str!("../../../ropes/liros-dc000-0301.toml"),
+    ),
+    (
+        "liros-dc000-0701.toml",
+        include_str!("../../../ropes/liros-dc000-0701.toml"),
+    ),
+    (
+        "ockert-climax-combat.toml",
+        include_str!("../../../ropes/ockert-climax-combat.toml"),
+    ),
+    (
+        "teufelberger-fl-32-ng.toml",
+        include_str!("../../../ropes/teufelberger-fl-32-ng.toml"),
+    ),
+    (
+        "teufelberger-fl-9-ng.toml",
+        include_str!("../../../ropes/teufelberger-fl-9-ng.toml"),
+    ),
+    (
+        "tu-chemnitz-technora-black.toml",
+        include_str!("../../../ropes/tu-chemnitz-technora-black.toml"),
+    ),
+    (
+        "tu-chemnitz-vectran.toml",
+        include_str!("../../../ropes/tu-chemnitz-vectran.toml"),
+    ),
+];
+
+/// Largest catalogue entry read, bytes: a hundred times the shipped ones.
+const ENTRY_BYTES_MAX: u64 = 1 << 20;
+
+/// A rope and the file it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CatalogueRope {
+    /// The rope.
+    pub entry: Entry,
+    /// Its file; `None` for one that ships with the program.
+    pub file: Option<PathBuf>,
+}
+
+/// Ropes by name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Catalogue {
+    ropes: Vec<CatalogueRope>,
+}
+
+/// What is wrong with a catalogue.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CatalogueError {
+    /// A folder or file that can't be read.
+    #[error("can't read {path}: {error}", path = path.display())]
+    Read {
+        /// Folder or file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// A file too large to be a catalogue entry.
+    #[error("{path} has {bytes} bytes; a rope takes some thousand", path = path.display())]
+    TooLarge {
+        /// File.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+    },
+    /// An entry was refused.
+    #[error(transparent)]
+    Entry(#[from] EntryError),
+    /// Two files of one folder name the same rope.
+    #[error("{first} and {second} both name their rope '{name}'; rename one", first = first.display(), second = second.display())]
+    Twice {
+        /// Rope.
+        name: String,
+        /// File read first.
+        first: PathBuf,
+        /// File read then.
+        second: PathBuf,
+    },
+    /// No such rope.
+    #[error("no rope '{name}' in the catalogue; it has {known}")]
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names there are.
+        known: String,
+    },
+    /// The rope has no complete law.
+    #[error("rope '{name}' has no complete law; missing in its [law]: {missing}")]
+    NoLaw {
+        /// Rope.
+        name: String,
+        /// Parameters that are missing.
+        missing: String,
+    },
+}
+
+impl Catalogue {
+    /// The ropes that ship with the program.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Entry`]; a test keeps that from happening.
+    pub fn shipped() -> Result<Self, CatalogueError> {
+        let parse = |(file, text): &(&str, &str)| {
+            Ok::<_, CatalogueError>(CatalogueRope {
+                entry: Entry::parse(text, file)?,
+                file: None,
+            })
+        };
+        let ropes = SHIPPED
+            .iter()
+            .map(parse)
+            .collect::<Result<_, CatalogueError>>()?;
+        Ok(Self { ropes })
+    }
+
+    /// The shipped ropes and those of `folders`, each read in order of file names; a rope of a
+    /// later folder replaces an earlier one of its name.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub fn with_folders(folders: &[&Path]) -> Result<Self, CatalogueError> {
+        let mut out = Self::shipped()?;
+        for folder in folders {
+            out.add_folder(folder)?;
+        }
+        Ok(out)
+    }
+
+    fn add_folder(&mut self, folder: &Path) -> Result<(), CatalogueError> {
+        let read_error = |path: &Path| {
+            let path = path.to_path_buf();
+            move |error| CatalogueError::Read { path, error }
+        };
+        let mut files = Vec::new();
+        for item in std::fs::read_dir(folder).map_err(read_error(folder))? {
+            let path = item.map_err(read_error(folder))?.path();
+            if path.extension().is_some_and(|e| e == "toml") && path.is_file() {
+                files.push(path);
+            }
+        }
+        files.sort();
+        let mut fresh: Vec<CatalogueRope> = Vec::new();
+        for path in files {
+            let bytes = std::fs::metadata(&path).map_err(read_error(&path))?.len();
+            if bytes > ENTRY_BYTES_MAX {
+                return Err(CatalogueError::TooLarge { path, bytes });
+            }
+            let text = std::fs::read_to_string(&path).map_err(read_error(&path))?;
+            let entry = Entry::parse(&text, &path.display().to_string())?;
+            if let Some(twin) = fresh.iter().find(|r| r.entry.name == entry.name) {
+                return Err(CatalogueError::Twice {
+                    name: entry.name,
+                    first: twin.file.clone().unwrap_or_default(),
+                    second: path,
+                });
+            }
+            fresh.push(CatalogueRope {
+                entry,
+                file: Some(path),
+            });
+        }
+        for rope in fresh {
+            match self
+                .ropes
+                .iter_mut()
+                .find(|r| r.entry.name == rope.entry.name)
+            {
+                // A copy of a shipped rope is that rope.
+                Some(old) if old.entry == rope.entry => {}
+                Some(old) => *old = rope,
+                None => self.ropes.push(rope),
+            }
+        }
+        Ok(())
+    }
+
+    /// All ropes.
+    pub fn ropes(&self) -> &[CatalogueRope] {
+        &self.ropes
+    }
+
+    /// Names of all ropes.
+    pub fn names(&self) -> Vec<String> {
+        self.ropes.iter().map(|r| r.entry.name.clone()).collect()
+    }
+
+    /// A rope by name.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Unknown`] with the names there are.
+    pub fn find(&self, name: &str) -> Result<&CatalogueRope, CatalogueError> {
+        self.ropes
+            .iter()
+            .find(|r| r.entry.name == name)
+            .ok_or_else(|| CatalogueError::Unknown {
+                name: name.to_string(),
+                known: self.names().join(", "),
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_ropes_are_table_1_as_published() {
+        // Manufacturer, product, fibre, diameter (mm), breaking load (daN), plait, weight (g/m):
+        // copied from the paper's Table I, not from the catalogue.
+        type Row = (
+            &'static str,
+            &'static str,
+            f64,
+            Option<f64>,
+            Option<&'static str>,
+            Option<f64>,
+        );
+        let table: [Row; 9] = [
+            (
+                "Gottifredi Maffioli",
+                "SK99 Ultra",
+                2.00,
+                Some(560.0),
+                None,
+                Some(2.50),
+            ),
+            (
+                "Liros",
+                "Aramid Braided Cord",
+                2.00,
+                Some(250.0),
+                Some("16-plaited"),
+                None,
+            ),
+            (
+                "Liros",
+                "DC000-0301",
+                1.50,
+                Some(445.0),
+                Some("12-plaited"),
+                Some(1.45),
+            ),
+            (
+                "Liros",
+                "DC000-0701",
+                2.00,
+                Some(700.0),
+                Some("12-plaited"),
+                Some(3.05),
+            ),
+            ("Ockert", "Climax Combat", 1.22, Some(210.0), None, None),
+            (
+                "Teufelberger",
+                "FL-32.NG",
+                1.50,
+                Some(350.0),
+                Some("8-plaited"),
+                Some(1.80),
+            ),
+            (
+                "Teufelberger",
+                "FL-9.NG",
+                2.05,
+                Some(650.0),
+                Some("12-plaited"),
+                Some(3.30),
+            ),
+            ("TU Chemnitz", "Technora Black", 1.80, None, None, None),
+            ("TU Chemnitz", "Vectran", 1.80, None, None, None),
+        ];
+        let catalogue = Catalogue::shipped().expect("shipped ropes parse");
+        assert_eq!(catalogue.ropes().len(), 9);
+        for (rope, row) in catalogue.ropes().iter().zip(table) {
+            let e = &rope.entry;
+            let (maker, product, diameter_mm, load_dan, plait, weight) = row;
+            assert_eq!(
+                (e.manufacturer.as_str(), e.product.as_str()),
+                (maker, product)
+            );
+            assert_eq!(e.diameter_mm.as_ref().map(|v| v.value), Some(diameter_mm));
+            let load = e.breaking_load_n.as_ref().map(|v| v.value);
+            assert_eq!(load, load_dan.map(|v| 10.0 * v), "{product}");
+            assert_eq!(e.plait.as_deref(), plait, "{product}");
+            assert_eq!(
+                e.weight_g_per_m.as_ref().map(|v| v.value),
+                weight,
+                "{product}"
+            );
+            assert!(e.parameters().is_ok_and(|p| p.check().is_ok()), "{product}");
+        }
+    }
+
+    #[test]
+    fn shipped_ropes_survive_being_written() {
+        for rope in Catalogue::shipped().expect("shipped ropes parse").ropes() {
+            let text = rope.entry.to_toml();
+            let again = Entry::parse(&text, "again").expect("own text parses");
+            assert_eq!(again, rope.entry);
+        }
+    }
+
+    #[test]
+    fn a_users_rope_joins_and_replaces() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut own = Catalogue::shipped().expect("shipped").ropes()[0]
+            .entry
+            .clone();
+        own.note = Some("mine".into());
+        std::fs::write(folder.path().join("a.toml"), own.to_toml()).expect("written");
+        own.name = "new-rope".into();
+        std::fs::write(folder.path().join("b.toml"), own.to_toml()).expect("written");
+        std::fs::write(folder.path().join("notes.txt"), "no rope").expect("written");
+        let all = Catalogue::with_folders(&[folder.path()]).expect("read");
+        assert_eq!(all.ropes().len(), 10);
+        assert_eq!(all.ropes()[0].entry.note.as_deref(), Some("mine"));
+        assert!(all.find("new-rope").is_ok());
+        let error = all.find("no-rope").expect_err("unknown").to_string();
+        assert!(
+            error.contains("no-rope") && error.contains("new-rope"),
+            "{error}"
+        );
+        std::fs::write(folder.path().join("c.toml"), own.to_toml()).expect("written");
+        let error = Catalogue::with_folders(&[folder.path()]).expect_err("twice");
+        assert!(error.to_string().contains("b.toml"), "{error}");
+    }
+}

@@ -1,0 +1,182 @@
+//! Ropes as they might be: seeded draws of the parameters within their stated intervals.
+
+use super::{CatalogueError, CatalogueRope};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+use sinew_model::rope::entry::Entry;
+use sinew_model::rope::{Law, Parameter};
+
+/// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
+pub const DRAWS_DEFAULT: usize = 400;
+
+/// Median and 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    /// 2.5 % quantile.
+    pub low: f64,
+    /// With all parameters at their catalogue values.
+    pub value: f64,
+    /// 97.5 % quantile.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Interval of `draws` around `value`.
+    pub fn of(value: f64, draws: &[f64]) -> Self {
+        let mut sorted: Vec<f64> = draws.iter().copied().filter(|v| !v.is_nan()).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        Self {
+            low: quantile(&sorted, 0.025).unwrap_or(value),
+            value,
+            high: quantile(&sorted, 0.975).unwrap_or(value),
+        }
+    }
+
+    /// Every number times `factor`, at least 0.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            low: self.low * factor,
+            value: self.value * factor,
+            high: self.high * factor,
+        }
+    }
+}
+
+/// Quantile of sorted numbers by linear interpolation.
+pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let at = share.clamp(0.0, 1.0) * last as f64;
+    let (below, rest) = (at.floor() as usize, at.fract());
+    let next = sorted[(below + 1).min(last)];
+    Some(sorted[below] + (next - sorted[below]) * rest)
+}
+
+/// The law of a rope, as the catalogue has it and as it might be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draws {
+    /// With every parameter at its catalogue value.
+    pub nominal: Law,
+    /// With parameters drawn from their intervals.
+    pub laws: Vec<Law>,
+}
+
+impl Draws {
+    /// Draws `count` laws of a rope. Parameters are independent but for the entry's own
+    /// correlations. The same seed gives the same draws, each rope its own.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NoLaw`] naming what is missing.
+    pub fn new(rope: &CatalogueRope, count: usize, seed: u64) -> Result<Self, CatalogueError> {
+        let entry = &rope.entry;
+        let law = |z: &dyn Fn(Parameter) -> f64| {
+            let parameters = entry
+                .parameters_at(z)
+                .map_err(|missing| CatalogueError::NoLaw {
+                    name: entry.name.clone(),
+                    missing: missing.join(", "),
+                })?;
+            Law::new(parameters).map_err(|e| CatalogueError::NoLaw {
+                name: entry.name.clone(),
+                missing: e.to_string(),
+            })
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&entry.name));
+        let nominal = law(&|_| 0.0)?;
+        let laws = (0..count)
+            .map(|_| {
+                let z = standard_errors(entry, &mut rng);
+                law(&|p| z[Parameter::ALL.iter().position(|q| *q == p).unwrap_or(0)])
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { nominal, laws })
+    }
+
+    /// Something of every law: nominal first, then each draw.
+    pub fn map<T>(&self, f: impl Fn(&Law) -> T) -> (T, Vec<T>) {
+        (f(&self.nominal), self.laws.iter().map(f).collect())
+    }
+}
+
+/// One standard normal number per parameter, correlated where the entry says so.
+fn standard_errors(entry: &Entry, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let all = Parameter::ALL;
+    let mut z: Vec<f64> = all.iter().map(|_| StandardNormal.sample(rng)).collect();
+    if let Some(correlation) = &entry.correlation {
+        let place = |p: &Parameter| all.iter().position(|q| q == p).unwrap_or(0);
+        let independent: Vec<f64> = correlation.parameters.iter().map(|p| z[place(p)]).collect();
+        for (p, row) in correlation.parameters.iter().zip(&correlation.cholesky) {
+            z[place(p)] = row.iter().zip(&independent).map(|(a, b)| a * b).sum();
+        }
+    }
+    z
+}
+
+/// FNV-1a: spreads names over seeds, the same on every machine.
+fn name_hash(name: &str) -> u64 {
+    name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Catalogue;
+
+    #[test]
+    fn intervals_of_the_draws_are_those_of_the_catalogue() {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        let rope = catalogue.find("liros-dc000-0301").expect("there");
+        let draws = Draws::new(rope, 4000, 1).expect("complete");
+        let of = |p: Parameter| {
+            let values: Vec<f64> = draws.laws.iter().map(|l| l.parameters().get(p)).collect();
+            Interval::of(draws.nominal.parameters().get(p), &values)
+        };
+        // Quantiles of 4000 normal draws scatter by 5 % of a standard deviation.
+        let bedding = of(Parameter::Bedding);
+        assert_eq!(bedding.value, 0.42);
+        assert!(
+            (bedding.high / (0.42 * 1.5) - 1.0).abs() < 0.04,
+            "{bedding:?}"
+        );
+        assert!(
+            (bedding.low / (0.42 / 1.5) - 1.0).abs() < 0.04,
+            "{bedding:?}"
+        );
+        let jamming = of(Parameter::Jamming);
+        assert!((jamming.high - 4.0).abs() < 0.1, "{jamming:?}");
+        let load = of(Parameter::BreakingLoad);
+        assert_eq!(
+            (load.low, load.high),
+            (4450.0, 4450.0),
+            "not stated: as it stands"
+        );
+        assert_eq!(draws, Draws::new(rope, 4000, 1).expect("complete"));
+        assert_ne!(draws, Draws::new(rope, 4000, 2).expect("complete"));
+    }
+
+    #[test]
+    fn correlated_errors_come_out_correlated() {
+        let mut rope = Catalogue::shipped().expect("shipped").ropes()[0].clone();
+        let text = rope.entry.to_toml()
+            + "\n[correlation]\nparameters = [\"bedding_percent\", \"jamming\"]\n\
+               matrix = [[1.0, -0.8], [-0.8, 1.0]]\n";
+        rope.entry = Entry::parse(&text, "test").expect("parses");
+        let draws = Draws::new(&rope, 4000, 3).expect("complete");
+        let pairs: Vec<(f64, f64)> = draws
+            .laws
+            .iter()
+            .map(|l| (l.parameters().bedding_percent.ln(), l.parameters().jamming))
+            .collect();
+        let n = pairs.len() as f64;
+        let mean = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>() / n;
+        let (mx, my) = (mean(&|p| p.0), mean(&|p| p.1));
+        let (sx, sy) = (mean(&|p| (p.0 - mx).powi(2)), mean(&|p| (p.1 - my).powi(2)));
+        let r = mean(&|p| (p.0 - mx) * (p.1 - my)) / (sx * sy).sqrt();
+        // Standard error of a correlation of −0.8 from 4000 pairs: 0.006.
+        assert!((r + 0.8).abs() < 0.025, "{r}");
+    }
+}

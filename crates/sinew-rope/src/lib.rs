@@ -1,0 +1,26 @@
+//! Choosing a rope: the catalogue, what a duty does to a rope, which rope to take, how to bed it
+//! in.
+//!
+//! Every answer comes with a 95 % interval from seeded draws of the rope's parameters
+//! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
+//!
+//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`recording`],
+//! [`predict`], [`select`], [`pretension`], [`page`].
+
+pub mod bench;
+mod blocks;
+pub mod catalogue;
+pub mod draws;
+pub mod duty;
+pub mod history;
+pub mod parallel;
+pub mod predict;
+pub mod pretension;
+mod schedule;
+pub mod select;
+pub mod stored;
+mod strand;
+
+pub use catalogue::{Catalogue, CatalogueError, CatalogueRope};
+pub use draws::{Draws, Interval};
+pub use duty::{Duty, DutyError, Stretch};

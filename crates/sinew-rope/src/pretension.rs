@@ -1,0 +1,258 @@
+//! How to bed a rope in, how much pretension to give it, and when to tension it again.
+//!
+//! Two pictures of the same rope. *At constant tension* (a weight hangs on it) it grows; the
+//! procedure that takes most of that growth away beforehand is sought. *At constant length*
+//! (strung in a machine and left alone) its tension falls; the schedule says when it has fallen
+//! too far.
+
+use super::draws::{Draws, Interval};
+use super::parallel::in_parallel;
+use super::predict::{HOUR_S, TENSIONED_AFTER_S};
+use super::schedule::schedule;
+pub use super::schedule::{LeftAlone, Schedule};
+use super::{CatalogueError, CatalogueRope};
+use serde::Serialize;
+use sinew_model::rope::validity::LOAD_RATIO_HIGH;
+use sinew_model::rope::{Law, Load, LoadError, State};
+
+/// Bedding-in tensions tried, as multiples of the working tension.
+const TENSIONS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0];
+/// Bedding-in durations tried, s.
+const DURATIONS_S: [f64; 4] = [600.0, HOUR_S, 4.0 * HOUR_S, 24.0 * HOUR_S];
+/// Times, spread evenly over the logarithm, at which later elongation is looked at.
+const LOOKS: usize = 24;
+/// What is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// Working tension, N.
+    pub tension_n: f64,
+    /// Temperature, °C.
+    pub temperature_c: f64,
+    /// Strand length, m.
+    pub length_m: f64,
+    /// How long it must hold, s.
+    pub horizon_s: f64,
+    /// Tension below which the rope is tensioned again, N.
+    pub lowest_n: f64,
+    /// Share of the later elongation that the procedure must take away, 0 to 1.
+    pub remove: f64,
+    /// Draws for the intervals.
+    pub draws: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+/// A bedding-in procedure and what it does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Procedure {
+    /// Held at this tension, N.
+    pub tension_n: f64,
+    /// For this long, s.
+    pub duration_s: f64,
+    /// Largest elongation at working tension that is still to come, mm, counted from a minute
+    /// after the rope is back at working tension.
+    pub still_to_come_mm: Interval,
+    /// Share of the elongation without procedure that it takes away.
+    pub removed: Interval,
+}
+
+/// The plan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// Rope.
+    pub rope: String,
+    /// Working tension, N.
+    pub tension_n: f64,
+    /// Lowest tension allowed, N.
+    pub lowest_n: f64,
+    /// Temperature, °C.
+    pub temperature_c: f64,
+    /// Strand length, mm.
+    pub length_mm: f64,
+    /// How long it must hold, s.
+    pub horizon_s: f64,
+    /// Largest later elongation without any procedure, mm.
+    pub without_mm: Interval,
+    /// All procedures tried, by tension, then duration.
+    pub procedures: Vec<Procedure>,
+    /// Index of the gentlest one that takes away what is asked, at catalogue values: least
+    /// tension first, then least time.
+    pub chosen: Option<usize>,
+    /// Schedule of a rope strung as it comes.
+    pub schedule_new: Schedule,
+    /// Schedule after the chosen procedure (or the most effective one).
+    pub schedule_bedded: Schedule,
+    /// Parameters of the law that are starting guesses.
+    pub starting_guesses: usize,
+    /// All parameters of the law.
+    pub parameters: usize,
+    /// Cautions.
+    pub warnings: Vec<String>,
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PretensionError {
+    /// The rope.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// The load, with the catalogue's own values.
+    #[error("rope '{rope}': {error}")]
+    Load {
+        /// Rope.
+        rope: String,
+        /// Why.
+        error: LoadError,
+    },
+}
+
+/// Makes a plan for one rope.
+///
+/// # Errors
+/// [`PretensionError`].
+pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionError> {
+    let draws = Draws::new(rope, request.draws, request.seed)?;
+    let work = Load::celsius(request.tension_n, request.temperature_c);
+    let refuse = |error| PretensionError::Load {
+        rope: rope.entry.name.clone(),
+        error,
+    };
+    let mm = 10.0 * request.length_m;
+    // Without a procedure, and with each: nominal and every draw.
+    let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
+        let one = |law: &Law| {
+            let mut state = State::default();
+            if let Some((tension_n, duration_s)) = procedure {
+                let load = Load { tension_n, ..work };
+                law.hold(&mut state, load, duration_s)?;
+            }
+            still_to_come(law, state, work, request.horizon_s).map(|v| mm * v)
+        };
+        let drawn = in_parallel(&draws.laws, |law| one(law).unwrap_or(f64::NAN));
+        Ok((one(&draws.nominal)?, drawn))
+    };
+    let (without, without_drawn) = later(None).map_err(refuse)?;
+    let mut procedures = Vec::new();
+    let limit_n = LOAD_RATIO_HIGH * draws.nominal.parameters().breaking_load_n;
+    for times in TENSIONS {
+        let tension_n = times * request.tension_n;
+        if times > 1.0 && tension_n > limit_n {
+            break;
+        }
+        for duration_s in DURATIONS_S {
+            let (value, drawn) = later(Some((tension_n, duration_s))).map_err(refuse)?;
+            let removed: Vec<f64> = drawn
+                .iter()
+                .zip(&without_drawn)
+                .map(|(with, without)| 1.0 - with / without)
+                .collect();
+            procedures.push(Procedure {
+                tension_n,
+                duration_s,
+                still_to_come_mm: Interval::of(value, &drawn),
+                removed: Interval::of(1.0 - value / without, &removed),
+            });
+        }
+    }
+    let chosen = procedures
+        .iter()
+        .position(|p| p.removed.value >= request.remove);
+    let best = procedures
+        .iter()
+        .max_by(|a, b| a.removed.value.total_cmp(&b.removed.value))
+        .copied();
+    let bedded = chosen.map(|i| procedures[i]).or(best);
+    let schedule_new = schedule(&draws, request, None).map_err(refuse)?;
+    let schedule_bedded = schedule(&draws, request, bedded).map_err(refuse)?;
+    let entry = &rope.entry;
+    let outside = draws.nominal.outside(work);
+    let mut warnings: Vec<String> = outside.sentences().map(str::to_string).collect();
+    if entry.guesses() > 0 {
+        warnings.push(format!(
+            "{} of {} parameters are starting guesses: check the plan on one rope before it is \
+             used on many",
+            entry.guesses(),
+            entry.law.len()
+        ));
+    }
+    Ok(Plan {
+        rope: entry.name.clone(),
+        tension_n: request.tension_n,
+        lowest_n: request.lowest_n,
+        temperature_c: request.temperature_c,
+        length_mm: 1e3 * request.length_m,
+        horizon_s: request.horizon_s,
+        without_mm: Interval::of(without, &without_drawn),
+        procedures,
+        chosen,
+        schedule_new,
+        schedule_bedded,
+        starting_guesses: entry.guesses(),
+        parameters: entry.law.len(),
+        warnings,
+    })
+}
+
+/// Largest elongation at constant load from a minute on, %.
+fn still_to_come(
+    law: &Law,
+    mut state: State,
+    load: Load,
+    horizon_s: f64,
+) -> Result<f64, LoadError> {
+    law.hold(&mut state, load, TENSIONED_AFTER_S)?;
+    let start = law.strain(&state, load)?.total_percent();
+    let rates = law.rates(load)?;
+    let ratio = (horizon_s / TENSIONED_AFTER_S).max(1.0);
+    let mut at = TENSIONED_AFTER_S;
+    let mut most = 0.0f64;
+    for i in 1..=LOOKS {
+        let next = TENSIONED_AFTER_S * ratio.powf(i as f64 / LOOKS as f64);
+        law.advance(&mut state, &rates, next - at)?;
+        at = next;
+        let strain = law.strain(&state, load)?.total_percent();
+        most = most.max(strain - start);
+    }
+    Ok(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Catalogue;
+    use crate::predict::YEAR_S;
+
+    fn request() -> Request {
+        Request {
+            tension_n: 60.0,
+            temperature_c: 23.0,
+            length_m: 0.7,
+            horizon_s: YEAR_S,
+            lowest_n: 45.0,
+            remove: 0.7,
+            draws: 40,
+            seed: 1,
+        }
+    }
+
+    fn planned(name: &str, request: &Request) -> Plan {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        plan(catalogue.find(name).expect("there"), request).expect("a plan")
+    }
+
+    #[test]
+    fn more_tension_and_more_time_leave_less_to_come() {
+        let p = planned("liros-dc000-0301", &request());
+        assert_eq!(p.procedures.len(), 24);
+        for pair in p.procedures.windows(2) {
+            if pair[0].tension_n == pair[1].tension_n {
+                let (short, long) = (pair[0].still_to_come_mm, pair[1].still_to_come_mm);
+                assert!(long.value <= short.value + 1e-12, "{pair:?}");
+            }
+        }
+        let chosen = p.procedures[p.chosen.expect("one does it")];
+        assert!(chosen.removed.value >= 0.7 && chosen.tension_n >= 60.0);
+        assert!(chosen.still_to_come_mm.value <= 0.3 * p.without_mm.value + 1e-12);
+    }
+}

@@ -1,0 +1,3 @@
+//! All tests of sinew-rope in one binary: one link, one start.
+
+mod spoiled_text;

@@ -1,0 +1,269 @@
+//! What is drawn for a robot and a recording before it runs.
+
+use super::error::SimulateError;
+use super::friction::Friction;
+use super::plant::Drive;
+use super::scenario::{FrictionSpec, OffsetKind, PerJoint, Scenario, Shape, interpolate};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use sinew_model::arm::{Arm, BodyInertia};
+use sinew_model::robot::Robot;
+use sinew_model::transmission::Transmission;
+
+/// An offset, drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnOffset {
+    pub joint: usize,
+    pub kind: OffsetKind,
+    pub size_rad: f64,
+    pub shape: Shape,
+}
+
+/// A load, drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnPayload {
+    pub link: String,
+    pub mass_kg: f64,
+    pub com_m: [f64; 3],
+    pub attach_s: f64,
+    pub release_s: f64,
+}
+
+/// A joint that sticks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DrawnJam {
+    pub(super) joint: usize,
+    pub(super) torque_nm: f64,
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+}
+
+/// Temperature and its effects, drawn.
+#[derive(Debug, Clone)]
+pub struct DrawnTemperature {
+    pub(super) reference_c: f64,
+    profile_c: Vec<(f64, f64)>,
+    pub change_k: f64,
+    change_from_to_s: (f64, f64),
+    pub(super) reading_error_k: f64,
+    pub(super) reading_error_from_s: f64,
+    pub stiffness_per_k: Vec<f64>,
+    pub drift_rad_per_k: Vec<f64>,
+}
+
+impl DrawnTemperature {
+    /// °C at `t`, s.
+    pub(super) fn at(&self, t: f64) -> f64 {
+        let base = if self.profile_c.is_empty() {
+            self.reference_c
+        } else {
+            interpolate(&self.profile_c, t)
+        };
+        let (from, to) = self.change_from_to_s;
+        let share = if t <= from {
+            0.0
+        } else if t >= to {
+            1.0
+        } else {
+            (t - from) / (to - from)
+        };
+        // A change from 0 to 0 s is there from the start.
+        let share = if to == 0.0 { 1.0 } else { share };
+        base + share * self.change_k
+    }
+}
+
+pub(super) fn unknown(
+    robot: &Robot,
+    scenario: &Scenario,
+    line: usize,
+    what: &'static str,
+    name: &str,
+) -> SimulateError {
+    let known = match what {
+        "link" => robot.arm.link_names().collect::<Vec<_>>().join(", "),
+        _ => robot.joint_names().join(", "),
+    };
+    SimulateError::Unknown {
+        file: scenario.file.clone(),
+        line,
+        what,
+        name: name.into(),
+        robot: robot.name.clone(),
+        known,
+    }
+}
+
+/// Every joint and link the scenario names must be the robot's.
+pub(super) fn check_names(robot: &Robot, scenario: &Scenario) -> Result<(), SimulateError> {
+    for (name, line) in scenario.joints_named() {
+        if robot.arm.joint_index(name).is_none() {
+            return Err(unknown(robot, scenario, line, "joint", name));
+        }
+    }
+    for (name, line) in scenario.links_named() {
+        if !robot.arm.link_names().any(|l| l == name) {
+            return Err(unknown(robot, scenario, line, "link", name));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn transmissions(robot: &Robot) -> Result<Vec<&Transmission>, SimulateError> {
+    robot
+        .joint_names()
+        .iter()
+        .zip(&robot.transmissions)
+        .map(|(joint, t)| {
+            let refuse = |why| SimulateError::Robot {
+                robot: robot.name.clone(),
+                joint: joint.clone(),
+                why,
+            };
+            let t = t.as_ref().ok_or_else(|| {
+                refuse("is rigid; the simulator needs stiffness_nm_per_rad, or lock the joint with locked_at_rad")
+            })?;
+            if t.motor_inertia_kg_m2.is_some_and(|i| i > 0.0) {
+                Ok(t)
+            } else {
+                Err(refuse("has no motor_inertia_kg_m2 above 0, which the simulator needs"))
+            }
+        })
+        .collect()
+}
+
+/// The arm as it truly is.
+pub(super) fn true_arm(
+    robot: &Robot,
+    scenario: &Scenario,
+    rng: &mut ChaCha8Rng,
+) -> Result<Arm, SimulateError> {
+    let names = robot.joint_names();
+    let n = names.len();
+    let (one, zero) = (vec![1.0; n], vec![0.0; n]);
+    let t = &scenario.truth;
+    let mass = t.mass_factor.sample(names, &one, rng);
+    let com = t.com_factor.sample(names, &one, rng);
+    let across = t.com_across_fraction.sample(names, &zero, rng);
+    let inertia = t.inertia_factor.sample(names, &one, rng);
+    let mut arm = robot.arm.clone();
+    for i in 0..n {
+        let angle: f64 = rng.random::<f64>() * std::f64::consts::TAU;
+        if [mass[i], com[i], inertia[i]] == [1.0; 3] && across[i] == 0.0 {
+            continue;
+        }
+        let Some(body) = arm.body(i) else { continue };
+        let factor = mass[i] * inertia[i];
+        arm = arm.with_body(
+            i,
+            BodyInertia {
+                mass: body.mass * mass[i],
+                com: shifted(body.com, com[i], across[i], angle),
+                inertia: body.inertia.map(|row| row.map(|x| x * factor)),
+            },
+        )?;
+    }
+    Ok(arm)
+}
+
+/// `com` made longer by `along` and moved across by a fraction of its length, at `angle`.
+fn shifted(com: [f64; 3], along: f64, across: f64, angle: f64) -> [f64; 3] {
+    let length = (com[0] * com[0] + com[1] * com[1] + com[2] * com[2]).sqrt();
+    if length == 0.0 {
+        return com;
+    }
+    let u = com.map(|x| x / length);
+    // Any vector not along `u`: the axis it has least of.
+    let least = (0..3)
+        .min_by(|&a, &b| u[a].abs().total_cmp(&u[b].abs()))
+        .unwrap_or(0);
+    let mut e = [0.0; 3];
+    e[least] = 1.0;
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let v = cross(u, e);
+    let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let v = v.map(|x| x / norm);
+    let w = cross(u, v);
+    let (sin, cos) = libm::sincos(angle);
+    std::array::from_fn(|k| along * com[k] + across * length * (cos * v[k] + sin * w[k]))
+}
+
+pub(super) fn drives(
+    scenario: &Scenario,
+    names: &[String],
+    nominal: &[&Transmission],
+    rng: &mut ChaCha8Rng,
+) -> Vec<Drive> {
+    let n = names.len();
+    let (one, zero) = (vec![1.0; n], vec![0.0; n]);
+    let t = &scenario.truth;
+    let mut draw = |spec: &PerJoint, defaults: &[f64]| spec.sample(names, defaults, rng);
+    let stiffness = draw(&t.stiffness_factor, &one);
+    let inertia = draw(&t.motor_inertia_factor, &one);
+    let cubic = draw(&t.spring_cubic_per_rad2, &zero);
+    let creep = draw(&t.viscoelastic_fraction, &zero);
+    let creep_time = draw(&t.viscoelastic_time_s, &vec![30.0; n]);
+    let mut friction = |spec: &FrictionSpec, of: &dyn Fn(&Transmission) -> (f64, f64)| {
+        let (dry, viscous): (Vec<f64>, Vec<f64>) = nominal.iter().map(|t| of(t)).unzip();
+        let coulomb = draw(&spec.coulomb_nm, &dry);
+        let share = draw(&spec.torque_fraction, &zero);
+        let viscous = draw(&spec.viscous_nm_s_per_rad, &viscous);
+        let presliding = draw(&spec.presliding_rad, &vec![1e-3; n]);
+        (0..n)
+            .map(|i| Friction {
+                coulomb_nm: coulomb[i],
+                torque_fraction: share[i],
+                viscous_nm_s_per_rad: viscous[i],
+                presliding_rad: presliding[i],
+            })
+            .collect::<Vec<_>>()
+    };
+    let joint = friction(&scenario.joint_friction, &|t| {
+        (
+            t.joint_friction.coulomb_nm,
+            t.joint_friction.viscous_nm_s_per_rad,
+        )
+    });
+    let motor = friction(&scenario.motor_friction, &|t| {
+        (
+            t.motor_friction.coulomb_nm,
+            t.motor_friction.viscous_nm_s_per_rad,
+        )
+    });
+    (0..n)
+        .map(|i| Drive {
+            stiffness_nm_per_rad: nominal[i].stiffness_nm_per_rad * stiffness[i],
+            cubic_per_rad2: cubic[i],
+            viscoelastic_fraction: creep[i],
+            viscoelastic_time_s: creep_time[i],
+            motor_inertia_kg_m2: nominal[i].motor_inertia_kg_m2.unwrap_or(0.0) * inertia[i],
+            joint_friction: joint[i],
+            motor_friction: motor[i],
+        })
+        .collect()
+}
+
+pub(super) fn draw_temperature(
+    scenario: &Scenario,
+    names: &[String],
+    rng: &mut ChaCha8Rng,
+) -> DrawnTemperature {
+    let t = &scenario.temperature;
+    let zero = vec![0.0; names.len()];
+    DrawnTemperature {
+        reference_c: t.reference_c,
+        profile_c: t.profile_c.clone().unwrap_or_default(),
+        change_k: t.change_k.sample(rng),
+        change_from_to_s: t.change_from_to_s,
+        reading_error_k: t.reading_error_k.sample(rng),
+        reading_error_from_s: t.reading_error_from_s,
+        stiffness_per_k: t.stiffness_per_k.sample(names, &zero, rng),
+        drift_rad_per_k: t.zero_drift_rad_per_k.sample(names, &zero, rng),
+    }
+}

@@ -1,0 +1,32 @@
+//! The arm simulator: recordings with a known truth.
+//!
+//! Reading order: [`Scenario`] (what a small TOML file says), [`Simulation`] (frame by frame),
+//! then `plant` (the equations and the integrator), `friction`, `controller`, `motion`,
+//! `contacts`, `sensors`.
+
+mod contacts;
+mod controller;
+mod drawn;
+mod error;
+mod faults;
+mod friction;
+mod known;
+mod motion;
+mod plant;
+mod run;
+pub mod scenario;
+mod sensors;
+mod simulation;
+mod truth;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::SimulateError;
+pub use faults::FaultCounts;
+pub use faults::FaultyLine;
+pub use run::{Progress, SimulateOptions, Summary, run, truth_path};
+pub use scenario::Scenario;
+pub use sensors::injected;
+pub use simulation::{Simulation, TrueState};
+pub use truth::Truth;

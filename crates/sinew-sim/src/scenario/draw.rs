@@ -1,0 +1,131 @@
+//! Values that are given or drawn, and the random streams they are drawn from.
+
+use super::table::Bound;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// A number of a scenario: given, or drawn once per recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Draw {
+    /// As given.
+    Fixed(f64),
+    /// Anything between two ends, equally likely.
+    Uniform {
+        /// Lower end.
+        min: f64,
+        /// Upper end.
+        max: f64,
+    },
+    /// Normal, redrawn while outside of what the quantity allows.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        std: f64,
+        /// What the quantity allows.
+        bound: Bound,
+    },
+}
+
+impl Draw {
+    /// One value. Always takes numbers from `rng`, so that giving one value instead of drawing
+    /// it leaves the others as they were.
+    pub fn sample(&self, rng: &mut ChaCha8Rng) -> f64 {
+        let u: f64 = rng.random();
+        match *self {
+            Self::Fixed(v) => v,
+            Self::Uniform { min, max } => min + (max - min) * u,
+            Self::Normal { mean, std, bound } => {
+                // A stream of its own: how often it is redrawn must not move the values after it.
+                let mut own = ChaCha8Rng::seed_from_u64(u.to_bits());
+                const TRIES: usize = 1000;
+                for _ in 0..TRIES {
+                    let z: f64 = StandardNormal.sample(&mut own);
+                    let v = mean + std * z;
+                    if bound.allows(v) {
+                        return v;
+                    }
+                }
+                mean
+            }
+        }
+    }
+}
+
+/// One draw for all joints, or one by joint name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PerJoint {
+    /// For every joint that isn't named.
+    pub all: Option<Draw>,
+    /// Joint, its line in the file (0 when made in code), and its draw.
+    pub by_joint: Vec<(String, usize, Draw)>,
+}
+
+impl PerJoint {
+    /// The same value for every joint.
+    pub fn fixed(value: f64) -> Self {
+        Self {
+            all: Some(Draw::Fixed(value)),
+            by_joint: Vec::new(),
+        }
+    }
+
+    /// A value for one joint, the default for the others.
+    pub fn one(joint: &str, value: f64) -> Self {
+        Self {
+            all: None,
+            by_joint: vec![(joint.into(), 0, Draw::Fixed(value))],
+        }
+    }
+
+    /// One value per joint of `names`; `defaults` where the scenario says nothing.
+    pub fn sample(&self, names: &[String], defaults: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+        names
+            .iter()
+            .zip(defaults)
+            .map(|(name, &default)| {
+                let own = self.by_joint.iter().find(|(n, _, _)| n == name);
+                own.map(|(_, _, d)| *d)
+                    .or(self.all)
+                    .unwrap_or(Draw::Fixed(default))
+                    .sample(rng)
+            })
+            .collect()
+    }
+}
+
+/// What a random stream is for. Each has a stream of its own, so that switching one thing off
+/// leaves all the others as they were.
+#[derive(Debug, Clone, Copy)]
+pub enum Stream {
+    /// What the robot truly is.
+    Truth = 1,
+    /// How it moves.
+    Motion = 2,
+    /// Who touches it.
+    Contacts = 3,
+    /// Noise of its sensors.
+    Sensors = 4,
+    /// What the recording loses.
+    Faults = 5,
+    /// Draws that came to the language later: those before them must not move.
+    Later = 6,
+    /// What a correction believes.
+    Correction = 7,
+    /// What it picks up.
+    Grip = 8,
+}
+
+/// The stream of a seed.
+pub fn rng(seed: u64, stream: Stream) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream as u64);
+    rng
+}
+
+/// A standard normal number.
+pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}

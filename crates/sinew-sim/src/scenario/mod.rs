@@ -1,0 +1,475 @@
+//! What happens in a simulated recording, as a small TOML file says it.
+//!
+//! Reading order: the types here, `read` (the file's keys), `table` (how a refusal names file,
+//! line, key, value and unit), `draw` (given or drawn numbers and their random streams),
+//! `profile` (a value over time).
+
+mod correction;
+mod draw;
+mod happens;
+mod names;
+mod profile;
+mod read;
+mod table;
+
+pub use correction::{ContactDetection, Correction, KnownOffset, SetPointKind};
+pub use draw::{Draw, PerJoint};
+pub use profile::Shape;
+pub use table::Bound;
+
+pub use draw::normal;
+pub use draw::{Stream, rng};
+pub use profile::interpolate;
+
+/// A scenario. [`Scenario::from_toml`] reads one; [`Scenario::default`] is a robot without model
+/// error and with perfect sensors that hangs at zero for 10 s.
+///
+/// Every value drawn comes from the stream of its own purpose under `seed`, so that two runs are
+/// bitwise the same, and changing the sensors doesn't change the motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// Name of the file, for messages.
+    pub file: String,
+    /// Name of the scenario, for the truth file.
+    pub name: String,
+    /// Folder of the robot, relative to the scenario file; the caller may name another.
+    pub robot: Option<String>,
+    /// Length of the recording, s; `None`: as long as the motion.
+    pub duration_s: Option<f64>,
+    /// Simulated before the recording starts, at the first pose, s.
+    pub settle_s: f64,
+    /// Seed of all random streams.
+    pub seed: u64,
+    /// Seed of what is drawn for the robot itself; `None`: `seed`. The same robot on another day
+    /// has the same `robot_seed` and another `seed`.
+    pub robot_seed: Option<u64>,
+    /// Frames per second.
+    pub sample_rate_hz: f64,
+    /// Steps of the integrator; control and sample periods must be multiples of it.
+    pub integration_step_s: f64,
+    /// Controller ticks per second.
+    pub control_rate_hz: f64,
+    /// Time stamp of the first frame, ns since 1970.
+    pub start_time_ns: i64,
+    /// Gains.
+    pub controller: Controller,
+    /// What controller and contact detector know of the stretch.
+    pub correction: Correction,
+    /// How contacts are looked for.
+    pub contact_detection: ContactDetection,
+    /// What the arm is asked to do.
+    pub motion: Motion,
+    /// How the robot differs from its description.
+    pub truth: Truth,
+    /// Friction at the joints; `None`: as described, without pre-sliding guesswork.
+    pub joint_friction: FrictionSpec,
+    /// Friction of the drives, reflected to the joint.
+    pub motor_friction: FrictionSpec,
+    /// Joint and motor encoders.
+    pub encoder: Encoder,
+    /// Recorded motor torque.
+    pub motor_torque: TorqueChannel,
+    /// Recorded elastic torque.
+    pub torque_sensor: TorqueChannel,
+    /// Noise of a recorded joint velocity, rad/s.
+    pub velocity_noise_rad_per_s: f64,
+    /// Temperature and what it does.
+    pub temperature: Temperature,
+    /// Bodies held for a time, unknown to the controller.
+    pub payloads: Vec<Payload>,
+    /// Contacts by the clock.
+    pub contacts: Vec<Contact>,
+    /// Contacts by chance.
+    pub random_contacts: Option<RandomContacts>,
+    /// Tendon offsets; several of one joint add up.
+    pub offsets: Vec<Offset>,
+    /// Joints that stick.
+    pub jams: Vec<Jam>,
+    /// Sessions, for the truth file only.
+    pub sessions: Vec<Session>,
+    /// What is written.
+    pub record: Record,
+    /// What goes wrong between robot and file.
+    pub faults: Faults,
+}
+
+/// Motor PD gains; a joint left out gets `1.25 K` and `2.2 √(K_P I_m)` (damping ratio 1.1 of
+/// the motor against a held joint).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Controller {
+    /// Proportional gains, N·m/rad.
+    pub stiffness_nm_per_rad: PerJoint,
+    /// Derivative gains, N·m·s/rad.
+    pub damping_nm_s_per_rad: PerJoint,
+}
+
+/// What the arm is asked to do. Moves are minimum-jerk.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// Stands still.
+    Hold {
+        /// Joint positions, rad; joints left out are at 0.
+        pose_rad: PerJoint,
+    },
+    /// Pose after pose.
+    Waypoints {
+        /// First pose.
+        start_rad: PerJoint,
+        /// Poses in order.
+        waypoints: Vec<Waypoint>,
+        /// Start over after the last.
+        repeat: bool,
+    },
+    /// Poses drawn within limits.
+    Random {
+        /// Where each joint may go, rad; joints left out use 80 % of their URDF limits.
+        range_rad: PerJoint,
+        /// Length of a move, s, drawn each time.
+        move_s: Draw,
+        /// Rest after it, s, drawn each time.
+        pause_s: Draw,
+    },
+    /// One joint from one angle to another in equal steps, as the paper's shoulder.
+    Staircase {
+        /// Which joint.
+        joint: String,
+        /// Line in the file.
+        line: usize,
+        /// First angle, rad.
+        from_rad: f64,
+        /// Last angle, rad.
+        to_rad: f64,
+        /// Number of moves.
+        steps: usize,
+        /// Length of a move, s, drawn each time.
+        move_s: Draw,
+        /// Rest after each move, s, drawn each time; before the first, the least of it.
+        pause_s: Draw,
+        /// Where the other joints stay, rad.
+        pose_rad: PerJoint,
+        /// Comes back down again.
+        there_and_back: bool,
+        /// Start over after the last.
+        repeat: bool,
+    },
+}
+
+/// One move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Waypoint {
+    /// Where to, rad; joints left out stay.
+    pub pose_rad: PerJoint,
+    /// Length of the move, s, drawn each time.
+    pub move_s: Draw,
+    /// Rest after it, s, drawn each time.
+    pub pause_s: Draw,
+}
+
+/// How the robot differs from its description. Factors of 1 and shifts of 0 where left out.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Truth {
+    /// On the stiffness.
+    pub stiffness_factor: PerJoint,
+    /// Further factor on the stiffness from a time on, as when strands fail.
+    pub stiffness_later_factor: PerJoint,
+    /// That time, s.
+    pub stiffness_later_from_s: f64,
+    /// On mass (and with it first moment and inertia) of the body each joint carries.
+    pub mass_factor: PerJoint,
+    /// On the distance of the body's centre of mass from its joint.
+    pub com_factor: PerJoint,
+    /// Shift of the centre of mass across that line, as a fraction of that distance.
+    pub com_across_fraction: PerJoint,
+    /// On the inertia about the centre of mass.
+    pub inertia_factor: PerJoint,
+    /// On the motor inertia.
+    pub motor_inertia_factor: PerJoint,
+    /// Stiffening `tau_el = K x (1 + c x²)`, rad⁻².
+    pub spring_cubic_per_rad2: PerJoint,
+    /// Delayed elasticity: further deflection that follows a load, as a fraction of the first.
+    pub viscoelastic_fraction: PerJoint,
+    /// Its time constant, s.
+    pub viscoelastic_time_s: PerJoint,
+}
+
+/// Friction of joints or drives: `(F_c + μ |tau_el|) z + F_v dq`, `z` the pre-sliding state.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FrictionSpec {
+    /// `F_c`, N·m; as the robot's description where left out.
+    pub coulomb_nm: PerJoint,
+    /// `μ`, 0 where left out.
+    pub torque_fraction: PerJoint,
+    /// `F_v`, N·m·s/rad; as the robot's description where left out.
+    pub viscous_nm_s_per_rad: PerJoint,
+    /// Travel over which friction builds up (to 63 %), rad; 1 mrad where left out.
+    pub presliding_rad: PerJoint,
+}
+
+/// Encoders. All zero: perfect ones.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Encoder {
+    /// Bits of a turn of the joint encoder; `None`: not quantised.
+    pub joint_bits: Option<u32>,
+    /// Amplitude of its once-per-turn error, rad; its phase is drawn.
+    pub once_per_turn_rad: PerJoint,
+    /// Amplitude of its twice-per-turn error, rad; its phase is drawn.
+    pub twice_per_turn_rad: PerJoint,
+    /// White noise, rad.
+    pub joint_noise_rad: f64,
+    /// Step of the motor position reflected to the joint, rad; 0: not quantised.
+    pub motor_resolution_rad: f64,
+    /// White noise, rad.
+    pub motor_noise_rad: f64,
+    /// Error of the motor position's scale, as of a wrong gear ratio.
+    pub motor_scale_error: PerJoint,
+    /// The recorded motor position is so much older than the joint's, s.
+    pub motor_delay_s: f64,
+}
+
+/// A recorded torque: `(1 + scale) tau + offset + ripple sin(k theta + φ) + noise`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TorqueChannel {
+    /// Error of the scale.
+    pub scale_error: PerJoint,
+    /// Offset, N·m.
+    pub offset_nm: PerJoint,
+    /// Amplitude of a ripple with the motor angle, N·m.
+    pub ripple_nm: PerJoint,
+    /// Ripples per rad at the joint.
+    pub ripple_per_rad: f64,
+    /// White noise, N·m.
+    pub noise_nm: f64,
+}
+
+/// Temperature and what it does to the transmission.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Temperature {
+    /// At which stiffness and zero are as they are, °C.
+    pub reference_c: f64,
+    /// Time and temperature, s and °C, straight lines between; `None`: the reference.
+    pub profile_c: Option<Vec<(f64, f64)>>,
+    /// Drawn change on top, K.
+    pub change_k: Draw,
+    /// When that change starts and is complete, s.
+    pub change_from_to_s: (f64, f64),
+    /// Error of the reading, K.
+    pub reading_error_k: Draw,
+    /// The reading is right before this time, s: what is known of a change, not of the level.
+    pub reading_error_from_s: f64,
+    /// Stiffness change, 1/K.
+    pub stiffness_per_k: PerJoint,
+    /// Drift of the motor position's zero, rad/K.
+    pub zero_drift_rad_per_k: PerJoint,
+}
+
+/// A body held for a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Payload {
+    /// Which link holds it.
+    pub link: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Mass, kg.
+    pub mass_kg: Draw,
+    /// Centre of mass in the link's frame, m.
+    pub com_m: [f64; 3],
+    /// Drawn evenly within ± this about `com_m`, m.
+    pub com_spread_m: [f64; 3],
+    /// Held from, s.
+    pub attach_s: f64,
+    /// Held until, s.
+    pub release_s: f64,
+}
+
+/// A force on a link for a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// From, s.
+    pub start_s: f64,
+    /// For, s.
+    pub duration_s: f64,
+    /// On which link.
+    pub link: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Where on it, link frame, m.
+    pub point_m: [f64; 3],
+    /// Force in the base frame, N.
+    pub force_n: [f64; 3],
+    /// Rises and falls over this time (half a cosine), s.
+    pub rise_s: f64,
+}
+
+/// Contacts at random times and in random directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RandomContacts {
+    /// Share of the time.
+    pub fraction: f64,
+    /// On which link.
+    pub link: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Where on it, link frame, m.
+    pub point_m: [f64; 3],
+    /// Size, N, drawn each time; any direction.
+    pub force_n: Draw,
+    /// Length, s, drawn each time.
+    pub duration_s: Draw,
+    /// Rises and falls over this time, s.
+    pub rise_s: f64,
+    /// Between these times, s.
+    pub from_to_s: (f64, f64),
+}
+
+/// Where an offset acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OffsetKind {
+    /// As the paper does it: added to the recorded motor position where that is larger than the
+    /// offset, nothing added elsewhere. The robot doesn't feel it.
+    Injected,
+    /// The rope is longer: `tau_el = K (theta_measured − delta_e − q)`.
+    Physical,
+    /// The motor's encoder has slipped: its reading is so much larger, for the controller too.
+    MotorEncoder,
+    /// The joint's encoder has slipped: its reading is so much smaller.
+    JointEncoder,
+}
+
+/// A tendon offset over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Offset {
+    /// Which joint.
+    pub joint: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Where it acts.
+    pub kind: OffsetKind,
+    /// Its size, rad; factor of a table's values.
+    pub size_rad: Draw,
+    /// Its course.
+    pub shape: Shape,
+    /// A step comes so much later than its course says, s.
+    pub later_s: Draw,
+}
+
+/// A joint that is held by far more friction than it should have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jam {
+    /// Which joint.
+    pub joint: String,
+    /// Line in the file.
+    pub line: usize,
+    /// Coulomb friction on top of the joint's own, N·m.
+    pub torque_nm: f64,
+    /// From, s.
+    pub from_s: f64,
+    /// Until, s.
+    pub to_s: f64,
+}
+
+/// A named part of the recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Session {
+    /// Its name.
+    pub name: String,
+    /// From, s.
+    pub from_s: f64,
+    /// To, s.
+    pub to_s: f64,
+}
+
+/// Channels beside joint and motor position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Record {
+    /// Joint velocity.
+    pub dq: bool,
+    /// Elastic torque of a sensor.
+    pub tau_el: bool,
+    /// Motor torque.
+    pub tau_m: bool,
+    /// External torque, as if contacts were known (a payload is not).
+    pub tau_ext: bool,
+    /// Temperature.
+    pub temperature: bool,
+}
+
+/// What goes wrong between robot and file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Faults {
+    /// Share of frames lost.
+    pub dropout_fraction: f64,
+    /// Share of frames written twice.
+    pub duplicate_fraction: f64,
+    /// Share of frames written after their successor.
+    pub late_fraction: f64,
+    /// Nothing is written from … for …, s.
+    pub gaps_s: Vec<(f64, f64)>,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Self {
+            file: "scenario".into(),
+            name: "scenario".into(),
+            robot: None,
+            duration_s: Some(10.0),
+            settle_s: 2.0,
+            seed: 1,
+            robot_seed: None,
+            sample_rate_hz: 1000.0,
+            integration_step_s: 5e-4,
+            control_rate_hz: 1000.0,
+            // 2026-01-01 00:00:00 UTC: recordings made at different times stay bitwise the same.
+            start_time_ns: 1_767_225_600_000_000_000,
+            controller: Controller::default(),
+            correction: Correction::default(),
+            contact_detection: ContactDetection::default(),
+            motion: Motion::Hold {
+                pose_rad: PerJoint::default(),
+            },
+            truth: Truth::default(),
+            joint_friction: FrictionSpec::default(),
+            motor_friction: FrictionSpec::default(),
+            encoder: Encoder::default(),
+            motor_torque: TorqueChannel::default(),
+            torque_sensor: TorqueChannel::default(),
+            velocity_noise_rad_per_s: 0.0,
+            temperature: Temperature::default(),
+            payloads: Vec::new(),
+            contacts: Vec::new(),
+            random_contacts: None,
+            offsets: Vec::new(),
+            jams: Vec::new(),
+            sessions: Vec::new(),
+            record: Record::default(),
+            faults: Faults::default(),
+        }
+    }
+}
+
+impl Default for Temperature {
+    fn default() -> Self {
+        Self {
+            reference_c: 22.0,
+            profile_c: None,
+            change_k: Draw::Fixed(0.0),
+            change_from_to_s: (0.0, 0.0),
+            reading_error_k: Draw::Fixed(0.0),
+            reading_error_from_s: 0.0,
+            stiffness_per_k: PerJoint::default(),
+            zero_drift_rad_per_k: PerJoint::default(),
+        }
+    }
+}
+
+impl FrictionSpec {
+    /// No friction at all.
+    pub fn none() -> Self {
+        Self {
+            coulomb_nm: PerJoint::fixed(0.0),
+            torque_fraction: PerJoint::fixed(0.0),
+            viscous_nm_s_per_rad: PerJoint::fixed(0.0),
+            presliding_rad: PerJoint::default(),
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! The keys of a scenario file.
+
+use super::super::SimulateError;
+use super::correction::{contact_detection, correction};
+use super::draw::Draw;
+use super::happens::{contact, faults, jam, offset, payload, random_contacts, record, session};
+use super::table::{Bound, Doc, Section};
+use super::*;
+use std::f64::consts::PI;
+
+/// No joint of an arm is asked to go further than ten turns: above that a degree was meant.
+const ANGLE: Bound = Bound::Within(-63.0, 63.0);
+
+impl Scenario {
+    /// Reads a scenario; `file` is its name for messages.
+    ///
+    /// Unknown keys are refused. Joints and links are checked against the robot later, by
+    /// [`Simulation::new`](crate::Simulation::new).
+    ///
+    /// # Errors
+    /// [`SimulateError`] with file, line, key, value and unit.
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, SimulateError> {
+        let parsed = toml::de::DeTable::parse(text).map_err(|e| SimulateError::Toml {
+            file: file.into(),
+            message: e.to_string().trim_end().into(),
+        })?;
+        let doc = Doc { file, text };
+        let root = Section::root(&doc, parsed.get_ref());
+        let plain = Self::default();
+        let motion = match root.section("motion")? {
+            Some(s) => motion(&s)?,
+            None => return Err(root.missing("[motion]", "what the arm does")),
+        };
+        let scenario = Self {
+            file: file.into(),
+            name: root.text("name")?.unwrap_or_else(|| {
+                let stem = std::path::Path::new(file).file_stem();
+                stem.map_or(plain.name, |s| s.to_string_lossy().into_owned())
+            }),
+            robot: root.text("robot")?,
+            duration_s: root.number("duration_s", Bound::Positive)?,
+            settle_s: root
+                .number("settle_s", Bound::NotNegative)?
+                .unwrap_or(plain.settle_s),
+            seed: root.count("seed")?.unwrap_or(plain.seed),
+            robot_seed: root.count("robot_seed")?,
+            sample_rate_hz: root
+                .number("sample_rate_hz", Bound::Positive)?
+                .unwrap_or(plain.sample_rate_hz),
+            integration_step_s: root
+                .number("integration_step_s", Bound::Within(1e-6, 2e-3))?
+                .unwrap_or(plain.integration_step_s),
+            control_rate_hz: root
+                .number("control_rate_hz", Bound::Positive)?
+                .unwrap_or(plain.control_rate_hz),
+            start_time_ns: match root.count("start_time_ns")? {
+                None => plain.start_time_ns,
+                Some(ns) => i64::try_from(ns)
+                    .map_err(|_| root.refuse("start_time_ns", "a time before the year 2262"))?,
+            },
+            controller: optional(&root, "controller", |s| {
+                Ok(Controller {
+                    stiffness_nm_per_rad: per(s, "stiffness_nm_per_rad", Bound::NotNegative)?,
+                    damping_nm_s_per_rad: per(s, "damping_nm_s_per_rad", Bound::NotNegative)?,
+                })
+            })?,
+            correction: optional(&root, "correction", correction)?,
+            contact_detection: optional(&root, "contact_detection", contact_detection)?,
+            motion,
+            truth: optional(&root, "truth", truth)?,
+            joint_friction: optional(&root, "joint_friction", friction)?,
+            motor_friction: optional(&root, "motor_friction", friction)?,
+            encoder: optional(&root, "encoder", encoder)?,
+            motor_torque: optional(&root, "motor_torque", torque_channel)?,
+            torque_sensor: optional(&root, "torque_sensor", torque_channel)?,
+            velocity_noise_rad_per_s: root
+                .number("velocity_noise_rad_per_s", Bound::NotNegative)?
+                .unwrap_or(0.0),
+            temperature: optional(&root, "temperature", temperature)?,
+            payloads: list(&root, "payloads", payload)?,
+            contacts: list(&root, "contacts", contact)?,
+            random_contacts: match root.section("random_contacts")? {
+                None => None,
+                Some(s) => Some(random_contacts(&s)?),
+            },
+            offsets: list(&root, "offsets", offset)?,
+            jams: list(&root, "jams", jam)?,
+            sessions: list(&root, "sessions", session)?,
+            record: optional(&root, "record", record)?,
+            faults: optional(&root, "faults", faults)?,
+        };
+        root.finish()?;
+        scenario.check_rates(&root)?;
+        Ok(scenario)
+    }
+
+    fn check_rates(&self, root: &Section<'_>) -> Result<(), SimulateError> {
+        let whole = |rate: f64| self.steps_per(rate).is_some();
+        let must = "a rate whose period is a multiple of integration_step_s";
+        if !whole(self.control_rate_hz) {
+            return Err(root.refuse("control_rate_hz", must));
+        }
+        if !whole(self.sample_rate_hz) {
+            return Err(root.refuse("sample_rate_hz", must));
+        }
+        Ok(())
+    }
+
+    /// Integration steps in a period of `rate_hz`, if that is a whole number.
+    pub fn steps_per(&self, rate_hz: f64) -> Option<u64> {
+        let steps = 1.0 / (rate_hz * self.integration_step_s);
+        // Rates and steps are decimal numbers with a few digits; a millionth tells a multiple
+        // from a near miss and is far above rounding.
+        ((steps - steps.round()).abs() < 1e-6 * steps && steps.round() >= 1.0)
+            .then_some(steps.round() as u64)
+    }
+}
+
+pub(super) fn per(
+    s: &Section<'_>,
+    key: &'static str,
+    bound: Bound,
+) -> Result<PerJoint, SimulateError> {
+    Ok(s.per_joint(key, bound)?.unwrap_or_default())
+}
+
+/// A section that may be left out; read to its end.
+fn optional<T: Default>(
+    root: &Section<'_>,
+    key: &'static str,
+    read: impl Fn(&Section<'_>) -> Result<T, SimulateError>,
+) -> Result<T, SimulateError> {
+    let Some(section) = root.section(key)? else {
+        return Ok(T::default());
+    };
+    let value = read(&section)?;
+    section.finish()?;
+    Ok(value)
+}
+
+pub(super) fn list<T>(
+    root: &Section<'_>,
+    key: &'static str,
+    read: impl Fn(&Section<'_>) -> Result<T, SimulateError>,
+) -> Result<Vec<T>, SimulateError> {
+    root.sections(key)?
+        .iter()
+        .map(|s| {
+            let value = read(s)?;
+            s.finish()?;
+            Ok(value)
+        })
+        .collect()
+}
+
+fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
+    let kinds = "\"hold\", \"waypoints\", \"random\" or \"staircase\"";
+    let motion = match s.text("kind")?.as_deref() {
+        Some("hold") => Motion::Hold {
+            pose_rad: per(s, "pose_rad", ANGLE)?,
+        },
+        Some("waypoints") => {
+            let waypoints = list(s, "waypoints", |w| {
+                Ok(Waypoint {
+                    pose_rad: per(w, "pose_rad", ANGLE)?,
+                    move_s: w
+                        .draw("move_s", Bound::Positive)?
+                        .ok_or_else(|| w.missing("move_s", "the length of the move"))?,
+                    pause_s: w
+                        .draw("pause_s", Bound::NotNegative)?
+                        .unwrap_or(Draw::Fixed(0.0)),
+                })
+            })?;
+            if waypoints.is_empty() {
+                return Err(s.missing("[[motion.waypoints]]", "at least one pose to go to"));
+            }
+            Motion::Waypoints {
+                start_rad: per(s, "start_rad", ANGLE)?,
+                waypoints,
+                repeat: s.flag("repeat")?.unwrap_or(false),
+            }
+        }
+        Some("random") => Motion::Random {
+            range_rad: per(s, "range_rad", ANGLE)?,
+            move_s: s
+                .draw("move_s", Bound::Positive)?
+                .unwrap_or(Draw::Uniform { min: 0.9, max: 1.6 }),
+            pause_s: s
+                .draw("pause_s", Bound::NotNegative)?
+                .unwrap_or(Draw::Uniform { min: 0.5, max: 1.2 }),
+        },
+        Some("staircase") => {
+            let steps = s.count("steps")?.unwrap_or(4);
+            if !(1..=100_000).contains(&steps) {
+                return Err(s.refuse("steps", "between 1 and 100000"));
+            }
+            Motion::Staircase {
+                joint: s
+                    .text("joint")?
+                    .ok_or_else(|| s.missing("joint", "which joint climbs"))?,
+                line: s.line(),
+                from_rad: s.number("from_rad", ANGLE)?.unwrap_or(0.0),
+                to_rad: s.number("to_rad", ANGLE)?.unwrap_or(PI / 2.0),
+                steps: steps as usize,
+                move_s: s
+                    .draw("move_s", Bound::Positive)?
+                    .ok_or_else(|| s.missing("move_s", "the length of a move"))?,
+                pause_s: s
+                    .draw("pause_s", Bound::NotNegative)?
+                    .ok_or_else(|| s.missing("pause_s", "the rest after a move"))?,
+                pose_rad: per(s, "pose_rad", ANGLE)?,
+                there_and_back: s.flag("there_and_back")?.unwrap_or(false),
+                repeat: s.flag("repeat")?.unwrap_or(false),
+            }
+        }
+        _ => return Err(s.refuse("kind", kinds)),
+    };
+    s.finish()?;
+    Ok(motion)
+}
+
+fn truth(s: &Section<'_>) -> Result<Truth, SimulateError> {
+    // A factor outside of this is a unit gone wrong, not a robot.
+    let factor = Bound::Within(0.05, 20.0);
+    Ok(Truth {
+        stiffness_factor: per(s, "stiffness_factor", factor)?,
+        stiffness_later_factor: per(s, "stiffness_later_factor", factor)?,
+        stiffness_later_from_s: s
+            .number("stiffness_later_from_s", Bound::NotNegative)?
+            .unwrap_or(0.0),
+        mass_factor: per(s, "mass_factor", factor)?,
+        com_factor: per(s, "com_factor", factor)?,
+        com_across_fraction: per(s, "com_across_fraction", Bound::Within(-1.0, 1.0))?,
+        inertia_factor: per(s, "inertia_factor", factor)?,
+        motor_inertia_factor: per(s, "motor_inertia_factor", factor)?,
+        spring_cubic_per_rad2: per(s, "spring_cubic_per_rad2", Bound::NotNegative)?,
+        viscoelastic_fraction: per(s, "viscoelastic_fraction", Bound::Within(0.0, 1.0))?,
+        viscoelastic_time_s: per(s, "viscoelastic_time_s", Bound::Positive)?,
+    })
+}
+
+fn friction(s: &Section<'_>) -> Result<FrictionSpec, SimulateError> {
+    Ok(FrictionSpec {
+        coulomb_nm: per(s, "coulomb_nm", Bound::NotNegative)?,
+        torque_fraction: per(s, "torque_fraction", Bound::Within(0.0, 0.9))?,
+        viscous_nm_s_per_rad: per(s, "viscous_nm_s_per_rad", Bound::NotNegative)?,
+        presliding_rad: per(s, "presliding_rad", Bound::Within(1e-6, 1.0))?,
+    })
+}
+
+fn encoder(s: &Section<'_>) -> Result<Encoder, SimulateError> {
+    let number = |key| -> Result<f64, SimulateError> {
+        Ok(s.number(key, Bound::NotNegative)?.unwrap_or(0.0))
+    };
+    let joint_bits = match s.count("joint_bits")? {
+        None => None,
+        Some(bits @ 4..=40) => Some(bits as u32),
+        Some(_) => return Err(s.refuse("joint_bits", "between 4 and 40")),
+    };
+    Ok(Encoder {
+        joint_bits,
+        once_per_turn_rad: per(s, "once_per_turn_rad", Bound::Any)?,
+        twice_per_turn_rad: per(s, "twice_per_turn_rad", Bound::Any)?,
+        joint_noise_rad: number("joint_noise_rad")?,
+        motor_resolution_rad: number("motor_resolution_rad")?,
+        motor_noise_rad: number("motor_noise_rad")?,
+        // Beyond this the drive is another one, not a wrong ratio.
+        motor_scale_error: per(s, "motor_scale_error", Bound::Within(-0.5, 0.5))?,
+        motor_delay_s: s
+            .number("motor_delay_s", Bound::Within(0.0, 10.0))?
+            .unwrap_or(0.0),
+    })
+}
+
+fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, SimulateError> {
+    Ok(TorqueChannel {
+        scale_error: per(s, "scale_error", Bound::Any)?,
+        offset_nm: per(s, "offset_nm", Bound::Any)?,
+        ripple_nm: per(s, "ripple_nm", Bound::Any)?,
+        ripple_per_rad: s
+            .number("ripple_per_rad", Bound::NotNegative)?
+            .unwrap_or(0.0),
+        noise_nm: s.number("noise_nm", Bound::NotNegative)?.unwrap_or(0.0),
+    })
+}
+
+fn temperature(s: &Section<'_>) -> Result<Temperature, SimulateError> {
+    let plain = Temperature::default();
+    let celsius = Bound::Within(-60.0, 200.0);
+    let from = s
+        .number("change_from_s", Bound::NotNegative)?
+        .unwrap_or(0.0);
+    let to = s.number("change_to_s", Bound::NotNegative)?.unwrap_or(from);
+    if to < from {
+        return Err(s.refuse("change_to_s", "at least change_from_s"));
+    }
+    let zero = Draw::Fixed(0.0);
+    Ok(Temperature {
+        reference_c: s
+            .number("reference_c", celsius)?
+            .unwrap_or(plain.reference_c),
+        profile_c: s.pairs("profile_c", celsius)?,
+        change_k: s
+            .draw("change_k", Bound::Within(-100.0, 100.0))?
+            .unwrap_or(zero),
+        change_from_to_s: (from, to),
+        reading_error_k: s.draw("reading_error_k", Bound::Any)?.unwrap_or(zero),
+        reading_error_from_s: s
+            .number("reading_error_from_s", Bound::NotNegative)?
+            .unwrap_or(0.0),
+        // Beyond this the stiffness could change sign within the temperatures allowed.
+        stiffness_per_k: per(s, "stiffness_per_k", Bound::Within(-0.0035, 0.0035))?,
+        zero_drift_rad_per_k: per(s, "zero_drift_rad_per_k", Bound::Any)?,
+    })
+}

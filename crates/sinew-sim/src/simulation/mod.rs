@@ -1,0 +1,332 @@
+//! A robot and a scenario, frame by frame.
+
+mod measure;
+mod setup;
+
+use crate::contacts::Contacts;
+use crate::controller::Controller;
+use crate::drawn::{DrawnJam, DrawnOffset, DrawnPayload, DrawnTemperature};
+use crate::error::SimulateError;
+use crate::known::Known;
+use crate::motion::Trajectory;
+use crate::plant::{Drive, Inputs, Plant, PointForce};
+use crate::scenario::{OffsetKind, Scenario};
+use crate::sensors::Sensors;
+use sinew_log::Frame;
+use sinew_model::StepError;
+use sinew_model::arm::{Arm, BodyInertia};
+use sinew_model::correction::JointCorrection;
+use std::collections::VecDeque;
+
+/// The true state behind a frame. All of length `n`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueState {
+    /// Time since the start of the recording, s.
+    pub time_s: f64,
+    /// Joint position asked of the controller, rad.
+    pub q_d: Vec<f64>,
+    /// Its velocity, rad/s: 0 while the arm is asked to stand.
+    pub dq_d: Vec<f64>,
+    /// Joint position, rad.
+    pub q: Vec<f64>,
+    /// Joint velocity, rad/s.
+    pub dq: Vec<f64>,
+    /// Motor position as its encoder would show it without error, rad: with a physical offset
+    /// in it, without an injected one.
+    pub theta: Vec<f64>,
+    /// Offset in `theta_measured − q`, rad: physical, of slipped encoders, plus injected where it
+    /// was added.
+    pub delta_e: Vec<f64>,
+    /// Elastic torque, N·m.
+    pub tau_el: Vec<f64>,
+    /// Torque of contacts, N·m.
+    pub tau_ext: Vec<f64>,
+}
+
+/// What the offset of a joint is made of, rad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct OffsetParts {
+    /// The rope is longer.
+    pub physical: f64,
+    /// Added to the recorded motor position by the paper's rule.
+    pub injected: f64,
+    /// The motor's encoder reads too much.
+    pub motor_encoder: f64,
+    /// The joint's encoder reads too little.
+    pub joint_encoder: f64,
+}
+
+impl OffsetParts {
+    /// What `theta_measured − q` shows of it.
+    pub fn sum(self) -> f64 {
+        self.physical + self.injected + self.motor_encoder + self.joint_encoder
+    }
+}
+
+/// A simulated robot that is recorded frame by frame, in constant memory.
+///
+/// ```no_run
+/// # fn f(robot: &sinew_model::robot::Robot) -> Result<(), crate::SimulateError> {
+/// use crate::{Scenario, Simulation};
+/// let mut simulation = Simulation::new(robot, &Scenario::default())?;
+/// while let Some(frame) = simulation.next_frame()? {
+///     println!("{} {:?}", frame.time_ns, frame.q);
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    scenario: Scenario,
+    names: Vec<String>,
+    /// The true arm with an empty gripper.
+    empty: Arm,
+    plant: Plant,
+    controller: Controller,
+    trajectory: Trajectory,
+    contacts: Contacts,
+    sensors: Sensors,
+    offsets: Vec<DrawnOffset>,
+    known: Known,
+    payloads: Vec<DrawnPayload>,
+    held: Vec<bool>,
+    temperature: DrawnTemperature,
+    jams: Vec<DrawnJam>,
+    /// Coulomb friction of each joint without a jam, N·m.
+    joint_coulomb_nm: Vec<f64>,
+    /// Factor on the stiffness of each joint from the scenario's time on.
+    stiffness_later: Vec<f64>,
+    /// Motor positions of the last frames, the newest last, where they are recorded late.
+    shown: VecDeque<Vec<f64>>,
+    duration_s: f64,
+    control_steps: u64,
+    sample_steps: u64,
+    settle_steps: u64,
+    tick: u64,
+    frames: u64,
+    frame_count: u64,
+    // One entry per joint each.
+    q_d: Vec<f64>,
+    dq_d: Vec<f64>,
+    ddq_d: Vec<f64>,
+    tau_m: Vec<f64>,
+    /// Motor position as the controller reads it.
+    theta_read: Vec<f64>,
+    delta_e: Vec<f64>,
+    stiffness_scale: Vec<f64>,
+    forces: Vec<PointForce>,
+    frame: Frame,
+    truth: TrueState,
+}
+
+impl Simulation {
+    /// Time since the start of the recording, s; below 0 while the arm settles.
+    fn time_s(&self) -> f64 {
+        (self.tick as f64 - self.settle_steps as f64) * self.scenario.integration_step_s
+    }
+
+    /// Length of the recording, s.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// Frames the recording will have, before faults.
+    pub fn frame_count(&self) -> u64 {
+        self.frame_count
+    }
+
+    /// Joint names in the order of a frame.
+    pub fn joint_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The next frame, or `None` at the end.
+    ///
+    /// # Errors
+    /// [`SimulateError::Diverged`] when the state leaves the range of numbers.
+    pub fn next_frame(&mut self) -> Result<Option<&Frame>, SimulateError> {
+        if self.frames >= self.frame_count {
+            return Ok(None);
+        }
+        let target = self.settle_steps + self.frames * self.sample_steps;
+        while self.tick < target {
+            self.advance()?;
+        }
+        self.measure()?;
+        self.frames += 1;
+        Ok(Some(&self.frame))
+    }
+
+    /// What was true at the latest frame.
+    pub fn true_state(&self) -> &TrueState {
+        &self.truth
+    }
+
+    /// Offset of joint `i` at `t`, s, as the scenario has it.
+    pub fn offset_at(&self, i: usize, t: f64) -> OffsetParts {
+        let mut sum = OffsetParts::default();
+        for o in self.offsets.iter().filter(|o| o.joint == i) {
+            let value = o.size_rad * o.shape.at(t);
+            match o.kind {
+                OffsetKind::Physical => sum.physical += value,
+                OffsetKind::Injected => sum.injected += value,
+                OffsetKind::MotorEncoder => sum.motor_encoder += value,
+                OffsetKind::JointEncoder => sum.joint_encoder += value,
+            }
+        }
+        sum
+    }
+
+    /// What is known of joint `i` at `t`, s, to whoever corrects a recording: injected offsets
+    /// included.
+    pub fn known_at(&self, i: usize, t: f64) -> JointCorrection {
+        self.known.of_joint(i, self.offset_at(i, t).sum())
+    }
+
+    /// Whether what is known changes with the true offset.
+    pub fn known_changes(&self) -> bool {
+        self.known.follows_truth()
+    }
+
+    /// Offsets as drawn.
+    pub fn offsets(&self) -> &[DrawnOffset] {
+        &self.offsets
+    }
+
+    /// Payloads as drawn.
+    pub fn payloads(&self) -> &[DrawnPayload] {
+        &self.payloads
+    }
+
+    /// Who touches the arm when.
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
+    /// Every joint's transmission as it truly is.
+    pub fn drives(&self) -> &[Drive] {
+        &self.plant.drives
+    }
+
+    /// The arm as it truly is, the gripper empty.
+    pub fn true_empty_arm(&self) -> &Arm {
+        &self.empty
+    }
+
+    /// Temperature as drawn.
+    pub fn temperature(&self) -> &DrawnTemperature {
+        &self.temperature
+    }
+
+    /// What is simulated.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// One integration step.
+    fn advance(&mut self) -> Result<(), SimulateError> {
+        let h = self.scenario.integration_step_s;
+        let t = self.time_s();
+        // What changes with time is held at the middle of the step: second order in a smooth
+        // course, and a jump on the grid of steps falls between two of them.
+        let middle = t + 0.5 * h;
+        self.set_inputs(middle);
+        let inputs = Inputs {
+            tau_m: &self.tau_m,
+            delta_e: &self.delta_e,
+            stiffness_scale: &self.stiffness_scale,
+            forces: &self.forces,
+        };
+        self.plant.step(h, &inputs).map_err(|e| diverged(t, e))?;
+        self.tick += 1;
+        self.begin_tick()
+    }
+
+    /// Controller and load at the start of a step.
+    fn begin_tick(&mut self) -> Result<(), SimulateError> {
+        let t = self.time_s();
+        self.change_payload(t)?;
+        if self.tick.is_multiple_of(self.control_steps) {
+            self.trajectory
+                .at(t, &mut self.q_d, &mut self.dq_d, &mut self.ddq_d);
+            if self.known.follows_truth() {
+                for i in 0..self.names.len() {
+                    // The set-point needs what the spring feels; an injected offset it doesn't.
+                    let known = self.known.of_joint(i, self.offset_at(i, t).physical);
+                    self.controller.know(i, &known)?;
+                }
+            }
+            for i in 0..self.names.len() {
+                self.theta_read[i] = self.plant.state.theta[i] + self.offset_at(i, t).motor_encoder;
+            }
+            let wanted = [&self.q_d[..], &self.dq_d, &self.ddq_d];
+            let dtheta = &self.plant.state.dtheta;
+            self.controller
+                .step(wanted, &self.theta_read, dtheta, &mut self.tau_m)
+                .map_err(|e| diverged(t, e))?;
+        }
+        Ok(())
+    }
+
+    fn set_inputs(&mut self, t: f64) {
+        if self.offsets.is_empty() {
+            self.delta_e.fill(0.0);
+        } else {
+            for i in 0..self.names.len() {
+                self.delta_e[i] = self.offset_at(i, t).physical;
+            }
+        }
+        let warmer = self.temperature.at(t) - self.temperature.reference_c;
+        for (scale, per_k) in self
+            .stiffness_scale
+            .iter_mut()
+            .zip(&self.temperature.stiffness_per_k)
+        {
+            *scale = 1.0 + per_k * warmer;
+        }
+        if t >= self.scenario.truth.stiffness_later_from_s {
+            for (scale, later) in self.stiffness_scale.iter_mut().zip(&self.stiffness_later) {
+                *scale *= later;
+            }
+        }
+        for jam in &self.jams {
+            let held = (jam.from_s..jam.to_s).contains(&t);
+            self.plant.drives[jam.joint].joint_friction.coulomb_nm =
+                self.joint_coulomb_nm[jam.joint] + if held { jam.torque_nm } else { 0.0 };
+        }
+        self.contacts.at(t, &mut self.forces);
+    }
+
+    /// Takes up and puts down loads.
+    fn change_payload(&mut self, t: f64) -> Result<(), SimulateError> {
+        // Half a step of tolerance puts the change on the tick that the file means.
+        let soon = t + 0.5 * self.scenario.integration_step_s;
+        let holds = |p: &DrawnPayload| soon >= p.attach_s && soon < p.release_s;
+        let same = self
+            .payloads
+            .iter()
+            .zip(&self.held)
+            .all(|(p, &held)| holds(p) == held);
+        if same {
+            return Ok(());
+        }
+        let mut arm = self.empty.clone();
+        for (p, held) in self.payloads.iter().zip(&mut self.held) {
+            *held = holds(p);
+            if *held {
+                let body = BodyInertia::point(p.mass_kg, p.com_m);
+                if let Some(loaded) = arm.with_payload(&p.link, body)? {
+                    arm = loaded;
+                }
+            }
+        }
+        self.plant.set_arm(arm);
+        Ok(())
+    }
+}
+
+fn diverged(time_s: f64, error: StepError) -> SimulateError {
+    SimulateError::Diverged {
+        time_s,
+        reason: error.to_string(),
+    }
+}
