@@ -1,5 +1,6 @@
-//! The commands of the example stories run as they stand there.
+//! The commands of the example stories, of the manual and of the README run as they stand there.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -7,13 +8,31 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Commands of a story: lines that start with four spaces and a dollar sign.
-fn commands(story: &str) -> Vec<String> {
-    story
-        .lines()
-        .filter_map(|l| l.strip_prefix("    $ "))
-        .map(str::to_string)
-        .collect()
+/// Markdown files of a folder, in order.
+fn pages(folder: &str, page: impl Fn(PathBuf) -> PathBuf) -> Vec<PathBuf> {
+    let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
+        .unwrap()
+        .map(|e| page(e.unwrap().path()))
+        .filter(|p| p.is_file())
+        .collect();
+    pages.sort();
+    pages
+}
+
+/// Commands of a story, lines that start with four spaces and a dollar sign, and of a page of the manual:
+/// those of `sinew` in its `sh` blocks.
+fn commands(text: &str, manual: bool) -> Vec<String> {
+    let (mut shell, mut commands) = (false, Vec::new());
+    for line in text.lines() {
+        if line.starts_with("```") {
+            shell = line == "```sh";
+        } else if let Some(command) = line.strip_prefix("    $ ") {
+            commands.push(command.to_string());
+        } else if manual && shell && line.starts_with("sinew ") {
+            commands.push(line.to_string());
+        }
+    }
+    commands
 }
 
 /// `cargo run … --example NAME -- ARGUMENTS` by the example that the tests of the whole workspace have
@@ -37,29 +56,29 @@ fn built(words: Vec<String>) -> Vec<String> {
 }
 
 #[test]
-fn every_story_runs() {
-    let mut stories: Vec<PathBuf> = std::fs::read_dir(root().join("examples"))
-        .unwrap()
-        .map(|e| e.unwrap().path().join("README.md"))
-        .filter(|p| p.is_file())
-        .collect();
-    stories.sort();
+fn every_story_and_every_page_of_the_manual_runs() {
+    let stories = pages("examples", |folder| folder.join("README.md"));
     assert!(stories.len() >= 5, "{stories:?}");
-    let mut ran = 0;
-    for story in stories {
-        let text = std::fs::read_to_string(&story).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::create_dir(folder.path().join("out")).unwrap();
-        // `out/` of a story is this test's own; everything else is the repository's.
-        let here = |word: &str| -> String {
-            match word {
-                "sinew" => env!("CARGO_BIN_EXE_sinew").to_string(),
-                "out" => folder.path().join("out").display().to_string(),
-                _ if word.starts_with("out/") => folder.path().join(word).display().to_string(),
-                _ => word.to_string(),
-            }
-        };
-        for command in commands(&text) {
+    let manual = pages("docs/src/manual", |page| page);
+    assert!(manual.len() >= 10, "{manual:?}");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    // `out/` is this test's own; everything else is the repository's.
+    let here = |word: &str| -> String {
+        match word {
+            "sinew" => env!("CARGO_BIN_EXE_sinew").to_string(),
+            "out" => folder.path().join("out").display().to_string(),
+            _ if word.starts_with("out/") => folder.path().join(word).display().to_string(),
+            _ => word.to_string(),
+        }
+    };
+    // What a story has run needn't be run again by the manual: its files are still there.
+    let mut ran = HashSet::new();
+    let stories = stories.into_iter().map(|page| (page, false));
+    let manual = manual.into_iter().map(|page| (page, true));
+    for (page, of_manual) in stories.chain(manual) {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for command in commands(&text, of_manual) {
             if command.contains("../shared") && !root().join("../shared/data").is_dir()
                 || command.contains("--robot out") && !folder.path().join("out/robot.toml").exists()
             {
@@ -70,25 +89,52 @@ fn every_story_runs() {
                 );
                 continue;
             }
+            if !ran.insert(command.clone()) {
+                continue;
+            }
             let words = built(command.split_whitespace().map(here).collect());
             let output = Command::new(&words[0])
                 .args(&words[1..])
                 .current_dir(root())
                 .output()
                 .unwrap();
-            // A story may say that a threshold is passed.
+            // A page may say that a threshold is passed.
             let passed = output.status.code() == Some(3) && text.contains("exit code is 3");
             assert!(
                 output.status.success() || passed,
                 "{}: {command}: {}\n{}",
-                story.display(),
+                page.display(),
                 output.status,
                 String::from_utf8_lossy(&output.stderr)
             );
-            ran += 1;
         }
     }
-    assert!(ran >= 9, "{ran} commands ran");
+    assert!(ran.len() >= 30, "{} commands ran", ran.len());
+}
+
+#[test]
+fn the_readme_prints_what_it_says() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let first = "\ncargo run --release -- ";
+    let (command, after) = readme
+        .split_once(first)
+        .unwrap()
+        .1
+        .split_once('\n')
+        .unwrap();
+    let shown = after.split_once("```text\n").unwrap().1;
+    let (shown, _) = shown.split_once("```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let report = folder.path().join("report.html").display().to_string();
+    let words = command.split_whitespace();
+    let words = words.map(|word| if word == "report.html" { &report } else { word });
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(words)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stdout), shown);
+    assert!(Path::new(&report).is_file());
 }
 
 fn estimate(args: &[&str]) -> serde_json::Value {

@@ -121,22 +121,27 @@ fn with(before: &str) -> String {
 #[test]
 fn robot_toml() {
     let whole = std::fs::read_to_string(root().join("robots/biorob-like/robot.toml")).unwrap();
-    let joint = |section: &str| with(&format!("[joints.elbow{section}]\n"));
-    let guide = "[joints.elbow.tendon]\nlength_mm = 1.0\njoint_pulley_radius_mm = 1.0\n";
+    let unknown = format!("{UNKNOWN} = 1");
+    let after = |words: &str, separator: &str| {
+        let at = whole.find(words).expect(words) + words.len();
+        format!(
+            "{}{separator}{unknown}{separator}{}",
+            &whole[..at],
+            &whole[at..]
+        )
+    };
+    let inline = |words: &str| after(words, "").replacen(&unknown, &format!("{unknown}, "), 1);
     agree(
         "robot.md",
         &["joints.NAME"],
         &[
-            ("", with("")),
-            ("joints.NAME", joint("")),
-            ("joints.NAME.joint_friction", joint(".joint_friction")),
-            ("joints.NAME.motor_friction", joint(".motor_friction")),
-            ("joints.NAME.tendon", joint(".tendon")),
-            (
-                "joints.NAME.tendon.guides[]",
-                with(&format!("{guide}[[joints.elbow.tendon.guides]]\n")),
-            ),
-            ("tolerances", with(&format!("{whole}\n[tolerances]\n"))),
+            ("", format!("{unknown}\n{whole}")),
+            ("joints.NAME", after("[joints.elbow]", "\n")),
+            ("joints.NAME.joint_friction", inline("joint_friction = { ")),
+            ("joints.NAME.motor_friction", inline("motor_friction = { ")),
+            ("joints.NAME.tendon", after("[joints.elbow.tendon]", "\n")),
+            ("joints.NAME.tendon.guides[]", inline("guides = [{ ")),
+            ("tolerances", format!("{whole}\n[tolerances]\n{unknown}\n")),
         ],
         |text| {
             let (folder, path) = file("robot.toml", text);
@@ -150,20 +155,20 @@ fn robot_toml() {
 
 #[test]
 fn mapping_files() {
+    let joints = "[joints.tilt]\nq = { column = \"q.tilt_rad\" }\n";
     let mut sections = vec![
-        ("", with("")),
-        ("time", with("[time]\n")),
-        ("joints.NAME", with("[joints.tilt]\n")),
+        ("", with("") + joints),
+        ("time", with("[time]\ncolumn = \"time_s\"\n")),
+        ("joints.NAME", with(joints)),
         ("mcap", with("[mcap]\n")),
-        ("SOURCE", with("[temperature]\n")),
-        ("SOURCE.sum[]", with("[[temperature.sum]]\n")),
     ];
-    for quantity in ["q", "theta", "dq", "tau_el", "tau_m", "tau_ext"] {
-        sections.push(("SOURCE", with(&format!("[joints.tilt.{quantity}]\n"))));
-        sections.push((
-            "SOURCE.sum[]",
-            with(&format!("[[joints.tilt.{quantity}.sum]]\n")),
-        ));
+    let quantities = ["q", "theta", "dq", "tau_el", "tau_m", "tau_ext"];
+    let sources = quantities.map(|quantity| format!("joints.tilt.{quantity}"));
+    for source in sources.iter().map(String::as_str).chain(["temperature"]) {
+        let column = "column = \"a\"";
+        sections.push(("SOURCE", with(&format!("[{source}]\n{column}\n"))));
+        let sum = format!("[{source}]\nsum = [{{ {column}, {UNKNOWN} = 1 }}]\n");
+        sections.push(("SOURCE.sum[]", sum));
     }
     agree("mapping.md", &["joints.NAME"], &sections, |text| {
         let (_folder, path) = file("mapping.toml", text);
@@ -174,10 +179,11 @@ fn mapping_files() {
 
 #[test]
 fn duty_files() {
+    let block = "[[block]]\nduration_s = 1\ntension_n = 1\n";
     agree(
         "duty.md",
         &[],
-        &[("", with("")), ("block[]", with("[[block]]\n"))],
+        &[("", with("") + block), ("block[]", with(block))],
         |text| {
             let (_folder, path) = file("duty.toml", text);
             refusal(&["rope", "predict", "liros-dc000-0301", "--duty", &path])
@@ -188,13 +194,15 @@ fn duty_files() {
 #[test]
 fn bench_files() {
     let bench = "strand_mm = 600\nstroke_mm = 100\nperiod_s = 10\n";
+    let guide = "[[guide]]\nstrand = 1\nat_mm = 150\nradius_mm = 8\nwrap_deg = 20\n";
+    let phase = "[[phase]]\nforce_n = 200\nduration_min = 240\n";
     agree(
         "bench.md",
         &[],
         &[
-            ("", with("")),
-            ("guide[]", with(&format!("{bench}[[guide]]\n"))),
-            ("phase[]", with(&format!("{bench}[[phase]]\n"))),
+            ("", with(bench) + phase),
+            ("guide[]", with(&format!("{bench}{phase}{guide}"))),
+            ("phase[]", with(&format!("{bench}{phase}"))),
         ],
         |text| {
             let (_folder, path) = file("bench.toml", text);
@@ -205,21 +213,31 @@ fn bench_files() {
 
 #[test]
 fn rope_entries() {
-    let rope = "name = \"mine\"\nmanufacturer = \"m\"\nproduct = \"p\"\nfibre = \"f\"\nmaterial = \"HMPE\"\n\
-                [sources]\ns = \"somewhere\"\n";
-    let value = "{ value = 1.0, origin = \"measured\", source = \"s\" }";
-    let unknown_value = |section: &str| format!("{rope}[{section}]\n{UNKNOWN} = {value}\n");
-    let in_value = |section: &str| with(&format!("{rope}[{section}]\n"));
+    let rope = "name = \"mine\"\nmanufacturer = \"m\"\nproduct = \"p\"\nfibre = \"f\"\nmaterial = \"HMPE\"\n";
+    let sources = "[sources]\ns = \"somewhere\"\n";
+    let value = "value = 1.0, origin = \"measured\", source = \"s\"";
+    let law = format!("[law]\ntoe_percent = {{ {value} }}\n");
+    let correlation = "[correlation]\nparameters = [\"toe_percent\"]\nmatrix = [[1.0]]\n";
+    let known = |key: &str| format!("{rope}{sources}{key} = {{ {value}, {UNKNOWN} = 1 }}\n");
     agree(
         "rope.md",
         &[],
         &[
-            ("", with("")),
-            ("published", unknown_value("published")),
-            ("law", unknown_value("law")),
-            ("correlation", in_value("correlation")),
-            ("VALUE", in_value("published.diameter_mm")),
-            ("VALUE", in_value("law.toe_percent")),
+            ("", with(rope) + sources),
+            (
+                "published",
+                format!("{rope}{sources}[published]\n{UNKNOWN} = {{ {value} }}\n"),
+            ),
+            (
+                "law",
+                format!("{rope}{sources}[law]\n{UNKNOWN} = {{ {value} }}\n"),
+            ),
+            (
+                "correlation",
+                with(&format!("{rope}{sources}{law}{correlation}")),
+            ),
+            ("VALUE", known("[published]\ndiameter_mm")),
+            ("VALUE", known("[law]\ntoe_percent")),
         ],
         |text| {
             let (folder, _) = file("mine.toml", text);
