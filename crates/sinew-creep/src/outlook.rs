@@ -19,7 +19,7 @@ use super::law::Law;
 use super::student::{normal_quantile, student_quantile};
 
 /// Degrees of freedom of the trust in a law's own interval, ν₀: a choice of ours; how often
-/// forecasts then hold is measured in docs/creep.md.
+/// forecasts then hold is measured in docs/src/science/creep.md.
 pub const PRIOR_FREEDOM: f64 = 2.0;
 /// Rehearsals, each from where the one before began to be hidden.
 const REHEARSALS: usize = 2;

@@ -1,6 +1,6 @@
 //! A motor's current as the second witness: its torque constant is known to a tenth only.
 //!
-//! `SINEW_SEEDS=32 cargo test --release --workspace --test motor_current -- --nocapture` measures it.
+//! `SINEW_SEEDS=32 cargo test --release -p sinew-estimate --test all motor_current:: -- --nocapture` measures it.
 
 use crate::support;
 

@@ -6,8 +6,8 @@
 //! the estimator sees the torque sensors only through the springs made of them. Their zeros (up to
 //! 2 N·m) are an encoder's zero then, which `[tolerances] zero_mrad` leaves open.
 //!
-//! `SINEW_LONG=1 cargo test --release --workspace --test real_absolute -- --nocapture` prints the
-//! table of docs/absolute.md.
+//! `SINEW_LONG=1 cargo test --release -p sinew-estimate --test all real_absolute:: -- --nocapture` prints the
+//! table of docs/src/science/absolute.md.
 
 use crate::support;
 

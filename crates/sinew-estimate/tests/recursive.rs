@@ -1,6 +1,6 @@
 //! The recursive form against the batch form, over the scenarios of the bench.
 //!
-//! `SINEW_SEEDS=10 cargo test --release --workspace --test recursive -- --nocapture` compares ten
+//! `SINEW_SEEDS=10 cargo test --release -p sinew-estimate --test all recursive:: -- --nocapture` compares ten
 //! recordings of every scenario; the ordinary run one of two.
 
 use crate::support;
@@ -101,7 +101,7 @@ fn the_recursive_form_says_what_the_batch_says() {
                     100.0 * batch.left_out_share,
                 );
                 if asked.is_none() {
-                    // 0.18 at worst of these scenarios in docs/absolute.md.
+                    // 0.18 at worst of these scenarios in docs/src/science/recursive.md.
                     assert!(share < 0.2, "{share}");
                     assert!(interval < 2.0 * said.interval_95_mrad, "{interval}");
                 }

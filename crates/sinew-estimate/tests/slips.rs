@@ -1,7 +1,7 @@
 //! Slips in the third session of the bench's scenarios: found, not taken for lost stiffness or for noise, and
 //! the offset in the end inside its interval.
 //!
-//! `SINEW_SEEDS=40 cargo test --release --workspace --test slips -- --nocapture` measures it.
+//! `SINEW_SEEDS=40 cargo test --release -p sinew-estimate --test all slips:: -- --nocapture` measures it.
 
 use crate::support;
 

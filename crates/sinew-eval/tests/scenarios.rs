@@ -314,8 +314,8 @@ fn offsets_of_another_arm_are_inside_their_intervals() {
 }
 
 /// Arms the estimator was not made for, with ropes that gravity stretches by a tenth of a radian or so.
-/// `SINEW_SEEDS=100 cargo test --release --workspace --test scenarios -- --nocapture` is the table of
-/// docs/scenarios.md.
+/// `SINEW_SEEDS=100 cargo test --release -p sinew-eval --test all scenarios:: -- --nocapture` is the table of
+/// docs/src/science/scenarios.md.
 #[test]
 fn arms_of_other_sizes_are_no_worse() {
     let asked = support::asked_seeds();

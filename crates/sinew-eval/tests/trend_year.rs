@@ -1,7 +1,7 @@
 //! Simulated years: what the trend finds, and how far its forecasts hold.
 //!
 //! `SINEW_SEEDS=100 cargo test --release -p sinew-eval --test all trend_year -- --nocapture` prints the
-//! figures of docs/trend.md; the ordinary run makes do with a few robots.
+//! figures of docs/src/science/years.md; the ordinary run makes do with a few robots.
 
 use crate::support;
 

@@ -148,7 +148,7 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
     }
 }
 
-/// How many draws: some by default, `SINEW_SEEDS` for the figures of docs/creep.md.
+/// How many draws: some by default, `SINEW_SEEDS` for the figures of docs/src/science/creep.md.
 fn seeds(default: u64) -> u64 {
     std::env::var("SINEW_SEEDS")
         .ok()

@@ -99,7 +99,7 @@ impl Plan {
     }
 
     /// The protocol's scenario of that name for another robot: its draws, said of that robot's joints
-    /// (docs/scenarios.md).
+    /// (docs/src/science/scenarios.md).
     ///
     /// # Errors
     /// [`ScenarioError::Unknown`]; [`ScenarioError::Text`] for a scenario that is about the protocol's own

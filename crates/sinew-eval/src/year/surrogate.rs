@@ -6,7 +6,7 @@ use rand_distr::{Distribution as _, StandardNormal, StudentT};
 use serde::{Deserialize, Serialize};
 use sinew_model::trend::Record;
 
-/// Errors of a daily session, as measured on the full chain (see `docs/trend.md`).
+/// Errors of a daily session, as measured on the full chain (see `docs/src/science/years.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SessionErrors {
     /// Scale of the part that differs from session to session, mrad.

@@ -20,7 +20,7 @@ pub(crate) enum Scenarios {
 /// Simulate, estimate, compare with the truth
 ///
 /// Each recording has a session A of a minute that teaches the baseline, B that is judged at its
-/// end, and C in which two tendons slip by 5 mrad. What is drawn stands in docs/scenarios.md.
+/// end, and C in which two tendons slip by 5 mrad. What is drawn stands in docs/src/science/scenarios.md.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n  \

@@ -1,6 +1,6 @@
 //! Daily sessions through the whole chain: simulated recording, baseline, absolute estimate.
 //!
-//! The robot is drawn once as `docs/scenarios.md` says (masses, stiffness, friction, encoders) and is the
+//! The robot is drawn once as `docs/src/science/scenarios.md` says (masses, stiffness, friction, encoders) and is the
 //! same every day; its offsets creep by their rope's law, temperature drifts its zero by 0.1 mrad/K and
 //! softens it by 0.1 to 0.3 %/K, a failed strand takes its share of the stiffness along. Recordings stay in
 //! memory.
