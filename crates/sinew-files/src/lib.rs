@@ -6,7 +6,7 @@
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
 //! * [`bound`]: what a number may be, and the unit its key ends in;
 //! * [`names`]: the name somebody may have meant;
-//! * [`Document`]: a result as JSON that names its schema;
+//! * [`JsonDocument`]: a result as JSON that names its schema;
 //! * [`date`]: days and times of day, UTC;
 //! * [`atomic`]: output files that are whole or not there.
 
@@ -15,7 +15,7 @@ pub mod bound;
 #[cfg(feature = "csv")]
 pub mod csv;
 pub mod date;
-mod document;
+mod json;
 pub mod located;
 pub mod names;
 #[cfg(feature = "toml")]
@@ -24,7 +24,7 @@ pub mod text;
 
 pub use atomic::{AtomicFile, OutputError, write_file};
 pub use bound::Bound;
-pub use document::Document;
+pub use json::JsonDocument;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use section::{Document, Section, Value};

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// What a command prints as JSON: SI values, units in the keys.
-pub trait Document: Serialize {
+pub trait JsonDocument: Serialize {
     /// Name and number of the schema, such as `sinew/estimate/1`. The number rises when a key goes
     /// or changes its meaning; a new key does not raise it. `docs/schema/` has the schemas.
     const SCHEMA: &'static str;
@@ -36,7 +36,7 @@ mod tests {
         length_m: f64,
     }
 
-    impl Document for Length {
+    impl JsonDocument for Length {
         const SCHEMA: &'static str = "sinew/length/1";
     }
 
