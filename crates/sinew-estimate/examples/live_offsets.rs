@@ -12,6 +12,7 @@ use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Baseline, WatchOptions};
 use sinew_estimate::robot_dir;
 use sinew_log::OpenOptions;
+use sinew_model::Gaussian;
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use std::error::Error;
 use std::path::Path;
@@ -78,11 +79,14 @@ fn run() -> Result<(), Box<dyn Error>> {
             print!("{:6.1} s", t - from_s);
             for (i, name) in names.iter().enumerate() {
                 if robot.transmissions[i].is_some() {
-                    let [offset, deviation] = offsets.offset(i).map(|rad| 1e3 * rad);
+                    let Gaussian {
+                        mean: offset,
+                        deviation,
+                    } = offsets.offset(i).scaled(1e3);
                     print!("  {name} {offset:+.2} ± {:.2}", 1.96 * deviation);
                 }
             }
-            let doubts = if offsets.is_in_doubt() {
+            let doubts = if offsets.is_provisional() {
                 ", in doubt"
             } else {
                 ""

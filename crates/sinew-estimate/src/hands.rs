@@ -1,6 +1,6 @@
 //! Processors that have nothing to do, for work that two can do at once.
 
-use sinew_model::offset::Hands;
+use sinew_model::offset::Executor;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -53,8 +53,8 @@ impl Drop for Taken<'_> {
 }
 
 /// A second thread where a processor is free for it.
-impl Hands for Processors {
-    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+impl Executor for Processors {
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         match self.take() {
             Some(_taken) => std::thread::scope(|scope| {
                 scope.spawn(other);
@@ -76,7 +76,7 @@ mod tests {
     /// The threads that did one and the other thing.
     fn who(processors: &Processors) -> [Option<ThreadId>; 2] {
         let [mut one, mut other] = [None; 2];
-        processors.both(&mut || one = Some(current().id()), &mut || {
+        processors.join(&mut || one = Some(current().id()), &mut || {
             other = Some(current().id())
         });
         [one, other]
@@ -104,7 +104,7 @@ mod tests {
         let processors = Processors::of(2);
         let mut within = [[None; 2]; 2];
         let [one, other] = &mut within;
-        processors.both(&mut || *one = who(&processors), &mut || {
+        processors.join(&mut || *one = who(&processors), &mut || {
             *other = who(&processors)
         });
         let here = Some(current().id());

@@ -4,6 +4,7 @@ use crate::support;
 
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Payload, WatchOptions};
+use sinew_model::Gaussian;
 use support::{biorob_like, block_by_block, seeds, work_session};
 
 const PITCH: usize = 1;
@@ -252,7 +253,10 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
         let [loss, unsure] = since(PITCH).change_percent;
         assert!((loss + 3.0).abs() < 1.5 * unsure, "{loss} ± {unsure}");
         let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
-        let [offset, deviation] = filter.offset(PITCH).map(|x| 1e3 * x);
+        let Gaussian {
+            mean: offset,
+            deviation,
+        } = filter.offset(PITCH).scaled(1e3);
         let (apart, half) = (
             (offset - said.joints[PITCH].offset_mrad).abs(),
             1.96 * deviation,

@@ -6,7 +6,7 @@ use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Baseline, MergeOptions, Recorded, Recorder, merge};
 use sinew_model::arm::BodyInertia;
 use sinew_model::offset::{
-    Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD,
+    Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_sim::{Scenario, Simulation};
@@ -65,7 +65,7 @@ fn learn(prior: &Prior, belief: &mut Belief, seed: u64) {
     };
     for _ in 0..40 {
         let row: Vec<f64> = (0..prior.dimension())
-            .map(|k| 2.0 * draw() / fresh.entry(k)[1])
+            .map(|k| 2.0 * draw() / fresh.entry(k).deviation)
             .map(|h| if h.abs() > 1e7 { 0.0 } else { h })
             .collect();
         measure(belief, &row, 3.0 * draw());
@@ -113,8 +113,9 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
 fn apart(a: &Belief, b: &Belief) -> f64 {
     (0..a.mean.len())
         .map(|k| {
-            let ([ma, sa], [mb, sb]) = (a.entry(k), b.entry(k));
-            ((ma - mb) / sb).abs().max((sa / sb - 1.0).abs())
+            let (a, b) = (a.entry(k), b.entry(k));
+            let further = ((a.mean - b.mean) / b.deviation).abs();
+            further.max((a.deviation / b.deviation - 1.0).abs())
         })
         .fold(0.0, f64::max)
 }
@@ -164,7 +165,7 @@ fn a_common_start_counts_once_and_temperatures_are_brought_together() {
     let common = baseline(&robot, &start, &["first"], 60);
     // Whoever goes on from it opens offsets and believes it a little less.
     let mut aged = start.clone();
-    prior.age(&mut aged);
+    beliefs::age(&prior, &mut aged);
     open(&prior, &mut aged);
     let (mut a, mut b, mut both) = (aged.clone(), aged.clone(), aged.clone());
     learn(&prior, &mut a, 5);
@@ -188,15 +189,15 @@ fn a_common_start_counts_once_and_temperatures_are_brought_together() {
         place(JointParameter::Thermal),
     );
     let mut there = start.clone();
-    prior.refer_to(&mut there, 30.0);
+    beliefs::refer_to(&prior, &mut there, 30.0);
     assert_eq!(there.temperature_c, 30.0);
     let expected = start.mean[compliance] + 10.0 * start.mean[thermal];
     assert!((there.mean[compliance] - expected).abs() < 1e-15);
     let mut back = there.clone();
-    prior.refer_to(&mut back, 20.0);
+    beliefs::refer_to(&prior, &mut back, 20.0);
     assert!(apart(&back, &start) < 1e-9);
     // Without a temperature there is nothing to refer to.
-    prior.refer_to(&mut back, f64::NAN);
+    beliefs::refer_to(&prior, &mut back, f64::NAN);
     assert_eq!(back.temperature_c, 20.0);
 }
 
@@ -323,8 +324,8 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
         [merged, chained].map(|m| m.belief(&robot, &prior, "merged").unwrap());
     open(&prior, &mut chained);
     let mut off: Vec<f64> = (0..prior.payload_place())
-        .filter(|&k| merged.entry(k)[1] > 1e-8)
-        .map(|k| (merged.entry(k)[0] - chained.entry(k)[0]).abs() / merged.entry(k)[1])
+        .filter(|&k| merged.entry(k).deviation > 1e-8)
+        .map(|k| (merged.entry(k).mean - chained.entry(k).mean).abs() / merged.entry(k).deviation)
         .collect();
     off.sort_by(f64::total_cmp);
     println!(

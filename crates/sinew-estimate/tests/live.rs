@@ -4,6 +4,7 @@ use crate::support;
 
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::WatchOptions;
+use sinew_model::Gaussian;
 use support::{asked_seeds, biorob_like, block_by_block, seeds, work_session};
 
 #[test]
@@ -20,13 +21,16 @@ fn block_by_block_gives_what_all_at_once_gives() {
             "seed {seed}: mean weight {:.2}",
             weights / parts[1].blocks.len() as f64
         );
-        if filter.is_in_doubt() {
+        if filter.is_provisional() {
             println!(", in doubt");
             assert!(asked_seeds().is_some(), "nothing happened");
             continue;
         }
         for (joint, said) in batch.joints.iter().enumerate() {
-            let [offset, deviation] = filter.offset(joint);
+            let Gaussian {
+                mean: offset,
+                deviation,
+            } = filter.offset(joint);
             let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
             print!(
                 ", {}: {:+.2} ± {:.2} batch, {:+.2} ± {interval:.2} recursive",
@@ -65,7 +69,7 @@ fn what_is_saved_goes_on_in_the_next_session() {
         );
 
         let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
-        if filter.is_in_doubt() {
+        if filter.is_provisional() {
             assert!(asked_seeds().is_some(), "nothing happened");
             continue;
         }
@@ -118,7 +122,7 @@ fn a_slip_is_doubted_and_then_followed() {
         for block in &parts[1].blocks {
             filter.step(block).unwrap();
             for ((_, at_s, _), seen_s) in SLIPS.iter().zip(&mut seen_s) {
-                if seen_s.is_nan() && block.time_s > *at_s && filter.is_in_doubt() {
+                if seen_s.is_nan() && block.time_s > *at_s && filter.is_provisional() {
                     *seen_s = block.time_s - at_s;
                 }
             }
@@ -128,13 +132,16 @@ fn a_slip_is_doubted_and_then_followed() {
             if SLIPS.iter().any(just_slipped) {
                 continue;
             }
-            doubted += usize::from(filter.is_in_doubt());
+            doubted += usize::from(filter.is_provisional());
             for (i, truth) in truth.iter().enumerate() {
                 let slips = SLIPS
                     .iter()
                     .filter(|(joint, at_s, _)| *joint == i && *at_s < block.time_s);
                 let truth = truth + slips.map(|(_, _, size)| size).sum::<f64>();
-                let [offset, deviation] = filter.offset(i).map(|rad| 1e3 * rad);
+                let Gaussian {
+                    mean: offset,
+                    deviation,
+                } = filter.offset(i).scaled(1e3);
                 sure += 1;
                 inside += usize::from((offset - truth).abs() < 1.96 * deviation);
             }
@@ -145,15 +152,19 @@ fn a_slip_is_doubted_and_then_followed() {
         );
         all = [all[0] + inside, all[1] + sure];
         for (i, _, size) in SLIPS {
-            let [offset, deviation] = filter.offset(i).map(|rad| 1e3 * rad);
+            let Gaussian {
+                mean: offset,
+                deviation,
+            } = filter.offset(i).scaled(1e3);
             let error = offset - truth[i] - size;
             ends[0] += usize::from(error.abs() < 1.96 * deviation);
             ends[1] += 1;
             println!("  in the end {error:+.2} ± {:.2}", 1.96 * deviation);
         }
-        doubts += u64::from(filter.is_in_doubt());
+        doubts += u64::from(filter.is_provisional());
         let none = truth.len();
-        assert!(filter.offset(none).iter().all(|x| x.is_nan()));
+        let offset = filter.offset(none);
+        assert!(offset.mean.is_nan() && offset.deviation.is_nan());
         assert!(seen_s.iter().all(|s| *s < SEEN_S), "{seen_s:?}");
     }
     println!("{all:?} inside, {ends:?} in the end, {doubts} then in doubt");

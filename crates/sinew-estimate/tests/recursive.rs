@@ -8,6 +8,7 @@ use crate::support;
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Recorded, Recorder};
 use sinew_eval::scenarios::Plan;
+use sinew_model::Gaussian;
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
 use support::{asked_seeds, watching};
@@ -67,10 +68,10 @@ fn the_recursive_form_says_what_the_batch_says() {
                 filter.step(block).unwrap();
                 if block.time_s - first_s > 30.0 {
                     blocks += 1;
-                    doubted += usize::from(filter.is_in_doubt());
+                    doubted += usize::from(filter.is_provisional());
                 }
             }
-            if filter.is_in_doubt() {
+            if filter.is_provisional() {
                 doubts += 1;
                 println!("{name} seed {seed}: in doubt");
                 assert!(asked.is_some(), "nothing happened");
@@ -78,7 +79,10 @@ fn the_recursive_form_says_what_the_batch_says() {
             }
             let changes: usize = batch.joints.iter().map(|j| j.steps.len()).sum();
             for (i, said) in batch.joints.iter().enumerate() {
-                let [offset, deviation] = filter.offset(i);
+                let Gaussian {
+                    mean: offset,
+                    deviation,
+                } = filter.offset(i);
                 let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
                 let share = (offset - said.offset_mrad).abs() / said.interval_95_mrad;
                 apart.push(share);

@@ -280,7 +280,7 @@ pub(crate) fn inverse(a: &[f64], n: usize) -> Result<Vec<f64>, usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::drawn::random;
+    use crate::offset::fixtures::random;
 
     /// `A = B Bᵀ + 1/10` of numbers that are no pattern.
     fn positive_definite(n: usize, seed: &mut u64) -> Vec<f64> {

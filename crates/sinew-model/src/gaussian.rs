@@ -37,6 +37,11 @@ impl Gaussian {
         }
     }
 
+    /// Whether both numbers are finite.
+    pub fn is_finite(self) -> bool {
+        self.mean.is_finite() && self.deviation.is_finite()
+    }
+
     /// The same quantity in another unit: `factor` of the new one make one of the old.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {

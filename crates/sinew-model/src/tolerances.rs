@@ -1,5 +1,7 @@
 //! How far a robot may be from its description: tolerances of a data sheet.
 
+use crate::Gaussian;
+
 /// Tolerances, as standard deviations unless stated. `robot.toml` sets them under `[tolerances]`.
 ///
 /// The defaults are starting guesses for light rope-driven arms, not measurements.
@@ -17,20 +19,20 @@ pub struct Tolerances {
     pub inertia: f64,
     /// Friction of joints and drives, relative to its nominal value.
     pub friction: f64,
-    /// Torque-proportional joint friction: mean and standard deviation.
-    pub load_friction: [f64; 2],
-    /// Torque-proportional drive friction: mean and standard deviation.
-    pub drive_load_friction: [f64; 2],
-    /// Cubic stiffening `η`, 1/rad²: mean and standard deviation.
-    pub stiffening_per_rad2: [f64; 2],
+    /// Torque-proportional joint friction.
+    pub load_friction: Gaussian,
+    /// Torque-proportional drive friction.
+    pub drive_load_friction: Gaussian,
+    /// Cubic stiffening `η`, 1/rad².
+    pub stiffening_per_rad2: Gaussian,
     /// Encoder error, once and twice per turn, rad per component.
     pub encoder_rad: f64,
     /// Drift of the zero with temperature, rad/K.
     pub drift_rad_per_k: f64,
-    /// Compliance change with temperature, 1/K: mean and standard deviation.
-    pub stiffness_per_k: [f64; 2],
-    /// Payload mass: mean and standard deviation, kg.
-    pub payload_kg: [f64; 2],
+    /// Compliance change with temperature, 1/K.
+    pub stiffness_per_k: Gaussian,
+    /// Payload mass, kg.
+    pub payload_kg: Gaussian,
     /// How far the payload's centre may be from where it is expected, m.
     pub payload_reach_m: f64,
     /// Scale of the motor torque, relative.
@@ -55,13 +57,13 @@ impl Default for Tolerances {
             first_moment_across: 0.03,
             inertia: 0.15,
             friction: 0.5,
-            load_friction: [0.02, 0.01],
-            drive_load_friction: [0.1, 0.05],
-            stiffening_per_rad2: [1.0, 0.7],
+            load_friction: Gaussian::new(0.02, 0.01),
+            drive_load_friction: Gaussian::new(0.1, 0.05),
+            stiffening_per_rad2: Gaussian::new(1.0, 0.7),
             encoder_rad: 0.25e-3,
             drift_rad_per_k: 0.1e-3,
-            stiffness_per_k: [0.002, 0.001],
-            payload_kg: [0.25, 0.25],
+            stiffness_per_k: Gaussian::new(0.002, 0.001),
+            payload_kg: Gaussian::new(0.25, 0.25),
             payload_reach_m: 0.05,
             motor_torque: 0.03,
             motor_current: 0.1,
@@ -111,16 +113,16 @@ impl Tolerances {
             "first_moment_across_percent" => (&mut self.first_moment_across, PERCENT),
             "inertia_percent" => (&mut self.inertia, PERCENT),
             "friction_percent" => (&mut self.friction, PERCENT),
-            "load_friction_mean_percent" => (&mut self.load_friction[0], PERCENT),
-            "load_friction_percent" => (&mut self.load_friction[1], PERCENT),
-            "drive_load_friction_mean_percent" => (&mut self.drive_load_friction[0], PERCENT),
-            "drive_load_friction_percent" => (&mut self.drive_load_friction[1], PERCENT),
-            "stiffening_mean_per_rad2" => (&mut self.stiffening_per_rad2[0], 1.0),
-            "stiffening_per_rad2" => (&mut self.stiffening_per_rad2[1], 1.0),
+            "load_friction_mean_percent" => (&mut self.load_friction.mean, PERCENT),
+            "load_friction_percent" => (&mut self.load_friction.deviation, PERCENT),
+            "drive_load_friction_mean_percent" => (&mut self.drive_load_friction.mean, PERCENT),
+            "drive_load_friction_percent" => (&mut self.drive_load_friction.deviation, PERCENT),
+            "stiffening_mean_per_rad2" => (&mut self.stiffening_per_rad2.mean, 1.0),
+            "stiffening_per_rad2" => (&mut self.stiffening_per_rad2.deviation, 1.0),
             "encoder_mrad" => (&mut self.encoder_rad, MILLI),
             "drift_mrad_per_k" => (&mut self.drift_rad_per_k, MILLI),
-            "payload_mean_kg" => (&mut self.payload_kg[0], 1.0),
-            "payload_kg" => (&mut self.payload_kg[1], 1.0),
+            "payload_mean_kg" => (&mut self.payload_kg.mean, 1.0),
+            "payload_kg" => (&mut self.payload_kg.deviation, 1.0),
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),
             "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
             "gear_percent" => (&mut self.gear, PERCENT),

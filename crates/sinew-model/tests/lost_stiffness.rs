@@ -3,12 +3,13 @@
 mod pendulum;
 
 use pendulum::{PLAIN, Truth, blocks, pendulum, prior};
+use sinew_model::Gaussian;
 use sinew_model::offset::{
-    Belief, FeatureConfig, JointParameter, MapEstimator, Payload, RecursiveOffsets, Seek,
-    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    Belief, FeatureConfig, JointParameter, MapEstimator, Payload, RecursiveOffsets, SearchScope,
+    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 
-const SEEK: Seek = Seek {
+const SCOPE: SearchScope = SearchScope {
     offsets: true,
     payload: false,
     continues: false,
@@ -25,7 +26,7 @@ fn learned(estimator: &MapEstimator) -> Belief {
     let start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
     let map = estimator.solve(&start, &[], Payload::Empty, &calm).unwrap();
     let mut belief = map.belief(prior);
-    prior.age(&mut belief);
+    beliefs::age(prior, &mut belief);
     prior.open_offsets(&mut belief, UNKNOWN_OFFSET_RAD);
     belief
 }
@@ -43,25 +44,40 @@ fn the_more_is_lost_the_likelier_and_both_forms_agree() {
         };
         let blocks = blocks(&robot.arm, truth);
         let map = estimator
-            .watch(&belief, &blocks, Payload::Empty, SEEK)
+            .search(&belief, &blocks, Payload::Empty, SCOPE)
             .unwrap();
-        let [offset, deviation] = map.offset(estimator.prior(), 0);
-        let since = map.stiffness_since[0].unwrap();
+        let Gaussian {
+            mean: offset,
+            deviation,
+        } = map.offset(estimator.prior(), 0);
+        let since = map.stiffness_changes[0].unwrap();
         let mut filter = RecursiveOffsets::new(estimator.clone(), belief.clone()).unwrap();
         for block in &blocks {
             filter.step(block).unwrap();
         }
-        let [other, unsure] = filter.offset(0);
+        let Gaussian {
+            mean: other,
+            deviation: unsure,
+        } = filter.offset(0);
         let probability = filter.stiffness_changed(0);
         // What is handed on is averaged as what is said.
         let handed_on = filter.belief().unwrap();
         let place = |parameter| estimator.prior().place(0, parameter);
-        let [mean, spread] = handed_on.entry(place(JointParameter::Offset));
-        assert!(!filter.is_in_doubt());
+        let Gaussian {
+            mean,
+            deviation: spread,
+        } = handed_on.entry(place(JointParameter::Offset));
+        assert!(!filter.is_provisional());
         assert!((mean - other).abs() < 1e-9 * unsure && (spread / unsure - 1.0).abs() < 1e-9);
         let batch = map.belief(estimator.prior());
-        let [softer, unsure_softer] = batch.entry(place(JointParameter::Compliance));
-        let [mean, spread] = handed_on.entry(place(JointParameter::Compliance));
+        let Gaussian {
+            mean: softer,
+            deviation: unsure_softer,
+        } = batch.entry(place(JointParameter::Compliance));
+        let Gaussian {
+            mean,
+            deviation: spread,
+        } = handed_on.entry(place(JointParameter::Compliance));
         println!("compliance {softer:.4} ± {unsure_softer:.4}, {mean:.4} ± {spread:.4}");
         assert!(
             (mean - softer).abs() < 0.5 * unsure_softer,
@@ -84,7 +100,7 @@ fn the_more_is_lost_the_likelier_and_both_forms_agree() {
         assert!(since.probability >= last, "{since:?}");
         last = since.probability;
         let lost = truth.compliance - PLAIN.compliance;
-        assert!(since.probability < 0.5 || (since.softer / lost - 1.0).abs() < 0.2);
+        assert!(since.probability < 0.5 || (since.softening.mean / lost - 1.0).abs() < 0.2);
         if loss == 0.0 {
             assert!(since.probability < 0.1, "{since:?}");
         }
@@ -99,13 +115,13 @@ fn without_a_baseline_the_tolerance_says_it_already() {
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let calm = blocks(&robot.arm, PLAIN);
-    let watched = estimator
-        .watch(&start, &calm, Payload::Empty, SEEK)
+    let searched = estimator
+        .search(&start, &calm, Payload::Empty, SCOPE)
         .unwrap();
     let solved = estimator.solve(&start, &[], Payload::Empty, &calm).unwrap();
-    assert_eq!(watched.stiffness_since, [None]);
+    assert_eq!(searched.stiffness_changes, [None]);
     assert_eq!(
-        watched.offset(estimator.prior(), 0),
+        searched.offset(estimator.prior(), 0),
         solved.offset(estimator.prior(), 0)
     );
     let filter = RecursiveOffsets::new(estimator, start.clone()).unwrap();

@@ -3,9 +3,11 @@
 mod pendulum;
 
 use pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
+use sinew_model::Gaussian;
 use sinew_model::offset::{
-    Block, FeatureConfig, FeatureObserver, Hands, JointParameter, MapError, MapEstimator, OneHand,
-    Payload, Prior, RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,
+    Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD,
+    UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Friction;
@@ -20,7 +22,10 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
     let map = estimator
         .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, PLAIN))
         .unwrap();
-    let [offset, deviation] = map.offset(estimator.prior(), 0);
+    let Gaussian {
+        mean: offset,
+        deviation,
+    } = map.offset(estimator.prior(), 0);
     assert!(
         (offset - 0.01).abs() < 2.0 * deviation,
         "{offset} ± {deviation}"
@@ -28,7 +33,10 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
     assert!(deviation < 1.5e-3, "{deviation}");
     let belief = map.belief(estimator.prior());
     let place = estimator.prior().place(0, JointParameter::Compliance);
-    let [compliance, unsure] = belief.entry(place);
+    let Gaussian {
+        mean: compliance,
+        deviation: unsure,
+    } = belief.entry(place);
     // Mass and stiffness are one in a single pendulum's statics: only their ratio is sure.
     assert!(
         (compliance - 0.1).abs() < 2.0 * unsure,
@@ -44,7 +52,7 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
     let map = estimator
         .solve(&start, &[], Payload::Empty, &blocks(&robot.arm, stand))
         .unwrap();
-    let [_, deviation] = map.offset(estimator.prior(), 0);
+    let deviation = map.offset(estimator.prior(), 0).deviation;
     let deflection = MASS_KG * G * LENGTH_M * 1.2_f64.sin() / K;
     assert!(deviation > 0.12 * deflection, "{deviation} of {deflection}");
 }
@@ -57,7 +65,7 @@ fn a_stiffening_spring_is_followed_however_far_it_is_stretched() {
     (known.stiffness, known.mass, known.first_moment) = (1e-6, 1e-6, 1e-6);
     (known.first_moment_across, known.encoder_rad) = (1e-6, 1e-9);
     (known.viscoelastic, known.gear) = (1e-9, 1e-9);
-    known.stiffening_per_rad2 = [15.0, 10.0];
+    known.stiffening_per_rad2 = Gaussian::new(15.0, 10.0);
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let truth = Truth {
@@ -71,10 +79,10 @@ fn a_stiffening_spring_is_followed_however_far_it_is_stretched() {
         .unwrap();
     // At 4.2° of deflection the spring is 16 % stiffer than its first term says; the series of its
     // inverse, cut after the cubic, is 3 c² d⁵ = 5.8 mrad off.
-    let [offset, _] = map.offset(estimator.prior(), 0);
+    let offset = map.offset(estimator.prior(), 0).mean;
     assert!((offset - 0.01).abs() < 2e-5, "{offset}");
     let place = estimator.prior().place(0, JointParameter::Stiffening);
-    let [cubic, _] = map.belief(estimator.prior()).entry(place);
+    let cubic = map.belief(estimator.prior()).entry(place).mean;
     assert!((cubic - 30.0).abs() < 0.2, "{cubic}");
 }
 
@@ -100,32 +108,35 @@ fn a_dead_zone_is_seen_where_the_robot_file_says_that_two_ropes_pull() {
             belief.entry(place(JointParameter::Offset)),
         )
     };
-    let ([slack_rad, deviation], [offset, unsure]) = solve(&pair, slack);
+    let (found, known) = solve(&pair, slack);
+    let (slack_rad, deviation) = (found.mean, found.deviation);
+    let (offset, unsure) = (known.mean, known.deviation);
     assert!(
         (slack_rad - 0.004).abs() < 5e-4 + 2.0 * deviation,
         "{slack_rad} ± {deviation}"
     );
     assert!(slack_rad > 5.0 * deviation);
     assert!((offset - 0.01).abs() < 3.0 * unsure, "{offset} ± {unsure}");
-    let ([none, deviation], _) = solve(&pair, PLAIN);
+    let (found, _) = solve(&pair, PLAIN);
+    let (none, deviation) = (found.mean, found.deviation);
     assert!(none.abs() < 3.0 * deviation + 2e-4, "{none} ± {deviation}");
-    let ([fixed, _], _) = solve(&single, slack);
-    assert!(fixed.abs() < 1e-6);
+    let (fixed, _) = solve(&single, slack);
+    assert!(fixed.mean.abs() < 1e-6);
     // Near zero torque a pair's offset is unknown by what the slack may be.
     let hanging = Truth {
         swing_rad: [0.0, 0.0],
         ..slack
     };
-    let (_, [_, near_zero]) = solve(&pair, hanging);
+    let near_zero = solve(&pair, hanging).1.deviation;
     assert!(near_zero > 0.2e-3, "{near_zero}");
 }
 
 #[test]
-fn a_step_is_found_with_its_moment_and_size() {
+fn a_step_is_found_with_its_time_and_size() {
     let robot = pendulum("").unwrap();
     let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
-    let seek = Seek {
+    let scope = SearchScope {
         offsets: true,
         payload: true,
         continues: false,
@@ -133,14 +144,17 @@ fn a_step_is_found_with_its_moment_and_size() {
     for step_rad in [0.0, 0.003, -0.005] {
         let truth = Truth { step_rad, ..PLAIN };
         let map = estimator
-            .watch(&start, &blocks(&robot.arm, truth), Payload::Empty, seek)
+            .search(&start, &blocks(&robot.arm, truth), Payload::Empty, scope)
             .unwrap();
         if step_rad == 0.0 {
             assert!(map.changes.is_empty(), "{:?}", map.changes);
             continue;
         }
         assert_eq!(map.changes.len(), 1, "{:?}", map.changes);
-        let [size, deviation] = map.change(estimator.prior(), 0);
+        let Gaussian {
+            mean: size,
+            deviation,
+        } = map.change(estimator.prior(), 0);
         assert!(
             (size - step_rad).abs() < 3.0 * deviation + 1e-4,
             "{size} ± {deviation}"
@@ -188,7 +202,8 @@ fn noise_is_that_of_the_blocks_that_count() {
         // The recursive form finds its noise without such a cut: with one it would believe
         // itself by a quarter too much.
         let map = map.unwrap();
-        let ([_, deviation], [_, unsure]) = (map.offset(estimator.prior(), 0), filter.offset(0));
+        let deviation = map.offset(estimator.prior(), 0).deviation;
+        let unsure = filter.offset(0).deviation;
         println!("{deviation} batch, {unsure} recursive");
         assert!(
             (unsure / deviation).ln().abs() < 0.2,
@@ -210,8 +225,8 @@ fn noise_is_that_of_the_blocks_that_count() {
 #[derive(Debug)]
 struct TwoThreads;
 
-impl Hands for TwoThreads {
-    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+impl Executor for TwoThreads {
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         std::thread::scope(|scope| {
             scope.spawn(other);
             one();
@@ -223,8 +238,8 @@ impl Hands for TwoThreads {
 #[derive(Debug)]
 struct OtherFirst;
 
-impl Hands for OtherFirst {
-    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+impl Executor for OtherFirst {
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         other();
         one();
     }
@@ -237,7 +252,7 @@ fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
     let start = estimator
         .prior()
         .belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-    let seek = Seek {
+    let scope = SearchScope {
         offsets: true,
         payload: true,
         continues: false,
@@ -247,9 +262,14 @@ fn whoever_does_what_the_answer_is_the_same_to_the_last_bit() {
         ..PLAIN
     };
     let blocks = blocks(&robot.arm, truth);
-    let answers = [&OneHand as &'static dyn Hands, &TwoThreads, &OtherFirst].map(|hands| {
-        let estimator = estimator.clone().with_hands(hands);
-        let map = estimator.watch(&start, &blocks, Payload::Unknown, seek);
+    let answers = [
+        &Sequential as &'static dyn Executor,
+        &TwoThreads,
+        &OtherFirst,
+    ]
+    .map(|executor| {
+        let estimator = estimator.clone().with_executor(executor);
+        let map = estimator.search(&start, &blocks, Payload::Unknown, scope);
         let map = map.unwrap();
         assert!(!map.changes.is_empty());
         assert_eq!(map.weights.len(), blocks.len());
@@ -282,18 +302,22 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
     });
     let place = prior.place(0, JointParameter::Compliance);
     // What one learned, put together with what the other did not, is what the one learned.
-    let same = prior.merge(&common, &a, &common).unwrap();
-    let [mean, deviation] = same.entry(place);
-    let [expected, expected_deviation] = a.entry(place);
+    let same = beliefs::merge(prior, &common, &a, &common).unwrap();
+    let Gaussian { mean, deviation } = same.entry(place);
+    let Gaussian {
+        mean: expected,
+        deviation: expected_deviation,
+    } = a.entry(place);
     assert!((mean - expected).abs() < 1e-6 && (deviation - expected_deviation).abs() < 1e-6);
     // Two that learned are surer than either, in any order.
-    let ab = prior.merge(&common, &a, &b).unwrap();
-    let ba = prior.merge(&common, &b, &a).unwrap();
-    let [mean, deviation] = ab.entry(place);
-    assert!(deviation <= expected_deviation.min(b.entry(place)[1]) + 1e-12);
-    assert!((mean - ba.entry(place)[0]).abs() < 1e-9);
+    let ab = beliefs::merge(prior, &common, &a, &b).unwrap();
+    let ba = beliefs::merge(prior, &common, &b, &a).unwrap();
+    let Gaussian { mean, deviation } = ab.entry(place);
+    assert!(deviation <= expected_deviation.min(b.entry(place).deviation) + 1e-12);
+    assert!((mean - ba.entry(place).mean).abs() < 1e-9);
     assert!(matches!(
-        prior.merge(
+        beliefs::merge(
+            prior,
             &common,
             &a,
             &sinew_model::offset::Belief {
@@ -306,12 +330,15 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
 
     let mut aged = a.clone();
     for _ in 0..20_000 {
-        let before = aged.entry(place)[1];
-        prior.age(&mut aged);
-        assert!(aged.entry(place)[1] >= before);
+        let before = aged.entry(place).deviation;
+        beliefs::age(prior, &mut aged);
+        assert!(aged.entry(place).deviation >= before);
     }
-    let [_, oldest] = aged.entry(place);
-    assert!((oldest - common.entry(place)[1]).abs() < 1e-9, "{oldest}");
+    let oldest = aged.entry(place).deviation;
+    assert!(
+        (oldest - common.entry(place).deviation).abs() < 1e-9,
+        "{oldest}"
+    );
 }
 
 #[test]
@@ -342,7 +369,7 @@ fn tolerances_come_from_the_robot_file() {
     let prior = prior(&robot);
     let belief = prior.belief(Payload::Unknown, 0.03);
     let place = prior.place(0, JointParameter::Compliance);
-    assert!((belief.entry(place)[1] - 0.05).abs() < 1e-12);
+    assert!((belief.entry(place).deviation - 0.05).abs() < 1e-12);
     for (text, said) in [
         (
             "[tolerances]\nstiffness = 5.0\n",
@@ -390,7 +417,7 @@ fn friction_nobody_stated_is_a_guess_that_may_be_wrong_by_all_of_itself() {
         (stated, JointParameter::MotorViscous, [0.02, 0.01]),
     ] {
         let found = entry(more, parameter);
-        for (found, expected) in found.into_iter().zip(expected) {
+        for (found, expected) in [found.mean, found.deviation].into_iter().zip(expected) {
             assert!(
                 (found - expected).abs() < 1e-12,
                 "{parameter:?}: {found} {expected}"
@@ -447,7 +474,14 @@ fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f6
         }
         filter.offset(0)
     };
-    let ([calm, deviation], [found, left]) = (offset(0.0), offset(pushed_rad));
+    let Gaussian {
+        mean: calm,
+        deviation,
+    } = offset(0.0);
+    let Gaussian {
+        mean: found,
+        deviation: left,
+    } = offset(pushed_rad);
     let error = calm - PLAIN.offset_rad;
     assert!(error.abs() < deviation, "{calm} ± {deviation}");
     [(found - calm).abs() / deviation, left / deviation]
@@ -484,7 +518,7 @@ fn from_one_recording_to_the_next_friction_is_believed_less_than_the_rest() {
         *x *= 0.04;
     }
     let learned = known.clone();
-    prior.age(&mut known);
+    beliefs::age(&prior, &mut known);
     let grown = |p: JointParameter| {
         let k = prior.place(0, p) * (d + 1);
         (known.covariance[k] - learned.covariance[k]) / fresh.covariance[k]
@@ -505,7 +539,7 @@ fn from_one_recording_to_the_next_friction_is_believed_less_than_the_rest() {
     }
     // Never less sure than the data sheet.
     let mut unknown = fresh.clone();
-    prior.age(&mut unknown);
+    beliefs::age(&prior, &mut unknown);
     assert_eq!(unknown.covariance, fresh.covariance);
 }
 

@@ -86,15 +86,17 @@ fn creeping_mrad(prior: &Prior, recorded: &Recorded, watched: &Watched, joint: u
     /// Less than this, or less sure, is no viscoelastic rope.
     const LEAST_SHARE: f64 = 0.01;
     const SURE: f64 = 3.0;
-    let [share, deviation] = watched
+    let viscoelastic = watched
         .belief
         .entry(prior.place(joint, JointParameter::Viscoelastic));
+    let (share, deviation) = (viscoelastic.mean, viscoelastic.deviation);
     if !(share.abs() > LEAST_SHARE && share.abs() > SURE * deviation) {
         return 0.0;
     }
-    let [offset, _] = watched
+    let offset = watched
         .belief
-        .entry(prior.place(joint, JointParameter::Offset));
+        .entry(prior.place(joint, JointParameter::Offset))
+        .mean;
     let squares = recorded.blocks.iter().map(|b| {
         let slow = b.y_slow[joint] - offset;
         slow * slow

@@ -1,6 +1,6 @@
 //! What several recordings learned, put together: of one robot, or of robots of one type.
 //!
-//! Both in information form ([`Prior::merge`], [`Prior::pool_bodies`]), so that what all started
+//! Both in information form ([`beliefs::merge`], [`beliefs::pool_bodies`]), so that what all started
 //! from counts once and order doesn't matter.
 //!
 //! | | recordings of one robot | robots of one type |
@@ -16,7 +16,7 @@
 use super::answer::Moved;
 use super::blocks::AbsoluteError;
 use super::file::Baseline;
-use sinew_model::offset::{Belief, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD};
+use sinew_model::offset::{Belief, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs};
 use sinew_model::robot::Robot;
 
 /// How beliefs are put together.
@@ -76,7 +76,7 @@ pub fn merge(
         Some((baseline, file)) => {
             // Whoever goes on from a baseline after a pause believes it a little less.
             let mut belief = baseline.belief(robot, prior, file)?;
-            prior.age(&mut belief);
+            beliefs::age(prior, &mut belief);
             belief
         }
     };
@@ -88,8 +88,8 @@ pub fn merge(
             // What robot.toml says is about the recording's own temperature.
             before.temperature_c = after.temperature_c;
         }
-        prior.refer_to(&mut before, reference_c);
-        prior.refer_to(&mut after, reference_c);
+        beliefs::refer_to(prior, &mut before, reference_c);
+        beliefs::refer_to(prior, &mut after, reference_c);
         learned.push([before, after]);
     }
     if common.is_none() {
@@ -101,7 +101,7 @@ pub fn merge(
     };
     let (belief, noise) = if options.fleet {
         let alike = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
-        let mut belief = prior.pool_bodies(&learned, alike).map_err(refused)?;
+        let mut belief = beliefs::pool_bodies(prior, &learned, alike).map_err(refused)?;
         belief.temperature_c = f64::NAN;
         (belief, Default::default())
     } else {
@@ -110,7 +110,7 @@ pub fn merge(
         prior.open_zero(&mut together);
         prior.open_payload(&mut together, Payload::Unknown);
         for [before, after] in &learned {
-            together = prior.merge(before, &together, after).map_err(refused)?;
+            together = beliefs::merge(prior, before, &together, after).map_err(refused)?;
         }
         let rad = parts.iter().map(|(b, _)| &b.noise_rad[..]);
         let nm = parts.iter().map(|(b, _)| &b.motor_noise_nm[..]);
@@ -247,17 +247,18 @@ fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Ve
             let entry = prior.describe(k)?;
             let joint = entry.joint?;
             let (prior_, posterior) = (before.entry(k), after.entry(k));
-            if of_recording.iter().any(|p| k == prior.place(joint, *p)) || prior_[1] < FIXED {
+            if of_recording.iter().any(|p| k == prior.place(joint, *p)) || prior_.deviation < FIXED
+            {
                 return None;
             }
             Some(Moved {
                 joint: names[joint].clone(),
                 name: entry.name.into(),
                 unit: entry.unit.into(),
-                prior: prior_,
-                posterior,
-                moved: posterior[1] < 0.8 * prior_[1]
-                    || (posterior[0] - prior_[0]).abs() > prior_[1],
+                prior: [prior_.mean, prior_.deviation],
+                posterior: [posterior.mean, posterior.deviation],
+                moved: posterior.deviation < 0.8 * prior_.deviation
+                    || (posterior.mean - prior_.mean).abs() > prior_.deviation,
             })
         })
         .collect()

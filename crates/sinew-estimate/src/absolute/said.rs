@@ -8,7 +8,8 @@ use super::doubt::{self, Doubt};
 use super::jumps::quickness;
 use super::stiffness;
 use super::watch::{Watched, mean_temperature};
-use sinew_model::offset::{Block, JointParameter, MapEstimate, MapEstimator, Prior, What};
+use sinew_model::Gaussian;
+use sinew_model::offset::{Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
@@ -44,7 +45,7 @@ pub(super) fn said(
         elastic
             .iter()
             .map(|&i| {
-                let [mean, deviation] = map.offset(prior, i);
+                let Gaussian { mean, deviation } = map.offset(prior, i);
                 (1e3 * mean, 1e3 * Z95 * deviation)
             })
             .unzip()
@@ -67,13 +68,16 @@ pub(super) fn said(
     let mut payload_changes = Vec::new();
     for (_, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
-            if change.what == What::Payload {
-                let [size, deviation] = map.change(prior, k);
-                let certainty = map.certainty(change);
+            if change.kind == ChangeKind::Payload {
+                let Gaussian {
+                    mean: size,
+                    deviation,
+                } = map.change(prior, k);
+                let posterior = map.posterior(change);
                 payload_changes.push(PayloadChange {
-                    time_s: certainty.map_or(change.at_s, |c| c.at_s),
-                    between_s: certainty.map(|c| c.between_s),
-                    probability: certainty.map(|c| c.probability),
+                    time_s: posterior.map_or(change.at_s, |p| p.time_s),
+                    between_s: posterior.map(|p| [p.interval_s.low, p.interval_s.high]),
+                    probability: posterior.map(|p| p.probability),
                     change_kg: size,
                     interval_95_kg: Z95 * deviation,
                 });
@@ -85,7 +89,10 @@ pub(super) fn said(
             .blocks
             .iter()
             .any(|b| b.motor_torque.iter().any(|t| t.is_finite()));
-    let [mass, mass_deviation] = watched.belief.entry(prior.payload_place());
+    let Gaussian {
+        mean: mass,
+        deviation: mass_deviation,
+    } = watched.belief.entry(prior.payload_place());
     let out = weights.iter().filter(|w| **w < HALF).count() as f64;
     let temperature = mean_temperature(&recorded.blocks);
     /// Clocks before the year 2000 don't tell the date.
@@ -142,17 +149,20 @@ fn said_of_joint(
     joint: usize,
 ) -> (AbsoluteJoint, Doubt) {
     let at = |p: JointParameter| watched.belief.entry(prior.place(joint, p));
-    let [offset, deviation] = at(JointParameter::Offset);
+    let Gaussian {
+        mean: offset,
+        deviation,
+    } = at(JointParameter::Offset);
     let mut steps = Vec::new();
     for (from, map) in &watched.stretches {
         for (k, change) in map.changes.iter().enumerate() {
-            match change.what {
-                What::Offset(i) if i == joint => {
+            match change.kind {
+                ChangeKind::Offset(i) if i == joint => {
                     let mut step = step(prior, map, (k, joint));
                     tell_cause(&mut step, robot, recorded, joint);
                     if doubt::is_encoder(&step) {
                         // Nothing else looks like that.
-                        step.probability = map.certainty(change).map(|c| c.no_noise);
+                        step.probability = map.posterior(change).map(|p| p.probability_not_noise);
                     }
                     tell_tensioning(
                         &mut step,
@@ -160,7 +170,7 @@ fn said_of_joint(
                     );
                     steps.push(step);
                 }
-                What::Compliance(i) if i == joint && !stiffness::with_slip(map, k) => {
+                ChangeKind::Compliance(i) if i == joint && !stiffness::with_slip(map, k) => {
                     let first_s = recorded.blocks.get(*from).map_or(0.0, |b| b.time_s);
                     steps.extend(stiffness::alone(prior, map, (k, i), first_s));
                 }
@@ -185,17 +195,17 @@ fn said_of_joint(
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());
     let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
-    let [compliance, compliance_deviation] = at(JointParameter::Compliance);
-    let [zero, _] = at(JointParameter::Zero);
+    let compliance = at(JointParameter::Compliance);
+    let zero = at(JointParameter::Zero).mean;
     let slack = prior.is_antagonistic(joint).then(|| {
-        let [mean, deviation] = at(JointParameter::Slack);
+        let Gaussian { mean, deviation } = at(JointParameter::Slack);
         [1e3 * mean, 1e3 * Z95 * deviation]
     });
     // The spring's deflection, up to the offset that is estimated.
     let torques = recorded
         .blocks
         .iter()
-        .map(|b| stiffness / (1.0 + compliance) * (b.y[joint] - offset - zero));
+        .map(|b| stiffness / (1.0 + compliance.mean) * (b.y[joint] - offset - zero));
     let (least, most) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
         (a.min(t), b.max(t))
     });
@@ -210,10 +220,7 @@ fn said_of_joint(
         limit_passed: tendon.and_then(|t| passed(t, offset, interval)),
         steps,
         // Against robot.toml: all of the compliance over nominal is the change.
-        stiffness_change_percent: stiffness::gained_percent(
-            compliance,
-            [compliance, compliance_deviation],
-        ),
+        stiffness_change_percent: stiffness::gained_percent(compliance.mean, compliance),
         stiffness_since_before: stiffness::since(prior, watched, joint),
         slack_mrad: slack,
         torque_range_nm: [least, most],
@@ -250,7 +257,7 @@ fn course(
             estimator.residuals(map, block, &mut residuals);
             let (mut offset_mrad, mut interval_95_mrad) = (Vec::new(), Vec::new());
             for &i in elastic {
-                let [mean, deviation] = map.offset_at(prior, i, block.time_s);
+                let Gaussian { mean, deviation } = map.offset_at(prior, i, block.time_s);
                 offset_mrad.push(1e3 * mean);
                 interval_95_mrad.push(1e3 * Z95 * deviation);
             }
@@ -295,9 +302,9 @@ const BEFORE_S: f64 = 1e-3;
 
 /// A slip that takes away at least half of the offset there was, and was no encoder's, is somebody who
 /// tensioned the rope: ropes don't shorten.
-fn tell_tensioning(step: &mut Step, [before, unsure]: [f64; 2]) {
+fn tell_tensioning(step: &mut Step, before: Gaussian) {
     const MUCH: f64 = 0.5;
-    let (before_mrad, unsure_mrad) = (1e3 * before, 1e3 * Z95 * unsure);
+    let (before_mrad, unsure_mrad) = (1e3 * before.mean, 1e3 * Z95 * before.deviation);
     let gone_mrad = -step.size_mrad;
     if step.kind == "slip"
         && !doubt::is_encoder(step)
@@ -313,13 +320,12 @@ fn tell_tensioning(step: &mut Step, [before, unsure]: [f64; 2]) {
 
 /// What a change of an offset is, by its size and the compliance it brought, and how that is said where
 /// it needs no look at the readings.
-fn kind(slip: [f64; 2], softer: Option<[f64; 2]>) -> (&'static str, &'static str) {
-    let is_sure = |[size, deviation]: [f64; 2]| size.abs() > Z95 * deviation;
+fn kind(slip: Gaussian, softer: Option<Gaussian>) -> (&'static str, &'static str) {
     match softer {
-        Some(softer) if softer[0] > 0.0 && is_sure(softer) => {
+        Some(softer) if softer.mean > 0.0 && softer.is_nonzero_95() => {
             ("strand failure", "a strand has failed")
         }
-        Some(_) if !is_sure(slip) => (
+        Some(_) if !slip.is_nonzero_95() => (
             "slip or strand failure",
             "a slip or a failed strand: can't be told",
         ),
@@ -329,21 +335,21 @@ fn kind(slip: [f64; 2], softer: Option<[f64; 2]>) -> (&'static str, &'static str
 
 /// A step and what happened to the stiffness with it.
 fn step(prior: &Prior, map: &MapEstimate, (k, joint): (usize, usize)) -> Step {
-    let [size, deviation] = map.change(prior, k);
+    let step = map.change(prior, k);
     let change = map.changes[k];
     let softer = map.changes.iter().position(|c| {
-        matches!((c.what, change.what), (What::Compliance(a), What::Offset(b)) if a == b)
+        matches!((c.kind, change.kind), (ChangeKind::Compliance(a), ChangeKind::Offset(b)) if a == b)
             && c.at_s == change.at_s
     });
     let softer = softer.map(|k| map.change(prior, k));
-    let (kind, cause_said) = kind([size, deviation], softer);
-    let certainty = map.certainty(&change);
+    let (kind, cause_said) = kind(step, softer);
+    let posterior = map.posterior(&change);
     Step {
-        time_s: certainty.map_or(change.at_s, |c| c.at_s),
-        between_s: certainty.map(|c| c.between_s),
-        probability: certainty.map(|c| c.probability),
-        size_mrad: 1e3 * size,
-        interval_95_mrad: 1e3 * Z95 * deviation,
+        time_s: posterior.map_or(change.at_s, |p| p.time_s),
+        between_s: posterior.map(|p| [p.interval_s.low, p.interval_s.high]),
+        probability: posterior.map(|p| p.probability),
+        size_mrad: 1e3 * step.mean,
+        interval_95_mrad: 1e3 * Z95 * step.deviation,
         stiffness_change_percent: softer
             .map(|softer| stiffness::change_percent(prior, map, joint, softer)),
         kind: kind.into(),
@@ -365,16 +371,17 @@ fn nuisance(prior: &Prior, robot: &Robot, watched: &Watched) -> Vec<Moved> {
             let offset = entry.joint.is_some_and(|i| {
                 prior.is_elastic(i) && k == prior.place(i, JointParameter::Offset)
             });
-            if offset || before[1] < FIXED {
+            if offset || before.deviation < FIXED {
                 return None;
             }
             Some(Moved {
                 joint: entry.joint.map_or_else(String::new, |i| names[i].clone()),
                 name: entry.name.into(),
                 unit: entry.unit.into(),
-                prior: before,
-                posterior: after,
-                moved: after[1] < 0.8 * before[1] || (after[0] - before[0]).abs() > before[1],
+                prior: [before.mean, before.deviation],
+                posterior: [after.mean, after.deviation],
+                moved: after.deviation < 0.8 * before.deviation
+                    || (after.mean - before.mean).abs() > before.deviation,
             })
         })
         .collect()
@@ -420,17 +427,26 @@ fn distinct_poses(blocks: &[Block]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::kind;
+    use super::{Gaussian, kind};
 
     #[test]
     fn a_change_is_called_what_is_sure_of_it() {
         let named = |slip, softer| kind(slip, softer).0;
-        assert_eq!(named([5.0, 0.3], None), "slip");
-        assert_eq!(named([5.0, 0.3], Some([0.02, 0.02])), "slip");
-        assert_eq!(named([5.0, 0.3], Some([-0.06, 0.02])), "slip");
-        assert_eq!(named([2.0, 1.5], Some([0.06, 0.02])), "strand failure");
+        assert_eq!(named(Gaussian::new(5.0, 0.3), None), "slip");
         assert_eq!(
-            named([2.0, 1.5], Some([0.02, 0.02])),
+            named(Gaussian::new(5.0, 0.3), Some(Gaussian::new(0.02, 0.02))),
+            "slip"
+        );
+        assert_eq!(
+            named(Gaussian::new(5.0, 0.3), Some(Gaussian::new(-0.06, 0.02))),
+            "slip"
+        );
+        assert_eq!(
+            named(Gaussian::new(2.0, 1.5), Some(Gaussian::new(0.06, 0.02))),
+            "strand failure"
+        );
+        assert_eq!(
+            named(Gaussian::new(2.0, 1.5), Some(Gaussian::new(0.02, 0.02))),
             "slip or strand failure"
         );
     }

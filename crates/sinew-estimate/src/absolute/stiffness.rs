@@ -3,7 +3,8 @@
 use super::answer::{AbsoluteJoint, SinceBefore, Step};
 use super::said::Z95;
 use super::watch::Watched;
-use sinew_model::offset::{JointParameter, MapEstimate, Prior, What};
+use sinew_model::Gaussian;
+use sinew_model::offset::{ChangeKind, JointParameter, MapEstimate, Prior};
 
 /// A change of stiffness since before the recording is an event from so many standard deviations on.
 const SURE: f64 = 4.0;
@@ -15,7 +16,8 @@ const SURELY: f64 = 0.95;
 
 /// Stiffness gained, %, and half its 95 % interval, where the compliance over nominal rose by
 /// `softer` to `after`: `K/K_before − 1 = −softer/(1 + after)`.
-pub(super) fn gained_percent(after: f64, [softer, unsure]: [f64; 2]) -> [f64; 2] {
+pub(super) fn gained_percent(after: f64, softening: Gaussian) -> [f64; 2] {
+    let (softer, unsure) = (softening.mean, softening.deviation);
     let (before, after) = (1.0 + after - softer, 1.0 + after);
     [
         -100.0 * softer / after,
@@ -28,17 +30,17 @@ pub(super) fn change_percent(
     prior: &Prior,
     map: &MapEstimate,
     joint: usize,
-    softer: [f64; 2],
+    softer: Gaussian,
 ) -> [f64; 2] {
     let place = prior.place(joint, JointParameter::Compliance);
-    gained_percent(map.belief(prior).entry(place)[0], softer)
+    gained_percent(map.belief(prior).entry(place).mean, softer)
 }
 
 /// Whether a change of stiffness came with a slip.
 pub(super) fn with_slip(map: &MapEstimate, k: usize) -> bool {
     let change = map.changes[k];
     map.changes.iter().any(|c| {
-        matches!((c.what, change.what), (What::Offset(a), What::Compliance(b)) if a == b)
+        matches!((c.kind, change.kind), (ChangeKind::Offset(a), ChangeKind::Compliance(b)) if a == b)
             && c.at_s == change.at_s
     })
 }
@@ -50,9 +52,10 @@ pub(super) fn alone(
     (k, joint): (usize, usize),
     first_s: f64,
 ) -> Option<Step> {
-    let [softer, unsure] = map.change(prior, k);
+    let softening = map.change(prior, k);
+    let softer = softening.mean;
     let before = map.changes[k].at_s <= first_s;
-    if before && softer.abs() < SURE * unsure {
+    if before && softer.abs() < SURE * softening.deviation {
         return None;
     }
     let kind = match (softer > 0.0, before) {
@@ -61,14 +64,14 @@ pub(super) fn alone(
         (true, false) => "strand failure",
         (false, false) => "stiffer",
     };
-    let certainty = map.certainty(&map.changes[k]);
+    let posterior = map.posterior(&map.changes[k]);
     Some(Step {
-        time_s: certainty.map_or(map.changes[k].at_s.max(0.0), |c| c.at_s),
-        between_s: certainty.map(|c| c.between_s),
-        probability: certainty.map(|c| c.probability),
+        time_s: posterior.map_or(map.changes[k].at_s.max(0.0), |p| p.time_s),
+        between_s: posterior.map(|p| [p.interval_s.low, p.interval_s.high]),
+        probability: posterior.map(|p| p.probability),
         size_mrad: 0.0,
         interval_95_mrad: 0.0,
-        stiffness_change_percent: Some(change_percent(prior, map, joint, [softer, unsure])),
+        stiffness_change_percent: Some(change_percent(prior, map, joint, softening)),
         kind: kind.into(),
         cause: String::new(),
         cause_said: String::new(),
@@ -78,14 +81,14 @@ pub(super) fn alone(
 /// Whether a joint's stiffness has changed since before the recording: sought by its first stretch.
 pub(super) fn since(prior: &Prior, watched: &Watched, joint: usize) -> Option<SinceBefore> {
     let (_, map) = watched.stretches.first()?;
-    let since = (*map.stiffness_since.get(joint)?)?;
+    let since = (*map.stiffness_changes.get(joint)?)?;
     let place = prior.place(joint, JointParameter::Compliance);
-    let [mean, _] = map.belief(prior).entry(place);
+    let mean = map.belief(prior).entry(place).mean;
     // The mean is over both; after a change the compliance is this.
-    let after = mean + (1.0 - since.probability) * since.softer;
+    let after = mean + (1.0 - since.probability) * since.softening.mean;
     Some(SinceBefore {
         probability: since.probability,
-        change_percent: gained_percent(after, [since.softer, since.deviation]),
+        change_percent: gained_percent(after, since.softening),
     })
 }
 
@@ -121,7 +124,8 @@ mod tests {
     fn a_loss_is_of_the_stiffness_there_was() {
         // 20 % softer than nominal, then 8 % of that lost.
         let (before, after) = (1.25, 1.25 / 0.92);
-        let change = |softer: f64| gained_percent(before + softer - 1.0, [softer, 0.01]);
+        let change =
+            |softer: f64| gained_percent(before + softer - 1.0, Gaussian::new(softer, 0.01));
         let [change_percent, interval] = change(after - before);
         assert!((change_percent + 8.0).abs() < 1e-12, "{change_percent}");
         let [more, _] = change(after - before + 1e-6);

@@ -9,7 +9,7 @@ use crate::estimate::{Estimate, Opened, Pass, Progress, Request};
 use crate::hands::Processors;
 use sinew_model::offset::{
     Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
-    RecursiveOffsets, Seek, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    RecursiveOffsets, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use std::ops::ControlFlow;
@@ -132,15 +132,15 @@ pub fn learn_recorded_from(
     let temperature_c = mean_temperature(&recorded.blocks);
     if let Some((known, file)) = known {
         start = known.belief(robot, prior, file)?;
-        prior.age(&mut start);
+        beliefs::age(prior, &mut start);
         // Zero is what the tendons are now, at this temperature.
-        prior.refer_to(&mut start, temperature_c);
+        beliefs::refer_to(prior, &mut start, temperature_c);
         prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
         prior.open_zero(&mut start);
         prior.open_payload(&mut start, Payload::Empty);
     }
     start.temperature_c = temperature_c;
-    let nothing = Seek {
+    let nothing = SearchScope {
         offsets: false,
         payload: false,
         continues: false,
@@ -247,7 +247,7 @@ pub fn watch_recorded(
             fresh
         }
     };
-    let everything = Seek {
+    let everything = SearchScope {
         offsets: true,
         payload: true,
         continues,
@@ -304,7 +304,7 @@ pub fn live_saved(
     filter: &RecursiveOffsets,
     (recording, end_time_ns): (&str, i64),
 ) -> Result<Baseline, AbsoluteError> {
-    if filter.is_in_doubt() {
+    if filter.is_provisional() {
         return Err(AbsoluteError::InDoubt {
             recording: recording.into(),
         });
@@ -324,7 +324,7 @@ pub fn live_saved(
 /// What a baseline knows, some time later: offsets may be anything, and the gripper hold something
 /// else.
 fn open(prior: &Prior, belief: &mut Belief, options: &WatchOptions) {
-    prior.age(belief);
+    beliefs::age(prior, belief);
     prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
     prior.open_payload(belief, options.payload);
 }
@@ -355,7 +355,7 @@ fn stretches(
     start: Belief,
     recorded: &Recorded,
     options: &WatchOptions,
-    seek: Seek,
+    scope: SearchScope,
     name: &str,
 ) -> Result<Watched, AbsoluteError> {
     let failed = |error: MapError| AbsoluteError::Map {
@@ -376,12 +376,12 @@ fn stretches(
         {
             to = blocks.len();
         }
-        let seek = Seek {
-            continues: seek.continues || from > 0,
-            ..seek
+        let scope = SearchScope {
+            continues: scope.continues || from > 0,
+            ..scope
         };
         let map = estimator
-            .watch(&belief, &blocks[from..to], options.payload, seek)
+            .search(&belief, &blocks[from..to], options.payload, scope)
             .map_err(failed)?;
         belief = map.belief(estimator.prior());
         out.push((from, map));
@@ -412,7 +412,7 @@ pub fn estimator(robot: &Robot, options: &WatchOptions) -> MapEstimator {
     let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, tolerances);
     MapEstimator::new(prior, &FeatureConfig::default())
         .with_motor_torque(options.motor_torque)
-        .with_hands(Processors::machine())
+        .with_executor(Processors::machine())
 }
 
 pub(super) fn mean_temperature(blocks: &[Block]) -> f64 {

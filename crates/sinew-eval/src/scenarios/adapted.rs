@@ -81,7 +81,7 @@ pub(super) fn adapt(table: &mut Table, robot: &Robot) -> Result<(), String> {
 
     let (link, weight_n) = (tip(robot), weight_n(robot));
     if let Some(Value::Array(payloads)) = table.get_mut("payloads") {
-        let most = 2.0 * robot.tolerances.payload_kg[0];
+        let most = 2.0 * robot.tolerances.payload_kg.mean;
         for payload in payloads.iter_mut().filter_map(Value::as_table_mut) {
             payload.insert("link".into(), Value::String(link.clone()));
             payload.insert("mass_kg".into(), between(0.0, most));

@@ -1,9 +1,7 @@
 //! What a fifth of a second of samples says, averaged.
 
+use super::parameter::ENCODER;
 use alloc::vec::Vec;
-
-/// Number of encoder columns per joint.
-pub(super) const ENCODER: usize = 4;
 
 /// Signals that are averaged.
 const SUMS: usize = 17;
@@ -56,14 +54,14 @@ pub struct Block {
 }
 
 /// What both have room for; unlike `copy_from_slice` it has no way to panic.
-pub(super) fn copy(to: &mut [f64], from: &[f64]) {
+pub(crate) fn copy(to: &mut [f64], from: &[f64]) {
     for (to, from) in to.iter_mut().zip(from) {
         *to = *from;
     }
 }
 
 impl Block {
-    pub(super) fn zero(n: usize, columns: usize) -> Self {
+    pub(crate) fn zero(n: usize, columns: usize) -> Self {
         let zero = || alloc::vec![0.0; n];
         Self {
             time_s: 0.0,
@@ -90,7 +88,7 @@ impl Block {
     }
 
     /// Whether `other` is of an arm of the same size.
-    pub(super) fn fits(&self, other: &Self) -> bool {
+    pub(crate) fn fits(&self, other: &Self) -> bool {
         let columns = self.columns().into_iter().zip(other.columns());
         let mut lengths = columns.map(|(a, b)| a.len() == b.len());
         self.q.len() == other.q.len() && lengths.all(|same| same)
@@ -98,7 +96,7 @@ impl Block {
 
     /// Whether everything is a number, but for a motor torque and a temperature that were not
     /// recorded.
-    pub(super) fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let Self {
             time_s,
             q,
@@ -136,7 +134,7 @@ impl Block {
     }
 
     /// Makes this the same as `other`, which must [`Block::fits`], without allocating.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;
         self.temperature_c = other.temperature_c;
         copy(&mut self.q, &other.q);
@@ -169,7 +167,7 @@ impl Block {
     }
 
     /// What is averaged over a block.
-    pub(super) fn sums(&mut self) -> [&mut Vec<f64>; SUMS] {
+    pub(crate) fn sums(&mut self) -> [&mut Vec<f64>; SUMS] {
         [
             &mut self.y,
             &mut self.y_slow,

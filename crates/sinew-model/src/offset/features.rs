@@ -19,8 +19,9 @@
 //!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
-use super::block::{Block, ENCODER, copy};
+use super::block::{Block, copy};
 use super::config::FeatureConfig;
+use super::parameter::ENCODER;
 use crate::StepError;
 use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
 use crate::error::{is_input, is_time_step};

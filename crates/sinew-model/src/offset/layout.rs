@@ -1,41 +1,41 @@
 //! Where what is in a state.
 
-use super::prior::{JointParameter, PAYLOAD, PER_JOINT};
+use super::parameter::{JointParameter, PAYLOAD, PER_JOINT};
 use core::ops::Range;
 
 /// A state: the parameters of every joint, then what is unknown of the bodies, then the payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Layout {
+pub(crate) struct Layout {
     /// Joints of the arm.
-    pub(super) joints: usize,
+    pub(crate) joints: usize,
     /// Parameters of all bodies.
-    pub(super) bodies: usize,
+    pub(crate) bodies: usize,
 }
 
 impl Layout {
-    pub(super) fn place(self, joint: usize, parameter: JointParameter) -> usize {
+    pub(crate) fn place(self, joint: usize, parameter: JointParameter) -> usize {
         joint * PER_JOINT + parameter as usize
     }
 
     /// Places of a joint's own parameters.
-    pub(super) fn own(self, joint: usize) -> Range<usize> {
+    pub(crate) fn own(self, joint: usize) -> Range<usize> {
         joint * PER_JOINT..(joint + 1) * PER_JOINT
     }
 
-    pub(super) fn body_start(self) -> usize {
+    pub(crate) fn body_start(self) -> usize {
         self.joints * PER_JOINT
     }
 
-    pub(super) fn payload_place(self) -> usize {
+    pub(crate) fn payload_place(self) -> usize {
         self.body_start() + self.bodies
     }
 
     /// Places of bodies and payload.
-    pub(super) fn carried(self) -> Range<usize> {
+    pub(crate) fn carried(self) -> Range<usize> {
         self.body_start()..self.dimension()
     }
 
-    pub(super) fn dimension(self) -> usize {
+    pub(crate) fn dimension(self) -> usize {
         self.payload_place() + PAYLOAD
     }
 }

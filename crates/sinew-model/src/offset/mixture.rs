@@ -1,18 +1,24 @@
 //! The average over changes that may or may not have happened.
 
 use super::block::copy;
-use super::map::MapError;
+use super::error::MapError;
 use crate::cholesky::{self, dot};
 use alloc::vec::Vec;
 
 /// What a change is believed to be before the data is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Odds {
+pub(crate) struct PriorOdds {
     /// Standard deviation of its size.
-    pub(super) deviation: f64,
-    /// Odds that it happened.
-    pub(super) odds: f64,
+    pub(crate) deviation: f64,
+    /// PriorOdds that it happened.
+    pub(crate) odds: f64,
 }
+
+/// A loss of stiffness between two recordings, relative: a starting guess.
+pub(crate) const LOST_STIFFNESS: PriorOdds = PriorOdds {
+    deviation: 0.1,
+    odds: 0.3,
+};
 
 /// Up to so many changes, all sets of them are weighed; of more, none, one, two and all.
 const ALL_SETS: usize = 10;
@@ -40,9 +46,9 @@ const ALL_SETS: usize = 10;
 ///
 /// # Source
 /// J. Dickey, *The weighted likelihood ratio*, Annals of Mathematical Statistics 42, 1971.
-pub(super) fn average(
+pub(crate) fn average(
     columns: &[usize],
-    odds: Odds,
+    odds: PriorOdds,
     state: &mut [f64],
     covariance: &mut [f64],
 ) -> Result<Vec<f64>, MapError> {
@@ -57,7 +63,7 @@ pub(super) fn average(
     let shared: Vec<f64> = (covariance.chunks_exact(total))
         .flat_map(|row| columns.iter().map(|&c| row[c]))
         .collect();
-    take_over((&change, &own), &shared, &mixture, state, covariance)?;
+    apply((&change, &own), &shared, &mixture, state, covariance)?;
     Ok(mixture.probability)
 }
 
@@ -66,7 +72,7 @@ pub(super) fn average(
 ///
 /// # Errors
 /// [`MapError::Prior`] where `C` is no covariance.
-pub(super) fn take_over(
+pub(crate) fn apply(
     (change, own): (&[f64], &[f64]),
     shared: &[f64],
     mixture: &Mixture,
@@ -107,15 +113,15 @@ pub(super) fn take_over(
 /// # Realtime
 /// Allocates when it is made only. O(2ⁿ n m²) for `n` changes among `m` values.
 #[derive(Debug, Clone)]
-pub(super) struct Mixture {
+pub(crate) struct Mixture {
     changes: usize,
     values: usize,
     /// Per change.
-    pub(super) probability: Vec<f64>,
+    pub(crate) probability: Vec<f64>,
     /// Per value, the changes first.
-    pub(super) mean: Vec<f64>,
+    pub(crate) mean: Vec<f64>,
     /// Row-major.
-    pub(super) spread: Vec<f64>,
+    pub(crate) spread: Vec<f64>,
     /// On condition that only those of a set happened.
     known: Vec<f64>,
     covariance: Vec<f64>,
@@ -124,7 +130,7 @@ pub(super) struct Mixture {
 
 impl Mixture {
     /// Room for so many changes, and so many values that go with them.
-    pub(super) fn new(changes: usize, more: usize) -> Self {
+    pub(crate) fn new(changes: usize, more: usize) -> Self {
         let values = changes + more;
         let vector = alloc::vec![0.0; values];
         let matrix = alloc::vec![0.0; values * values];
@@ -142,7 +148,7 @@ impl Mixture {
 
     /// Weighs all sets; `values` with `covariance` are those with all changes open, the changes
     /// first.
-    pub(super) fn weigh(&mut self, values: &[f64], covariance: &[f64], odds: Odds) {
+    pub(crate) fn weigh(&mut self, values: &[f64], covariance: &[f64], odds: PriorOdds) {
         let (ln_odds, n) = (libm::log(odds.odds), self.values.max(1));
         self.probability.fill(0.0);
         self.mean.fill(0.0);
@@ -245,10 +251,10 @@ fn happened(set: u128, i: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::drawn::random;
+    use crate::offset::fixtures::random;
 
     const D: usize = 7;
-    const ODDS: Odds = Odds {
+    const ODDS: PriorOdds = PriorOdds {
         deviation: 0.4,
         odds: 0.1,
     };

@@ -1,51 +1,45 @@
 //! The offset of the motor position: the paper's eq. (5)–(6) on a running robot, and the absolute
 //! offset estimated with everything that disguises itself as one.
+//!
+//! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
+//! `parameter`, `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
+//! rows over the state), `batch` (a whole recording), `recursive` (block by block), [`beliefs`]
+//! (from one recording to the next).
 
+mod batch;
+mod belief;
+pub mod beliefs;
 mod block;
-mod certainty;
-mod chain;
-mod changes;
+mod change;
 mod config;
-mod cost;
-mod course;
-#[cfg(test)]
-pub(crate) mod drawn;
-mod equation;
+mod equations;
+mod error;
+mod estimate;
+mod executor;
 mod features;
-mod filter;
-mod fleet;
-mod gram;
-mod hands;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod layout;
-mod linear;
-mod map;
-mod measured;
 mod mixture;
-mod model;
-mod moment;
-mod normal;
 mod observer;
-mod payload;
+mod parameter;
 mod prior;
 mod recursive;
-mod score;
-mod since;
-mod sizes;
-mod solution;
-mod solve;
+mod state_entry;
 
+pub use batch::MapEstimator;
+pub use belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 pub use block::Block;
-pub use certainty::Certainty;
-pub use changes::{Change, Seek, What};
+pub use change::{ChangeKind, ChangePoint, SearchScope};
 pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
 };
+pub use error::MapError;
+pub use estimate::{ChangePosterior, Convergence, MapEstimate, StiffnessChange, Termination};
+pub use executor::{Executor, Sequential};
 pub use features::FeatureObserver;
-pub use hands::{Hands, OneHand};
-pub use map::{MapError, MapEstimate, MapEstimator, StiffnessSince};
 pub use observer::{OffsetObserver, Sample};
-pub use prior::{
-    Belief, Entry, JointParameter, JointPrior, Payload, Prior, TENSIONED_OFFSET_RAD,
-    UNKNOWN_OFFSET_RAD,
-};
+pub use parameter::JointParameter;
+pub use prior::{JointPrior, Prior};
 pub use recursive::RecursiveOffsets;
+pub use state_entry::StateEntry;

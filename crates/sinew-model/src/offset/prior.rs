@@ -1,7 +1,10 @@
 //! What is unknown about a robot, with what is believed of it before a recording.
 
-use super::block::ENCODER;
+use super::belief::{Belief, Payload};
 use super::layout::Layout;
+use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
+use super::state_entry::StateEntry;
+use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};
 use crate::tolerances::Tolerances;
 use crate::transmission::{Friction, Transmission};
@@ -52,65 +55,11 @@ impl JointPrior {
     }
 
     /// Coulomb friction of the drive, N·m, as far as it is known before any recording.
-    pub(super) fn drive_coulomb_nm(&self) -> f64 {
+    pub(crate) fn drive_coulomb_nm(&self) -> f64 {
         self.drive_friction(0.0).0.coulomb_nm
     }
 }
 
-/// What a joint's parameters are, in their order in the state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(usize)]
-pub enum JointParameter {
-    /// Offset `delta_e`, rad.
-    Offset,
-    /// Compliance over nominal, less one.
-    Compliance,
-    /// Cubic stiffening `η`, 1/rad².
-    Stiffening,
-    /// Coulomb friction of the joint, N·m.
-    Coulomb,
-    /// Viscous friction of the joint, N·m·s/rad.
-    Viscous,
-    /// Torque-proportional friction of the joint.
-    LoadFriction,
-    /// Drift of the zero with temperature, rad/K.
-    Drift,
-    /// Compliance change with temperature, 1/K.
-    Thermal,
-    /// First of the encoder's sine and cosine once and twice per turn, rad.
-    Encoder,
-    /// Scale error of the motor torque.
-    MotorScale = Self::Encoder as usize + ENCODER,
-    /// Offset of the motor torque, N·m.
-    MotorBias,
-    /// Coulomb friction of the drive, N·m.
-    MotorCoulomb,
-    /// Viscous friction of the drive, N·m·s/rad.
-    MotorViscous,
-    /// Torque-proportional friction of the drive.
-    MotorLoadFriction,
-    /// Half the dead zone of a slack antagonistic pair, rad.
-    Slack,
-    /// Where in −1…1 the friction of a joint stood when the recording began.
-    Stuck,
-    /// Share of the deflection that follows with a memory of half a minute.
-    Viscoelastic,
-    /// Error of the gear ratio, relative.
-    Gear,
-    /// What `theta_measured − q` shows of an unloaded spring right after tensioning, rad: where the
-    /// encoders were zeroed.
-    Zero,
-}
-
-/// Entries per joint.
-pub(super) const PER_JOINT: usize = JointParameter::Zero as usize + 1;
-/// Payload: mass, and three first moments beside where it is expected.
-pub(super) const PAYLOAD: usize = 4;
-
-/// What an offset may be before anything is known, rad.
-pub const UNKNOWN_OFFSET_RAD: f64 = 0.03;
-/// Offsets right after tensioning are zero by definition, up to this, rad.
-pub const TENSIONED_OFFSET_RAD: f64 = 1e-5;
 /// What half a dead zone may be before anything is known, rad.
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
 /// Standard deviation of where in −1…1 friction stands. A joint at rest came there by sliding, or
@@ -119,81 +68,17 @@ const STUCK: f64 = 0.85;
 /// Standard deviation of what is held fixed, in its own unit.
 const FIXED: f64 = 1e-9;
 
-/// Mean and covariance of the state, and what the offsets refer to.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Belief {
-    /// Means, `d`.
-    pub mean: Vec<f64>,
-    /// Covariance, row-major `d × d`.
-    pub covariance: Vec<f64>,
-    /// Temperature the offsets refer to, °C; NaN where unknown.
-    pub temperature_c: f64,
-}
-
-impl Belief {
-    /// Mean and standard deviation of entry `k`; NaN where there is none.
-    pub fn entry(&self, k: usize) -> [f64; 2] {
-        let d = self.mean.len();
-        let at = |x: &[f64], k: usize| x.get(k).copied().unwrap_or(f64::NAN);
-        [
-            at(&self.mean, k),
-            libm::sqrt(at(&self.covariance, k * d + k)),
-        ]
-    }
-
-    /// Forgets entry `k`: believed to be `mean ± deviation`, unrelated to the rest.
-    pub fn open(&mut self, k: usize, mean: f64, deviation: f64) {
-        let d = self.mean.len();
-        if k >= d || self.covariance.len() != d * d {
-            return;
-        }
-        self.mean[k] = mean;
-        for m in 0..d {
-            self.covariance[k * d + m] = 0.0;
-            self.covariance[m * d + k] = 0.0;
-        }
-        self.covariance[k * d + k] = deviation * deviation;
-    }
-}
-
-/// What may be in the gripper.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Payload {
-    /// Nothing.
-    Empty,
-    /// Something unknown, as the tolerances say.
-    Unknown,
-    /// A mass known to a standard deviation, kg, near where it is expected.
-    Known {
-        /// Mass, kg.
-        mass_kg: f64,
-        /// Its standard deviation, kg.
-        deviation_kg: f64,
-    },
-}
-
-/// One entry of the state in words.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Entry {
-    /// Joint or body it belongs to; `None` for the payload.
-    pub joint: Option<usize>,
-    /// What it is.
-    pub name: &'static str,
-    /// Its unit; empty for a ratio.
-    pub unit: &'static str,
-}
-
 /// The model whose parameters are estimated, with its priors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    pub(super) joints: Vec<Option<JointPrior>>,
+    pub(crate) joints: Vec<Option<JointPrior>>,
     /// Nominal inertial parameters, `10 n`.
-    pub(super) inertial: Vec<f64>,
+    pub(crate) inertial: Vec<f64>,
     /// Body the payload hangs on, and where in its frame it is expected, m.
-    pub(super) payload_body: usize,
-    pub(super) payload_at: [f64; 3],
+    pub(crate) payload_body: usize,
+    pub(crate) payload_at: [f64; 3],
     /// What of `inertial` motion depends on.
-    pub(super) base: BaseParameters,
+    pub(crate) base: BaseParameters,
     tolerances: Tolerances,
 }
 
@@ -256,20 +141,25 @@ impl Prior {
     }
 
     /// Of the state as beliefs and estimates have it: every body with all its parameters.
-    pub(super) fn layout(&self) -> Layout {
+    pub(crate) fn layout(&self) -> Layout {
         Layout {
             joints: self.joints.len(),
             bodies: self.joints.len() * PARAMETERS_PER_BODY,
         }
     }
 
-    pub(super) fn body_start(&self) -> usize {
+    pub(crate) fn body_start(&self) -> usize {
         self.layout().body_start()
     }
 
     /// Place of the payload's mass in the state.
     pub fn payload_place(&self) -> usize {
         self.layout().payload_place()
+    }
+
+    /// What entry `k` of the state is.
+    pub fn describe(&self, k: usize) -> Option<StateEntry> {
+        StateEntry::of(self.layout(), k)
     }
 
     /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.
@@ -306,44 +196,39 @@ impl Prior {
     fn joint_belief(&self, joint: &JointPrior, mean: &mut [f64], deviation: &mut [f64]) {
         use JointParameter as P;
         let t = &self.tolerances;
-        let mut set = |p: P, m: f64, s: f64| {
-            mean[p as usize] = m;
-            deviation[p as usize] = s.max(FIXED);
+        let mut set = |p: P, believed: Gaussian| {
+            mean[p as usize] = believed.mean;
+            deviation[p as usize] = believed.deviation.max(FIXED);
         };
-        set(P::Compliance, 0.0, t.stiffness);
-        set(
-            P::Stiffening,
-            t.stiffening_per_rad2[0],
-            t.stiffening_per_rad2[1],
-        );
+        set(P::Compliance, about_zero(t.stiffness));
+        set(P::Stiffening, t.stiffening_per_rad2);
         let (own, off) = joint.friction(t.friction);
-        set(P::Coulomb, own.coulomb_nm, off * own.coulomb_nm);
+        set(
+            P::Coulomb,
+            Gaussian::new(own.coulomb_nm, off * own.coulomb_nm),
+        );
         let viscous = own.viscous_nm_s_per_rad;
-        set(P::Viscous, viscous, off * viscous);
-        set(P::LoadFriction, t.load_friction[0], t.load_friction[1]);
-        set(P::Drift, 0.0, t.drift_rad_per_k);
-        set(P::Thermal, t.stiffness_per_k[0], t.stiffness_per_k[1]);
-        set(P::Stuck, 0.0, STUCK);
-        set(P::Viscoelastic, 0.0, t.viscoelastic);
-        set(P::Gear, 0.0, t.gear);
-        set(P::Zero, 0.0, t.zero_rad);
-        set(P::MotorScale, 0.0, t.motor_torque);
+        set(P::Viscous, Gaussian::new(viscous, off * viscous));
+        set(P::LoadFriction, t.load_friction);
+        set(P::Drift, about_zero(t.drift_rad_per_k));
+        set(P::Thermal, t.stiffness_per_k);
+        set(P::Stuck, about_zero(STUCK));
+        set(P::Viscoelastic, about_zero(t.viscoelastic));
+        set(P::Gear, about_zero(t.gear));
+        set(P::Zero, about_zero(t.zero_rad));
+        set(P::MotorScale, about_zero(t.motor_torque));
         let (friction, off) = joint.drive_friction(t.friction);
         let drive = friction.coulomb_nm;
-        set(
-            P::MotorBias,
-            0.0,
-            // A torque's zero is good to a small part of what the drive's friction is.
-            (0.1 * drive).max(t.motor_torque * 0.02 * joint.stiffness_nm_per_rad),
-        );
-        set(P::MotorCoulomb, drive, off * drive);
+        // A torque's zero is good to a small part of what the drive's friction is.
+        let bias = (0.1 * drive).max(t.motor_torque * 0.02 * joint.stiffness_nm_per_rad);
+        set(P::MotorBias, about_zero(bias));
+        set(P::MotorCoulomb, Gaussian::new(drive, off * drive));
         let viscous = friction.viscous_nm_s_per_rad;
-        set(P::MotorViscous, viscous, off * viscous.max(0.1 * drive));
         set(
-            P::MotorLoadFriction,
-            t.drive_load_friction[0],
-            t.drive_load_friction[1],
+            P::MotorViscous,
+            Gaussian::new(viscous, off * viscous.max(0.1 * drive)),
         );
+        set(P::MotorLoadFriction, t.drive_load_friction);
         if joint.antagonistic {
             deviation[P::Slack as usize] = UNKNOWN_SLACK_RAD;
         }
@@ -375,44 +260,37 @@ impl Prior {
         }
     }
 
-    /// The payload's mass and moments before a recording: `(mean, deviation)` of each.
-    pub(super) fn payload_belief(&self, payload: Payload) -> [(f64, f64); PAYLOAD] {
-        let [mean, deviation] = match payload {
-            Payload::Empty => return [(0.0, FIXED); PAYLOAD],
+    /// The payload's mass and moments before a recording.
+    pub(crate) fn payload_belief(&self, payload: Payload) -> [Gaussian; PAYLOAD] {
+        let mass = match payload {
+            Payload::Empty => return [about_zero(FIXED); PAYLOAD],
             Payload::Unknown => self.tolerances.payload_kg,
-            Payload::Known {
-                mass_kg,
-                deviation_kg,
-            } => [mass_kg, deviation_kg.max(FIXED)],
+            Payload::Known { mass_kg } => Gaussian::new(mass_kg.mean, mass_kg.deviation.max(FIXED)),
         };
-        let moment = mean.abs().max(deviation) * self.tolerances.payload_reach_m;
-        [
-            (mean, deviation),
-            (0.0, moment),
-            (0.0, moment),
-            (0.0, moment),
-        ]
+        let size = mass.mean.abs().max(mass.deviation);
+        let moment = about_zero(size * self.tolerances.payload_reach_m);
+        [mass, moment, moment, moment]
     }
 
     /// The encoders' zero is forgotten, as when the ropes are tensioned anew.
     pub fn open_zero(&self, belief: &mut Belief) {
         let deviation = self.tolerances.zero_rad.max(FIXED);
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(self.place(i, JointParameter::Zero), 0.0, deviation);
+            belief.open(self.place(i, JointParameter::Zero), about_zero(deviation));
         }
     }
 
     /// Offsets are taken against the encoders' zero, wherever that is.
     pub fn hold_zero(&self, belief: &mut Belief) {
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(self.place(i, JointParameter::Zero), 0.0, FIXED);
+            belief.open(self.place(i, JointParameter::Zero), about_zero(FIXED));
         }
     }
 
     /// Whatever the gripper held is forgotten.
     pub fn open_payload(&self, belief: &mut Belief, payload: Payload) {
-        for (k, (mean, deviation)) in self.payload_belief(payload).into_iter().enumerate() {
-            belief.open(self.payload_place() + k, mean, deviation);
+        for (k, believed) in self.payload_belief(payload).into_iter().enumerate() {
+            belief.open(self.payload_place() + k, believed);
         }
     }
 
@@ -420,12 +298,20 @@ impl Prior {
     /// where friction stood.
     pub fn open_offsets(&self, belief: &mut Belief, deviation_rad: f64) {
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
-            belief.open(self.place(i, JointParameter::Offset), 0.0, deviation_rad);
-            belief.open(self.place(i, JointParameter::Stuck), 0.0, STUCK);
+            belief.open(
+                self.place(i, JointParameter::Offset),
+                about_zero(deviation_rad),
+            );
+            belief.open(self.place(i, JointParameter::Stuck), about_zero(STUCK));
             if self.is_antagonistic(i) {
                 let slack = deviation_rad.min(UNKNOWN_SLACK_RAD);
-                belief.open(self.place(i, JointParameter::Slack), 0.0, slack);
+                belief.open(self.place(i, JointParameter::Slack), about_zero(slack));
             }
         }
     }
+}
+
+/// What is as likely below zero as above.
+fn about_zero(deviation: f64) -> Gaussian {
+    Gaussian::new(0.0, deviation)
 }

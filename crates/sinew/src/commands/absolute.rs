@@ -6,6 +6,7 @@ use clap::Args;
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Absolute, AbsoluteError, Baseline, Payload, WatchOptions, Window};
 use sinew_estimate::estimate::{Estimate, EstimateError, Progress, Request};
+use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
 /// Which part of the recording.
@@ -80,8 +81,7 @@ fn known_payload(text: &str) -> Result<Payload, String> {
         None => 0.02 * mass_kg,
     };
     Ok(Payload::Known {
-        mass_kg,
-        deviation_kg,
+        mass_kg: Gaussian::new(mass_kg, deviation_kg),
     })
 }
 

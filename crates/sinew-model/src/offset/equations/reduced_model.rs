@@ -13,30 +13,32 @@
 //! with `m`, `C` believed of `s` before. Nothing is lost or approximated; joints and payload come out
 //! as they went in.
 
-use super::block::Block;
-use super::layout::Layout;
-use super::map::MapError;
-use super::prior::{Belief, JointPrior, Prior};
 use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
 use crate::cholesky::{self, Factor};
+use crate::offset::belief::Belief;
+use crate::offset::block::Block;
+use crate::offset::error::MapError;
+use crate::offset::layout::Layout;
+use crate::offset::parameter::JointParameter;
+use crate::offset::prior::{JointPrior, Prior};
 use alloc::vec::Vec;
 
 /// The model whose parameters blocks can tell apart.
 #[derive(Debug, Clone)]
-pub(super) struct Model {
-    pub(super) layout: Layout,
-    pub(super) joints: Vec<Option<JointPrior>>,
+pub(crate) struct ReducedModel {
+    pub(crate) layout: Layout,
+    pub(crate) joints: Vec<Option<JointPrior>>,
     /// Nominal base parameters.
-    pub(super) inertial: Vec<f64>,
+    pub(crate) inertial: Vec<f64>,
     /// Where in the payload's frame it is expected, m.
-    pub(super) payload_at: [f64; 3],
+    pub(crate) payload_at: [f64; 3],
     /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
     payload_columns: Vec<(usize, usize, f64)>,
     base: BaseParameters,
 }
 
-impl Model {
-    pub(super) fn new(prior: &Prior) -> Self {
+impl ReducedModel {
+    pub(crate) fn new(prior: &Prior) -> Self {
         let base = prior.base.clone();
         let all = prior.joints() * PARAMETERS_PER_BODY;
         let first = prior.payload_body * PARAMETERS_PER_BODY;
@@ -62,18 +64,26 @@ impl Model {
     }
 
     /// Whether joint `i` is elastic.
-    pub(super) fn is_elastic(&self, i: usize) -> bool {
+    pub(crate) fn is_elastic(&self, i: usize) -> bool {
         self.joints.get(i).is_some_and(Option::is_some)
     }
 
+    /// Joints whose compliance is believed to better than `deviation`, relative.
+    pub(crate) fn known_stiffness(&self, belief: &Belief, deviation: f64) -> Vec<usize> {
+        let place = |i| self.layout.place(i, JointParameter::Compliance);
+        let known = |i| belief.entry(place(i)).deviation < deviation;
+        let elastic = (0..self.layout.joints).filter(|&i| self.is_elastic(i));
+        elastic.filter(|&i| known(i)).collect()
+    }
+
     /// `Φ` of a joint in a block.
-    pub(super) fn phi<'b>(&self, block: &'b Block, joint: usize) -> Option<&'b [f64]> {
+    pub(crate) fn phi<'b>(&self, block: &'b Block, joint: usize) -> Option<&'b [f64]> {
         let r = self.layout.bodies;
         block.phi.get(joint * r..(joint + 1) * r)
     }
 
     /// The ten columns of the payload's body from those of `Φ`.
-    pub(super) fn payload_phi(&self, phi: &[f64]) -> [f64; PARAMETERS_PER_BODY] {
+    pub(crate) fn payload_phi(&self, phi: &[f64]) -> [f64; PARAMETERS_PER_BODY] {
         let mut out = [0.0; PARAMETERS_PER_BODY];
         for &(i, k, b) in &self.payload_columns {
             if let (Some(to), Some(phi)) = (out.get_mut(k), phi.get(i)) {
@@ -84,7 +94,7 @@ impl Model {
     }
 
     /// `T s`, changes after it as they are.
-    pub(super) fn reduced(&self, state: &[f64]) -> Vec<f64> {
+    pub(crate) fn reduced(&self, state: &[f64]) -> Vec<f64> {
         let from = self.layout.body_start();
         let to = from + self.layout.joints * PARAMETERS_PER_BODY;
         let mut out = Vec::with_capacity(state.len());
@@ -95,7 +105,7 @@ impl Model {
     }
 
     /// What a belief says of this model's parameters.
-    pub(super) fn believed(&self, belief: &Belief) -> Belief {
+    pub(crate) fn believed(&self, belief: &Belief) -> Belief {
         let d = belief.mean.len();
         // T C, then T (T C)ᵀ.
         let half = self.reduced_rows(&belief.covariance, d);
@@ -130,7 +140,7 @@ impl Model {
 
     /// A state of this model and its covariance, estimated from `before`, in terms of all bodies'
     /// parameters; changes after it as they are.
-    pub(super) fn completed(
+    pub(crate) fn completed(
         &self,
         before: &Belief,
         state: &[f64],
@@ -212,8 +222,8 @@ fn transposed(rows: &[f64], columns: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
-    use crate::offset::drawn::random;
-    use crate::offset::prior::{Payload, UNKNOWN_OFFSET_RAD};
+    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
+    use crate::offset::fixtures::random;
     use crate::tolerances::Tolerances;
     use alloc::string::String;
     use alloc::vec;
@@ -240,7 +250,7 @@ mod tests {
     fn learned(prior: &Prior, seed: &mut u64) -> Belief {
         let mut belief = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
         let d = belief.mean.len();
-        let deviation: Vec<f64> = (0..d).map(|k| belief.entry(k)[1]).collect();
+        let deviation: Vec<f64> = (0..d).map(|k| belief.entry(k).deviation).collect();
         for _ in 0..2 * d {
             let row: Vec<f64> = deviation.iter().map(|s| random(seed) / s).collect();
             update(
@@ -274,7 +284,7 @@ mod tests {
     fn what_is_learned_of_base_parameters_is_learned_of_bodies() {
         let mut seed = 3;
         let prior = prior();
-        let model = Model::new(&prior);
+        let model = ReducedModel::new(&prior);
         assert!(model.layout.bodies < 20, "{}", model.layout.bodies);
         let before = learned(&prior, &mut seed);
         let d = before.mean.len();
@@ -326,7 +336,7 @@ mod tests {
                 assert!(off < 1e-6 * deviation[i] * deviation[k], "{i}, {k}: {off}");
             }
             if i < d {
-                learned = learned.max(1.0 - deviation[i] / before.entry(i)[1]);
+                learned = learned.max(1.0 - deviation[i] / before.entry(i).deviation);
             }
         }
         assert!(learned > 0.3, "{learned}: the data said nothing");

@@ -2,9 +2,10 @@
 
 use super::block::Block;
 use super::config::FeatureConfig;
-use super::equation::Side;
-use super::map::MapEstimator;
-use super::prior::{JointParameter as P, JointPrior, PER_JOINT, Prior};
+use super::equations::equation::Side;
+use super::equations::estimation_model::EstimationModel;
+use super::parameter::{JointParameter as P, PER_JOINT};
+use super::prior::{JointPrior, Prior};
 use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use crate::tolerances::Tolerances;
 use alloc::string::String;
@@ -12,7 +13,7 @@ use alloc::vec::Vec;
 
 /// A joint's own entries of an equation: what only the other side knows is nothing, the zero is an
 /// offset too.
-pub(super) fn own(side: Side, seed: &mut u64) -> [f64; PER_JOINT] {
+pub(crate) fn own(side: Side, seed: &mut u64) -> [f64; PER_JOINT] {
     let of_motor = P::MotorScale as usize..P::Slack as usize;
     let both = [P::Coulomb, P::Viscous, P::LoadFriction, P::Stuck].map(|p| p as usize);
     let mut own = core::array::from_fn(|k| {
@@ -32,12 +33,12 @@ pub(crate) fn random(seed: &mut u64) -> f64 {
 }
 
 /// Blocks of a recording.
-pub(super) const BLOCKS: usize = 80;
+pub(crate) const BLOCKS: usize = 80;
 /// The block its joint slips with.
-pub(super) const SLIPS_AT: usize = 40;
+pub(crate) const SLIPS_AT: usize = 40;
 
-/// An estimator for a joint about the vertical.
-pub(super) fn turntable() -> MapEstimator {
+/// A joint about the vertical.
+pub(crate) fn turntable() -> EstimationModel {
     let turntable = BodySpec {
         name: String::from("one"),
         parent: None,
@@ -57,12 +58,12 @@ pub(super) fn turntable() -> MapEstimator {
         motor_viscous_nm_s_per_rad: 0.0,
         antagonistic: false,
     });
-    MapEstimator::new(prior, &FeatureConfig::default())
+    EstimationModel::new(prior, &FeatureConfig::default())
 }
 
 /// Poses without a load, of a joint that slips by `slip_rad`.
-pub(super) fn slipping(estimator: &MapEstimator, slip_rad: f64, mut seed: u64) -> Vec<Block> {
-    let columns = estimator.model().layout.bodies;
+pub(crate) fn slipping(model: &EstimationModel, slip_rad: f64, mut seed: u64) -> Vec<Block> {
+    let columns = model.reduced.layout.bodies;
     (0..BLOCKS)
         .map(|b| {
             let mut block = Block::zero(1, columns);

@@ -1,61 +1,62 @@
 //! What a block says of a joint, made ready once for many looks at it.
 
-use super::block::{Block, ENCODER};
-use super::model::Model;
-use super::payload::Load;
+use super::payload::PayloadTorque;
+use super::reduced_model::ReducedModel;
+use crate::offset::block::Block;
+use crate::offset::parameter::ENCODER;
 
 /// All that a joint's equations need of a block but `Φ`, whatever the state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Measured {
+pub(crate) struct Measured {
     /// `theta_measured − q`, its square and cube, and with a long memory.
-    pub(super) y: f64,
-    pub(super) y_square: f64,
-    pub(super) y_cube: f64,
-    pub(super) y_slow: f64,
+    pub(crate) y: f64,
+    pub(crate) y_square: f64,
+    pub(crate) y_cube: f64,
+    pub(crate) y_slow: f64,
     /// Joint position, rad, velocity, and what goes with its encoder.
-    pub(super) turned: f64,
-    pub(super) dq: f64,
-    pub(super) encoder: [f64; ENCODER],
+    pub(crate) turned: f64,
+    pub(crate) dq: f64,
+    pub(crate) encoder: [f64; ENCODER],
     /// Friction state, what is unknown of it, and times the size of the spring's torque, N·m.
-    pub(super) z: f64,
-    pub(super) z_unknown: f64,
-    pub(super) z_load: f64,
+    pub(crate) z: f64,
+    pub(crate) z_unknown: f64,
+    pub(crate) z_load: f64,
     /// Torque of the bodies as they are described, N·m.
-    pub(super) tau: f64,
+    pub(crate) tau: f64,
     /// Of what the gripper holds.
-    pub(super) load: Load,
+    pub(crate) load: PayloadTorque,
     /// Where the motor's torque is recorded.
-    pub(super) drive: Option<Drive>,
+    pub(crate) drive: Option<Drive>,
 }
 
 /// The motor's side.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drive {
+pub(crate) struct Drive {
     /// Recorded torque, N·m.
-    pub(super) torque: f64,
+    pub(crate) torque: f64,
     /// `J ddtheta`, N·m.
-    pub(super) inertial: f64,
-    pub(super) velocity: f64,
+    pub(crate) inertial: f64,
+    pub(crate) velocity: f64,
     /// Friction state, and times the size of the spring's torque, N·m.
-    pub(super) z: f64,
-    pub(super) z_load: f64,
+    pub(crate) z: f64,
+    pub(crate) z_load: f64,
     /// Share of the time it stood.
-    pub(super) stood: f64,
+    pub(crate) stood: f64,
 }
 
-impl Model {
+impl Measured {
     /// What `block` says of joint `i`; nothing of a rigid one. Never allocates.
-    pub(super) fn measured(&self, block: &Block, i: usize) -> Option<Measured> {
-        let joint = self.joints.get(i)?.as_ref()?;
+    pub(crate) fn of(model: &ReducedModel, block: &Block, i: usize) -> Option<Self> {
+        let joint = model.joints.get(i)?.as_ref()?;
         let stiffness = joint.stiffness_nm_per_rad;
         // Lengths have been checked: none of these is ever missing. What is becomes NaN, which no
         // estimate hides.
         let of = |column: &[f64]| column.get(i).copied().unwrap_or(f64::NAN);
         let encoder = block.encoder.get(i * ENCODER..(i + 1) * ENCODER)?;
-        let phi = self.phi(block, i)?;
+        let phi = model.phi(block, i)?;
         let torque = of(&block.motor_torque);
         let inertia = joint.motor_inertia_kg_m2.filter(|_| torque.is_finite());
-        Some(Measured {
+        Some(Self {
             y: of(&block.y),
             y_square: of(&block.y_square),
             y_cube: of(&block.y_cube),
@@ -66,8 +67,8 @@ impl Model {
             z: of(&block.z),
             z_unknown: of(&block.z_unknown),
             z_load: of(&block.z_load) * stiffness,
-            tau: phi.iter().zip(&self.inertial).map(|(p, pi)| p * pi).sum(),
-            load: Load::new(&self.payload_phi(phi), self.payload_at),
+            tau: phi.iter().zip(&model.inertial).map(|(p, pi)| p * pi).sum(),
+            load: PayloadTorque::new(&model.payload_phi(phi), model.payload_at),
             drive: inertia.map(|inertia| Drive {
                 torque,
                 inertial: inertia * of(&block.motor_acceleration),

@@ -1,12 +1,24 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
+//!
+//! Reading order: this file, `filter` (one filter over blocks), `workspace` (what its step computes
+//! with), `robust_noise`, `stiffness` (the average over lost stiffness).
 
+mod filter;
+mod robust_noise;
+mod stiffness;
+mod workspace;
+
+use super::batch::MapEstimator;
+use super::belief::Belief;
 use super::block::Block;
-use super::filter::{Filter, Work};
-use super::map::MapEstimator;
-use super::prior::{Belief, JointParameter};
-use super::since::Since;
-use crate::StepError;
+use super::equations::estimation_model::EstimationModel;
+use super::error::MapError;
+use super::parameter::JointParameter;
+use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
+use filter::Filter;
+use stiffness::StiffnessAverage;
+use workspace::Workspace;
 
 /// Recursive form of [`MapEstimator::solve`]: the same equations, priors and joint block weights,
 /// one block at a time, with a state that never grows.
@@ -33,18 +45,18 @@ use alloc::vec::Vec;
 /// the filter starts would have every later block left out. So a second filter goes over the first
 /// 75 blocks seven times from the first belief, each time with weights from the time before and a
 /// smaller `c`, as the batch form does; then takes what came since, and the first one's place where it
-/// explains all blocks better. Until then, some 24 s, the filter [is in
-/// doubt](RecursiveOffsets::is_in_doubt).
+/// explains all blocks better. Until then, some 24 s, the offsets [are
+/// provisional](RecursiveOffsets::is_provisional).
 ///
-/// It is in doubt again when hardly a block counts for some six seconds, or a joint's link equations
+/// They are so again when hardly a block counts for some six seconds, or a joint's link equations
 /// are off by two standard deviations in the mean over 40 blocks that tell something new (each cut at
 /// five; so a contact of a few seconds isn't enough). Where that lasts for another ten seconds, the
-/// second filter goes over the last 75 blocks, and takes the first one's place once it is trusted and
-/// explains them better by 60, half chi-square: a rope has slipped, a load changed. The doubt ends when
-/// the blocks agree again.
+/// second filter goes over the last 75 blocks, and takes the first one's place once it is consistent and
+/// explains them better by 60, half chi-square: a rope has slipped, a load changed. They are provisional no
+/// longer once the blocks agree again.
 ///
 /// Strands may have failed since the belief: it starts with every stiffness opened by a tenth
-/// that was known better, and its offsets are averaged over which of them have changed, as [`MapEstimator::watch`] does.
+/// that was known better, and its offsets are averaged over which of them have changed, as [`MapEstimator::search`] does.
 ///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
@@ -52,20 +64,20 @@ use alloc::vec::Vec;
 /// five covariances, `40 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
-    estimator: MapEstimator,
+    model: EstimationModel,
     /// What was believed before the first block, every stiffness opened that was known, of all
     /// bodies' parameters.
     before: Belief,
-    /// The same of the model's.
+    /// The same of the reduced model's.
     start: Belief,
     /// Offsets averaged over which stiffness has changed.
-    since: Since,
+    stiffness: StiffnessAverage,
     /// Noise of link and motor equations that a filter starts from.
     start_noise: [Vec<f64>; 2],
-    believed: Filter,
-    rival: Filter,
+    incumbent: Filter,
+    challenger: Filter,
     stage: Stage,
-    work: Work,
+    work: Workspace,
     /// Pose the arm stands at, and for how many blocks.
     pose: Vec<f64>,
     stood: f64,
@@ -89,28 +101,28 @@ struct Kept {
 /// What the second filter does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
-    Rests,
-    /// Waits for blocks from after what disturbed the first.
-    Waits {
+    Idle,
+    /// Waits for blocks from after what disturbed the first filter.
+    Waiting {
         until: usize,
     },
     /// Goes over its blocks up to `to` for the `pass`-th time, and takes those up to the present
     /// after the last.
-    GoesOver {
+    Replaying {
         to: usize,
         pass: usize,
         at: usize,
     },
     /// Takes every block as it comes.
-    Rivals,
+    Tracking,
 }
 
 /// The most blocks the second filter goes over.
-const STRETCH: usize = 75;
+const SEGMENT: usize = 75;
 /// Blocks kept: what the second filter goes over and what comes meanwhile.
-const KEPT: usize = 2 * STRETCH;
+const KEPT: usize = 2 * SEGMENT;
 /// Blocks after which one is weighed again.
-const AGAIN: [usize; 2] = [STRETCH, KEPT - 1];
+const AGAIN: [usize; 2] = [SEGMENT, KEPT - 1];
 /// Scales of the weight, in standard deviations, with which the second filter goes over its
 /// blocks.
 const SCALES: [f64; 7] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0];
@@ -123,27 +135,22 @@ impl RecursiveOffsets {
     /// A filter that starts from `belief`; allocates here only.
     ///
     /// # Errors
-    /// [`super::MapError::Dimension`] when the belief is of another robot, [`super::MapError::Prior`] when its
+    /// [`MapError::Dimension`] when the belief is of another robot, [`MapError::Prior`] when its
     /// covariance is none.
-    pub fn new(estimator: MapEstimator, belief: Belief) -> Result<Self, super::MapError> {
+    pub fn new(estimator: MapEstimator, belief: Belief) -> Result<Self, MapError> {
         /// Noise before any innovation, rad: what a good sensor leaves.
         const START_RAD: f64 = 0.5e-3;
-        let d = estimator.prior().dimension();
-        if belief.mean.len() != d || belief.covariance.len() != d * d {
-            return Err(super::MapError::Dimension {
-                expected: d,
-                found: belief.mean.len(),
-            });
-        }
+        let model = estimator.into_model();
+        belief.check_dimension(model.prior.dimension())?;
         let mut before = belief;
-        let (model, layout) = (estimator.model(), estimator.model().layout);
-        let mut start = model.believed(&before);
-        let mut since = Since::open(model, &mut start, &mut before)?;
-        since.average(&start, &start);
+        let (reduced, layout) = (&model.reduced, model.reduced.layout);
+        let mut start = reduced.believed(&before);
+        let mut stiffness = StiffnessAverage::open(reduced, &mut start, &mut before)?;
+        stiffness.average(&start, &start);
         let n = layout.joints;
         let start_noise = [
             alloc::vec![START_RAD; n],
-            (0..n).map(|i| 3.0 * estimator.motor_floor(i)).collect(),
+            (0..n).map(|i| 3.0 * model.motor_floor(i)).collect(),
         ];
         let filter = Filter::new(&start, &start_noise, KEPT);
         let empty = Kept {
@@ -151,21 +158,21 @@ impl RecursiveOffsets {
             share: 0.0,
         };
         Ok(Self {
-            rival: filter.clone(),
-            believed: filter,
-            stage: Stage::Rests,
+            challenger: filter.clone(),
+            incumbent: filter,
+            stage: Stage::Idle,
             start,
             before,
-            since,
+            stiffness,
             start_noise,
-            work: Work::new(layout),
+            work: Workspace::new(layout),
             pose: alloc::vec![f64::NAN; n],
             stood: 0.0,
             kept: alloc::vec![empty; KEPT],
             taken: 0,
             opened: false,
             from: 0,
-            estimator,
+            model,
         })
     }
 
@@ -180,13 +187,13 @@ impl RecursiveOffsets {
                 }
             }
         }
-        self.believed.expect_noise(&self.start_noise);
+        self.incumbent.expect_noise(&self.start_noise);
     }
 
     /// Noise of every joint's link (rad) and motor (N·m) equations, as the next filter may
     /// [expect](RecursiveOffsets::expect_noise) it.
     pub fn noise(&self) -> [&[f64]; 2] {
-        self.believed.noise()
+        self.incumbent.noise()
     }
 
     /// Takes a block; returns its weight, 0 (left out as disturbed) to 1.
@@ -204,7 +211,7 @@ impl RecursiveOffsets {
         if !block.is_finite() {
             return Err(StepError::NotFinite);
         }
-        let share = self.share_of_stand(block);
+        let share = self.share_of_pose(block);
         if let Some(kept) = self.kept.get_mut(slot) {
             kept.block.copy_from(block);
             kept.share = share;
@@ -212,79 +219,79 @@ impl RecursiveOffsets {
         let number = self.taken;
         self.taken += 1;
         take(
-            &mut self.believed,
-            &self.estimator,
+            &mut self.incumbent,
+            &self.model,
             &mut self.work,
             &self.kept,
             number,
         );
-        self.second();
-        self.since.average(&self.start, self.believed.belief());
-        Ok(self.believed.weight())
+        self.advance_challenger();
+        self.stiffness.average(&self.start, self.incumbent.belief());
+        Ok(self.incumbent.weight())
     }
 
     /// What the second filter does while a block comes.
-    fn second(&mut self) {
+    fn advance_challenger(&mut self) {
         /// Blocks the second filter goes over while one comes.
         const AT_ONCE: usize = 10;
         match self.stage {
-            Stage::Rests => {
-                if self.taken == STRETCH {
-                    self.begin();
-                } else if self.taken > STRETCH && self.believed.is_doubted() {
-                    self.wait();
+            Stage::Idle => {
+                if self.taken == SEGMENT {
+                    self.begin_replay();
+                } else if self.taken > SEGMENT && self.incumbent.is_inconsistent() {
+                    self.await_segment();
                 }
             }
             // What disturbed it is over.
-            Stage::Waits { .. } | Stage::GoesOver { .. }
-                if self.opened && self.believed.is_trusted() =>
+            Stage::Waiting { .. } | Stage::Replaying { .. }
+                if self.opened && self.incumbent.is_consistent() =>
             {
-                self.stage = Stage::Rests;
+                self.stage = Stage::Idle;
             }
-            Stage::Waits { until } => {
+            Stage::Waiting { until } => {
                 if self.taken >= until {
-                    self.begin();
+                    self.begin_replay();
                 }
             }
-            Stage::GoesOver { .. } => {
+            Stage::Replaying { .. } => {
                 for _ in 0..AT_ONCE {
-                    self.go_over();
+                    self.replay_block();
                 }
             }
-            Stage::Rivals => {
+            Stage::Tracking => {
                 let number = self.taken - 1;
                 take(
-                    &mut self.rival,
-                    &self.estimator,
+                    &mut self.challenger,
+                    &self.model,
                     &mut self.work,
                     &self.kept,
                     number,
                 );
                 if self.taken.saturating_sub(self.from).is_multiple_of(AT_ONCE) {
-                    self.decide();
+                    self.compare();
                 }
                 // It began with blocks from before what it should explain.
-                if self.stage == Stage::Rivals && self.rival.is_doubted() {
-                    self.wait();
+                if self.stage == Stage::Tracking && self.challenger.is_inconsistent() {
+                    self.await_segment();
                 }
             }
         }
     }
 
     /// The second filter will begin when most of the last blocks are from after the disturbance.
-    fn wait(&mut self) {
+    fn await_segment(&mut self) {
         /// Blocks from after it.
         const AFTER: usize = 50;
-        self.stage = Stage::Waits {
+        self.stage = Stage::Waiting {
             until: self.taken + AFTER,
         };
     }
 
     /// The second filter begins with the last blocks.
-    fn begin(&mut self) {
-        self.rival.restart(&self.start, &self.start_noise);
-        self.from = self.taken.saturating_sub(STRETCH);
-        self.stage = Stage::GoesOver {
+    fn begin_replay(&mut self) {
+        self.challenger.restart(&self.start, &self.start_noise);
+        self.from = self.taken.saturating_sub(SEGMENT);
+        self.stage = Stage::Replaying {
             pass: 0,
             to: self.taken,
             at: self.from,
@@ -292,8 +299,8 @@ impl RecursiveOffsets {
     }
 
     /// One block for the second filter.
-    fn go_over(&mut self) {
-        let Stage::GoesOver { to, pass, at } = self.stage else {
+    fn replay_block(&mut self) {
+        let Stage::Replaying { to, pass, at } = self.stage else {
             return;
         };
         let Some(kept) = self.kept.get(at % KEPT) else {
@@ -302,8 +309,8 @@ impl RecursiveOffsets {
         let (mut pass, mut at) = (pass, at);
         if let Some(&scale) = SCALES.get(pass) {
             let slot = at % KEPT;
-            self.rival.repeat(
-                &self.estimator,
+            self.challenger.update_in_pass(
+                &self.model,
                 &mut self.work,
                 (&kept.block, kept.share),
                 slot,
@@ -313,32 +320,32 @@ impl RecursiveOffsets {
             if at >= to {
                 pass += 1;
                 if pass > NOISE_SEEN {
-                    self.rival.find_noise(&self.estimator);
+                    self.challenger.find_noise(&self.model);
                 }
                 if pass < SCALES.len() {
                     at = self.from;
-                    self.rival.begin_pass(&self.start);
+                    self.challenger.begin_pass(&self.start);
                 }
             }
         } else {
             take(
-                &mut self.rival,
-                &self.estimator,
+                &mut self.challenger,
+                &self.model,
                 &mut self.work,
                 &self.kept,
                 at,
             );
             at += 1;
         }
-        self.stage = Stage::GoesOver { to, pass, at };
+        self.stage = Stage::Replaying { to, pass, at };
         if pass == SCALES.len() && at >= self.taken {
-            self.stage = Stage::Rivals;
-            self.decide();
+            self.stage = Stage::Tracking;
+            self.compare();
         }
     }
 
     /// Whether the second filter takes the first one's place, or rests.
-    fn decide(&mut self) {
+    fn compare(&mut self) {
         /// By how much it must explain its blocks better, half chi-square: it has every entry to
         /// itself. A slip of a millirad is worth more in 15 s.
         const BETTER: f64 = 60.0;
@@ -348,24 +355,24 @@ impl RecursiveOffsets {
         let seen = self.taken.saturating_sub(KEPT).max(self.from)..self.taken;
         let blocks = seen.filter_map(|number| self.kept.get(number % KEPT));
         let blocks = blocks.map(|k| (&k.block, k.share));
-        let told: f64 = blocks.clone().map(|(_, share)| share).sum();
-        let fit = told * self.estimator.inflation() > ENOUGH && self.rival.is_trusted();
+        let news: f64 = blocks.clone().map(|(_, share)| share).sum();
+        let fit = news * self.model.inflation > ENOUGH && self.challenger.is_consistent();
         let margin = if opening { 0.0 } else { BETTER };
-        let (estimator, work) = (&self.estimator, &mut self.work);
+        let (model, work) = (&self.model, &mut self.work);
         let better = (opening || fit)
-            && self.rival.cost(estimator, work, blocks.clone()) + margin
-                < self.believed.cost(estimator, work, blocks);
+            && self.challenger.cost(model, work, blocks.clone()) + margin
+                < self.incumbent.cost(model, work, blocks);
         if better {
-            core::mem::swap(&mut self.rival, &mut self.believed);
+            core::mem::swap(&mut self.challenger, &mut self.incumbent);
         }
         self.opened |= opening;
-        if better || opening || self.believed.is_trusted() {
-            self.stage = Stage::Rests;
+        if better || opening || self.incumbent.is_consistent() {
+            self.stage = Stage::Idle;
         }
     }
 
     /// How much of a block's information counts: the blocks of a stand share that of one.
-    fn share_of_stand(&mut self, block: &Block) -> f64 {
+    fn share_of_pose(&mut self, block: &Block) -> f64 {
         const STAND_RAD: f64 = 0.01;
         let moved = self
             .pose
@@ -379,7 +386,7 @@ impl RecursiveOffsets {
             self.stood = 0.0;
         }
         self.stood += 1.0;
-        let inflation = self.estimator.inflation();
+        let inflation = self.model.inflation;
         if self.stood <= inflation {
             1.0 / inflation
         } else {
@@ -387,33 +394,36 @@ impl RecursiveOffsets {
         }
     }
 
-    /// Offset of a joint and its standard deviation, rad, averaged over which joints' stiffness has
-    /// changed since the belief the filter started from; NaN for a joint there isn't.
+    /// Offset of a joint, rad, averaged over which joints' stiffness has changed since the belief the
+    /// filter started from; NaN for a joint there isn't.
     ///
-    /// While the filter [doubts](RecursiveOffsets::is_in_doubt), the deviation is that from before the first
-    /// block; once the second filter has found what explains the blocks of late, mean and deviation
-    /// are those of both, one as likely as the other.
+    /// While it is [provisional](RecursiveOffsets::is_provisional), the deviation is that from before
+    /// the first block; once the second filter has found what explains the blocks of late, mean and
+    /// deviation are those of both, one as likely as the other.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
-    pub fn offset(&self, joint: usize) -> [f64; 2] {
-        let layout = self.estimator.model().layout;
+    pub fn offset(&self, joint: usize) -> Gaussian {
+        let layout = self.model.reduced.layout;
         if joint >= layout.joints {
-            return [f64::NAN; 2];
+            return Gaussian::new(f64::NAN, f64::NAN);
         }
         let place = layout.place(joint, JointParameter::Offset);
-        let own = self.since.offset(joint);
-        let [mean, deviation] = own.unwrap_or_else(|| self.believed.belief().entry(place));
-        if !self.is_in_doubt() {
-            return [mean, deviation];
+        let own = self.stiffness.offset(joint);
+        let own = own.unwrap_or_else(|| self.incumbent.belief().entry(place));
+        if !self.is_provisional() {
+            return own;
         }
-        if self.stage == Stage::Rivals {
-            let [other, unsure] = self.rival.belief().entry(place);
-            let apart = 0.5 * (mean - other);
-            let variance = 0.5 * (deviation * deviation + unsure * unsure) + apart * apart;
-            return [mean - apart, libm::sqrt(variance)];
+        if self.stage == Stage::Tracking {
+            let other = self.challenger.belief().entry(place);
+            let apart = 0.5 * (own.mean - other.mean);
+            let variance = 0.5
+                * (own.deviation * own.deviation + other.deviation * other.deviation)
+                + apart * apart;
+            return Gaussian::new(own.mean - apart, libm::sqrt(variance));
         }
-        [mean, deviation.max(self.start.entry(place)[1])]
+        let before = self.start.entry(place).deviation;
+        Gaussian::new(own.mean, own.deviation.max(before))
     }
 
     /// Whether the offsets may be wrong by more than the data says: in the first 24 s, because an arm
@@ -422,8 +432,8 @@ impl RecursiveOffsets {
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
-    pub fn is_in_doubt(&self) -> bool {
-        let disturbed = self.stage != Stage::Rests || self.believed.is_doubted();
+    pub fn is_provisional(&self) -> bool {
+        let disturbed = self.stage != Stage::Idle || self.incumbent.is_inconsistent();
         !self.opened || disturbed
     }
 
@@ -433,19 +443,21 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn stiffness_changed(&self, joint: usize) -> f64 {
-        self.since.probability(joint).unwrap_or_default()
+        self.stiffness.probability(joint).unwrap_or_default()
     }
 
     /// What is believed now, averaged over which stiffness has changed. Allocates: no step.
     ///
-    /// While the filter [doubts](RecursiveOffsets::is_in_doubt) this may be wrong by more than it says.
+    /// While the offsets are [provisional](RecursiveOffsets::is_provisional) this may be wrong by more than it says.
     ///
     /// # Errors
-    /// [`super::MapError::Prior`] when what was believed before has no inverse.
-    pub fn belief(&self) -> Result<Belief, super::MapError> {
-        let now = &self.since.averaged(self.believed.belief())?;
-        let model = self.estimator.model();
-        let (mean, covariance) = model.completed(&self.before, &now.mean, &now.covariance)?;
+    /// [`MapError::Prior`] when what was believed before has no inverse.
+    pub fn belief(&self) -> Result<Belief, MapError> {
+        let now = &self.stiffness.averaged(self.incumbent.belief())?;
+        let (mean, covariance) =
+            self.model
+                .reduced
+                .completed(&self.before, &now.mean, &now.covariance)?;
         Ok(Belief {
             mean,
             covariance,
@@ -457,8 +469,8 @@ impl RecursiveOffsets {
 /// The filter takes block `number`, and weighs again those that came [`AGAIN`] blocks before.
 fn take(
     filter: &mut Filter,
-    estimator: &MapEstimator,
-    work: &mut Work,
+    model: &EstimationModel,
+    work: &mut Workspace,
     kept: &[Kept],
     number: usize,
 ) {
@@ -466,12 +478,12 @@ fn take(
         if let Some(before) = number.checked_sub(age) {
             let slot = before % KEPT;
             if let Some(old) = kept.get(slot) {
-                filter.again(estimator, work, &old.block, slot);
+                filter.reweight(model, work, &old.block, slot);
             }
         }
     }
     let slot = number % KEPT;
     if let Some(new) = kept.get(slot) {
-        filter.take(estimator, work, (&new.block, new.share), slot);
+        filter.update(model, work, (&new.block, new.share), slot);
     }
 }

@@ -2,27 +2,27 @@
 
 use alloc::vec::Vec;
 
-/// Who does two things that have nothing to do with each other. What comes out is the same to the
-/// last bit, whoever does which: work is split by what there is to do, never by who is there.
-pub trait Hands: core::fmt::Debug + Sync {
-    /// Does both, and returns when both are done.
-    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
+/// Runs two independent closures, at once if it can. Results are the same to the last bit with
+/// every executor: work is split by what there is to do, never by who is there.
+pub trait Executor: core::fmt::Debug + Sync {
+    /// Runs both, and returns when both are done.
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
 }
 
-/// One thing after the other.
+/// One closure after the other.
 #[derive(Debug, Clone, Copy)]
-pub struct OneHand;
+pub struct Sequential;
 
-impl Hands for OneHand {
-    fn both(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+impl Executor for Sequential {
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         one();
         other();
     }
 }
 
-/// What `of` says of every item, in their order; every second one by another hand.
-pub(super) fn each<T: Sync, R: Send>(
-    hands: &dyn Hands,
+/// `of` every item, in their order; every second one in the other closure.
+pub(crate) fn map_each<T: Sync, R: Send>(
+    executor: &dyn Executor,
     items: &[T],
     of: impl Fn(&T) -> R + Sync,
 ) -> Vec<R> {
@@ -30,7 +30,7 @@ pub(super) fn each<T: Sync, R: Send>(
         out.extend(items.iter().skip(from).step_by(2).map(&of));
     };
     let (mut even, mut odd) = (Vec::new(), Vec::new());
-    hands.both(&mut || every_second(0, &mut even), &mut || {
+    executor.join(&mut || every_second(0, &mut even), &mut || {
         every_second(1, &mut odd)
     });
     let mut odd = odd.into_iter();
@@ -51,7 +51,7 @@ mod tests {
         for count in 0..6 {
             let items: Vec<usize> = (0..count).collect();
             let squares: Vec<usize> = items.iter().map(|i| i * i).collect();
-            assert_eq!(each(&OneHand, &items, |i| i * i), squares);
+            assert_eq!(map_each(&Sequential, &items, |i| i * i), squares);
         }
     }
 }

@@ -1,15 +1,15 @@
 //! A block's equations: rows over the state, and what is left of what was measured.
 
-use super::changes::{Change, What};
-use super::layout::Layout;
-use super::prior::{JointParameter as P, PAYLOAD, PER_JOINT};
 use crate::cholesky::dot;
+use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::layout::Layout;
+use crate::offset::parameter::{JointParameter as P, PAYLOAD, PER_JOINT};
 use alloc::vec::Vec;
 use core::ops::Range;
 
 /// Where an equation comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     /// `theta_measured − q`, rad.
     Link,
     /// Motor torque, N·m.
@@ -18,37 +18,37 @@ pub(super) enum Side {
 
 /// One equation of a block.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Equation {
-    pub(super) joint: usize,
-    pub(super) side: Side,
+pub(crate) struct Equation {
+    pub(crate) joint: usize,
+    pub(crate) side: Side,
     /// How what is expected moves with the joint's own parameters: nothing with those that only the
     /// other side knows, and with the zero as with the offset ([`super::gram`] rests on that).
-    pub(super) own: [f64; PER_JOINT],
+    pub(crate) own: [f64; PER_JOINT],
     /// How it moves with the joint's torque: what masses and load do goes through that, so over them
     /// the row is this times [`Equations::carried`].
-    pub(super) worth: f64,
+    pub(crate) torque_gain: f64,
     /// Measured less expected.
-    pub(super) residual: f64,
+    pub(crate) residual: f64,
     /// Standard deviation of what is unknown beside the noise: a standing drive's friction.
-    pub(super) unsure: f64,
-    /// Share of the time the drive stood.
-    pub(super) stood: f64,
+    pub(crate) added_deviation: f64,
+    /// Share of the time the drive stationary_share.
+    pub(crate) stationary_share: f64,
 }
 
 /// Equations of one block, reused from block to block.
 #[derive(Debug, Clone)]
-pub(super) struct Equations {
+pub(crate) struct Equations {
     layout: Layout,
-    pub(super) list: Vec<Equation>,
+    pub(crate) list: Vec<Equation>,
     /// How the torque of every joint moves with bodies and load, `n × (r + 4)`.
     carried: Vec<f64>,
     /// Changes that have happened by the block's time, with their first column.
-    active: Vec<(usize, What)>,
+    active: Vec<(usize, ChangeKind)>,
 }
 
 impl Equations {
     /// Room for the equations of a block while these changes are sought; allocates here only.
-    pub(super) fn new(layout: Layout, changes: &[Change]) -> Self {
+    pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
         let n = layout.joints;
         Self {
             layout,
@@ -59,54 +59,56 @@ impl Equations {
     }
 
     /// Of the state.
-    pub(super) fn layout(&self) -> Layout {
+    pub(crate) fn layout(&self) -> Layout {
         self.layout
     }
 
     /// How the torque of a joint moves with bodies and load.
-    pub(super) fn carried(&self, joint: usize) -> &[f64] {
+    pub(crate) fn carried(&self, joint: usize) -> &[f64] {
         let m = self.layout.carried().len();
         let row = self.carried.get(joint * m..(joint + 1) * m);
         row.unwrap_or_default()
     }
 
     /// Changes that have happened by the block's time, with their first column.
-    pub(super) fn active(&self) -> &[(usize, What)] {
+    pub(crate) fn active(&self) -> &[(usize, ChangeKind)] {
         &self.active
     }
 
     /// Entry `k` of what changes, in the row of `e`.
-    pub(super) fn entry(&self, e: &Equation, what: What, k: usize) -> f64 {
-        match what {
-            What::Offset(joint) if joint == e.joint => e.own[P::Offset as usize],
-            What::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
-            What::Payload => e.worth * entry(self.carried(e.joint), self.layout.bodies + k),
+    pub(crate) fn entry(&self, e: &Equation, kind: ChangeKind, k: usize) -> f64 {
+        match kind {
+            ChangeKind::Offset(joint) if joint == e.joint => e.own[P::Offset as usize],
+            ChangeKind::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
+            ChangeKind::Payload => {
+                e.torque_gain * entry(self.carried(e.joint), self.layout.bodies + k)
+            }
             _ => 0.0,
         }
     }
 
     /// Columns of the changes that have happened, with their values in the row of `e`.
-    pub(super) fn changes<'a>(
+    pub(crate) fn changes<'a>(
         &'a self,
         e: &'a Equation,
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let columns = move |&(first, what): &(usize, What)| {
-            (0..what.columns()).map(move |k| (first + k, self.entry(e, what, k)))
+        let columns = move |&(first, kind): &(usize, ChangeKind)| {
+            (0..kind.columns()).map(move |k| (first + k, self.entry(e, kind, k)))
         };
         self.active.iter().flat_map(columns)
     }
 
     /// The row of `e` times a column.
-    pub(super) fn dot(&self, e: &Equation, column: &[f64]) -> f64 {
+    pub(crate) fn dot(&self, e: &Equation, column: &[f64]) -> f64 {
         let part = |range: Range<usize>| column.get(range).unwrap_or_default();
         let own = dot(&e.own, part(self.layout.own(e.joint)));
         let carried = dot(self.carried(e.joint), part(self.layout.carried()));
         let changes = self.changes(e).map(|(i, value)| value * entry(column, i));
-        own + e.worth * carried + changes.sum::<f64>()
+        own + e.torque_gain * carried + changes.sum::<f64>()
     }
 
     /// Adds the row of `e`, times a factor, to a column.
-    pub(super) fn add_to(&self, e: &Equation, factor: f64, column: &mut [f64]) {
+    pub(crate) fn add_to(&self, e: &Equation, factor: f64, column: &mut [f64]) {
         let mut add = |range: Range<usize>, values: &[f64], factor: f64| {
             let to = column.get_mut(range).unwrap_or_default();
             for (to, value) in to.iter_mut().zip(values) {
@@ -117,7 +119,7 @@ impl Equations {
         add(
             self.layout.carried(),
             self.carried(e.joint),
-            factor * e.worth,
+            factor * e.torque_gain,
         );
         for (i, value) in self.changes(e) {
             add(i..i + 1, &[value], factor);
@@ -125,7 +127,7 @@ impl Equations {
     }
 
     /// How the torque of joint `i` moves with bodies and load. Never allocates.
-    pub(super) fn carry(&mut self, i: usize, phi: &[f64], load: &[f64; PAYLOAD]) {
+    pub(crate) fn carry(&mut self, i: usize, phi: &[f64], load: &[f64; PAYLOAD]) {
         let m = self.layout.carried().len();
         let row = self.carried.get_mut(i * m..(i + 1) * m);
         let values = phi.iter().chain(load);
@@ -135,7 +137,7 @@ impl Equations {
     }
 
     /// An equation more. Never allocates.
-    pub(super) fn push(&mut self, equation: Equation) {
+    pub(crate) fn push(&mut self, equation: Equation) {
         debug_assert!(self.list.len() < self.list.capacity(), "list is too short");
         if self.list.len() < self.list.capacity() {
             self.list.push(equation);
@@ -143,45 +145,26 @@ impl Equations {
     }
 
     /// The changes that have happened by now. Never allocates.
-    pub(super) fn activate(&mut self, changes: &[Change], time_s: f64) {
+    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) {
         self.active.clear();
         let mut column = self.layout.dimension();
         for change in changes {
             if time_s >= change.at_s && self.active.len() < self.active.capacity() {
-                self.active.push((column, change.what));
+                self.active.push((column, change.kind));
             }
-            column += change.what.columns();
+            column += change.kind.columns();
         }
     }
 
     /// Entry `k` of what changes, with all that was added to it.
-    pub(super) fn sum(&self, x: &[f64], what: What, k: usize) -> f64 {
-        let own = self.active.iter().filter(|(_, w)| *w == what);
+    pub(crate) fn sum(&self, x: &[f64], kind: ChangeKind, k: usize) -> f64 {
+        let own = self.active.iter().filter(|(_, own)| *own == kind);
         let added = own.map(|(first, _)| entry(x, first + k));
-        entry(x, what.place(self.layout) + k) + added.sum::<f64>()
+        entry(x, kind.place(self.layout) + k) + added.sum::<f64>()
     }
 }
 
 /// `values[place]`; NaN, which no estimate hides, where there is none.
 fn entry(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(f64::NAN)
-}
-
-impl What {
-    /// Entries of the state it changes.
-    pub(super) fn columns(self) -> usize {
-        match self {
-            Self::Offset(_) | Self::Compliance(_) => 1,
-            Self::Payload => PAYLOAD,
-        }
-    }
-
-    /// First entry of the state it changes.
-    pub(super) fn place(self, layout: Layout) -> usize {
-        match self {
-            Self::Offset(joint) => layout.place(joint, P::Offset),
-            Self::Compliance(joint) => layout.place(joint, P::Compliance),
-            Self::Payload => layout.payload_place(),
-        }
-    }
 }

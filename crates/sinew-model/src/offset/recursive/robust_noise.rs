@@ -1,25 +1,25 @@
-//! Robust noise of equations without an allocation.
+//! Robust noise of equations by medians, without an allocation.
 
-use super::equation::{Equation, Side};
+use crate::offset::equations::equation::{Equation, Side};
 use alloc::vec::Vec;
 
-/// Sizes of the residuals of a pass, smallest first.
+/// ResidualSizes of the residuals of a pass, smallest first: their median is the noise.
 #[derive(Debug, Clone)]
-pub(super) struct Sizes {
+pub(super) struct ResidualSizes {
     /// Link equations of all joints, then motor equations.
-    of: [Vec<Sorted>; 2],
+    of: [Vec<SortedSizes>; 2],
 }
 
 /// The smallest of the numbers it was given, ascending.
 #[derive(Debug, Clone)]
-struct Sorted {
+struct SortedSizes {
     sizes: Vec<f64>,
     count: usize,
 }
 
-impl Sizes {
+impl ResidualSizes {
     pub(super) fn new(joints: usize, most: usize) -> Self {
-        let none = Sorted {
+        let none = SortedSizes {
             sizes: alloc::vec![f64::INFINITY; most],
             count: 0,
         };
@@ -28,7 +28,7 @@ impl Sizes {
         }
     }
 
-    pub(super) fn forget(&mut self) {
+    pub(super) fn clear(&mut self) {
         for sorted in self.of.iter_mut().flatten() {
             sorted.sizes.fill(f64::INFINITY);
             sorted.count = 0;

@@ -5,17 +5,17 @@
 //! otherwise. A row is known by the joint's own entries and the joint's torque,
 //!
 //! ```text
-//! h = (own, worth · carried),   Σ w hᵀ h = | Σ w ownᵀ own                        |
-//!                                          | Σ carriedᵀ (w worth own)   Σ w worth² carriedᵀ carried |
+//! h = (own, gain · carried),   Σ w hᵀ h = | Σ w ownᵀ own                        |
+//!                                          | Σ carriedᵀ (w gain own)   Σ w gain² carriedᵀ carried |
 //! ```
 //!
 //! so that link and motor row of a block share all but the first. What a change adds to an entry has
 //! that entry's column from its moment on: it gets the same sums, of the blocks since then.
 
-use super::changes::What;
 use super::equation::{Equation, Equations};
-use super::layout::Layout;
-use super::prior::{JointParameter as P, PER_JOINT};
+use crate::offset::change::ChangeKind;
+use crate::offset::layout::Layout;
+use crate::offset::parameter::{JointParameter as P, PER_JOINT};
 use crate::tile::{TILE, Tile, lower, products};
 use alloc::vec::Vec;
 
@@ -56,18 +56,18 @@ type Own = [[f64; TILE]; OWN_TILES];
 
 /// What rows held back say, and the sums of those before them.
 #[derive(Debug, Clone)]
-pub(super) struct Gram {
+pub(crate) struct Gram {
     layout: Layout,
-    joints: Vec<Joint>,
-    /// `Σ w worth² carriedᵀ carried`, the lower half.
+    joints: Vec<JointGram>,
+    /// `Σ w gain² carriedᵀ carried`, the lower half.
     square: Vec<Tile>,
     /// Changes that have happened by the blocks in it.
-    active: Vec<(usize, What)>,
+    active: Vec<(usize, ChangeKind)>,
     empty: bool,
 }
 
 #[derive(Debug, Clone)]
-struct Joint {
+struct JointGram {
     held: usize,
     /// First tile of bodies the joint carries, of the rows held back.
     first: usize,
@@ -76,13 +76,13 @@ struct Joint {
     /// Times their information.
     link_weighed: Panel,
     motor_weighed: Panel,
-    /// `Σ w worth own` of link and motor.
+    /// `Σ w gain own` of link and motor.
     along: Panel,
     carried: Panel,
     carried_weighed: Panel,
     /// `Σ w ownᵀ own`, the lower half.
     own: Vec<Tile>,
-    /// `Σ carriedᵀ (w worth own)`.
+    /// `Σ carriedᵀ (w gain own)`.
     mixed: Vec<Tile>,
 }
 
@@ -139,10 +139,10 @@ fn own(e: &Equation) -> Own {
 }
 
 impl Gram {
-    pub(super) fn new(layout: Layout) -> Self {
+    pub(crate) fn new(layout: Layout) -> Self {
         let tiles = layout.carried().len().div_ceil(TILE);
         let (zero, link, motor) = ([[0.0; TILE]; TILE], LINK.len(), MOTOR.len());
-        let joint = Joint {
+        let joint = JointGram {
             held: 0,
             first: tiles,
             link: Panel::new(link),
@@ -164,13 +164,13 @@ impl Gram {
         }
     }
 
-    /// Whether a block of these equations can be added to those before it: no change between.
-    pub(super) fn goes_on(&self, equations: &Equations) -> bool {
+    /// Whether a block of these equations can be added to those before it: no change has come between.
+    pub(crate) fn continues(&self, equations: &Equations) -> bool {
         self.empty || self.active == equations.active()
     }
 
     /// Adds what the equations of a block say, each with the information it carries.
-    pub(super) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
+    pub(crate) fn add(&mut self, equations: &Equations, information: impl Fn(&Equation) -> f64) {
         if self.empty {
             self.active.clear();
             self.active.extend_from_slice(equations.active());
@@ -193,15 +193,15 @@ impl Gram {
     }
 
     /// Moves all sums to the information of the state, the lower half of a matrix of so many columns.
-    pub(super) fn move_to(&mut self, information: &mut [f64], total: usize) {
+    pub(crate) fn move_to(&mut self, information: &mut [f64], total: usize) {
         let mut to = |i: usize, k: usize, value: f64| {
             information[i.max(k) * total + i.min(k)] += value;
         };
         let bodies = self.layout.bodies;
         let mut carried: Vec<(usize, usize)> = self.layout.carried().enumerate().collect();
-        for &(first, what) in &self.active {
-            if what == What::Payload {
-                carried.extend((0..what.columns()).map(|k| (bodies + k, first + k)));
+        for &(first, kind) in &self.active {
+            if kind == ChangeKind::Payload {
+                carried.extend((0..kind.columns()).map(|k| (bodies + k, first + k)));
             }
         }
         let mut own = Vec::new();
@@ -211,10 +211,10 @@ impl Gram {
             own.clear();
             own.extend(OWN.into_iter().enumerate().map(|(k, at)| (k, start + at)));
             own.push((0, start + P::Zero as usize));
-            for &(first, what) in &self.active {
-                match what {
-                    What::Offset(joint) if joint == i => own.push((0, first)),
-                    What::Compliance(joint) if joint == i => own.push((1, first)),
+            for &(first, kind) in &self.active {
+                match kind {
+                    ChangeKind::Offset(joint) if joint == i => own.push((0, first)),
+                    ChangeKind::Compliance(joint) if joint == i => own.push((1, first)),
                     _ => {}
                 }
             }
@@ -240,7 +240,7 @@ impl Gram {
     }
 }
 
-impl Joint {
+impl JointGram {
     /// Holds back the rows of a block.
     fn hold(
         &mut self,
@@ -251,22 +251,22 @@ impl Joint {
         let row = self.held;
         let mut along = Own::default();
         let mut squared = 0.0;
-        let mut with = |rows: &Own, weight: f64, worth: f64| {
-            let factor = weight * worth;
+        let mut with = |rows: &Own, weight: f64, gain: f64| {
+            let factor = weight * gain;
             for (to, x) in along.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
                 *to += factor * x;
             }
-            squared += factor * worth;
+            squared += factor * gain;
         };
         let rows = own(link);
-        with(&rows, w0, link.worth);
+        with(&rows, w0, link.torque_gain);
         self.link.put(row, &rows[LINK], 1.0);
         self.link_weighed.put(row, &rows[LINK], w0);
         // Without a motor's equation a row of nothing is held.
         let (rows, w1) = match motor {
             Some((motor, w1)) => {
                 let rows = own(motor);
-                with(&rows, w1, motor.worth);
+                with(&rows, w1, motor.torque_gain);
                 (rows, w1)
             }
             None => (Own::default(), 0.0),

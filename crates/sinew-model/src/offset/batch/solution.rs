@@ -1,7 +1,8 @@
 //! What a descent ends with.
 
-use super::map::{MapError, MapEstimate};
 use crate::cholesky::{self, Factor};
+use crate::offset::error::MapError;
+use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
 
 /// An estimate of the model's state, and the information its covariance is the inverse of.
@@ -16,6 +17,11 @@ pub(super) struct Solution {
 }
 
 impl Solution {
+    /// Half the robust chi-square of data and prior.
+    pub(super) fn cost(&self) -> f64 {
+        self.estimate.convergence.cost
+    }
+
     /// Standard deviation of entry `k`.
     pub(super) fn deviation(&self, k: usize) -> f64 {
         let total = self.estimate.state.len();
@@ -23,6 +29,11 @@ impl Solution {
         unit[k] = 1.0;
         self.factor.forward(&mut unit);
         libm::sqrt(cholesky::dot(&unit, &unit))
+    }
+
+    /// Size of entry `k` over its standard deviation.
+    pub(super) fn significance(&self, k: usize) -> f64 {
+        self.estimate.state[k].abs() / self.deviation(k)
     }
 
     /// The state on condition that its entries from `first` on are zero, without them: with
@@ -55,7 +66,8 @@ pub(super) fn covariance(lower: &[f64], total: usize) -> Result<Vec<f64>, MapErr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::drawn::random;
+    use crate::offset::estimate::Convergence;
+    use crate::offset::fixtures::random;
 
     /// Against the same in terms of the covariance, `x − P_·c P_cc⁻¹ c`.
     #[test]
@@ -97,9 +109,9 @@ mod tests {
                 noise_rad: Vec::new(),
                 motor_noise_nm: Vec::new(),
                 weights: Vec::new(),
-                cost: 0.0,
-                stiffness_since: Vec::new(),
-                certainties: Vec::new(),
+                convergence: Convergence::new(0, f64::INFINITY, 0.0),
+                stiffness_changes: Vec::new(),
+                posteriors: Vec::new(),
             },
             information,
             factor,

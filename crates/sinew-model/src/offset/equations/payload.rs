@@ -1,28 +1,28 @@
 //! Torque of what the gripper holds.
 
-use super::prior::PAYLOAD;
 use crate::arm::PARAMETERS_PER_BODY;
+use crate::offset::parameter::PAYLOAD;
 
 /// Nothing is held further from where it is expected, m.
 const FAR_M: f64 = 0.1;
 
 /// What the gripper holds: mass and moments about where it is expected.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held {
+pub(crate) struct HeldPayload {
     mass_kg: f64,
     moments: [f64; 3],
     /// Mass the moments are those of, at least.
-    over: f64,
+    least_mass_kg: f64,
 }
 
-impl Held {
-    pub(super) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD]) -> Self {
+impl HeldPayload {
+    pub(crate) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD]) -> Self {
         let [x, y, z] = moments;
         let size = libm::sqrt(x * x + y * y + z * z);
         Self {
             mass_kg,
             moments,
-            over: mass_kg.max(size / FAR_M),
+            least_mass_kg: mass_kg.max(size / FAR_M),
         }
     }
 }
@@ -32,16 +32,16 @@ impl Held {
 /// With `h = m e` its moments about that place `a`, its second moments about the link's origin are
 /// `m a aᵀ + a hᵀ + h aᵀ + h hᵀ/m`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Load {
+pub(crate) struct PayloadTorque {
     /// Torque of a mass at `a`, and of moments about it.
     slope: [f64; PAYLOAD],
     /// Torque of second moments.
     second: [[f64; 3]; 3],
 }
 
-impl Load {
+impl PayloadTorque {
     /// * `body`: torque per inertial parameter of the body that carries it; `a`: where it is expected, m.
-    pub(super) fn new(body: &[f64; PARAMETERS_PER_BODY], a: [f64; 3]) -> Self {
+    pub(crate) fn new(body: &[f64; PARAMETERS_PER_BODY], a: [f64; 3]) -> Self {
         let [mass, x, y, z, xx, xy, xz, yy, yz, zz] = *body;
         // Moments of inertia are sums of second moments, products of inertia are their negatives.
         let second = [
@@ -63,13 +63,13 @@ impl Load {
     }
 
     /// The torque, N·m, and its change with mass and moments.
-    pub(super) fn torque(&self, held: &Held) -> (f64, [f64; PAYLOAD]) {
-        let h = held.moments;
+    pub(crate) fn torque(&self, payload: &HeldPayload) -> (f64, [f64; PAYLOAD]) {
+        let h = payload.moments;
         let [mass, moments @ ..] = self.slope;
-        let mut torque = mass * held.mass_kg + dot(moments, h);
+        let mut torque = mass * payload.mass_kg + dot(moments, h);
         let [mut x, mut y, mut z] = moments;
-        if held.over > 0.0 {
-            let per_mass = 1.0 / held.over;
+        if payload.least_mass_kg > 0.0 {
+            let per_mass = 1.0 / payload.least_mass_kg;
             let [sx, sy, sz] = self.second.map(|row| per_mass * dot(row, h));
             torque += dot([sx, sy, sz], h);
             x += 2.0 * sx;
@@ -93,7 +93,7 @@ mod tests {
         a: [f64; 3],
         held: [f64; PAYLOAD],
     ) -> (f64, [f64; PAYLOAD]) {
-        Load::new(body, a).torque(&Held::new(held))
+        PayloadTorque::new(body, a).torque(&HeldPayload::new(held))
     }
 
     /// Inertial parameters of a point mass in the order of the regressor.

@@ -1,16 +1,16 @@
 //! Normal equations, residuals and what correlates them.
 
-use super::block::Block;
-use super::equation::{Equation, Equations, Side};
-use super::gram::Gram;
-use super::layout::Layout;
-use super::map::MapError;
-use crate::cholesky::Factor;
+use crate::cholesky::{self, Factor};
+use crate::offset::block::Block;
+use crate::offset::equations::equation::{Equation, Equations, Side};
+use crate::offset::equations::gram::Gram;
+use crate::offset::error::MapError;
+use crate::offset::layout::Layout;
 use alloc::vec::Vec;
 use core::ops::Range;
 
 /// Normal equations under construction, the lower half.
-pub(super) struct Normal {
+pub(super) struct NormalEquations {
     total: usize,
     pub(super) information: Vec<f64>,
     pub(super) factor: Factor,
@@ -19,7 +19,7 @@ pub(super) struct Normal {
     gram: Gram,
 }
 
-impl Normal {
+impl NormalEquations {
     pub(super) fn new(total: usize, layout: Layout) -> Self {
         Self {
             total,
@@ -30,10 +30,10 @@ impl Normal {
         }
     }
 
-    /// What the prior says, and nothing else: its information, and what it pulls with.
-    pub(super) fn start(&mut self, prior: &[f64], pull: &[f64]) {
+    /// What the prior says, and nothing else: its information and negative gradient.
+    pub(super) fn start(&mut self, prior: &[f64], gradient: &[f64]) {
         self.information.copy_from_slice(prior);
-        self.gradient.copy_from_slice(pull);
+        self.gradient.copy_from_slice(gradient);
     }
 
     /// Nothing yet.
@@ -43,8 +43,8 @@ impl Normal {
     }
 
     /// Adds what `other` has been given.
-    pub(super) fn take_over(&mut self, other: &mut Self) {
-        other.gather();
+    pub(super) fn merge(&mut self, other: &mut Self) {
+        other.flush();
         let own = self.information.chunks_exact_mut(self.total);
         for (row, (own, more)) in own
             .zip(other.information.chunks_exact(self.total))
@@ -65,18 +65,18 @@ impl Normal {
         equations: &Equations,
         information: impl Fn(&Equation) -> f64,
     ) {
-        if !self.gram.goes_on(equations) {
-            self.gather();
+        if !self.gram.continues(equations) {
+            self.flush();
         }
         self.gram.add(equations, information);
     }
 
     /// All that was added is in the information now.
-    fn gather(&mut self) {
+    fn flush(&mut self) {
         self.gram.move_to(&mut self.information, self.total);
     }
 
-    /// Adds what the equations of a block pull at the state with.
+    /// Adds the negative gradient of the equations of a block.
     pub(super) fn add_gradient(
         &mut self,
         equations: &Equations,
@@ -87,12 +87,16 @@ impl Normal {
         }
     }
 
-    /// The gradient becomes the step.
-    pub(super) fn solve(&mut self) -> Result<(), MapError> {
-        self.gather();
+    /// The negative gradient `g` becomes the step `s = A⁻¹ g`. Returns its length in posterior
+    /// standard deviations, `√(gᵀ A⁻¹ g)`, the Newton decrement.
+    pub(super) fn solve(&mut self) -> Result<f64, MapError> {
+        self.flush();
         (self.factor.factorise(&self.information)).map_err(MapError::Prior)?;
+        let gradient = self.gradient.clone();
         self.factor.solve(&mut self.gradient);
-        Ok(())
+        Ok(libm::sqrt(
+            cholesky::dot(&gradient, &self.gradient).max(0.0),
+        ))
     }
 }
 
@@ -119,12 +123,15 @@ impl Residuals {
     /// tenth of the time would make the median a sixth larger.
     pub(super) fn keep(&mut self, b: usize, equations: &Equations, counts: bool) {
         /// A drive that stood longer says nothing about the noise of one that moves.
-        const STOOD: f64 = 0.2;
+        const STATIONARY: f64 = 0.2;
         for e in &equations.list {
             let k = (b - self.first) * self.n + e.joint;
             let (to, counts) = match e.side {
                 Side::Link => (&mut self.link[k], counts),
-                Side::Motor => (&mut self.motor[k], counts && e.stood < STOOD),
+                Side::Motor => (
+                    &mut self.motor[k],
+                    counts && e.stationary_share < STATIONARY,
+                ),
             };
             *to = if counts { e.residual } else { f64::NAN };
         }
@@ -186,9 +193,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::changes::{Change, What};
-    use crate::offset::drawn::{own, random};
-    use crate::offset::prior::{JointParameter, PAYLOAD};
+    use crate::offset::change::{ChangeKind, ChangePoint};
+    use crate::offset::fixtures::{own, random};
+    use crate::offset::parameter::{JointParameter, PAYLOAD};
     use alloc::vec;
 
     #[test]
@@ -200,16 +207,16 @@ mod tests {
         };
         // A load picked up before, and a slip of the first joint.
         let changes = [
-            Change {
-                what: What::Payload,
+            ChangePoint {
+                kind: ChangeKind::Payload,
                 at_s: 0.0,
             },
-            Change {
-                what: What::Offset(0),
+            ChangePoint {
+                kind: ChangeKind::Offset(0),
                 at_s: 0.0,
             },
-            Change {
-                what: What::Compliance(1),
+            ChangePoint {
+                kind: ChangeKind::Compliance(1),
                 at_s: 9.0,
             },
         ];
@@ -229,20 +236,20 @@ mod tests {
                 })
                 .collect();
             equations.carry(joint, &phi, &core::array::from_fn(|_| random(&mut seed)));
-            for (side, worth) in [(Side::Link, 0.02), (Side::Motor, 1.1)] {
+            for (side, torque_gain) in [(Side::Link, 0.02), (Side::Motor, 1.1)] {
                 equations.push(Equation {
                     joint,
                     side,
                     own: own(side, &mut seed),
-                    worth,
+                    torque_gain,
                     residual: random(&mut seed),
-                    unsure: 0.0,
-                    stood: 0.0,
+                    added_deviation: 0.0,
+                    stationary_share: 0.0,
                 });
             }
         }
         let information = |e: &Equation| if e.side == Side::Link { 3.0 } else { 0.7 };
-        let mut normal = Normal::new(total, layout);
+        let mut normal = NormalEquations::new(total, layout);
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
         // Blocks from before the changes and since, more than are held back at once.
         for (time_s, times) in [(-1.0, 3), (1.0, 19)] {
@@ -259,7 +266,7 @@ mod tests {
                     .iter_mut()
                     .zip(equations.carried(e.joint))
                 {
-                    *to = e.worth * value;
+                    *to = e.torque_gain * value;
                 }
                 if time_s > 0.0 {
                     let load = layout.payload_place();
@@ -284,7 +291,7 @@ mod tests {
                 }
             }
         }
-        normal.gather();
+        normal.flush();
         for i in 0..total {
             assert!((normal.gradient[i] - gradient[i]).abs() < 1e-12);
             for k in 0..=i {

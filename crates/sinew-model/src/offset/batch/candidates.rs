@@ -1,0 +1,207 @@
+//! Where a change may have happened: the best times of every kind, by score.
+
+use super::cost::cost_over;
+use super::problem::Problem;
+use super::schedule::Sampling;
+use super::score::{Fit, ScoreSum, Weighing};
+use crate::offset::belief::Payload;
+use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
+use crate::offset::equations::linearise::Content;
+use crate::offset::error::MapError;
+use crate::offset::estimate::MapEstimate;
+use crate::offset::executor::map_each;
+use alloc::vec::Vec;
+
+/// Two changes of the same thing within this time are one, s.
+pub(super) const SAME_S: f64 = 2.0;
+/// A candidate is tried when half its chi-square exceeds this and one per unknown.
+const LEAST_GAIN: f64 = 8.0;
+/// Candidates that are put into the estimate per round, of each weighing.
+const TRIALS: [usize; 2] = [10, 3];
+/// Times of one in so many blocks are tried: of the change that is kept, those beside it are tried
+/// too.
+const EVERY: usize = 2;
+
+/// A change that may have happened.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    pub(super) change: ChangePoint,
+    gain: f64,
+    /// 0 for the best time of its kind.
+    rank: usize,
+    /// Its entries as the score has them.
+    size: Vec<f64>,
+    /// How the rest of the state moves along.
+    along: Vec<f64>,
+    /// How it moves in the fit of the score without any change.
+    step: Vec<f64>,
+}
+
+impl Candidate {
+    /// `best` with this change more, the rest of the state moved along: with the step that the
+    /// score's fit would take or without it, whichever costs less. That fit trusts blocks and joints
+    /// otherwise than the estimate does: where a slip was taken for noise its step is right, where
+    /// little is known it leads far away.
+    pub(super) fn added_to(&self, best: &MapEstimate, problem: &Problem<'_>) -> MapEstimate {
+        let mut with = best.clone();
+        with.changes.push(self.change);
+        for (x, along) in with.state.iter_mut().zip(&self.along) {
+            *x += along;
+        }
+        with.state.extend(&self.size);
+        let mut stepped = with.clone();
+        for (x, step) in stepped.state.iter_mut().zip(&self.step) {
+            *x += step;
+        }
+        let every = Sampling::Thinned.every(problem.blocks.len());
+        if cost_over(problem, &stepped, best, every) < cost_over(problem, &with, best, every) {
+            stepped
+        } else {
+            with
+        }
+    }
+}
+
+/// The most telling changes of every kind, by score.
+pub(super) fn candidates(
+    problem: &Problem<'_>,
+    known: &MapEstimate,
+    scope: SearchScope,
+) -> Result<Vec<Candidate>, MapError> {
+    let prior = &problem.model.prior;
+    let mut offsets = Vec::new();
+    if scope.offsets {
+        let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
+        offsets.extend(elastic.map(ChangeKind::Offset));
+    }
+    let mut loads = offsets.clone();
+    // A strand may fail without a slip.
+    let softer = offsets.iter().filter_map(|kind| match kind {
+        ChangeKind::Offset(joint) => Some(ChangeKind::Compliance(*joint)),
+        _ => None,
+    });
+    let softer: Vec<ChangeKind> = softer.collect();
+    offsets.extend(softer);
+    if scope.payload && problem.payload != Payload::Empty {
+        loads.push(ChangeKind::Payload);
+    }
+    // A change that lasts for most of a recording is taken for noise by the median; what good
+    // sensors leave is a better guess while changes are looked for.
+    const QUIET_RAD: f64 = 0.5e-3;
+    let mut quiet = known.clone();
+    for noise in &mut quiet.noise_rad {
+        *noise = noise.min(QUIET_RAD);
+    }
+    let known = &quiet;
+    let weighings = [(offsets, Weighing::Redescending), (loads, Weighing::Huber)];
+    let scored = map_each(problem.executor, &weighings, |(kinds, weighing)| {
+        if kinds.is_empty() {
+            return Ok(Vec::new());
+        }
+        let fit = Fit::of(problem, known, *weighing)?;
+        Ok(best_by_score(problem, known, scope, kinds, fit))
+    });
+    let mut out = Vec::new();
+    for (scored, trials) in scored.into_iter().zip(TRIALS) {
+        // The best of every kind before the second best of any: a failed strand and a
+        // slip look alike to the score, and must not crowd each other out.
+        let (mut first, mut second): (Vec<_>, Vec<_>) =
+            scored?.into_iter().partition(|c| c.rank == 0);
+        for some in [&mut first, &mut second] {
+            some.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        }
+        out.extend(first.into_iter().chain(second).take(trials));
+    }
+    Ok(out)
+}
+
+/// The best times of every kind of change.
+fn best_by_score(
+    problem: &Problem<'_>,
+    known: &MapEstimate,
+    scope: SearchScope,
+    kinds: &[ChangeKind],
+    mut fit: Fit,
+) -> Vec<Candidate> {
+    let taken = |kind: ChangeKind, at_s: f64| {
+        let mut changes = known.changes.iter();
+        changes.any(|c| c.kind == kind && (c.at_s - at_s).abs() < SAME_S)
+    };
+    let total = known.state.len();
+    let deviations: Vec<Vec<f64>> = kinds
+        .iter()
+        .map(|k| problem.deviations_within(*k))
+        .collect();
+    let mut sums: Vec<ScoreSum> = kinds
+        .iter()
+        .map(|k| ScoreSum::new(k.columns(), total))
+        .collect();
+    let mut best: Vec<Vec<Candidate>> = alloc::vec![Vec::new(); kinds.len()];
+    for b in (0..problem.blocks.len()).rev() {
+        let weight = fit.weights.pop().unwrap_or_default();
+        problem.equations(known, b, Content::Rows, &mut fit.equations);
+        for (sum, kind) in sums.iter_mut().zip(kinds) {
+            sum.add(&fit.equations, *kind, &weight);
+        }
+        if b % EVERY != 0 {
+            continue;
+        }
+        let at_s = problem.start_of(b);
+        for (k, kind) in kinds.iter().enumerate() {
+            if !problem.is_possible(*kind, at_s, scope) || taken(*kind, at_s) {
+                continue;
+            }
+            let least = LEAST_GAIN + kind.columns() as f64;
+            let least = least.max(to_beat(&best[k], at_s));
+            let Some((gain, size)) = sums[k].gain(&fit, &deviations[k], least) else {
+                continue;
+            };
+            if gain > least {
+                keep_best(
+                    &mut best[k],
+                    Candidate {
+                        change: ChangePoint { kind: *kind, at_s },
+                        gain,
+                        rank: 0,
+                        along: sums[k].taken_up(&size),
+                        step: fit.step.clone(),
+                        size,
+                    },
+                );
+            }
+        }
+    }
+    for kind in &mut best {
+        for (rank, candidate) in kind.iter_mut().enumerate() {
+            candidate.rank = rank;
+            fit.factor.backward(&mut candidate.along);
+        }
+    }
+    best.into_iter().flatten().collect()
+}
+
+/// Times closer than this are the same one, s.
+const APART_S: f64 = 5.0;
+/// So many are kept of a kind.
+const TWO: usize = 2;
+
+/// What a change at a time must explain to be kept among the best.
+fn to_beat(best: &[Candidate], at_s: f64) -> f64 {
+    let near = best.iter().find(|c| (c.change.at_s - at_s).abs() < APART_S);
+    let worst = best.get(TWO - 1);
+    near.or(worst).map_or(0.0, |c| c.gain)
+}
+
+/// Keeps the two best times that are not the same one.
+fn keep_best(best: &mut Vec<Candidate>, new: Candidate) {
+    let near = |c: &Candidate| (c.change.at_s - new.change.at_s).abs() < APART_S;
+    if let Some(k) = best.iter().position(near) {
+        if best[k].gain >= new.gain {
+            return;
+        }
+        best.retain(|c| !near(c));
+    }
+    best.push(new);
+    best.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    best.truncate(TWO);
+}

@@ -1,0 +1,133 @@
+//! Robust maximum-a-posteriori estimate of offsets and of what disguises itself as them.
+//!
+//! All joints are estimated together: a wrong mass shows at several joints, a stretched rope at
+//! one. Every nuisance parameter has a prior from a data sheet's tolerance; a baseline recording,
+//! taken right after tensioning, turns the prior into a posterior that later recordings start
+//! from.
+//!
+//! ```text
+//! LP[x + η x³] = τ (1 + δκ + c_K ΔT) / K,   x = theta_measured − q − delta_e − encoder(q) − α_T ΔT
+//! τ = Φ (π₀ + δπ) + payload + F_c z + F_v dq + μ z |τ|
+//! u = (1 + k)(τ + J ddtheta + F_m z_m + F_vm dtheta + μ_m z_m |τ|) + b + noise
+//! ```
+//!
+//! Gauss–Newton on the whole posterior with a redescending weight on the joint normalised
+//! residual of each block (all joints of a block share one weight: a contact shows at several),
+//! annealed from a wide scale so that the start doesn't matter.
+
+use super::gauss_newton;
+use super::problem::Problem;
+use super::search::ChangePointSearch;
+use crate::offset::belief::{Belief, Payload};
+use crate::offset::block::Block;
+use crate::offset::change::{ChangePoint, SearchScope};
+use crate::offset::config::FeatureConfig;
+use crate::offset::equations::equation::{Equations, Side};
+use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::error::MapError;
+use crate::offset::estimate::MapEstimate;
+use crate::offset::executor::{Executor, Sequential};
+use crate::offset::prior::Prior;
+
+/// Solves for offsets and nuisance parameters together.
+#[derive(Debug, Clone)]
+pub struct MapEstimator {
+    model: EstimationModel,
+    executor: &'static dyn Executor,
+}
+
+impl MapEstimator {
+    /// An estimator for the priors of a robot and blocks made with `features`.
+    pub fn new(prior: Prior, features: &FeatureConfig) -> Self {
+        Self {
+            model: EstimationModel::new(prior, features),
+            executor: &Sequential,
+        }
+    }
+
+    /// Whether a recorded motor torque is used; it is unless this says otherwise.
+    #[must_use]
+    pub fn with_motor_torque(mut self, used: bool) -> Self {
+        self.model.motor_torque = used;
+        self
+    }
+
+    /// Who runs what can be done at once; sequential unless this says otherwise.
+    #[must_use]
+    pub fn with_executor(mut self, executor: &'static dyn Executor) -> Self {
+        self.executor = executor;
+        self
+    }
+
+    /// Whether a recorded motor torque is used.
+    pub fn uses_motor_torque(&self) -> bool {
+        self.model.motor_torque
+    }
+
+    /// The priors.
+    pub fn prior(&self) -> &Prior {
+        &self.model.prior
+    }
+
+    /// What the recursive form shares.
+    pub(crate) fn into_model(self) -> EstimationModel {
+        self.model
+    }
+
+    /// The estimate from `blocks` with changes at known times.
+    ///
+    /// `payload` is what was opened in `start`; it sets what a change of payload may be.
+    ///
+    /// # Errors
+    /// [`MapError`].
+    pub fn solve(
+        &self,
+        start: &Belief,
+        changes: &[ChangePoint],
+        payload: Payload,
+        blocks: &[Block],
+    ) -> Result<MapEstimate, MapError> {
+        let problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
+        problem.complete(gauss_newton::solve(&problem, changes)?)
+    }
+
+    /// The estimate from `blocks`, sudden changes found on the way.
+    ///
+    /// The score of every possible change at every time is computed from the estimate that knows of
+    /// none: its gradient against what the rest of the state can't take up, in fits whose weights
+    /// neither let a contact count by its size nor throw a true change away as a contact. The best
+    /// times of every kind are put into the estimate, and the one that takes most off the robust cost
+    /// stays, if that is enough; changes it made needless go; so on until nothing is left.
+    ///
+    /// # Errors
+    /// [`MapError`].
+    pub fn search(
+        &self,
+        start: &Belief,
+        blocks: &[Block],
+        payload: Payload,
+        scope: SearchScope,
+    ) -> Result<MapEstimate, MapError> {
+        let problem = Problem::new(&self.model, self.executor, start, payload, blocks)?;
+        ChangePointSearch {
+            problem: &problem,
+            scope,
+        }
+        .run()
+    }
+
+    /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
+    pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
+        let reduced = &self.model.reduced;
+        let mut equations = Equations::new(reduced.layout, &at.changes);
+        let state = reduced.reduced(&at.state);
+        self.model
+            .linearise(block, at.temperature_c, &at.changes, &state, &mut equations);
+        out.fill(0.0);
+        for e in equations.list.iter().filter(|e| e.side == Side::Link) {
+            if let Some(slot) = out.get_mut(e.joint) {
+                *slot = e.residual;
+            }
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! The estimate from a whole recording, with the sudden changes in it.
+//!
+//! Reading order: `map_estimator` (the way in), `problem` (a recording and what is believed before
+//! it), `schedule`, `normal` and `gauss_newton` (one descent), `cost` and `solution` (what it ends
+//! with), `search` (change points), `candidates` and `score` (where to look for them),
+//! `changepoint_time`, `posterior`, `lost_stiffness`.
+
+mod candidates;
+mod changepoint_time;
+mod cost;
+mod gauss_newton;
+mod lost_stiffness;
+mod map_estimator;
+mod normal;
+mod posterior;
+mod problem;
+mod schedule;
+mod score;
+mod search;
+mod solution;
+
+pub use map_estimator::MapEstimator;

@@ -1,0 +1,251 @@
+//! A recording, and what is believed before it.
+
+use super::normal::{NormalEquations, pose_runs};
+use super::solution::{Solution, covariance};
+use crate::cholesky;
+use crate::offset::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
+use crate::offset::block::Block;
+use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
+use crate::offset::equations::equation::{Equation, Equations, Side};
+use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::equations::linearise::{Content, Linearisation, linearise};
+use crate::offset::equations::measured::Measured;
+use crate::offset::error::MapError;
+use crate::offset::estimate::MapEstimate;
+use crate::offset::executor::Executor;
+use crate::offset::layout::Layout;
+use crate::offset::mixture::LOST_STIFFNESS;
+use alloc::vec::Vec;
+
+/// Stiffness is opened by this at a suspected event, relative: what a failed strand takes along.
+const STRAND: f64 = 0.05;
+/// Least data before and after a change, s: a contact doesn't last as long.
+const EDGE_S: f64 = 5.0;
+
+/// A recording, and what is believed before it.
+pub(super) struct Problem<'a> {
+    pub(super) model: &'a EstimationModel,
+    pub(super) executor: &'a dyn Executor,
+    /// What was believed before, of all bodies' parameters.
+    before: &'a Belief,
+    /// The same of the reduced model's.
+    pub(super) start: Belief,
+    /// Inverse of the covariance of `start`.
+    information: Vec<f64>,
+    /// What was opened in `before`; it sets what a change of payload may be.
+    pub(super) payload: Payload,
+    pub(super) blocks: &'a [Block],
+    /// What they say of every joint, `n` a block.
+    measured: Vec<Option<Measured>>,
+    /// Variance of a block's mean over that of independent noise, per block.
+    pub(super) inflation: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        model: &'a EstimationModel,
+        executor: &'a dyn Executor,
+        before: &'a Belief,
+        payload: Payload,
+        blocks: &'a [Block],
+    ) -> Result<Self, MapError> {
+        before.check_dimension(model.prior.dimension())?;
+        if blocks.is_empty() {
+            return Err(MapError::NoData);
+        }
+        let reduced = &model.reduced;
+        let start = reduced.believed(before);
+        let joints = reduced.layout.joints;
+        Ok(Self {
+            model,
+            executor,
+            before,
+            information: covariance(&start.covariance, start.mean.len())?,
+            start,
+            payload,
+            blocks,
+            measured: (blocks.iter())
+                .flat_map(|block| (0..joints).map(|i| Measured::of(reduced, block, i)))
+                .collect(),
+            inflation: pose_runs(blocks)
+                .iter()
+                .map(|r| r.max(model.inflation))
+                .collect(),
+        })
+    }
+
+    /// The estimate in terms of all bodies' parameters, with its covariance.
+    pub(super) fn complete(&self, solution: Solution) -> Result<MapEstimate, MapError> {
+        let Solution {
+            mut estimate,
+            information,
+            ..
+        } = solution;
+        let own = covariance(&information, estimate.state.len())?;
+        let reduced = &self.model.reduced;
+        (estimate.state, estimate.covariance) =
+            reduced.completed(self.before, &estimate.state, &own)?;
+        Ok(estimate)
+    }
+
+    /// Of the reduced model's state.
+    pub(super) fn layout(&self) -> Layout {
+        self.model.reduced.layout
+    }
+
+    /// Length of the state with so many changes.
+    pub(super) fn total(&self, changes: &[ChangePoint]) -> usize {
+        let more: usize = changes.iter().map(|c| c.kind.columns()).sum();
+        self.start.mean.len() + more
+    }
+
+    /// Mean before the recording; no change.
+    pub(super) fn origin(&self, total: usize) -> Vec<f64> {
+        let mut origin = self.start.mean.clone();
+        origin.resize(total, 0.0);
+        origin
+    }
+
+    /// When block `b` begins, s.
+    pub(super) fn start_of(&self, b: usize) -> f64 {
+        self.blocks[b].time_s - 0.5 * self.model.block_s
+    }
+
+    /// Equations of block `b` around an estimate.
+    pub(super) fn equations(
+        &self,
+        at: &MapEstimate,
+        b: usize,
+        content: Content,
+        out: &mut Equations,
+    ) {
+        let reduced = &self.model.reduced;
+        let n = reduced.layout.joints;
+        let joints = self.measured[b * n..(b + 1) * n].iter().copied();
+        let how = Linearisation {
+            reference_c: at.temperature_c,
+            changes: &at.changes,
+            motor: self.model.motor_torque,
+            content,
+        };
+        linearise(reduced, &self.blocks[b], joints, &how, &at.state, out);
+    }
+
+    /// Information of an equation of block `b` at full weight.
+    pub(super) fn information_of(&self, e: &Equation, at: &MapEstimate, b: usize) -> f64 {
+        1.0 / (variance(e, at) * self.inflation[b])
+    }
+
+    /// Inverse of the covariance before the recording, and of what each change may be.
+    pub(super) fn prior_information(&self, changes: &[ChangePoint], total: usize) -> Vec<f64> {
+        let d = self.start.mean.len();
+        let mut information = alloc::vec![0.0; total * total];
+        for (row, own) in information
+            .chunks_exact_mut(total)
+            .zip(self.information.chunks_exact(d))
+        {
+            row[..d].copy_from_slice(own);
+        }
+        let mut k = d;
+        for change in changes {
+            for deviation in self.deviations(change) {
+                information[k * total + k] = 1.0 / (deviation * deviation);
+                k += 1;
+            }
+        }
+        information
+    }
+
+    /// Negative gradient of the prior's share of the cost.
+    pub(super) fn prior_gradient(&self, at: &MapEstimate) -> Vec<f64> {
+        let d = self.start.mean.len();
+        let (state, changes) = at.state.split_at(d);
+        let from: Vec<f64> = state
+            .iter()
+            .zip(&self.start.mean)
+            .map(|(x, m)| m - x)
+            .collect();
+        let rows = self.information.chunks_exact(d);
+        let mut gradient: Vec<f64> = rows.map(|row| cholesky::dot(row, &from)).collect();
+        let deviations = at.changes.iter().flat_map(|c| self.deviations(c));
+        gradient.extend(changes.iter().zip(deviations).map(|(x, s)| -x / (s * s)));
+        gradient
+    }
+
+    /// Normal equations around `at`, with nothing but the prior in them yet.
+    pub(super) fn prior_equations(&self, at: &MapEstimate) -> NormalEquations {
+        let total = at.state.len();
+        let mut normal = NormalEquations::new(total, self.layout());
+        let prior = self.prior_information(&at.changes, total);
+        normal.start(&prior, &self.prior_gradient(at));
+        normal
+    }
+
+    /// What a change may be before the recording: standard deviations of its entries.
+    pub(super) fn deviations(&self, change: &ChangePoint) -> Vec<f64> {
+        match change.kind {
+            ChangeKind::Compliance(_) if self.is_before_recording(change) => {
+                alloc::vec![LOST_STIFFNESS.deviation]
+            }
+            kind => self.deviations_within(kind),
+        }
+    }
+
+    /// The same of a change within the recording.
+    pub(super) fn deviations_within(&self, kind: ChangeKind) -> Vec<f64> {
+        match kind {
+            ChangeKind::Offset(_) => alloc::vec![UNKNOWN_OFFSET_RAD],
+            ChangeKind::Compliance(_) => alloc::vec![STRAND],
+            ChangeKind::Payload => {
+                let prior = &self.model.prior;
+                let open = prior.payload_belief(Payload::Unknown);
+                let stated = prior.payload_belief(self.payload);
+                open.iter()
+                    .zip(&stated)
+                    .map(|(open, known)| {
+                        libm::hypot(libm::hypot(open.mean, open.deviation), known.mean)
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// Whether a change was there from the first block on.
+    pub(super) fn is_before_recording(&self, change: &ChangePoint) -> bool {
+        let first = self.blocks.first();
+        first.is_some_and(|first| change.at_s <= first.time_s)
+    }
+
+    /// Whether a change may be told at a time. A strand may have failed before the recording began,
+    /// and what goes on from a belief may have changed with its first block; an offset or a payload
+    /// that is open anyway may not.
+    pub(super) fn is_possible(&self, kind: ChangeKind, at_s: f64, scope: SearchScope) -> bool {
+        let early = scope.continues || matches!(kind, ChangeKind::Compliance(_));
+        let from_s = if early { 0.0 } else { EDGE_S };
+        let last = self.blocks.len() - 1;
+        (self.start_of(0) + from_s..self.start_of(last) - EDGE_S).contains(&at_s)
+    }
+}
+
+/// Mean square of a block's residuals over what they may be.
+pub(super) fn chi(equations: &Equations, at: &MapEstimate) -> f64 {
+    let squares = equations
+        .list
+        .iter()
+        .map(|e| e.residual * e.residual / variance(e, at));
+    squares.sum::<f64>() / equations.list.len().max(1) as f64
+}
+
+/// Variance of an equation's residual.
+fn variance(e: &Equation, at: &MapEstimate) -> f64 {
+    let noise = noise_of(e.joint, e.side, at);
+    noise * noise + e.added_deviation * e.added_deviation
+}
+
+/// Robust noise of a joint's equations.
+pub(super) fn noise_of(joint: usize, side: Side, at: &MapEstimate) -> f64 {
+    match side {
+        Side::Link => at.noise_rad[joint],
+        Side::Motor => at.motor_noise_nm[joint],
+    }
+}

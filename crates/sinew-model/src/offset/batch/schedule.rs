@@ -1,0 +1,96 @@
+//! Schedules of Gauss–Newton steps: scales of the redescending weight, and blocks that count.
+
+/// A Gauss–Newton step.
+pub(super) struct Step {
+    /// Scale of the redescending weight, in standard deviations.
+    pub(super) scale: f64,
+    /// Blocks the gradient is taken from.
+    pub(super) gradient: Sampling,
+    /// Blocks the information is taken from.
+    pub(super) information: Sampling,
+}
+
+/// A block whose weight is less, three standard deviations off in the mean, is an outlier.
+pub(super) const OUTLIER_WEIGHT: f64 = 0.25;
+
+impl Step {
+    /// Whether it starts from so far away that every block may be right.
+    pub(super) fn is_wide(&self) -> bool {
+        self.scale > 4.0
+    }
+}
+
+/// Blocks that a step goes through.
+#[derive(Clone, Copy)]
+pub(super) enum Sampling {
+    All,
+    /// One in [`THIN`].
+    Thinned,
+}
+
+/// Neighbours say much the same: their noise is correlated over half a second.
+pub(super) const THIN: usize = 3;
+
+impl Sampling {
+    /// Stride through so many blocks.
+    pub(super) fn every(self, blocks: usize) -> usize {
+        /// Fewer blocks than this are all taken.
+        const MANY: usize = 90;
+        match self {
+            Self::Thinned if blocks >= MANY => THIN,
+            _ => 1,
+        }
+    }
+}
+
+/// A step that only has to come near.
+const fn near(scale: f64) -> Step {
+    Step {
+        scale,
+        gradient: Sampling::Thinned,
+        information: Sampling::Thinned,
+    }
+}
+
+/// A step in the right direction, about as far as it should.
+const fn towards(scale: f64) -> Step {
+    Step {
+        scale,
+        gradient: Sampling::All,
+        information: Sampling::Thinned,
+    }
+}
+
+/// The last step.
+const fn onto(scale: f64) -> Step {
+    Step {
+        scale,
+        gradient: Sampling::All,
+        information: Sampling::All,
+    }
+}
+
+/// From the prior. The equations are so nearly linear that one step per scale is within 1 % of many.
+pub(super) const COLD_START: &[Step] = &[
+    near(40.0),
+    near(40.0),
+    near(20.0),
+    near(10.0),
+    near(6.0),
+    near(4.0),
+    towards(3.5),
+    towards(3.0),
+    towards(3.0),
+    onto(3.0),
+];
+/// From a start that is about right.
+pub(super) const ROUGH_START: &[Step] =
+    &[near(12.0), near(6.0), towards(3.5), towards(3.0), onto(3.0)];
+/// Enough to see whether a candidate deserves [`COARSE`], by one block in three.
+pub(super) const SCREENING: &[Step] = &[near(3.0)];
+/// Enough to see what a candidate takes off the cost of these blocks.
+pub(super) const COARSE: &[Step] = &[near(12.0), near(6.0), near(3.0)];
+/// From there to the end.
+pub(super) const REFINE: &[Step] = &[towards(3.5), towards(3.0), onto(3.0)];
+/// From the solution of nearly the same problem.
+pub(super) const WARM_START: &[Step] = &[towards(3.0), onto(3.0)];

@@ -1,0 +1,190 @@
+//! Beliefs between recordings: aged, merged, at another temperature, pooled over robots of a type.
+
+use super::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
+use super::error::MapError;
+use super::parameter::{JointParameter as P, PER_JOINT};
+use super::prior::Prior;
+use crate::arm::PARAMETERS_PER_BODY;
+use crate::cholesky;
+use alloc::vec::Vec;
+
+/// What changes from one day to the next is believed a little less: friction by a tenth of
+/// its tolerance, everything else but offsets and payload by a hundredth. A stiffness that fell
+/// by more is found as a change.
+///
+/// Variances add and stop at the prior's: a chain of recordings can't become surer of
+/// friction than friction is constant.
+pub fn age(prior: &Prior, belief: &mut Belief) {
+    const FRICTION: f64 = 0.1;
+    const OTHER: f64 = 0.01;
+    let d = prior.dimension();
+    if belief.covariance.len() != d * d {
+        return;
+    }
+    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    for k in 0..prior.payload_place() {
+        let within = k % PER_JOINT;
+        let in_joint = k < prior.body_start();
+        // The zero is what it was when the ropes were tensioned: what comes later is an offset.
+        let of_recording = [P::Offset, P::Slack, P::Stuck, P::Zero];
+        if in_joint && of_recording.iter().any(|p| within == *p as usize) {
+            continue;
+        }
+        let friction = in_joint
+            && (within == P::Coulomb as usize
+                || within == P::Viscous as usize
+                || within == P::LoadFriction as usize
+                || (P::MotorBias as usize..P::Slack as usize).contains(&within));
+        let share = if friction { FRICTION } else { OTHER };
+        let most = fresh.covariance[k * d + k];
+        let room = (most - belief.covariance[k * d + k]).max(0.0);
+        belief.covariance[k * d + k] += (share * share * most).min(room);
+    }
+}
+
+/// What `a` and `b` learned apart from `common`, which both started from, put together.
+///
+/// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once.
+/// Offsets and payload belong to a recording, the encoders' zero to a tensioning, not to the
+/// robot: they are opened in the result, as in `common`.
+///
+/// # Errors
+/// [`MapError`] when lengths or covariances are no beliefs of this robot.
+pub fn merge(prior: &Prior, common: &Belief, a: &Belief, b: &Belief) -> Result<Belief, MapError> {
+    let d = prior.dimension();
+    let mut inputs = [common.clone(), a.clone(), b.clone()];
+    for belief in &mut inputs {
+        belief.check_dimension(d)?;
+        prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+        prior.open_zero(belief);
+        prior.open_payload(belief, Payload::Unknown);
+    }
+    let (mut information, mut vector) = (alloc::vec![0.0; d * d], alloc::vec![0.0; d]);
+    for (belief, sign) in inputs.iter().zip([-1.0, 1.0, 1.0]) {
+        let part = cholesky::inverse(&belief.covariance, d).map_err(MapError::Prior)?;
+        for i in 0..d {
+            for k in 0..d {
+                information[i * d + k] += sign * part[i * d + k];
+                vector[i] += sign * part[i * d + k] * (belief.mean[k] - inputs[0].mean[k]);
+            }
+        }
+    }
+    let covariance = cholesky::inverse(&information, d).map_err(MapError::Prior)?;
+    let mut mean = inputs[0].mean.clone();
+    for i in 0..d {
+        for k in 0..d {
+            mean[i] += covariance[i * d + k] * vector[k];
+        }
+    }
+    Ok(Belief {
+        mean,
+        covariance,
+        temperature_c: common.temperature_c,
+    })
+}
+
+/// The same belief with offsets and stiffness referred to another temperature.
+///
+/// Compliance and zero are linear in temperature, so this is the exact linear map
+/// `δκ ← δκ + c_K Δ`, `delta_e ← delta_e + α_T Δ` on mean and covariance. A belief without a
+/// temperature, or a temperature that isn't one, stays as it is.
+pub fn refer_to(prior: &Prior, belief: &mut Belief, temperature_c: f64) {
+    let d = prior.dimension();
+    let warmer = temperature_c - belief.temperature_c;
+    if !warmer.is_finite() || belief.check_dimension(d).is_err() {
+        return;
+    }
+    for i in (0..prior.joints()).filter(|&i| prior.is_elastic(i)) {
+        for (to, from) in [(P::Compliance, P::Thermal), (P::Offset, P::Drift)] {
+            let (to, from) = (prior.place(i, to), prior.place(i, from));
+            belief.mean[to] += warmer * belief.mean[from];
+            for k in 0..d {
+                belief.covariance[to * d + k] += warmer * belief.covariance[from * d + k];
+            }
+            for k in 0..d {
+                belief.covariance[k * d + to] += warmer * belief.covariance[k * d + from];
+            }
+        }
+    }
+    belief.temperature_c = temperature_c;
+}
+
+/// What is believed of a further robot of a type after `parts` have each taught something about
+/// theirs: `(before, after)` per robot.
+///
+/// Only the bodies' inertial parameters are shared. Robot `k` has `π_k = π + e_k` with
+/// `e_k ~ N(0, S)`, `S` the square of `alike` times the data sheet's deviation; everything else
+/// (offsets, stiffness, friction, encoders, motors) is each robot's own and stays as before any
+/// recording. With the marginal information `L_k = C_after⁻¹ − C_before⁻¹` of a robot's bodies
+/// about `π_k`, that about `π` is `L_k − L_k (L_k + S⁻¹)⁻¹ L_k`; it adds to the prior's, and the
+/// further robot's own difference adds `S` to the covariance.
+///
+/// # Errors
+/// [`MapError`] when a belief is of another robot or no covariance.
+pub fn pool_bodies(prior: &Prior, parts: &[[Belief; 2]], alike: f64) -> Result<Belief, MapError> {
+    // Nothing is alike to more than a thousandth of its tolerance.
+    let alike = alike.max(1e-3);
+    let (d, from) = (prior.dimension(), prior.body_start());
+    let m = prior.joints() * PARAMETERS_PER_BODY;
+    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
+    let bodies = |belief: &Belief| {
+        let mut block = alloc::vec![0.0; m * m];
+        for i in 0..m {
+            let line = &belief.covariance[(from + i) * d + from..][..m];
+            block[i * m..(i + 1) * m].copy_from_slice(line);
+        }
+        block
+    };
+    let times = |a: &[f64], x: &[f64]| -> Vec<f64> {
+        a.chunks_exact(m)
+            .map(|line| line.iter().zip(x).map(|(a, x)| a * x).sum())
+            .collect()
+    };
+    let inverse = |a: &[f64]| cholesky::inverse(a, m).map_err(MapError::Prior);
+    let before_any = bodies(&fresh);
+    let scatter: Vec<f64> = (0..m)
+        .map(|i| alike * alike * before_any[i * m + i])
+        .collect();
+    let mut information = inverse(&before_any)?;
+    let mut vector = alloc::vec![0.0; m];
+    for [before, after] in parts {
+        for belief in [before, after] {
+            belief.check_dimension(d)?;
+        }
+        let (then, now) = (inverse(&bodies(before))?, inverse(&bodies(after))?);
+        let learned: Vec<f64> = now.iter().zip(&then).map(|(a, b)| a - b).collect();
+        let mut pull = times(&now, &after.mean[from..from + m]);
+        for (p, t) in pull
+            .iter_mut()
+            .zip(times(&then, &before.mean[from..from + m]))
+        {
+            *p -= t;
+        }
+        let mut widened = learned.clone();
+        for i in 0..m {
+            widened[i * m + i] += 1.0 / scatter[i];
+        }
+        let widened = inverse(&widened)?;
+        // L (L + S⁻¹)⁻¹, row by row: all three are symmetric.
+        for i in 0..m {
+            let share = times(&widened, &learned[i * m..(i + 1) * m]);
+            vector[i] += pull[i] - share.iter().zip(&pull).map(|(s, p)| s * p).sum::<f64>();
+            for (k, taken) in times(&learned, &share).iter().enumerate() {
+                information[i * m + k] += learned[i * m + k] - taken;
+            }
+        }
+    }
+    let covariance = inverse(&information)?;
+    let mean = times(&covariance, &vector);
+    let mut out = fresh;
+    for i in 0..m {
+        out.mean[from + i] = mean[i];
+        for k in 0..m {
+            let own = if i == k { scatter[i] } else { 0.0 };
+            // What rounding leaves unsymmetric is no information.
+            let both = 0.5 * (covariance[i * m + k] + covariance[k * m + i]);
+            out.covariance[(from + i) * d + from + k] = both + own;
+        }
+    }
+    Ok(out)
+}

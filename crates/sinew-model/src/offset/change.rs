@@ -1,0 +1,104 @@
+//! Sudden changes within a recording.
+
+use super::layout::Layout;
+use super::parameter::{JointParameter, PAYLOAD};
+use alloc::vec::Vec;
+
+/// What changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChangeKind {
+    /// Offset of a joint: a slip of rope or encoder, a re-tensioning.
+    Offset(usize),
+    /// Compliance of a joint: a failed strand, with the offset of that joint.
+    Compliance(usize),
+    /// What the gripper holds.
+    Payload,
+}
+
+impl ChangeKind {
+    /// Entries of the state it changes.
+    pub(crate) fn columns(self) -> usize {
+        match self {
+            Self::Offset(_) | Self::Compliance(_) => 1,
+            Self::Payload => PAYLOAD,
+        }
+    }
+
+    /// First entry of the state it changes.
+    pub(crate) fn place(self, layout: Layout) -> usize {
+        match self {
+            Self::Offset(joint) => layout.place(joint, JointParameter::Offset),
+            Self::Compliance(joint) => layout.place(joint, JointParameter::Compliance),
+            Self::Payload => layout.payload_place(),
+        }
+    }
+}
+
+/// A change from a time to the end of the recording; changes of the same thing add up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChangePoint {
+    /// What changes.
+    pub kind: ChangeKind,
+    /// When, s.
+    pub at_s: f64,
+}
+
+impl ChangePoint {
+    /// Whether this is the loss of stiffness that was opened with `slip`.
+    pub(crate) fn accompanies(&self, slip: &Self) -> bool {
+        self.at_s == slip.at_s
+            && matches!((self.kind, slip.kind), (ChangeKind::Compliance(a), ChangeKind::Offset(b)) if a == b)
+    }
+}
+
+/// Which changes a search looks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchScope {
+    /// Slips and failed strands.
+    pub offsets: bool,
+    /// Payloads picked up or put down.
+    pub payload: bool,
+    /// Whether the data goes on from where the belief ends: a change may come with its first
+    /// block then.
+    pub continues: bool,
+}
+
+/// Entries of the state that add up to a joint's offset at a time: its own, and every change to it
+/// up to then.
+pub(crate) fn offset_columns(
+    layout: Layout,
+    changes: &[ChangePoint],
+    joint: usize,
+    time_s: f64,
+) -> Vec<usize> {
+    let mut columns = alloc::vec![layout.place(joint, JointParameter::Offset)];
+    let mut column = layout.dimension();
+    for change in changes {
+        if change.kind == ChangeKind::Offset(joint) && change.at_s <= time_s {
+            columns.push(column);
+        }
+        column += change.kind.columns();
+    }
+    columns
+}
+
+/// All changes but the `k`-th and the stiffness it took along.
+pub(crate) fn without(changes: &[ChangePoint], k: usize) -> Vec<ChangePoint> {
+    let gone = changes[k];
+    let changes = changes.iter().copied();
+    changes
+        .filter(|c| *c != gone && !c.accompanies(&gone))
+        .collect()
+}
+
+/// The changes with the `k`-th, and the stiffness that goes with it, at another time.
+pub(crate) fn moved(changes: &[ChangePoint], k: usize, at_s: f64) -> Vec<ChangePoint> {
+    let mut moved = changes.to_vec();
+    for change in &mut moved {
+        if change.accompanies(&changes[k]) {
+            change.at_s = at_s;
+        }
+    }
+    moved[k].at_s = at_s;
+    moved
+}

@@ -1,0 +1,75 @@
+//! What an estimate from blocks rests on: the robot's prior and what blocks are like.
+
+use super::equation::Equations;
+use super::linearise::{Content, Linearisation, linearise};
+use super::measured::Measured;
+use super::reduced_model::ReducedModel;
+use crate::offset::block::Block;
+use crate::offset::change::ChangePoint;
+use crate::offset::config::FeatureConfig;
+use crate::offset::prior::Prior;
+
+/// Prior of a robot, and noise and lag of blocks made of its recordings. Batch and recursive form
+/// share it.
+#[derive(Debug, Clone)]
+pub(crate) struct EstimationModel {
+    pub(crate) prior: Prior,
+    /// What blocks can tell apart.
+    pub(crate) reduced: ReducedModel,
+    /// Variance of a block's mean over that of independent noise: correlation time over length.
+    pub(crate) inflation: f64,
+    pub(crate) block_s: f64,
+    /// By how much blocks lag behind what happens, s.
+    pub(crate) delay_s: f64,
+    /// No joint is trusted to better than this, rad.
+    pub(crate) noise_floor_rad: f64,
+    /// Whether a recorded motor torque is used.
+    pub(crate) motor_torque: bool,
+}
+
+impl EstimationModel {
+    pub(crate) fn new(prior: Prior, features: &FeatureConfig) -> Self {
+        /// Friction stays for a stroke.
+        const STROKE_S: f64 = 0.3;
+        // Two time constants of the low-pass every signal has gone through, and a stroke.
+        let correlation_s = 2.0 / features.gain_per_s + STROKE_S;
+        Self {
+            reduced: ReducedModel::new(&prior),
+            prior,
+            inflation: (correlation_s / features.block_s).max(1.0),
+            block_s: features.block_s,
+            delay_s: features.delay_s(),
+            noise_floor_rad: 0.12e-3,
+            motor_torque: true,
+        }
+    }
+
+    /// Equations of a block around a state of the reduced model, then the entries of `changes`.
+    /// Never allocates.
+    pub(crate) fn linearise(
+        &self,
+        block: &Block,
+        reference_c: f64,
+        changes: &[ChangePoint],
+        x: &[f64],
+        out: &mut Equations,
+    ) {
+        let joints = (0..self.reduced.layout.joints).map(|i| Measured::of(&self.reduced, block, i));
+        let how = Linearisation {
+            reference_c,
+            changes,
+            motor: self.motor_torque,
+            content: Content::Rows,
+        };
+        linearise(&self.reduced, block, joints, &how, x, out);
+    }
+
+    /// Least noise of a motor equation, N·m: ripple and what a friction law leaves.
+    pub(crate) fn motor_floor(&self, i: usize) -> f64 {
+        const PART: f64 = 0.1;
+        let joint = self.prior.joints.get(i).and_then(Option::as_ref);
+        joint.map_or(1.0, |j| {
+            (PART * j.drive_coulomb_nm()).max(1e-4 * j.stiffness_nm_per_rad)
+        })
+    }
+}

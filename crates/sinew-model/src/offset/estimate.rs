@@ -1,0 +1,190 @@
+//! What an estimate from one recording says.
+
+use super::belief::Belief;
+use super::change::{ChangePoint, offset_columns};
+use super::prior::Prior;
+use crate::{Gaussian, Interval95};
+use alloc::vec::Vec;
+
+/// Stiffness that may have changed since what was believed before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StiffnessChange {
+    /// Posterior probability that it has.
+    pub probability: f64,
+    /// By how much the compliance rose if it has, over nominal.
+    pub softening: Gaussian,
+}
+
+/// Posterior of a change found within a recording: whether it happened, and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChangePosterior {
+    /// The change at the time the blocks, which lag, show it.
+    pub change: ChangePoint,
+    /// When it happened, s: that time less the lag ([`FeatureConfig::delay_s`](super::FeatureConfig::delay_s)).
+    pub time_s: f64,
+    /// Probability that it happened, 0…1.
+    pub probability: f64,
+    /// Probability that it is no noise, whatever it is.
+    pub probability_not_noise: f64,
+    /// 95 % interval of `time_s`.
+    pub interval_s: Interval95,
+}
+
+/// Why the last descent of an estimate ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Termination {
+    /// The last step was shorter than a tenth of a posterior standard deviation.
+    SmallStep,
+    /// The schedule of steps was over while the state still moved.
+    ScheduleEnd,
+}
+
+/// How the last descent to an estimate ended.
+///
+/// The Gauss–Newton steps are a fixed schedule, because the equations are nearly linear: the
+/// numbers do not depend on how it ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Convergence {
+    /// Why it ended.
+    pub termination: Termination,
+    /// Gauss–Newton steps taken.
+    pub iterations: usize,
+    /// Length of the last step in posterior standard deviations (the Newton decrement).
+    pub last_step: f64,
+    /// Half the robust chi-square of data and prior at its end.
+    pub cost: f64,
+}
+
+impl Convergence {
+    /// Of a descent whose last step had the Newton decrement `last_step`.
+    pub(crate) fn new(iterations: usize, last_step: f64, cost: f64) -> Self {
+        /// Beside what isn't known, such a step is nothing.
+        const SMALL: f64 = 0.1;
+        Self {
+            termination: if last_step < SMALL {
+                Termination::SmallStep
+            } else {
+                Termination::ScheduleEnd
+            },
+            iterations,
+            last_step,
+            cost,
+        }
+    }
+}
+
+/// The posterior.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapEstimate {
+    /// Changes within the recording.
+    pub changes: Vec<ChangePoint>,
+    /// State of the robot as [`Prior`] lays it out, then the entries of every change.
+    pub state: Vec<f64>,
+    /// Their covariance, row-major.
+    pub covariance: Vec<f64>,
+    /// Temperature the offsets refer to, °C; NaN where unknown.
+    pub temperature_c: f64,
+    /// Robust noise of each joint's link equation, rad.
+    pub noise_rad: Vec<f64>,
+    /// Robust noise of each joint's motor equation, N·m.
+    pub motor_noise_nm: Vec<f64>,
+    /// Weight of each block, 0 (left out) to 1.
+    pub weights: Vec<f64>,
+    /// How the descent to it ended, with the cost there.
+    pub convergence: Convergence,
+    /// Whether each joint's stiffness has changed since what was believed before; `None` where that
+    /// isn't sought.
+    pub stiffness_changes: Vec<Option<StiffnessChange>>,
+    /// Posterior of each change that was found ([`MapEstimate::posterior`]).
+    pub posteriors: Vec<ChangePosterior>,
+}
+
+impl MapEstimate {
+    /// Offset of a joint at the end of the recording, rad.
+    pub fn offset(&self, prior: &Prior, joint: usize) -> Gaussian {
+        self.offset_at(prior, joint, f64::INFINITY)
+    }
+
+    /// Offset of a joint at a time, s; rad.
+    pub fn offset_at(&self, prior: &Prior, joint: usize, time_s: f64) -> Gaussian {
+        self.sum(&offset_columns(
+            prior.layout(),
+            &self.changes,
+            joint,
+            time_s,
+        ))
+    }
+
+    /// Size of change `k`; of a payload its mass, kg.
+    pub fn change(&self, prior: &Prior, k: usize) -> Gaussian {
+        let before: usize = self.changes[..k].iter().map(|c| c.kind.columns()).sum();
+        self.sum(&[prior.dimension() + before])
+    }
+
+    /// Posterior of a change within the recording; of a loss of stiffness that came with a slip,
+    /// the slip's. `None` where changes were given, not sought, and for what changed before the
+    /// recording.
+    pub fn posterior(&self, change: &ChangePoint) -> Option<&ChangePosterior> {
+        let mut all = self.posteriors.iter();
+        all.find(|p| p.change == *change || change.accompanies(&p.change))
+    }
+
+    /// Sum of entries of the state.
+    fn sum(&self, columns: &[usize]) -> Gaussian {
+        let total = self.state.len();
+        let (mut mean, mut variance) = (0.0, 0.0);
+        for &i in columns {
+            mean += self.state[i];
+            for &k in columns {
+                variance += self.covariance[i * total + k];
+            }
+        }
+        Gaussian::new(mean, libm::sqrt(variance))
+    }
+
+    /// What is believed of the robot at the end of the recording: every change has become part of
+    /// what it changed.
+    pub fn belief(&self, prior: &Prior) -> Belief {
+        let mut all = self.clone();
+        all.fold(prior, |_| true);
+        Belief {
+            mean: all.state,
+            covariance: all.covariance,
+            temperature_c: all.temperature_c,
+        }
+    }
+
+    /// Makes some changes part of what they changed.
+    pub(crate) fn fold(&mut self, prior: &Prior, which: impl Fn(&ChangePoint) -> bool) {
+        let (d, total) = (prior.dimension(), self.state.len());
+        // Place each column adds to.
+        let mut places: Vec<usize> = (0..d).collect();
+        let mut left = d;
+        for change in &self.changes {
+            let columns = change.kind.columns();
+            let base = if which(change) {
+                change.kind.place(prior.layout())
+            } else {
+                left += columns;
+                left - columns
+            };
+            places.extend(base..base + columns);
+        }
+        let (mut mean, mut covariance) = (alloc::vec![0.0; left], alloc::vec![0.0; left * left]);
+        for (i, &to_i) in places.iter().enumerate() {
+            mean[to_i] += self.state[i];
+            for (k, &to_k) in places.iter().enumerate() {
+                covariance[to_i * left + to_k] += self.covariance[i * total + k];
+            }
+        }
+        self.changes.retain(|change| !which(change));
+        (self.state, self.covariance) = (mean, covariance);
+    }
+}
