@@ -84,6 +84,7 @@ class Rules:
         self.dropped = [dict(r, match=pattern(r["old"])) for r in rules.get("dropped", [])]
         self.value = rules.get("value", [])
         self.normalise = [dict(r, match=re.compile(r["match"])) for r in rules.get("normalise", [])]
+        self.sort = rules.get("sort", [])
         self.explained = rules.get("explained", [])
         self.used = set()
 
@@ -350,6 +351,9 @@ def compare_file(old, new, rules, outcome, file):
     if old_tree is None and Path(file).suffix == ".csv" and any(True for _ in rules.of("rename", outcome.case, file)):
         old_tree, new_tree = table(old), table(new)
     if isinstance(old_tree, (dict, list)) and isinstance(new_tree, (dict, list)):
+        for _, rule in rules.of("sort", outcome.case, file):
+            for tree in (old_tree, new_tree):
+                tree.sort(key=lambda d: [d.get(k, "") for k in rule["by"]] if rule["by"][0] in d else [])
         compare_trees(old_tree, new_tree, rules, outcome, file)
     else:
         if file.endswith((".html", ".svg")):
