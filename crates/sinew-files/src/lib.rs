@@ -27,5 +27,5 @@ pub use bound::Bound;
 pub use json::JsonDocument;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
-pub use section::{Document, Section, Value};
+pub use section::{Section, TomlFile, Value};
 pub use text::read_text;

@@ -85,10 +85,10 @@ impl Located {
         }))
     }
 
-    /// On a line, from 1.
+    /// On a line, from 1; 0: unknown.
     #[must_use]
     pub fn line(mut self, line: u64) -> Self {
-        self.0.line = Some(line);
+        self.0.line = Some(line).filter(|line| *line > 0);
         self
     }
 

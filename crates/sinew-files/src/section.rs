@@ -9,13 +9,13 @@ use toml::de::{DeTable, DeValue};
 
 /// A TOML file.
 #[derive(Debug)]
-pub struct Document<'t> {
+pub struct TomlFile<'t> {
     file: &'t str,
     text: &'t str,
     table: Spanned<DeTable<'t>>,
 }
 
-impl<'t> Document<'t> {
+impl<'t> TomlFile<'t> {
     /// Parses a text; `file` is its name for messages.
     ///
     /// # Errors
@@ -41,6 +41,7 @@ impl<'t> Document<'t> {
             table: self.table.get_ref(),
             start: 0,
             asked: RefCell::default(),
+            lacking: RefCell::default(),
         }
     }
 
@@ -57,7 +58,7 @@ fn line_at(text: &str, byte: usize) -> u64 {
 /// A value and its place.
 #[derive(Debug, Clone)]
 pub struct Value<'d> {
-    doc: &'d Document<'d>,
+    doc: &'d TomlFile<'d>,
     path: String,
     value: &'d Spanned<DeValue<'d>>,
 }
@@ -208,6 +209,7 @@ impl<'d> Value<'d> {
             table: table.ok_or_else(|| self.not_a("a table"))?,
             start: self.value.span().start,
             asked: RefCell::default(),
+            lacking: RefCell::default(),
         })
     }
 }
@@ -215,11 +217,13 @@ impl<'d> Value<'d> {
 /// One table of the file; remembers which keys were asked for, and refuses the others.
 #[derive(Debug)]
 pub struct Section<'d> {
-    doc: &'d Document<'d>,
+    doc: &'d TomlFile<'d>,
     path: String,
     table: &'d DeTable<'d>,
     start: usize,
     asked: RefCell<Vec<&'static str>>,
+    /// The first key that is needed and not there.
+    lacking: RefCell<Option<Located>>,
 }
 
 impl<'d> Section<'d> {
@@ -291,12 +295,22 @@ impl<'d> Section<'d> {
         text.transpose()
     }
 
-    /// A text that has to be there; `why` says what it is for.
+    /// A text that has to be there, as [`Section::needed`]; `why` says what it is for.
     ///
     /// # Errors
-    /// As [`Value::text`], or missing.
+    /// As [`Value::text`].
     pub fn need_text(&self, key: &'static str, why: &str) -> Result<String, Located> {
-        self.text(key)?.ok_or_else(|| self.missing(key, why))
+        Ok(self.needed(self.text(key)?, key, why, String::new()))
+    }
+
+    /// What was read at `key`; where nothing was, `instead`, and [`Section::whole`] refuses the section
+    /// at its end. So a key that is misspelt is told as such, not as missing.
+    pub fn needed<T>(&self, read: Option<T>, key: &'static str, why: &str, instead: T) -> T {
+        read.unwrap_or_else(|| {
+            let mut lacking = self.lacking.borrow_mut();
+            lacking.get_or_insert_with(|| self.missing(key, why));
+            instead
+        })
     }
 
     /// One of the words there are, and what it stands for.
@@ -358,34 +372,30 @@ impl<'d> Section<'d> {
             .collect()
     }
 
-    /// Reads the section and refuses what `read` didn't ask for.
+    /// Reads the section; refuses what `read` didn't ask for, then what it needed and is not there.
     ///
     /// # Errors
-    /// As [`Section::read`].
+    /// As [`Section::read`]; [`Fault::UnknownKey`] with the nearest key and all there are;
+    /// [`Fault::MissingKey`].
     pub fn whole<T, E: From<Located>>(
         &self,
         read: impl FnOnce(&Section<'d>) -> Result<T, E>,
     ) -> Result<T, E> {
-        let value = read(self)?;
-        self.finish()?;
-        Ok(value)
-    }
-
-    /// Refuses what nobody asked for.
-    ///
-    /// # Errors
-    /// [`Fault::UnknownKey`] with the nearest key and all there are.
-    pub fn finish(&self) -> Result<(), Located> {
+        let value = read(self);
+        let lacking = self.lacking.take();
+        if value.is_err() && lacking.is_none() {
+            return value;
+        }
         let mut known = self.asked.borrow().clone();
         known.sort_unstable();
         known.dedup();
-        let stranger = self
-            .entries()
-            .into_iter()
-            .find(|(name, ..)| !known.contains(name));
-        match stranger {
-            None => Ok(()),
-            Some((name, line, _)) => Err(self.unknown(name, line, &known)),
+        let entries = self.entries();
+        match entries.iter().find(|(name, ..)| !known.contains(name)) {
+            Some((name, line, _)) => Err(self.unknown(name, *line, &known).into()),
+            None => match lacking {
+                Some(lacking) => Err(lacking.into()),
+                None => value,
+            },
         }
     }
 
@@ -414,6 +424,11 @@ impl Fields for Section<'_> {
         self.value(key).map(|v| v.number(bound)).transpose()
     }
 
+    /// As [`Section::needed`], with NaN instead.
+    fn need(&self, key: &'static str, bound: Bound, why: &str) -> Result<f64, Located> {
+        Ok(self.needed(self.number(key, bound)?, key, why, f64::NAN))
+    }
+
     fn refuse(&self, key: &'static str, must: &str) -> Located {
         match self.value(key) {
             Some(value) => value.refuse(must),
@@ -434,7 +449,7 @@ mod tests {
 
     #[test]
     fn every_fault_has_its_place_value_unit_and_cure() {
-        let doc = Document::parse(TEXT, "a.toml").unwrap();
+        let doc = TomlFile::parse(TEXT, "a.toml").unwrap();
         let root = doc.root();
         let said = |error: Located| error.to_string();
         let mode = root
@@ -462,11 +477,20 @@ mod tests {
             said(arm.missing("mass_kg", "how heavy it is")),
             "a.toml, line 3: arm: mass_kg is missing: how heavy it is"
         );
+        let whole = root.whole(|s| s.need("length_m", Bound::Any, "how long it is"));
         assert_eq!(
-            said(root.finish().unwrap_err()),
-            "a.toml, line 1: unknown key 'mod'; did you mean 'mode'? known are arm, mode"
+            said(whole.unwrap_err()),
+            "a.toml, line 1: unknown key 'mod'; did you mean 'mode'? known are arm, length_m, mode"
         );
-        let error = Document::parse("a = \n", "b.toml").unwrap_err();
+        let joint = arm.each("joint", |s| {
+            s.value("q_rad");
+            s.need("length_m", Bound::Any, "how long it is")
+        });
+        assert_eq!(
+            said(joint.unwrap_err()),
+            "a.toml, line 7: arm.joint[0]: length_m is missing: how long it is"
+        );
+        let error = TomlFile::parse("a = \n", "b.toml").unwrap_err();
         assert_eq!((error.line, error.fault), (Some(1), Fault::Syntax));
     }
 }

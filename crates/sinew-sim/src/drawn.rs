@@ -6,6 +6,7 @@ use super::plant::Drive;
 use super::scenario::{FrictionSpec, OffsetKind, PerJoint, Scenario, Shape, interpolate};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use sinew_files::{Fault, Located, names};
 use sinew_model::arm::{Arm, BodyInertia};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Transmission;
@@ -76,22 +77,20 @@ impl DrawnTemperature {
 pub(super) fn unknown(
     robot: &Robot,
     scenario: &Scenario,
-    line: usize,
+    line: u64,
     what: &'static str,
     name: &str,
 ) -> SimulateError {
-    let known = match what {
-        "link" => robot.arm.link_names().collect::<Vec<_>>().join(", "),
-        _ => robot.joint_names().join(", "),
+    let known: Vec<&str> = match what {
+        "link" => robot.arm.link_names().collect(),
+        _ => robot.joint_names().iter().map(String::as_str).collect(),
     };
-    SimulateError::Unknown {
-        file: scenario.file.clone(),
-        line,
-        what,
-        name: name.into(),
-        robot: robot.name.clone(),
-        known,
-    }
+    let hint = names::hint(name, &known);
+    let problem = format!("{what} '{name}' is not in robot '{}'{hint}", robot.name);
+    let problem = format!("{problem} it has {}", known.join(", "));
+    Located::new(&scenario.file, Fault::UnknownName, problem)
+        .line(line)
+        .into()
 }
 
 /// Every joint and link the scenario names must be the robot's.

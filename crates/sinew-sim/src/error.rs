@@ -4,82 +4,9 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulateError {
-    /// The operating system refused.
-    #[error("{file}: can't {action}: {source}")]
-    Io {
-        /// File at fault.
-        file: String,
-        /// What was tried.
-        action: &'static str,
-        /// The system's word.
-        source: std::io::Error,
-    },
-    /// Not TOML.
-    #[error("{file}: {message}")]
-    Toml {
-        /// Name of the file.
-        file: String,
-        /// What the parser says, with line and column.
-        message: String,
-    },
-    /// A key that means nothing here.
-    #[error("{file}, line {line}: '{key}' is not a key of {section}; it takes {known}")]
-    UnknownKey {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Key found.
-        key: String,
-        /// Where it stands.
-        section: String,
-        /// Keys there are.
-        known: String,
-    },
-    /// A value that can't be, or is of the wrong type.
-    #[error("{file}, line {line}: {key} = {value}: {why}")]
-    Value {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Full key, with the unit in its name.
-        key: String,
-        /// Value found, as written.
-        value: String,
-        /// What it must be.
-        why: String,
-    },
-    /// A key that is needed and isn't there.
-    #[error("{file}, line {line}: {section} needs {key}: {why}")]
-    Missing {
-        /// Name of the file.
-        file: String,
-        /// Line of the section, from 1.
-        line: usize,
-        /// Where it is missing.
-        section: String,
-        /// The key.
-        key: String,
-        /// What it is for.
-        why: String,
-    },
-    /// A joint or link the robot doesn't have.
-    #[error("{file}, line {line}: {what} '{name}' is not in robot '{robot}'; it has {known}")]
-    Unknown {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// `joint` or `link`.
-        what: &'static str,
-        /// Name found.
-        name: String,
-        /// Robot's name.
-        robot: String,
-        /// Names there are.
-        known: String,
-    },
+    /// A scenario that can't be, with its place.
+    #[error(transparent)]
+    File(#[from] sinew_files::Located),
     /// A robot that can't be simulated.
     #[error("robot '{robot}': joint '{joint}' {why}")]
     Robot {

@@ -46,7 +46,7 @@ impl Trajectory {
         names: &[String],
         limits: &[(f64, f64)],
         mut rng: ChaCha8Rng,
-        unknown: impl Fn(usize, &str) -> SimulateError,
+        unknown: impl Fn(u64, &str) -> SimulateError,
     ) -> Result<Self, SimulateError> {
         let n = names.len();
         let zero = vec![0.0; n];

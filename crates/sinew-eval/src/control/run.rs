@@ -3,6 +3,7 @@
 use super::score::{AFTERMATH_S, ContactScore, JointTally, SETTLED_S, Score};
 use super::watch::{Watch, WatchedMoment};
 use serde::Serialize;
+use sinew_files::{Fault, Located};
 use sinew_model::correction::JointCorrection;
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, Truth};
@@ -47,14 +48,9 @@ type Show<'a> = &'a mut dyn FnMut(&TrueState, WatchedMoment<'_>);
 /// [`SimulateError`]; a scenario without a correction is refused.
 pub fn compare(robot: &Robot, scenario: &Scenario) -> Result<Comparison, SimulateError> {
     if scenario.correction.offset == KnownOffset::Nothing {
-        return Err(SimulateError::Missing {
-            file: scenario.file.clone(),
-            line: 1,
-            section: "[correction]".into(),
-            key: "offset".into(),
-            why: "\"true\", or \"stated\" with offset_rad or estimate: there is nothing to compare"
-                .into(),
-        });
+        let problem = "offset is missing, so there is nothing to compare; it is \"true\", or \"stated\" with offset_rad or estimate";
+        let located = Located::new(&scenario.file, Fault::MissingKey, problem);
+        return Err(located.key("correction").into());
     }
     let noise = noise_nm(robot, scenario)?;
     let mut blind = scenario.clone();

@@ -3,7 +3,7 @@
 use super::ScenarioError;
 use super::adapted::{ADAPTABLE, adapt};
 use sinew_model::robot::{Robot, RobotFile};
-use sinew_sim::Scenario;
+use sinew_sim::{Scenario, SimulateError};
 use toml::{Table, Value};
 
 /// What runs when nothing is named.
@@ -144,7 +144,8 @@ impl Plan {
             name: name.into(),
             why: e.to_string(),
         })?;
-        let scenario = Scenario::from_toml(&text, &format!("scenario {name}"))?;
+        let scenario =
+            Scenario::from_toml(&text, &format!("scenario {name}")).map_err(SimulateError::from)?;
         Self::with(scenario, text, name, robot)
     }
 

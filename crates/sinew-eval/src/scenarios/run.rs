@@ -6,7 +6,7 @@ use crate::journal;
 use crate::journal::Journal;
 use sinew_estimate::hands::Processors;
 use sinew_estimate::robot_dir;
-use sinew_sim::Scenario;
+use sinew_sim::{Scenario, SimulateError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -159,14 +159,14 @@ fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
     Ok(plans)
 }
 
+/// Largest scenario read, bytes: written by hand.
+const SCENARIO_BYTES_MAX: u64 = 4 << 20;
+
 /// A scenario from a file, with the robot that is given or the one it names.
 fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Text {
-        name: file.clone(),
-        why: format!("can't read: {error}"),
-    })?;
-    let mut scenario = Scenario::from_toml(&text, &file)?;
+    let text = sinew_files::read_text(path, SCENARIO_BYTES_MAX).map_err(SimulateError::from)?;
+    let mut scenario = Scenario::from_toml(&text, &file).map_err(SimulateError::from)?;
     let beside = path.parent().unwrap_or(Path::new(""));
     scenario.correction.read_estimate(beside)?;
     let robot = match (robot, &scenario.robot) {

@@ -1,10 +1,10 @@
 //! What a scenario says about correcting for the stretch: `[correction]`, `[contact_detection]`.
 
-use super::super::SimulateError;
 use super::draw::{Draw, PerJoint};
 use super::read::per;
-use super::table::{Bound, Section};
+use crate::simulate::SimulateError;
 use serde_json::Value;
+use sinew_files::{Bound, Fields as _, Located, Section};
 use std::path::Path;
 
 /// Which offset is known.
@@ -51,7 +51,7 @@ pub struct Correction {
     /// An answer of `sinew estimate --json`, relative to the scenario; becomes `Stated` when read.
     pub estimate: Option<String>,
     /// Line of `estimate` in the file.
-    pub estimate_line: usize,
+    pub estimate_line: u64,
 }
 
 impl Correction {
@@ -174,7 +174,7 @@ impl Default for ContactDetection {
     }
 }
 
-pub(super) fn correction(s: &Section<'_>) -> Result<Correction, SimulateError> {
+pub(super) fn correction(s: &Section<'_>) -> Result<Correction, Located> {
     let known = |given: bool| {
         if given {
             KnownOffset::Stated
@@ -219,9 +219,9 @@ pub(super) fn correction(s: &Section<'_>) -> Result<Correction, SimulateError> {
     })
 }
 
-pub(super) fn contact_detection(s: &Section<'_>) -> Result<ContactDetection, SimulateError> {
+pub(super) fn contact_detection(s: &Section<'_>) -> Result<ContactDetection, Located> {
     let plain = ContactDetection::default();
-    let number = |key, bound, plain: f64| -> Result<f64, SimulateError> {
+    let number = |key, bound, plain: f64| -> Result<f64, Located> {
         Ok(s.number(key, bound)?.unwrap_or(plain))
     };
     let share = Bound::Within(0.0, 1.0);

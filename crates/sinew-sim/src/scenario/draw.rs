@@ -1,10 +1,10 @@
 //! Values that are given or drawn, and the random streams they are drawn from.
 
-use super::table::Bound;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use sinew_files::{Bound, Fields as _, Located, Section, Value};
 
 /// A number of a scenario: given, or drawn once per recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,7 @@ pub struct PerJoint {
     /// For every joint that isn't named.
     pub all: Option<Draw>,
     /// Joint, its line in the file (0 when made in code), and its draw.
-    pub by_joint: Vec<(String, usize, Draw)>,
+    pub by_joint: Vec<(String, u64, Draw)>,
 }
 
 impl PerJoint {
@@ -128,4 +128,90 @@ pub fn rng(seed: u64, stream: Stream) -> ChaCha8Rng {
 /// A standard normal number.
 pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
+}
+
+/// The scenario's own ways to write a value.
+pub(super) trait Keys {
+    /// A number, `{ min, max }` (uniform) or `{ mean, std }` (normal).
+    fn draw(&self, key: &'static str, bound: Bound) -> Result<Option<Draw>, Located>;
+
+    /// One draw for all joints, or `{ joint = draw, … }`.
+    fn per_joint(&self, key: &'static str, bound: Bound) -> Result<Option<PerJoint>, Located>;
+
+    /// `[[time, value], …]` with times that rise.
+    fn pairs(&self, key: &'static str, bound: Bound) -> Result<Option<Vec<(f64, f64)>>, Located>;
+}
+
+impl Keys for Section<'_> {
+    fn draw(&self, key: &'static str, bound: Bound) -> Result<Option<Draw>, Located> {
+        self.value(key).map(|v| draw_of(&v, bound)).transpose()
+    }
+
+    fn per_joint(&self, key: &'static str, bound: Bound) -> Result<Option<PerJoint>, Located> {
+        let Some(value) = self.value(key) else {
+            return Ok(None);
+        };
+        let entries = match value.is_table() {
+            true => value.section()?.entries(),
+            false => Vec::new(),
+        };
+        let is_draw = |name: &str| matches!(name, "min" | "max" | "mean" | "std");
+        if !value.is_table() || entries.iter().any(|(name, ..)| is_draw(name)) {
+            return Ok(Some(PerJoint {
+                all: Some(draw_of(&value, bound)?),
+                by_joint: Vec::new(),
+            }));
+        }
+        let mut by_joint = Vec::new();
+        for (name, line, value) in entries {
+            by_joint.push((name.to_owned(), line, draw_of(&value, bound)?));
+        }
+        Ok(Some(PerJoint {
+            all: None,
+            by_joint,
+        }))
+    }
+
+    fn pairs(&self, key: &'static str, bound: Bound) -> Result<Option<Vec<(f64, f64)>>, Located> {
+        let Some(value) = self.value(key) else {
+            return Ok(None);
+        };
+        let must = "a list of pairs [time, value]";
+        let mut out: Vec<(f64, f64)> = Vec::new();
+        for entry in value.list(must)? {
+            let pair = entry.list(must)?;
+            let [time, number] = pair.as_slice() else {
+                return Err(entry.refuse(must));
+            };
+            let t = time.number(Bound::NotNegative)?;
+            if out.last().is_some_and(|&(before, _)| t <= before) {
+                return Err(entry.refuse("later than the pair before it"));
+            }
+            out.push((t, number.number(bound)?));
+        }
+        if out.is_empty() {
+            return Err(value.refuse(must));
+        }
+        Ok(Some(out))
+    }
+}
+
+fn draw_of(value: &Value<'_>, bound: Bound) -> Result<Draw, Located> {
+    if !value.is_table() {
+        return value.number(bound).map(Draw::Fixed);
+    }
+    value.section()?.whole(|s| {
+        if s.has("std") {
+            let mean = s.number_or("mean", bound, 0.0)?;
+            let std = s.need("std", Bound::NotNegative, "the standard deviation")?;
+            return Ok(Draw::Normal { mean, std, bound });
+        }
+        let why = "a drawn value is { min = …, max = … } or { mean = …, std = … }";
+        let min = s.need("min", bound, why)?;
+        let max = s.need("max", bound, why)?;
+        if max < min {
+            return Err(s.refuse("max", "at least min"));
+        }
+        Ok(Draw::Uniform { min, max })
+    })
 }

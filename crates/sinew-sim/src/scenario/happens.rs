@@ -1,17 +1,15 @@
 //! The keys of what happens in a scenario: loads, contacts, offsets, jams, faults.
 
-use super::super::SimulateError;
-use super::draw::Draw;
-use super::read::list;
-use super::table::{Bound, Section};
+use super::draw::{Draw, Keys as _};
 use super::*;
+use sinew_files::{Bound, Fields as _, Located, Section};
 
-fn link(s: &Section<'_>) -> Result<String, SimulateError> {
+fn link(s: &Section<'_>) -> Result<String, Located> {
     s.text("link")?
         .ok_or_else(|| s.missing("link", "a link of the URDF, such as \"tool\""))
 }
 
-pub(super) fn payload(s: &Section<'_>) -> Result<Payload, SimulateError> {
+pub(super) fn payload(s: &Section<'_>) -> Result<Payload, Located> {
     let attach_s = s.number("attach_s", Bound::NotNegative)?.unwrap_or(0.0);
     let release_s = s
         .number("release_s", Bound::NotNegative)?
@@ -36,7 +34,7 @@ pub(super) fn payload(s: &Section<'_>) -> Result<Payload, SimulateError> {
     })
 }
 
-pub(super) fn contact(s: &Section<'_>) -> Result<Contact, SimulateError> {
+pub(super) fn contact(s: &Section<'_>) -> Result<Contact, Located> {
     Ok(Contact {
         start_s: s.need("start_s", Bound::NotNegative, "when it begins")?,
         duration_s: s.need("duration_s", Bound::Positive, "how long it lasts")?,
@@ -50,7 +48,7 @@ pub(super) fn contact(s: &Section<'_>) -> Result<Contact, SimulateError> {
     })
 }
 
-pub(super) fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, SimulateError> {
+pub(super) fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, Located> {
     let from = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
     let to = s
         .number("to_s", Bound::NotNegative)?
@@ -58,7 +56,7 @@ pub(super) fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, Simulat
     if to <= from {
         return Err(s.refuse("to_s", "later than from_s"));
     }
-    let out = RandomContacts {
+    Ok(RandomContacts {
         fraction: s.need(
             "fraction",
             Bound::Within(0.0, 0.95),
@@ -75,12 +73,10 @@ pub(super) fn random_contacts(s: &Section<'_>) -> Result<RandomContacts, Simulat
             .ok_or_else(|| s.missing("duration_s", "its length, { min = …, max = … }"))?,
         rise_s: s.number("rise_s", Bound::NotNegative)?.unwrap_or(0.0),
         from_to_s: (from, to),
-    };
-    s.finish()?;
-    Ok(out)
+    })
 }
 
-pub(super) fn offset(s: &Section<'_>) -> Result<Offset, SimulateError> {
+pub(super) fn offset(s: &Section<'_>) -> Result<Offset, Located> {
     let kind = match s.text("kind")?.as_deref() {
         Some("injected") => OffsetKind::Injected,
         Some("physical") => OffsetKind::Physical,
@@ -140,7 +136,7 @@ pub(super) fn offset(s: &Section<'_>) -> Result<Offset, SimulateError> {
     })
 }
 
-pub(super) fn jam(s: &Section<'_>) -> Result<Jam, SimulateError> {
+pub(super) fn jam(s: &Section<'_>) -> Result<Jam, Located> {
     let from_s = s.number("from_s", Bound::NotNegative)?.unwrap_or(0.0);
     let to_s = s
         .number("to_s", Bound::NotNegative)?
@@ -159,7 +155,7 @@ pub(super) fn jam(s: &Section<'_>) -> Result<Jam, SimulateError> {
     })
 }
 
-pub(super) fn session(s: &Section<'_>) -> Result<Session, SimulateError> {
+pub(super) fn session(s: &Section<'_>) -> Result<Session, Located> {
     let from_s = s.need("from_s", Bound::NotNegative, "when it begins")?;
     let to_s = s.need("to_s", Bound::Positive, "when it ends")?;
     if to_s <= from_s {
@@ -174,26 +170,25 @@ pub(super) fn session(s: &Section<'_>) -> Result<Session, SimulateError> {
     })
 }
 
-pub(super) fn record(s: &Section<'_>) -> Result<Record, SimulateError> {
-    let flag = |key| -> Result<bool, SimulateError> { Ok(s.flag(key)?.unwrap_or(false)) };
+pub(super) fn record(s: &Section<'_>) -> Result<Record, Located> {
     Ok(Record {
-        dq: flag("dq")?,
-        tau_el: flag("tau_el")?,
-        tau_m: flag("tau_m")?,
-        tau_ext: flag("tau_ext")?,
-        temperature: flag("temperature")?,
+        dq: s.flag("dq")?,
+        tau_el: s.flag("tau_el")?,
+        tau_m: s.flag("tau_m")?,
+        tau_ext: s.flag("tau_ext")?,
+        temperature: s.flag("temperature")?,
     })
 }
 
-pub(super) fn faults(s: &Section<'_>) -> Result<Faults, SimulateError> {
-    let share = |key| -> Result<f64, SimulateError> {
+pub(super) fn faults(s: &Section<'_>) -> Result<Faults, Located> {
+    let share = |key| -> Result<f64, Located> {
         Ok(s.number(key, Bound::Within(0.0, 0.9))?.unwrap_or(0.0))
     };
     Ok(Faults {
         dropout_fraction: share("dropout_fraction")?,
         duplicate_fraction: share("duplicate_fraction")?,
         late_fraction: share("late_fraction")?,
-        gaps_s: list(s, "gaps", |gap| {
+        gaps_s: s.each("gaps", |gap| {
             Ok((
                 gap.need("start_s", Bound::NotNegative, "when it begins")?,
                 gap.need("duration_s", Bound::Positive, "how long it lasts")?,

@@ -1,7 +1,7 @@
 //! What happens in a simulated recording, as a small TOML file says it.
 //!
-//! Reading order: the types here, `read` (the file's keys), `table` (how a refusal names file,
-//! line, key, value and unit), `draw` (given or drawn numbers and their random streams),
+//! Reading order: the types here, `read` (the file's keys), `draw` (given or drawn numbers, how they
+//! are written, and their random streams),
 //! `profile` (a value over time).
 
 mod correction;
@@ -10,12 +10,11 @@ mod happens;
 mod names;
 mod profile;
 mod read;
-mod table;
 
 pub use correction::{ContactDetection, Correction, KnownOffset, SetPointKind};
 pub use draw::{Draw, PerJoint};
 pub use profile::Shape;
-pub use table::Bound;
+pub use sinew_files::Bound;
 
 pub use draw::normal;
 pub use draw::{Stream, rng};
@@ -134,7 +133,7 @@ pub enum Motion {
         /// Which joint.
         joint: String,
         /// Line in the file.
-        line: usize,
+        line: u64,
         /// First angle, rad.
         from_rad: f64,
         /// Last angle, rad.
@@ -268,7 +267,7 @@ pub struct Payload {
     /// Which link holds it.
     pub link: String,
     /// Line in the file.
-    pub line: usize,
+    pub line: u64,
     /// Mass, kg.
     pub mass_kg: Draw,
     /// Centre of mass in the link's frame, m.
@@ -291,7 +290,7 @@ pub struct Contact {
     /// On which link.
     pub link: String,
     /// Line in the file.
-    pub line: usize,
+    pub line: u64,
     /// Where on it, link frame, m.
     pub point_m: [f64; 3],
     /// Force in the base frame, N.
@@ -308,7 +307,7 @@ pub struct RandomContacts {
     /// On which link.
     pub link: String,
     /// Line in the file.
-    pub line: usize,
+    pub line: u64,
     /// Where on it, link frame, m.
     pub point_m: [f64; 3],
     /// Size, N, drawn each time; any direction.
@@ -341,7 +340,7 @@ pub struct Offset {
     /// Which joint.
     pub joint: String,
     /// Line in the file.
-    pub line: usize,
+    pub line: u64,
     /// Where it acts.
     pub kind: OffsetKind,
     /// Its size, rad; factor of a table's values.
@@ -358,7 +357,7 @@ pub struct Jam {
     /// Which joint.
     pub joint: String,
     /// Line in the file.
-    pub line: usize,
+    pub line: u64,
     /// Coulomb friction on top of the joint's own, N·m.
     pub torque_nm: f64,
     /// From, s.

@@ -3,7 +3,7 @@
 use super::*;
 
 impl PerJoint {
-    fn named(&self) -> impl Iterator<Item = (&str, usize)> {
+    fn named(&self) -> impl Iterator<Item = (&str, u64)> {
         self.by_joint
             .iter()
             .map(|(name, line, _)| (name.as_str(), *line))
@@ -29,7 +29,7 @@ impl TorqueChannel {
 
 impl Scenario {
     /// Every joint named, with its line.
-    pub fn joints_named(&self) -> Vec<(&str, usize)> {
+    pub fn joints_named(&self) -> Vec<(&str, u64)> {
         let t = &self.truth;
         let mut of: Vec<&PerJoint> = vec![
             &self.controller.stiffness_nm_per_rad,
@@ -56,7 +56,7 @@ impl Scenario {
         of.extend(self.torque_sensor.all());
         of.extend(self.correction.all());
         of.push(&self.contact_detection.noise_nm);
-        let mut names: Vec<(&str, usize)> = Vec::new();
+        let mut names: Vec<(&str, u64)> = Vec::new();
         match &self.motion {
             Motion::Hold { pose_rad } => of.push(pose_rad),
             Motion::Waypoints {
@@ -85,7 +85,7 @@ impl Scenario {
     }
 
     /// Every link named, with its line.
-    pub fn links_named(&self) -> Vec<(&str, usize)> {
+    pub fn links_named(&self) -> Vec<(&str, u64)> {
         let payloads = self.payloads.iter().map(|p| (p.link.as_str(), p.line));
         let contacts = self.contacts.iter().map(|c| (c.link.as_str(), c.line));
         let random = self

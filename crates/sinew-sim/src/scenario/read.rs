@@ -1,11 +1,10 @@
 //! The keys of a scenario file.
 
-use super::super::SimulateError;
 use super::correction::{contact_detection, correction};
-use super::draw::Draw;
+use super::draw::{Draw, Keys as _};
 use super::happens::{contact, faults, jam, offset, payload, random_contacts, record, session};
-use super::table::{Bound, Doc, Section};
 use super::*;
+use sinew_files::{Bound, TomlFile, Fields as _, Located, Section};
 use std::f64::consts::PI;
 
 /// No joint of an arm is asked to go further than ten turns: above that a degree was meant.
@@ -18,20 +17,20 @@ impl Scenario {
     /// [`Simulation::new`](crate::Simulation::new).
     ///
     /// # Errors
-    /// [`SimulateError`] with file, line, key, value and unit.
-    pub fn from_toml(text: &str, file: &str) -> Result<Self, SimulateError> {
-        let parsed = toml::de::DeTable::parse(text).map_err(|e| SimulateError::Toml {
-            file: file.into(),
-            message: e.to_string().trim_end().into(),
-        })?;
-        let doc = Doc { file, text };
-        let root = Section::root(&doc, parsed.get_ref());
+    /// With file, line, key, value and unit.
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, Located> {
+        let doc = TomlFile::parse(text, file)?;
+        let scenario = doc.root().whole(|root| Self::of(root, file))?;
+        scenario.check_rates(&doc.root())?;
+        Ok(scenario)
+    }
+
+    fn of(root: &Section<'_>, file: &str) -> Result<Self, Located> {
         let plain = Self::default();
-        let motion = match root.section("motion")? {
-            Some(s) => motion(&s)?,
-            None => return Err(root.missing("[motion]", "what the arm does")),
-        };
-        let scenario = Self {
+        let motion = root
+            .read("motion", motion)?
+            .ok_or_else(|| root.missing("[motion]", "what the arm does"))?;
+        Ok(Self {
             file: file.into(),
             name: root.text("name")?.unwrap_or_else(|| {
                 let stem = std::path::Path::new(file).file_stem();
@@ -58,43 +57,38 @@ impl Scenario {
                 Some(ns) => i64::try_from(ns)
                     .map_err(|_| root.refuse("start_time_ns", "a time before the year 2262"))?,
             },
-            controller: optional(&root, "controller", |s| {
-                Ok(Controller {
-                    stiffness_nm_per_rad: per(s, "stiffness_nm_per_rad", Bound::NotNegative)?,
-                    damping_nm_s_per_rad: per(s, "damping_nm_s_per_rad", Bound::NotNegative)?,
-                })
-            })?,
-            correction: optional(&root, "correction", correction)?,
-            contact_detection: optional(&root, "contact_detection", contact_detection)?,
+            controller: root.read("controller", controller)?.unwrap_or_default(),
+            correction: root.read("correction", correction)?.unwrap_or_default(),
+            contact_detection: root
+                .read("contact_detection", contact_detection)?
+                .unwrap_or_default(),
             motion,
-            truth: optional(&root, "truth", truth)?,
-            joint_friction: optional(&root, "joint_friction", friction)?,
-            motor_friction: optional(&root, "motor_friction", friction)?,
-            encoder: optional(&root, "encoder", encoder)?,
-            motor_torque: optional(&root, "motor_torque", torque_channel)?,
-            torque_sensor: optional(&root, "torque_sensor", torque_channel)?,
+            truth: root.read("truth", truth)?.unwrap_or_default(),
+            joint_friction: root.read("joint_friction", friction)?.unwrap_or_default(),
+            motor_friction: root.read("motor_friction", friction)?.unwrap_or_default(),
+            encoder: root.read("encoder", encoder)?.unwrap_or_default(),
+            motor_torque: root
+                .read("motor_torque", torque_channel)?
+                .unwrap_or_default(),
+            torque_sensor: root
+                .read("torque_sensor", torque_channel)?
+                .unwrap_or_default(),
             velocity_noise_rad_per_s: root
                 .number("velocity_noise_rad_per_s", Bound::NotNegative)?
                 .unwrap_or(0.0),
-            temperature: optional(&root, "temperature", temperature)?,
-            payloads: list(&root, "payloads", payload)?,
-            contacts: list(&root, "contacts", contact)?,
-            random_contacts: match root.section("random_contacts")? {
-                None => None,
-                Some(s) => Some(random_contacts(&s)?),
-            },
-            offsets: list(&root, "offsets", offset)?,
-            jams: list(&root, "jams", jam)?,
-            sessions: list(&root, "sessions", session)?,
-            record: optional(&root, "record", record)?,
-            faults: optional(&root, "faults", faults)?,
-        };
-        root.finish()?;
-        scenario.check_rates(&root)?;
-        Ok(scenario)
+            temperature: root.read("temperature", temperature)?.unwrap_or_default(),
+            payloads: root.each("payloads", payload)?,
+            contacts: root.each("contacts", contact)?,
+            random_contacts: root.read("random_contacts", random_contacts)?,
+            offsets: root.each("offsets", offset)?,
+            jams: root.each("jams", jam)?,
+            sessions: root.each("sessions", session)?,
+            record: root.read("record", record)?.unwrap_or_default(),
+            faults: root.read("faults", faults)?.unwrap_or_default(),
+        })
     }
 
-    fn check_rates(&self, root: &Section<'_>) -> Result<(), SimulateError> {
+    fn check_rates(&self, root: &Section<'_>) -> Result<(), Located> {
         let whole = |rate: f64| self.steps_per(rate).is_some();
         let must = "a rate whose period is a multiple of integration_step_s";
         if !whole(self.control_rate_hz) {
@@ -116,51 +110,25 @@ impl Scenario {
     }
 }
 
-pub(super) fn per(
-    s: &Section<'_>,
-    key: &'static str,
-    bound: Bound,
-) -> Result<PerJoint, SimulateError> {
+pub(super) fn per(s: &Section<'_>, key: &'static str, bound: Bound) -> Result<PerJoint, Located> {
     Ok(s.per_joint(key, bound)?.unwrap_or_default())
 }
 
-/// A section that may be left out; read to its end.
-fn optional<T: Default>(
-    root: &Section<'_>,
-    key: &'static str,
-    read: impl Fn(&Section<'_>) -> Result<T, SimulateError>,
-) -> Result<T, SimulateError> {
-    let Some(section) = root.section(key)? else {
-        return Ok(T::default());
-    };
-    let value = read(&section)?;
-    section.finish()?;
-    Ok(value)
+fn controller(s: &Section<'_>) -> Result<Controller, Located> {
+    Ok(Controller {
+        stiffness_nm_per_rad: per(s, "stiffness_nm_per_rad", Bound::NotNegative)?,
+        damping_nm_s_per_rad: per(s, "damping_nm_s_per_rad", Bound::NotNegative)?,
+    })
 }
 
-pub(super) fn list<T>(
-    root: &Section<'_>,
-    key: &'static str,
-    read: impl Fn(&Section<'_>) -> Result<T, SimulateError>,
-) -> Result<Vec<T>, SimulateError> {
-    root.sections(key)?
-        .iter()
-        .map(|s| {
-            let value = read(s)?;
-            s.finish()?;
-            Ok(value)
-        })
-        .collect()
-}
-
-fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
+fn motion(s: &Section<'_>) -> Result<Motion, Located> {
     let kinds = "\"hold\", \"waypoints\", \"random\" or \"staircase\"";
-    let motion = match s.text("kind")?.as_deref() {
+    Ok(match s.text("kind")?.as_deref() {
         Some("hold") => Motion::Hold {
             pose_rad: per(s, "pose_rad", ANGLE)?,
         },
         Some("waypoints") => {
-            let waypoints = list(s, "waypoints", |w| {
+            let waypoints = s.each("waypoints", |w| {
                 Ok(Waypoint {
                     pose_rad: per(w, "pose_rad", ANGLE)?,
                     move_s: w
@@ -177,7 +145,7 @@ fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
             Motion::Waypoints {
                 start_rad: per(s, "start_rad", ANGLE)?,
                 waypoints,
-                repeat: s.flag("repeat")?.unwrap_or(false),
+                repeat: s.flag("repeat")?,
             }
         }
         Some("random") => Motion::Random {
@@ -209,17 +177,15 @@ fn motion(s: &Section<'_>) -> Result<Motion, SimulateError> {
                     .draw("pause_s", Bound::NotNegative)?
                     .ok_or_else(|| s.missing("pause_s", "the rest after a move"))?,
                 pose_rad: per(s, "pose_rad", ANGLE)?,
-                there_and_back: s.flag("there_and_back")?.unwrap_or(false),
-                repeat: s.flag("repeat")?.unwrap_or(false),
+                there_and_back: s.flag("there_and_back")?,
+                repeat: s.flag("repeat")?,
             }
         }
         _ => return Err(s.refuse("kind", kinds)),
-    };
-    s.finish()?;
-    Ok(motion)
+    })
 }
 
-fn truth(s: &Section<'_>) -> Result<Truth, SimulateError> {
+fn truth(s: &Section<'_>) -> Result<Truth, Located> {
     // A factor outside of this is a unit gone wrong, not a robot.
     let factor = Bound::Within(0.05, 20.0);
     Ok(Truth {
@@ -239,7 +205,7 @@ fn truth(s: &Section<'_>) -> Result<Truth, SimulateError> {
     })
 }
 
-fn friction(s: &Section<'_>) -> Result<FrictionSpec, SimulateError> {
+fn friction(s: &Section<'_>) -> Result<FrictionSpec, Located> {
     Ok(FrictionSpec {
         coulomb_nm: per(s, "coulomb_nm", Bound::NotNegative)?,
         torque_fraction: per(s, "torque_fraction", Bound::Within(0.0, 0.9))?,
@@ -248,10 +214,9 @@ fn friction(s: &Section<'_>) -> Result<FrictionSpec, SimulateError> {
     })
 }
 
-fn encoder(s: &Section<'_>) -> Result<Encoder, SimulateError> {
-    let number = |key| -> Result<f64, SimulateError> {
-        Ok(s.number(key, Bound::NotNegative)?.unwrap_or(0.0))
-    };
+fn encoder(s: &Section<'_>) -> Result<Encoder, Located> {
+    let number =
+        |key| -> Result<f64, Located> { Ok(s.number(key, Bound::NotNegative)?.unwrap_or(0.0)) };
     let joint_bits = match s.count("joint_bits")? {
         None => None,
         Some(bits @ 4..=40) => Some(bits as u32),
@@ -272,7 +237,7 @@ fn encoder(s: &Section<'_>) -> Result<Encoder, SimulateError> {
     })
 }
 
-fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, SimulateError> {
+fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, Located> {
     Ok(TorqueChannel {
         scale_error: per(s, "scale_error", Bound::Any)?,
         offset_nm: per(s, "offset_nm", Bound::Any)?,
@@ -284,7 +249,7 @@ fn torque_channel(s: &Section<'_>) -> Result<TorqueChannel, SimulateError> {
     })
 }
 
-fn temperature(s: &Section<'_>) -> Result<Temperature, SimulateError> {
+fn temperature(s: &Section<'_>) -> Result<Temperature, Located> {
     let plain = Temperature::default();
     let celsius = Bound::Within(-60.0, 200.0);
     let from = s

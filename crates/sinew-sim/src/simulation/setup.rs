@@ -5,6 +5,7 @@ use crate::drawn::{check_names, draw_temperature, drives, transmissions, true_ar
 use crate::plant::State;
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
+use sinew_files::{Fault, Located};
 use sinew_model::robot::Robot;
 
 impl Simulation {
@@ -23,15 +24,13 @@ impl Simulation {
             .map(|t| t.motor_inertia_kg_m2.unwrap_or(0.0))
             .collect();
         let steps_per = |what: &str, rate: f64| {
-            scenario
-                .steps_per(rate)
-                .ok_or_else(|| SimulateError::Value {
-                    file: scenario.file.clone(),
-                    line: 0,
-                    key: what.into(),
-                    value: format!("{rate} (Hz)"),
-                    why: "must be a rate whose period is a multiple of integration_step_s".into(),
-                })
+            scenario.steps_per(rate).ok_or_else(|| {
+                let problem = "must be a rate whose period is a multiple of integration_step_s";
+                Located::new(&scenario.file, Fault::NotAllowed, problem)
+                    .key(what)
+                    .value(rate)
+                    .unit("Hz")
+            })
         };
         let control_steps = steps_per("control_rate_hz", scenario.control_rate_hz)?;
         let sample_steps = steps_per("sample_rate_hz", scenario.sample_rate_hz)?;
@@ -113,12 +112,9 @@ impl Simulation {
         let duration_s = scenario
             .duration_s
             .or(trajectory.length_s())
-            .ok_or_else(|| SimulateError::Missing {
-                file: scenario.file.clone(),
-                line: 1,
-                section: "the scenario".into(),
-                key: "duration_s".into(),
-                why: "this motion never ends by itself".into(),
+            .ok_or_else(|| {
+                let problem = "duration_s is missing: this motion never ends by itself";
+                Located::new(&scenario.file, Fault::MissingKey, problem)
             })?;
 
         let n = names.len();

@@ -3,7 +3,7 @@
 use super::ChainError;
 use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
-use sinew_sim::Scenario;
+use sinew_sim::{Scenario, SimulateError};
 use sinew_sim::scenario::{Bound, Draw, Motion, PerJoint, Waypoint};
 
 const WORK: &str = include_str!("../../../../../examples/scenarios/work-session.toml");
@@ -41,7 +41,7 @@ impl SessionKind {
 /// The work session of `examples/scenarios`, or the check within the same limits, for any robot: what it
 /// says of joints the robot doesn't have falls away.
 pub(super) fn scenario(robot: &Robot, kind: SessionKind) -> Result<Scenario, ChainError> {
-    let mut out = Scenario::from_toml(WORK, "work-session.toml")?;
+    let mut out = Scenario::from_toml(WORK, "work-session.toml").map_err(SimulateError::from)?;
     out.duration_s = Some(WORK_S);
     out.integration_step_s = STEP_S;
     out.offsets.clear();
