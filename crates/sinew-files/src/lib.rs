@@ -15,6 +15,7 @@ pub mod bound;
 #[cfg(feature = "csv")]
 pub mod csv;
 pub mod date;
+#[cfg(feature = "json")]
 mod json;
 pub mod located;
 pub mod names;
@@ -24,6 +25,7 @@ pub mod text;
 
 pub use atomic::{AtomicFile, OutputError, write_file};
 pub use bound::Bound;
+#[cfg(feature = "json")]
 pub use json::JsonDocument;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]

@@ -3,7 +3,7 @@
 use crate::bound::{Bound, unit_of};
 use crate::located::{Fault, Fields, Located};
 use crate::names;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -41,6 +41,7 @@ impl<'t> TomlFile<'t> {
             table: self.table.get_ref(),
             start: 0,
             asked: RefCell::default(),
+            named: Cell::new(false),
             lacking: RefCell::default(),
         }
     }
@@ -209,6 +210,7 @@ impl<'d> Value<'d> {
             table: table.ok_or_else(|| self.not_a("a table"))?,
             start: self.value.span().start,
             asked: RefCell::default(),
+            named: Cell::new(false),
             lacking: RefCell::default(),
         })
     }
@@ -222,6 +224,8 @@ pub struct Section<'d> {
     table: &'d DeTable<'d>,
     start: usize,
     asked: RefCell<Vec<&'static str>>,
+    /// Keys are names, known to the reader.
+    named: Cell<bool>,
     /// The first key that is needed and not there.
     lacking: RefCell<Option<Located>>,
 }
@@ -252,8 +256,14 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// Every name, its line and value, in the file's order: for a table whose keys are names.
+    /// Every name, its line and value, in the file's order: for a table whose keys are names. None of
+    /// them is unknown then.
     pub fn entries(&self) -> Vec<(&'d str, u64, Value<'d>)> {
+        self.named.set(true);
+        self.sorted()
+    }
+
+    fn sorted(&self) -> Vec<(&'d str, u64, Value<'d>)> {
         let mut entries: Vec<_> = self.table.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
         entries
@@ -389,8 +399,9 @@ impl<'d> Section<'d> {
         let mut known = self.asked.borrow().clone();
         known.sort_unstable();
         known.dedup();
-        let entries = self.entries();
-        match entries.iter().find(|(name, ..)| !known.contains(name)) {
+        let named = self.named.get();
+        let stranger = |name: &str| !named && !known.contains(&name);
+        match self.sorted().iter().find(|(name, ..)| stranger(name)) {
             Some((name, line, _)) => Err(self.unknown(name, *line, &known).into()),
             None => match lacking {
                 Some(lacking) => Err(lacking.into()),

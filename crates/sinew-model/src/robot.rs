@@ -23,16 +23,15 @@
 //! stiffness_percent = 12.0             # standard deviations; see [`Tolerances`]
 //! ```
 
-use crate::arm::urdf::{self, JointLimits, UrdfArm, UrdfError};
+use crate::arm::urdf::{self, JointLimits, UrdfArm};
 use crate::arm::{Arm, GRAVITY_M_S2};
 use crate::tolerances::Tolerances;
 use crate::transmission::{Friction, Guide, Tendon, Transmission};
-use alloc::collections::BTreeMap;
+use alloc::borrow::ToOwned;
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
-use serde::Deserialize;
-use toml::Spanned;
+use sinew_files::{Bound, TomlFile, Fault, Fields as _, Located, Section, names};
 
 /// A robot, ready for an observer or a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,191 +57,89 @@ impl Robot {
     }
 }
 
-/// Why a robot description was refused.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RobotError {
-    /// Not TOML, an unknown key, or a value of the wrong type.
-    #[error("{file}: {message}")]
-    Toml {
-        /// Name of the file.
-        file: String,
-        /// What the parser says, with line and column.
-        message: String,
-    },
-    /// A value nobody can build.
-    #[error("{file}, line {line}: {key} = {value}: {why}")]
-    Value {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Full key, with the unit in its name.
-        key: String,
-        /// Value found.
-        value: f64,
-        /// What it must be.
-        why: &'static str,
-    },
-    /// Joint of the file that the URDF doesn't have.
-    #[error("{file}, line {line}: joint '{joint}' is not in the URDF; it has {known}")]
-    UnknownJoint {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Name found.
-        joint: String,
-        /// Names there are.
-        known: String,
-    },
-    /// Joint of the URDF that the file doesn't speak of.
-    #[error(
-        "{file}: joint '{joint}' of the URDF is missing; add [joints.{joint}] with stiffness_nm_per_rad, or rigid = true, or locked_at_rad"
-    )]
-    MissingJoint {
-        /// Name of the file.
-        file: String,
-        /// Joint that is missing.
-        joint: String,
-    },
-    /// A joint without a word on how it is driven, or with contradicting ones.
-    #[error("{file}, line {line}: joint '{joint}': {why}")]
-    Joint {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Joint at fault.
-        joint: String,
-        /// What is wrong and what to do.
-        why: &'static str,
-    },
-    /// The URDF was refused.
-    #[error("{file}: {error}")]
-    Urdf {
-        /// Name of the URDF file.
-        file: String,
-        /// Why.
-        error: UrdfError,
-    },
-}
-
 /// `robot.toml`, parsed and checked as far as it can be without the URDF.
 #[derive(Debug, Clone)]
 pub struct RobotFile {
     file: String,
-    text: String,
-    raw: RawRobot,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawRobot {
     urdf: Option<String>,
-    gravity_m_s2: Option<[Spanned<f64>; 3]>,
-    base_rpy_rad: Option<[Spanned<f64>; 3]>,
-    #[serde(default)]
-    joints: BTreeMap<Spanned<String>, RawJoint>,
-    #[serde(default)]
-    tolerances: BTreeMap<Spanned<String>, Spanned<f64>>,
+    gravity_m_s2: Option<[f64; 3]>,
+    base_rpy_rad: Option<[f64; 3]>,
+    joints: Vec<JointEntry>,
+    tolerances: Tolerances,
 }
 
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawJoint {
-    stiffness_nm_per_rad: Option<Spanned<f64>>,
-    motor_inertia_kg_m2: Option<Spanned<f64>>,
-    joint_friction: Option<RawFriction>,
-    motor_friction: Option<RawFriction>,
-    tendon: Option<RawTendon>,
-    locked_at_rad: Option<Spanned<f64>>,
-    #[serde(default)]
-    rigid: bool,
+/// What the file says of a joint.
+#[derive(Debug, Clone)]
+struct JointEntry {
+    name: String,
+    line: u64,
+    locked_at_rad: Option<f64>,
+    /// `None`: rigid. An error counts only where the URDF has such a joint, and it isn't locked.
+    drive: Result<Option<Drive>, Located>,
 }
 
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFriction {
-    coulomb_nm: Option<Spanned<f64>>,
-    viscous_nm_s_per_rad: Option<Spanned<f64>>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawTendon {
-    rope: Option<String>,
-    length_mm: Spanned<f64>,
-    joint_pulley_radius_mm: Spanned<f64>,
-    pretension_n: Option<Spanned<f64>>,
-    #[serde(default)]
-    antagonistic: bool,
-    #[serde(default)]
-    guides: Vec<RawGuide>,
-    retension_at_mm: Option<Spanned<f64>>,
-    replace_at_strain_percent: Option<Spanned<f64>>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawGuide {
-    radius_mm: Spanned<f64>,
-    wrap_deg: Spanned<f64>,
-    #[serde(default)]
-    friction: Option<Spanned<f64>>,
+#[derive(Debug, Clone)]
+struct Drive {
+    /// Without the joint's friction.
+    transmission: Transmission,
+    /// Else the URDF's.
+    joint_friction: Option<Friction>,
 }
 
 impl RobotFile {
     /// Parses `robot.toml`; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`RobotError`] with file, line, key, value and unit.
-    pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
-        let raw: RawRobot = toml::from_str(text).map_err(|e| RobotError::Toml {
-            file: file.to_string(),
-            message: e.to_string().trim_end().to_string(),
-        })?;
-        Ok(Self {
-            file: file.to_string(),
-            text: text.to_string(),
-            raw,
+    /// With file, line, key, value and unit.
+    pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
+        TomlFile::parse(text, file)?.root().whole(|root| {
+            let joints = root.read("joints", |joints| {
+                let entries = joints.entries().into_iter();
+                let read = entries
+                    .map(|(name, line, value)| value.section()?.whole(|s| joint(s, name, line)));
+                read.collect::<Result<Vec<_>, Located>>()
+            })?;
+            Ok(Self {
+                file: file.to_owned(),
+                urdf: root.text("urdf")?,
+                gravity_m_s2: root.vec3("gravity_m_s2")?,
+                base_rpy_rad: root.vec3("base_rpy_rad")?,
+                joints: joints.unwrap_or_default(),
+                tolerances: root.read("tolerances", tolerances)?.unwrap_or_default(),
+            })
         })
     }
 
     /// Name of the URDF file, relative to `robot.toml`; `None` leaves it to the recording's own
     /// `/robot_description`.
     pub fn urdf(&self) -> Option<&str> {
-        self.raw.urdf.as_deref()
+        self.urdf.as_deref()
     }
 
     /// Builds the robot with the text of its URDF.
     ///
     /// # Errors
-    /// [`RobotError`]; nothing is half-built.
-    pub fn build(&self, urdf_text: &str) -> Result<Robot, RobotError> {
-        let check = Check {
-            file: &self.file,
-            text: &self.text,
+    /// With the file at fault, `robot.toml` or URDF; nothing is half-built.
+    pub fn build(&self, urdf_text: &str) -> Result<Robot, Located> {
+        let locked = self.joints.iter();
+        let options = urdf::UrdfOptions {
+            gravity_m_s2: self.gravity_m_s2.unwrap_or([0.0, 0.0, -GRAVITY_M_S2]),
+            base_rpy_rad: self.base_rpy_rad.unwrap_or_default(),
+            locked: locked
+                .filter_map(|joint| Some((joint.name.clone(), joint.locked_at_rad?)))
+                .collect(),
         };
-        let options = self.urdf_options(&check)?;
-        let urdf_error = |error| RobotError::Urdf {
-            file: self.urdf().unwrap_or("robot_description").to_string(),
-            error,
-        };
+        let urdf_file = self.urdf().unwrap_or("robot_description");
+        let refused = |error: urdf::UrdfError| error.located(urdf_file, urdf_text);
         // Once with every joint moving, to check the names of the file against.
         let all = urdf::UrdfOptions {
             locked: Vec::new(),
             ..options.clone()
         };
-        let moving = urdf::parse(urdf_text, &all).map_err(urdf_error)?;
-        for joint in self.raw.joints.keys() {
-            if moving.arm.joint_index(joint.as_ref()).is_none() {
-                return Err(RobotError::UnknownJoint {
-                    file: self.file.clone(),
-                    line: check.line(joint.span().start),
-                    joint: joint.as_ref().clone(),
-                    known: moving.arm.joint_names().join(", "),
-                });
+        let moving = urdf::parse(urdf_text, &all).map_err(refused)?;
+        for joint in &self.joints {
+            if moving.arm.joint_index(&joint.name).is_none() {
+                return Err(self.unknown(joint, moving.arm.joint_names()));
             }
         }
         let UrdfArm {
@@ -252,246 +149,134 @@ impl RobotFile {
             coulomb_nm,
             viscous_nm_s_per_rad,
             warnings,
-        } = urdf::parse(urdf_text, &options).map_err(urdf_error)?;
+        } = urdf::parse(urdf_text, &options).map_err(refused)?;
         let mut transmissions = Vec::with_capacity(arm.dof());
         for (i, joint) in arm.joint_names().iter().enumerate() {
-            let from_urdf = Friction {
-                coulomb_nm: coulomb_nm[i],
-                viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
-            };
-            let entry = self
-                .raw
-                .joints
-                .iter()
-                .find(|(name, _)| name.as_ref() == joint);
-            let Some((key, raw)) = entry else {
-                return Err(RobotError::MissingJoint {
-                    file: self.file.clone(),
-                    joint: joint.clone(),
-                });
-            };
-            transmissions.push(check.transmission(key, raw, from_urdf)?);
+            let entry = self.joints.iter().find(|entry| entry.name == *joint);
+            let drive = entry.ok_or_else(|| self.missing(joint))?.drive.clone()?;
+            transmissions.push(drive.map(|drive| Transmission {
+                joint_friction: drive.joint_friction.unwrap_or(Friction {
+                    coulomb_nm: coulomb_nm[i],
+                    viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
+                }),
+                ..drive.transmission
+            }));
         }
         Ok(Robot {
             name,
             arm,
             transmissions,
             limits,
-            tolerances: check.tolerances(&self.raw.tolerances)?,
+            tolerances: self.tolerances,
             warnings,
         })
     }
 
-    fn urdf_options(&self, check: &Check<'_>) -> Result<urdf::UrdfOptions, RobotError> {
-        let three = |key: &str, value: &Option<[Spanned<f64>; 3]>, default: [f64; 3]| {
-            let Some(value) = value else {
-                return Ok(default);
-            };
-            let mut out = default;
-            for (out, v) in out.iter_mut().zip(value) {
-                *out = check.finite(key, v)?;
-            }
-            Ok::<_, RobotError>(out)
-        };
-        let mut locked = Vec::new();
-        for (name, joint) in &self.raw.joints {
-            if let Some(at) = &joint.locked_at_rad {
-                let key = format!("joints.{}.locked_at_rad", name.as_ref());
-                locked.push((name.as_ref().clone(), check.finite(&key, at)?));
-            }
-        }
-        Ok(urdf::UrdfOptions {
-            gravity_m_s2: three(
-                "gravity_m_s2",
-                &self.raw.gravity_m_s2,
-                [0.0, 0.0, -GRAVITY_M_S2],
-            )?,
-            base_rpy_rad: three("base_rpy_rad", &self.raw.base_rpy_rad, [0.0; 3])?,
-            locked,
-        })
+    /// Joint of the file that the URDF doesn't have.
+    fn unknown(&self, joint: &JointEntry, known: &[String]) -> Located {
+        let name = &joint.name;
+        let hint = names::hint(name, known);
+        let known = known.join(", ");
+        let problem = format!("joint '{name}' is not in the URDF{hint} it has {known}");
+        Located::new(&self.file, Fault::UnknownName, problem).line(joint.line)
+    }
+
+    /// Joint of the URDF that the file doesn't speak of.
+    fn missing(&self, joint: &str) -> Located {
+        let problem = format!("joint '{joint}' of the URDF is missing");
+        Located::new(&self.file, Fault::MissingKey, problem).cure(format!(
+            "add [joints.{joint}] with stiffness_nm_per_rad, or rigid = true, or locked_at_rad"
+        ))
     }
 }
 
-/// Checks values and says where they stand.
-struct Check<'a> {
-    file: &'a str,
-    text: &'a str,
+fn tolerances(s: &Section<'_>) -> Result<Tolerances, Located> {
+    let mut out = Tolerances::default();
+    for (key, line, value) in s.entries() {
+        let (slot, unit) = out
+            .slot(key)
+            .ok_or_else(|| s.unknown(key, line, &Tolerances::KEYS))?;
+        *slot = unit * value.number(Bound::NotNegative)?;
+    }
+    Ok(out)
 }
 
-impl Check<'_> {
-    fn line(&self, byte: usize) -> usize {
-        1 + self.text.bytes().take(byte).filter(|&b| b == b'\n').count()
-    }
-
-    fn number(
-        &self,
-        key: &str,
-        value: &Spanned<f64>,
-        good: impl Fn(f64) -> bool,
-        why: &'static str,
-    ) -> Result<f64, RobotError> {
-        let v = *value.as_ref();
-        if v.is_finite() && good(v) {
-            return Ok(v);
-        }
-        Err(RobotError::Value {
-            file: self.file.to_string(),
-            line: self.line(value.span().start),
-            key: key.to_string(),
-            value: v,
-            why,
-        })
-    }
-
-    fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, RobotError> {
-        self.number(key, value, |_| true, "must be a finite number")
-    }
-
-    fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, RobotError> {
-        self.number(key, value, |v| v > 0.0, "must be above 0")
-    }
-
-    fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, RobotError> {
-        self.number(key, value, |v| v >= 0.0, "must be at least 0")
-    }
-
-    fn optional(
-        &self,
-        key: &str,
-        value: &Option<Spanned<f64>>,
-        check: impl Fn(&Self, &str, &Spanned<f64>) -> Result<f64, RobotError>,
-    ) -> Result<Option<f64>, RobotError> {
-        value.as_ref().map(|v| check(self, key, v)).transpose()
-    }
-
-    fn tolerances(
-        &self,
-        raw: &BTreeMap<Spanned<String>, Spanned<f64>>,
-    ) -> Result<Tolerances, RobotError> {
-        let mut out = Tolerances::default();
-        for (key, value) in raw {
-            let full = format!("tolerances.{}", key.as_ref());
-            let Some((slot, unit)) = out.slot(key.as_ref()) else {
-                return Err(RobotError::Toml {
-                    file: self.file.to_string(),
-                    message: format!(
-                        "line {}: unknown key {full}; there are {}",
-                        self.line(key.span().start),
-                        Tolerances::KEYS.join(", ")
-                    ),
-                });
-            };
-            *slot = unit * self.not_negative(&full, value)?;
-        }
-        Ok(out)
-    }
-
-    fn transmission(
-        &self,
-        name: &Spanned<String>,
-        raw: &RawJoint,
-        from_urdf: Friction,
-    ) -> Result<Option<Transmission>, RobotError> {
-        let joint = name.as_ref();
-        let wrong = |why| {
-            Err(RobotError::Joint {
-                file: self.file.to_string(),
-                line: self.line(name.span().start),
-                joint: joint.clone(),
-                why,
-            })
-        };
-        let Some(stiffness) = &raw.stiffness_nm_per_rad else {
-            if raw.rigid {
-                if raw.tendon.is_some() {
-                    return wrong(
-                        "is rigid and has a tendon; give stiffness_nm_per_rad and drop rigid",
-                    );
-                }
-                return Ok(None);
-            }
-            return wrong(
-                "stiffness_nm_per_rad is missing; give it, or rigid = true, or locked_at_rad",
-            );
-        };
-        if raw.rigid {
-            return wrong("is rigid and has a stiffness; drop one of the two");
-        }
-        let key = |k: &str| format!("joints.{joint}.{k}");
-        let joint_friction = match &raw.joint_friction {
-            None => from_urdf,
-            Some(f) => self.friction(&key("joint_friction"), f)?,
-        };
-        let motor_friction = match &raw.motor_friction {
-            None => Friction::default(),
-            Some(f) => self.friction(&key("motor_friction"), f)?,
-        };
-        Ok(Some(Transmission {
-            stiffness_nm_per_rad: self.positive(&key("stiffness_nm_per_rad"), stiffness)?,
-            motor_inertia_kg_m2: self.optional(
-                &key("motor_inertia_kg_m2"),
-                &raw.motor_inertia_kg_m2,
-                Self::not_negative,
-            )?,
+fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> {
+    let stiffness = s.number("stiffness_nm_per_rad", Bound::Positive)?;
+    let rigid = s.flag("rigid")?;
+    let tendon = s.read("tendon", tendon)?;
+    let joint_friction = s.read("joint_friction", friction)?;
+    let motor_friction = s.read("motor_friction", friction)?.unwrap_or_default();
+    let motor_inertia_kg_m2 = s.number("motor_inertia_kg_m2", Bound::NotNegative)?;
+    let wrong =
+        |fault, problem: &str, cure: &str| Err(s.here(fault, problem).line(line).cure(cure));
+    let drive = match (stiffness, rigid) {
+        (None, true) if tendon.is_some() => wrong(
+            Fault::Contradiction,
+            "is rigid and has a tendon",
+            "give stiffness_nm_per_rad and drop rigid",
+        ),
+        (None, true) => Ok(None),
+        (None, false) => wrong(
+            Fault::MissingKey,
+            "stiffness_nm_per_rad is missing",
+            "give it, or rigid = true, or locked_at_rad",
+        ),
+        (Some(_), true) => wrong(
+            Fault::Contradiction,
+            "is rigid and has a stiffness",
+            "drop one of the two",
+        ),
+        (Some(stiffness_nm_per_rad), false) => Ok(Some(Drive {
+            transmission: Transmission {
+                stiffness_nm_per_rad,
+                motor_inertia_kg_m2,
+                joint_friction: Friction::default(),
+                motor_friction,
+                tendon,
+            },
             joint_friction,
-            motor_friction,
-            tendon: raw
-                .tendon
-                .as_ref()
-                .map(|t| self.tendon(&key("tendon"), t))
-                .transpose()?,
-        }))
-    }
+        })),
+    };
+    Ok(JointEntry {
+        name: name.to_owned(),
+        line,
+        locked_at_rad: s.number("locked_at_rad", Bound::Any)?,
+        drive,
+    })
+}
 
-    fn friction(&self, key: &str, raw: &RawFriction) -> Result<Friction, RobotError> {
-        let get = |name: &str, value| {
-            self.optional(&format!("{key}.{name}"), value, Self::not_negative)
-                .map(|v| v.unwrap_or(0.0))
-        };
-        Ok(Friction {
-            coulomb_nm: get("coulomb_nm", &raw.coulomb_nm)?,
-            viscous_nm_s_per_rad: get("viscous_nm_s_per_rad", &raw.viscous_nm_s_per_rad)?,
-        })
-    }
+fn friction(s: &Section<'_>) -> Result<Friction, Located> {
+    Ok(Friction {
+        coulomb_nm: s.number_or("coulomb_nm", Bound::NotNegative, 0.0)?,
+        viscous_nm_s_per_rad: s.number_or("viscous_nm_s_per_rad", Bound::NotNegative, 0.0)?,
+    })
+}
 
-    fn tendon(&self, key: &str, raw: &RawTendon) -> Result<Tendon, RobotError> {
-        const M_PER_MM: f64 = 1e-3;
-        let at = |k: &str| format!("{key}.{k}");
-        let mut guides = Vec::with_capacity(raw.guides.len());
-        for (i, guide) in raw.guides.iter().enumerate() {
-            let at = |k: &str| format!("{key}.guides[{i}].{k}");
-            guides.push(Guide {
-                radius_m: M_PER_MM * self.positive(&at("radius_mm"), &guide.radius_mm)?,
-                wrap_rad: self
-                    .not_negative(&at("wrap_deg"), &guide.wrap_deg)?
-                    .to_radians(),
-                friction: self
-                    .optional(&at("friction"), &guide.friction, Self::not_negative)?
-                    .unwrap_or(0.0),
-            });
-        }
-        Ok(Tendon {
-            rope: raw.rope.clone(),
-            length_m: M_PER_MM * self.positive(&at("length_mm"), &raw.length_mm)?,
-            joint_pulley_radius_m: M_PER_MM
-                * self.positive(&at("joint_pulley_radius_mm"), &raw.joint_pulley_radius_mm)?,
-            pretension_n: self.optional(
-                &at("pretension_n"),
-                &raw.pretension_n,
-                Self::not_negative,
-            )?,
-            antagonistic: raw.antagonistic,
-            guides,
-            retension_at_m: self
-                .optional(&at("retension_at_mm"), &raw.retension_at_mm, Self::positive)?
-                .map(|v| v * M_PER_MM),
-            replace_at_strain: self
-                .optional(
-                    &at("replace_at_strain_percent"),
-                    &raw.replace_at_strain_percent,
-                    Self::positive,
-                )?
-                .map(|v| v / 100.0),
-        })
-    }
+const M_PER_MM: f64 = 1e-3;
+
+fn tendon(s: &Section<'_>) -> Result<Tendon, Located> {
+    let length =
+        |key, why| -> Result<f64, Located> { Ok(M_PER_MM * s.need(key, Bound::Positive, why)?) };
+    let retension_at_mm = s.number("retension_at_mm", Bound::Positive)?;
+    let replace_at_percent = s.number("replace_at_strain_percent", Bound::Positive)?;
+    Ok(Tendon {
+        rope: s.text("rope")?,
+        length_m: length("length_mm", "free rope between the pulleys")?,
+        joint_pulley_radius_m: length("joint_pulley_radius_mm", "what the rope turns")?,
+        pretension_n: s.number("pretension_n", Bound::NotNegative)?,
+        antagonistic: s.flag("antagonistic")?,
+        guides: s.each("guides", guide)?,
+        retension_at_m: retension_at_mm.map(|v| v * M_PER_MM),
+        replace_at_strain: replace_at_percent.map(|v| v / 100.0),
+    })
+}
+
+fn guide(s: &Section<'_>) -> Result<Guide, Located> {
+    let wrap_deg = s.need("wrap_deg", Bound::NotNegative, "how far the rope bends")?;
+    Ok(Guide {
+        radius_m: M_PER_MM * s.need("radius_mm", Bound::Positive, "of the guiding pulley")?,
+        wrap_rad: wrap_deg.to_radians(),
+        friction: s.number_or("friction", Bound::NotNegative, 0.0)?,
+    })
 }

@@ -45,17 +45,17 @@ fn nonsense_is_refused_with_file_and_line() {
         (
             "jamming = { value = 3.0",
             "jamming = { value = -3.0",
-            "must be 0 to 30",
+            "must be between 0 and 30",
         ),
         (
             "jamming = { value = 3.0",
             "jamming = { value = nan",
-            "must be 0 to 30",
+            "must be between 0 and 30",
         ),
         (
             "jamming = { value = 3.0",
             "jaming = { value = 3.0",
-            "no such parameter",
+            "unknown key 'jaming'",
         ),
         ("plus_minus = 1.0", "plus_minus = 0.0", "must be above 0"),
         (
@@ -78,7 +78,7 @@ fn nonsense_is_refused_with_file_and_line() {
         (
             "origin = \"published\"",
             "origin = \"invented\"",
-            "unknown variant",
+            "\"measured\"",
         ),
         (
             "material = \"HMPE\"",

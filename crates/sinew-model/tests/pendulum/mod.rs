@@ -3,10 +3,11 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
+use sinew_files::Located;
 use sinew_model::arm::Arm;
 use sinew_model::correction::Spring;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, Prior};
-use sinew_model::robot::{Robot, RobotError, RobotFile};
+use sinew_model::robot::{Robot, RobotFile};
 
 pub(crate) const K: f64 = 20.0;
 pub(crate) const MASS_KG: f64 = 0.5;
@@ -14,7 +15,7 @@ pub(crate) const LENGTH_M: f64 = 0.3;
 pub(crate) const G: f64 = 9.80665;
 
 /// A point mass on a massless rod, hanging straight down at `q = 0`.
-pub(crate) fn pendulum(extra: &str) -> Result<Robot, RobotError> {
+pub(crate) fn pendulum(extra: &str) -> Result<Robot, Located> {
     let toml = format!(
         "[joints.swing]\nstiffness_nm_per_rad = {K}\nmotor_inertia_kg_m2 = 0.05\n\
          joint_friction = {{ coulomb_nm = 0.01 }}\n{extra}"

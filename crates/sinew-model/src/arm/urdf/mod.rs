@@ -15,6 +15,7 @@
 //! friction are accepted with a warning. A negative friction counts as none.
 
 mod links;
+mod located;
 
 use super::{Arm, ArmBuilder, ArmError, BodyInertia, BodySpec, GRAVITY_M_S2, JointKind, Pose};
 use crate::vec3::{Vec3, norm};

@@ -35,11 +35,13 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt::Write as _;
-use serde::Deserialize;
+use sinew_files::Located;
 
 /// Where a value comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Origin {
     /// Measured by somebody, with a source.
     Measured,
@@ -52,15 +54,18 @@ pub enum Origin {
 }
 
 impl Origin {
+    /// Names as the catalogue writes them.
+    const NAMES: [(&'static str, Origin); 4] = [
+        ("measured", Origin::Measured),
+        ("published", Origin::Published),
+        ("fitted", Origin::Fitted),
+        ("starting-guess", Origin::StartingGuess),
+    ];
+
     /// Name as the catalogue writes it.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Origin::Measured => "measured",
-            Origin::Published => "published",
-            Origin::Fitted => "fitted",
-            Origin::StartingGuess => "starting-guess",
-        }
+        Self::NAMES[self as usize].0
     }
 }
 
@@ -167,40 +172,12 @@ pub struct Entry {
     pub correlation: Option<Correlation>,
 }
 
-/// Why an entry was refused.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum EntryError {
-    /// Not TOML, an unknown key, a missing one, or a value of the wrong type.
-    #[error("{file}: {message}")]
-    Toml {
-        /// Name of the file.
-        file: String,
-        /// What the parser says, with line and column.
-        message: String,
-    },
-    /// A value that can't be.
-    #[error("{file}, line {line}: {key} = {value}: {why}")]
-    Value {
-        /// Name of the file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Full key.
-        key: String,
-        /// What was found.
-        value: String,
-        /// What it must be.
-        why: String,
-    },
-}
-
 impl Entry {
     /// Parses a catalogue entry; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`EntryError`] with file, line, key and value.
-    pub fn parse(text: &str, file: &str) -> Result<Self, EntryError> {
+    /// With file, line, key and value.
+    pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
         parse::entry(text, file)
     }
 
