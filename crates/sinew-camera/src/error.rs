@@ -1,7 +1,7 @@
 //! What stops the reading of a whole series.
 
 use super::rejection::WrongPitch;
-use sinew_files::OutputError;
+use sinew_files::{Located, OutputError};
 use std::path::PathBuf;
 
 /// Why a series of frames can't be read.
@@ -29,16 +29,9 @@ pub enum CameraError {
         /// First frame without a time.
         file: String,
     },
-    /// The table of times can't be used.
-    #[error("{path}, line {line}: {reason}", path = path.display())]
-    Times {
-        /// The table.
-        path: PathBuf,
-        /// Line, from one.
-        line: u64,
-        /// What is wrong and what to do.
-        reason: String,
-    },
+    /// The table of times, with the place of what is wrong.
+    #[error(transparent)]
+    File(#[from] Located),
     /// An option that can't be.
     #[error("{0}")]
     Option(String),

@@ -2,6 +2,8 @@
 
 use super::error::CameraError;
 use super::times::{NamePattern, natural};
+use sinew_files::csv::Table;
+use sinew_files::{Bound, Fault, Fields as _, Located};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -120,79 +122,39 @@ fn by_name(folder: &Path, names: Vec<String>, list: &mut FrameList) -> Result<()
     Ok(())
 }
 
+/// Largest table of times read, bytes.
+const TIMES_BYTES_MAX: u64 = 64 << 20;
+
 fn by_table(
     folder: &Path,
     names: &[String],
     path: &Path,
     list: &mut FrameList,
 ) -> Result<(), CameraError> {
-    let refuse = |line: u64, reason: String| CameraError::Times {
-        path: path.to_path_buf(),
-        line,
-        reason,
-    };
-    let text = std::fs::read(path).map_err(|error| CameraError::Io {
-        path: path.to_path_buf(),
-        error,
-    })?;
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
-    let mut reader = csv::ReaderBuilder::new()
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(text);
-    let header = reader
-        .headers()
-        .map_err(|e| refuse(1, format!("not a CSV: {e}")))?
-        .clone();
-    let column = |name: &str| {
-        header
-            .iter()
-            .position(|h| h.eq_ignore_ascii_case(name))
-            .ok_or_else(|| {
-                refuse(
-                    1,
-                    format!(
-                        "no column '{name}'; the columns must be file,time_s, but are {}",
-                        header.iter().take(8).collect::<Vec<_>>().join(",")
-                    ),
-                )
-            })
-    };
-    let (file, time) = (column("file")?, column("time_s")?);
+    let table = Table::read(path, TIMES_BYTES_MAX)?;
+    table.need(&["file", "time_s"])?;
     let mut named = HashSet::new();
     let mut falls: Option<u64> = None;
     let mut last = f64::NEG_INFINITY;
-    for record in reader.records() {
-        let record = record.map_err(|e| {
-            let line = e.position().map_or(0, csv::Position::line);
-            refuse(line, format!("not a CSV: {e}"))
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let (Some(name), Some(text)) = (record.get(file), record.get(time)) else {
-            return Err(refuse(line, "a row needs a file and a time_s".into()));
-        };
-        let time_s: f64 = text
-            .parse()
-            .ok()
-            .filter(|t: &f64| t.is_finite())
-            .ok_or_else(|| refuse(line, format!("time_s '{text}' is not a number of seconds")))?;
-        if name.is_empty() || Path::new(name).components().count() != 1 {
-            return Err(refuse(
-                line,
-                format!("file '{name}' is not the name of a file in the folder of frames"),
-            ));
+    for row in table.rows() {
+        let name = row.need_text("file")?;
+        let time_s = row.need("time_s", Bound::Any, "when the frame was taken")?;
+        if Path::new(name).components().count() != 1 {
+            let must = "the name of a file in the folder of frames";
+            return Err(row.refuse("file", must).into());
         }
         if !named.insert(name.to_owned()) {
-            return Err(refuse(line, format!("file '{name}' is named twice")));
+            return Err(row.refuse("file", "named once; it is named twice").into());
         }
         if time_s < last && falls.is_none() {
-            falls = Some(line);
+            falls = Some(row.line());
         }
         last = time_s;
         list.frames.push(frame(folder, name.to_owned(), time_s));
     }
     if list.frames.is_empty() {
-        return Err(refuse(1, "no row names a frame".into()));
+        let file = path.display().to_string();
+        return Err(Located::new(&file, Fault::MissingKey, "no row names a frame").into());
     }
     if let Some(line) = falls {
         list.notes.push(format!(

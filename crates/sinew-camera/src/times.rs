@@ -1,5 +1,7 @@
 //! When a frame was taken, from its name.
 
+use sinew_files::date::day_number;
+
 /// How names tell the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NamePattern {
@@ -91,27 +93,16 @@ fn date_from(runs: &[&str]) -> Option<i128> {
     let number = |text: &str| text.parse::<i64>().ok();
     let (year, month, day) = (number(day[0])?, number(day[1])?, number(day[2])?);
     let (hour, minute, second) = (number(clock[0])?, number(clock[1])?, number(clock[2])?);
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1970..2200).contains(&year) {
-        return None;
-    }
-    if hour > 23 || minute > 59 || second > 60 {
+    if !(1970..2200).contains(&year) || hour > 23 || minute > 59 || second > 60 {
         return None;
     }
     let fraction = match rest.first() {
         Some(part) if part.len() <= 9 => format!("0.{part}"),
         _ => "0".into(),
     };
-    let seconds = days(year, month, day) * 86_400 + hour * 3600 + minute * 60 + second;
+    let days = day_number(year, month, day)?;
+    let seconds = days * 86_400 + hour * 3600 + minute * 60 + second;
     Some(i128::from(seconds) * 1_000_000_000 + decimal(&fraction, 9)?)
-}
-
-/// Days from 1970-01-01 in the Gregorian calendar (Howard Hinnant, `days_from_civil`).
-fn days(year: i64, month: i64, day: i64) -> i64 {
-    let y = if month <= 2 { year - 1 } else { year };
-    let era = y.div_euclid(400);
-    let of_era = y.rem_euclid(400);
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
 }
 
 fn epoch(stem: &str) -> Option<i128> {

@@ -1,7 +1,11 @@
 //! A robot's folder: `robot.toml` and the URDF it names.
 
-use sinew_model::robot::{Robot, RobotError, RobotFile};
+use sinew_files::{Located, read_text};
+use sinew_model::robot::{Robot, RobotFile};
 use std::path::{Path, PathBuf};
+
+/// Largest `robot.toml` or URDF read, bytes.
+const BYTES_MAX: u64 = 64 << 20;
 
 /// A robot and where it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,14 +24,6 @@ pub struct LoadedRobot {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotDirError {
-    /// A file that can't be read.
-    #[error("can't read {path}: {error}", path = path.display())]
-    Read {
-        /// File.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
     /// No robot was named and none lies where one is looked for.
     #[error(
         "no robot.toml beside the recording nor in the current folder; name the robot's folder with --robot DIR (it holds robot.toml with stiffness_nm_per_rad per joint; robots/biorob-like is an example)"
@@ -41,9 +37,9 @@ pub enum RobotDirError {
         /// `robot.toml`.
         path: PathBuf,
     },
-    /// The description was refused.
+    /// The description, with the place of what is wrong.
     #[error(transparent)]
-    Robot(#[from] RobotError),
+    File(#[from] Located),
 }
 
 /// Loads a robot from `place` (its folder, or `robot.toml` itself).
@@ -58,12 +54,12 @@ pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, Robo
     } else {
         place.to_path_buf()
     };
-    let text = read(&file)?;
+    let text = read_text(&file, BYTES_MAX)?;
     let parsed = RobotFile::parse(&text, &file.display().to_string())?;
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
             let path = file.parent().unwrap_or(Path::new("")).join(name);
-            (read(&path)?, path.display().to_string())
+            (read_text(&path, BYTES_MAX)?, path.display().to_string())
         }
         (None, Some(text)) => (
             text.to_string(),
@@ -89,11 +85,4 @@ pub fn find(log: &Path) -> Result<PathBuf, RobotDirError> {
         .into_iter()
         .find(|p| p.is_file())
         .ok_or(RobotDirError::NotFound)
-}
-
-fn read(path: &Path) -> Result<String, RobotDirError> {
-    std::fs::read_to_string(path).map_err(|error| RobotDirError::Read {
-        path: path.to_path_buf(),
-        error,
-    })
 }

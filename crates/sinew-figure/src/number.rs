@@ -91,36 +91,6 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Nanoseconds since 1970 as UTC; `None` when that is no plausible date of a recording.
-pub fn date_utc(time_ns: i64) -> Option<String> {
-    /// 2000-01-01: earlier stamps count from a boot or from the recording's start.
-    const EARLIEST_S: i64 = 946_684_800;
-    let seconds = time_ns.div_euclid(1_000_000_000);
-    if seconds < EARLIEST_S {
-        return None;
-    }
-    let (days, of_day) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    // Civil date of a day count, with years that begin in March so that the leap day is last
-    // (H. Hinnant, "chrono-compatible low-level date algorithms").
-    let z = days + 719_468;
-    let era = z.div_euclid(146_097);
-    let of_era = z.rem_euclid(146_097);
-    let year_of_era = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 {
-        month_from_march + 3
-    } else {
-        month_from_march - 9
-    };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    let (hour, minute, second) = (of_day / 3600, of_day / 60 % 60, of_day % 60);
-    Some(format!(
-        "{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02} UTC"
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,16 +112,6 @@ mod tests {
         assert_eq!(share(1e-7), "under 0.1 %");
         assert_eq!(share(1.0), "100 %");
         assert_eq!(share(0.1234), "12.3 %");
-    }
-
-    #[test]
-    fn dates_are_those_of_the_calendar() {
-        assert_eq!(date_utc(0), None);
-        // date -u -d @1709210096
-        let leap_day = date_utc(1_709_210_096_500_000_000);
-        assert_eq!(leap_day.as_deref(), Some("2024-02-29 12:34:56 UTC"));
-        let new_year = date_utc(1_767_225_599_000_000_000);
-        assert_eq!(new_year.as_deref(), Some("2025-12-31 23:59:59 UTC"));
     }
 
     #[test]

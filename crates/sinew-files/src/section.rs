@@ -293,7 +293,15 @@ impl<'d> Section<'d> {
     /// # Errors
     /// As [`Value::flag`].
     pub fn flag(&self, key: &'static str) -> Result<bool, Located> {
-        self.value(key).map_or(Ok(false), |v| v.flag())
+        self.flag_or(key, false)
+    }
+
+    /// `true` or `false`; `plain` when left out.
+    ///
+    /// # Errors
+    /// As [`Value::flag`].
+    pub fn flag_or(&self, key: &'static str, plain: bool) -> Result<bool, Located> {
+        self.value(key).map_or(Ok(plain), |v| v.flag())
     }
 
     /// A text.

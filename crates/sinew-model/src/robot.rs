@@ -31,7 +31,7 @@ use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use sinew_files::{Bound, TomlFile, Fault, Fields as _, Located, Section, names};
+use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile, names};
 
 /// A robot, ready for an observer or a simulation.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,9 +4,8 @@ use super::figures;
 use super::sentences::{doubt, headline};
 use sinew_estimate::absolute::Absolute;
 use sinew_estimate::estimate::{Estimate, JointEstimate, Loss};
-use sinew_figure::{
-    Block, Page, Table, count, date_utc, duration, given, rounded, share, with_error,
-};
+use sinew_figure::{Block, Page, Table, count, duration, given, rounded, share, with_error};
+use sinew_files::date::utc_text;
 
 /// The estimate as one HTML file that opens offline.
 ///
@@ -237,7 +236,7 @@ fn circumstances(estimate: &Estimate) -> Table {
         "recording",
         format!("{} ({})", recording.path, recording.format),
     );
-    if let Some(date) = date_utc(recording.start_time_ns) {
+    if let Some(date) = utc_text(recording.start_time_ns) {
         add("begins", date);
     }
     add(

@@ -1,37 +1,27 @@
 //! Tables of blocks: TOML and CSV.
 
-use super::duty::{DUTY_BYTES_MAX, Duty, DutyError, Stretch};
-use serde::Deserialize;
+use super::duty::{DUTY_BYTES_MAX, Duty, Stretch};
+use sinew_files::csv::Table;
+use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, read_text};
 use sinew_model::rope::Load;
 use std::path::Path;
-use toml::Spanned;
 
 impl Duty {
     /// Opens a block table, TOML or CSV by the end of its name.
     ///
     /// # Errors
-    /// [`DutyError`] with file, place, key and value.
-    pub fn open(path: &Path) -> Result<Self, DutyError> {
-        let read = |error| DutyError::Read {
-            path: path.to_path_buf(),
-            error,
-        };
-        let bytes = std::fs::metadata(path).map_err(read)?.len();
-        if bytes > DUTY_BYTES_MAX {
-            return Err(DutyError::TooLarge {
-                path: path.to_path_buf(),
-                bytes,
-            });
-        }
-        let text = std::fs::read_to_string(path).map_err(read)?;
+    /// With file, line, key and value.
+    pub fn open(path: &Path) -> Result<Self, Located> {
         let file = path.display().to_string();
-        match path.extension().and_then(|e| e.to_str()) {
-            Some("toml") => Self::from_toml(&text, &file),
-            Some("csv") => Self::from_csv(&text, &file),
-            _ => Err(DutyError::Kind {
-                path: path.to_path_buf(),
-            }),
-        }
+        let read = match path.extension().and_then(|e| e.to_str()) {
+            Some("toml") => Self::from_toml,
+            Some("csv") => Self::from_csv,
+            _ => {
+                let problem = "a duty is a .toml or .csv file";
+                return Err(Located::new(&file, Fault::Syntax, problem));
+            }
+        };
+        read(&read_text(path, DUTY_BYTES_MAX)?, &file)
     }
 
     /// Reads a block table in TOML:
@@ -47,126 +37,75 @@ impl Duty {
     /// ```
     ///
     /// # Errors
-    /// [`DutyError`].
-    pub fn from_toml(text: &str, file: &str) -> Result<Self, DutyError> {
-        let raw: RawDuty = toml::from_str(text).map_err(|e| DutyError::Parse {
-            file: file.into(),
-            message: e.to_string().trim_end().into(),
-        })?;
-        let mut stretches = Vec::with_capacity(raw.block.len());
-        for block in &raw.block {
-            let before = &text.as_bytes()[..block.span().start.min(text.len())];
-            let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-            stretches.push(block.as_ref().stretch(file, &format!("line {line}"))?);
-        }
-        Self::checked(stretches, raw.repeat, file)
+    /// As [`Duty::open`].
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, Located> {
+        let read = |s: &Section<'_>| -> Result<_, Located> {
+            let repeat = s.flag_or("repeat", true)?;
+            Ok((s.each("block", |s| stretch(s))?, repeat))
+        };
+        let (stretches, repeat) = TomlFile::parse(text, file)?.root().whole(read)?;
+        Self::checked(stretches, repeat, file)
     }
 
     /// Reads a block table in CSV with a header line: the columns of [`Duty::from_toml`], empty
     /// cells where a key would be left out. It repeats.
     ///
     /// # Errors
-    /// [`DutyError`].
-    pub fn from_csv(text: &str, file: &str) -> Result<Self, DutyError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let mut stretches = Vec::new();
-        for (i, row) in reader.deserialize::<RawBlock>().enumerate() {
-            let block = row.map_err(|e| DutyError::Parse {
-                file: file.into(),
-                message: e.to_string(),
-            })?;
-            stretches.push(block.stretch(file, &format!("row {}", i + 1))?);
-        }
-        Self::checked(stretches, true, file)
+    /// As [`Duty::open`].
+    pub fn from_csv(text: &str, file: &str) -> Result<Self, Located> {
+        let table = Table::parse(text, file)?;
+        table.only(&COLUMNS)?;
+        let rows = table.rows().map(|row| stretch(&row));
+        Self::checked(rows.collect::<Result<_, _>>()?, true, file)
     }
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawDuty {
-    #[serde(default = "yes")]
-    repeat: bool,
-    #[serde(default)]
-    block: Vec<Spanned<RawBlock>>,
-}
+const COLUMNS: [&str; 8] = [
+    "duration_s",
+    "duration_min",
+    "duration_h",
+    "duration_d",
+    "tension_n",
+    "tension_to_n",
+    "temperature_c",
+    "temperature_to_c",
+];
+/// Keys of a length, and their seconds.
+const DURATIONS: [(&str, f64); 4] = [
+    ("duration_s", 1.0),
+    ("duration_min", 60.0),
+    ("duration_h", 3600.0),
+    ("duration_d", 86_400.0),
+];
+/// A hundred years.
+const DURATION_S_MAX: f64 = 3.2e9;
+/// What a rope may pull with, N.
+const TENSION: Bound = Bound::NotNegative;
+const TEMPERATURE: Bound = Bound::Within(-100.0, 200.0);
 
-fn yes() -> bool {
-    true
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawBlock {
-    duration_s: Option<f64>,
-    duration_min: Option<f64>,
-    duration_h: Option<f64>,
-    duration_d: Option<f64>,
-    tension_n: f64,
-    tension_to_n: Option<f64>,
-    temperature_c: Option<f64>,
-    temperature_to_c: Option<f64>,
-}
-
-impl RawBlock {
-    fn stretch(&self, file: &str, place: &str) -> Result<Stretch, DutyError> {
-        let wrong = |key: &str, value: String, why| DutyError::Value {
-            file: file.into(),
-            place: place.into(),
-            key: key.into(),
-            value,
-            why,
-        };
-        let durations = [
-            ("duration_s", self.duration_s, 1.0),
-            ("duration_min", self.duration_min, 60.0),
-            ("duration_h", self.duration_h, 3600.0),
-            ("duration_d", self.duration_d, 86_400.0),
-        ];
-        let mut given = durations
-            .iter()
-            .filter_map(|(key, value, unit)| value.map(|v| (*key, v, v * unit)));
-        let (Some((key, value, duration_s)), None) = (given.next(), given.next()) else {
-            return Err(wrong(
-                "duration",
-                "(none or several)".into(),
-                "give one of duration_s, duration_min, duration_h, duration_d",
-            ));
-        };
-        // A hundred years.
-        if !(duration_s > 0.0 && duration_s <= 3.2e9) {
-            return Err(wrong(
-                key,
-                value.to_string(),
-                "must be above 0 and at most 100 years",
-            ));
+fn stretch(block: &impl Fields) -> Result<Stretch, Located> {
+    let mut given = Vec::new();
+    for (key, unit) in DURATIONS {
+        if let Some(v) = block.number(key, Bound::Positive)? {
+            given.push((key, v * unit));
         }
-        let tension = |key: &str, v: f64| {
-            if (0.0..1e9).contains(&v) {
-                Ok(v)
-            } else {
-                Err(wrong(key, v.to_string(), "must be at least 0 N"))
-            }
-        };
-        let temperature = |key: &str, v: f64| {
-            if (-100.0..=200.0).contains(&v) {
-                Ok(v)
-            } else {
-                Err(wrong(key, v.to_string(), "must be −100 to 200 °C"))
-            }
-        };
-        let t0 = tension("tension_n", self.tension_n)?;
-        let t1 = tension("tension_to_n", self.tension_to_n.unwrap_or(t0))?;
-        let c0 = temperature("temperature_c", self.temperature_c.unwrap_or(23.0))?;
-        let c1 = temperature("temperature_to_c", self.temperature_to_c.unwrap_or(c0))?;
-        Ok(Stretch {
-            from: Load::celsius(t0, c0),
-            to: Load::celsius(t1, c1),
-            duration_s,
-        })
     }
+    let t0 = block.need("tension_n", TENSION, "the tension at its start")?;
+    let t1 = block.number_or("tension_to_n", TENSION, t0)?;
+    let c0 = block.number_or("temperature_c", TEMPERATURE, 23.0)?;
+    let c1 = block.number_or("temperature_to_c", TEMPERATURE, c0)?;
+    let [(key, duration_s)] = given[..] else {
+        let why = "give one of duration_s, duration_min, duration_h, duration_d";
+        return Err(block.missing("duration", why));
+    };
+    if duration_s > DURATION_S_MAX {
+        return Err(block.refuse(key, "at most 100 years"));
+    }
+    Ok(Stretch {
+        from: Load::celsius(t0, c0),
+        to: Load::celsius(t1, c1),
+        duration_s,
+    })
 }
 
 #[cfg(test)]
@@ -213,7 +152,7 @@ mod tests {
                 "[[block]]\nduration_s = 1\ntension_n = 1\ntemperature_c = 900\n",
                 "200 °C",
             ),
-            ("[[block]]\nduration_s = 1\ntension = 1\n", "unknown field"),
+            ("[[block]]\nduration_s = 1\ntension = 1\n", "unknown key"),
         ] {
             let error = Duty::from_toml(text, "duty.toml")
                 .expect_err(text)

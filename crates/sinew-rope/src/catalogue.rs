@@ -1,6 +1,7 @@
 //! Ropes to choose from: those that ship with the program and those in the user's own folders.
 
-use sinew_model::rope::entry::{Entry, EntryError};
+use sinew_files::{Fault, Located, read_text};
+use sinew_model::rope::entry::Entry;
 use std::path::{Path, PathBuf};
 
 /// The ropes of the paper's Table I, in its order.
@@ -65,25 +66,9 @@ pub struct Catalogue {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CatalogueError {
-    /// A folder or file that can't be read.
-    #[error("can't read {path}: {error}", path = path.display())]
-    Read {
-        /// Folder or file.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// A file too large to be a catalogue entry.
-    #[error("{path} has {bytes} bytes; a rope takes some thousand", path = path.display())]
-    TooLarge {
-        /// File.
-        path: PathBuf,
-        /// Its size.
-        bytes: u64,
-    },
-    /// An entry was refused.
+    /// A folder that can't be read, or an entry with the place of what is wrong.
     #[error(transparent)]
-    Entry(#[from] EntryError),
+    File(#[from] Located),
     /// Two files of one folder name the same rope.
     #[error("{first} and {second} both name their rope '{name}'; rename one", first = first.display(), second = second.display())]
     Twice {
@@ -116,7 +101,7 @@ impl Catalogue {
     /// The ropes that ship with the program.
     ///
     /// # Errors
-    /// [`CatalogueError::Entry`]; a test keeps that from happening.
+    /// [`CatalogueError::File`]; a test keeps that from happening.
     pub fn shipped() -> Result<Self, CatalogueError> {
         let parse = |(file, text): &(&str, &str)| {
             Ok::<_, CatalogueError>(CatalogueRope {
@@ -145,13 +130,13 @@ impl Catalogue {
     }
 
     fn add_folder(&mut self, folder: &Path) -> Result<(), CatalogueError> {
-        let read_error = |path: &Path| {
-            let path = path.to_path_buf();
-            move |error| CatalogueError::Read { path, error }
+        let read_error = |error: std::io::Error| {
+            let problem = format!("can't read: {error}");
+            Located::new(&folder.display().to_string(), Fault::Unreadable, problem)
         };
         let mut files = Vec::new();
-        for item in std::fs::read_dir(folder).map_err(read_error(folder))? {
-            let path = item.map_err(read_error(folder))?.path();
+        for item in std::fs::read_dir(folder).map_err(read_error)? {
+            let path = item.map_err(read_error)?.path();
             if path.extension().is_some_and(|e| e == "toml") && path.is_file() {
                 files.push(path);
             }
@@ -159,11 +144,7 @@ impl Catalogue {
         files.sort();
         let mut fresh: Vec<CatalogueRope> = Vec::new();
         for path in files {
-            let bytes = std::fs::metadata(&path).map_err(read_error(&path))?.len();
-            if bytes > ENTRY_BYTES_MAX {
-                return Err(CatalogueError::TooLarge { path, bytes });
-            }
-            let text = std::fs::read_to_string(&path).map_err(read_error(&path))?;
+            let text = read_text(&path, ENTRY_BYTES_MAX)?;
             let entry = Entry::parse(&text, &path.display().to_string())?;
             if let Some(twin) = fresh.iter().find(|r| r.entry.name == entry.name) {
                 return Err(CatalogueError::Twice {

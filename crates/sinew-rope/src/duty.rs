@@ -2,8 +2,8 @@
 //! a table of blocks ([`Duty::from_toml`], [`Duty::from_csv`]).
 
 use serde::Serialize;
+use sinew_files::{Fault, Located};
 use sinew_model::rope::Load;
-use std::path::PathBuf;
 
 /// Largest duty file read, bytes.
 pub(super) const DUTY_BYTES_MAX: u64 = 64 << 20;
@@ -62,64 +62,6 @@ pub struct DutySummary {
     pub temperature_max_c: f64,
 }
 
-/// Why a duty was refused.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum DutyError {
-    /// A file that can't be read.
-    #[error("can't read {path}: {error}", path = path.display())]
-    Read {
-        /// File.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// A file too large to be a table of blocks.
-    #[error("{path} has {bytes} bytes; a block table has at most {DUTY_BYTES_MAX}", path = path.display())]
-    TooLarge {
-        /// File.
-        path: PathBuf,
-        /// Its size.
-        bytes: u64,
-    },
-    /// A file that is neither TOML nor CSV by its name.
-    #[error("{path}: a duty is a .toml or .csv file", path = path.display())]
-    Kind {
-        /// File.
-        path: PathBuf,
-    },
-    /// What the parser says, with its place.
-    #[error("{file}: {message}")]
-    Parse {
-        /// File.
-        file: String,
-        /// What is wrong.
-        message: String,
-    },
-    /// A value that can't be.
-    #[error("{file}, {place}: {key} = {value}: {why}")]
-    Value {
-        /// File.
-        file: String,
-        /// Block or line.
-        place: String,
-        /// Key with its unit.
-        key: String,
-        /// What was found.
-        value: String,
-        /// What it must be.
-        why: &'static str,
-    },
-    /// No block at all, or too many.
-    #[error("{file}: {blocks} blocks; a duty has 1 to {STRETCHES_MAX}")]
-    Blocks {
-        /// File.
-        file: String,
-        /// Blocks found.
-        blocks: usize,
-    },
-}
-
 impl Duty {
     /// Constant tension and temperature for ever.
     pub fn constant(tension_n: f64, temperature_c: f64) -> Self {
@@ -148,12 +90,11 @@ impl Duty {
         stretches: Vec<Stretch>,
         repeat: bool,
         file: &str,
-    ) -> Result<Self, DutyError> {
+    ) -> Result<Self, Located> {
         if stretches.is_empty() || stretches.len() > STRETCHES_MAX {
-            return Err(DutyError::Blocks {
-                file: file.into(),
-                blocks: stretches.len(),
-            });
+            let blocks = stretches.len();
+            let problem = format!("{blocks} blocks; a duty has 1 to {STRETCHES_MAX}");
+            return Err(Located::new(file, Fault::TooLarge, problem));
         }
         Ok(Self {
             about: file.into(),

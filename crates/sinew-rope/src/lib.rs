@@ -23,4 +23,4 @@ mod strand;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope};
 pub use draws::{Draws, Interval};
-pub use duty::{Duty, DutyError, Stretch};
+pub use duty::{Duty, Stretch};

@@ -7,7 +7,6 @@
 mod args;
 mod commands;
 mod files;
-mod nearest;
 mod terminal;
 mod text;
 

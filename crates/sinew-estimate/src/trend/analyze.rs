@@ -1,11 +1,11 @@
 //! From records to what a maintenance engineer acts on.
 
-use super::date::day_of;
 use super::limits::{self, Ahead};
 use super::prior::{Grounds, days, grounds};
 use super::records::{SessionRecord, Sorted};
 use super::result::{EventSaid, JointTrend, Series, Suspicion, TrendReport};
 use super::stiffness;
+use sinew_files::date::day_of;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendError};

@@ -1,11 +1,11 @@
 //! When a limit is passed, in numbers and words.
 
-use super::date::day_of;
 use super::result::{JointTrend, LimitSaid};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sinew_figure::rounded;
+use sinew_files::date::day_of;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Paths, Trend, first_passage};
 use sinew_rope::draws::quantile;

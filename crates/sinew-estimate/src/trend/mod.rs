@@ -6,7 +6,6 @@
 //! years of robots and says how good all that is.
 
 mod analyze;
-pub mod date;
 mod limits;
 pub mod prior;
 mod read;

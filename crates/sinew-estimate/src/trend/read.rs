@@ -16,9 +16,11 @@
 //! | `robot`, `recording`, `baseline`, `duration_s` | optional, may be empty |
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
-use super::date::{PLAUSIBLE_S, parse_utc_s};
 use super::records::{RecordError, SessionRecord};
 use serde::Deserialize;
+use sinew_files::csv::{Row, Table};
+use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
+use sinew_files::{Bound, Fault, Fields as _, read_text};
 use std::path::Path;
 
 /// Largest file read, bytes: a session of 32 joints takes some ten thousand.
@@ -30,19 +32,7 @@ const BYTES_MAX: u64 = 1 << 28;
 /// [`RecordError`] with file, line or entry, and what to do.
 pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     let file = path.display().to_string();
-    let refuse = |why: String| RecordError::Read {
-        file: file.clone(),
-        why,
-    };
-    let bytes = std::fs::metadata(path)
-        .map_err(|e| refuse(e.to_string()))?
-        .len();
-    if bytes > BYTES_MAX {
-        return Err(refuse(format!(
-            "{bytes} bytes are too many for records of sessions"
-        )));
-    }
-    let text = std::fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
+    let text = read_text(path, BYTES_MAX)?;
     let csv = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("csv"));
@@ -169,7 +159,14 @@ fn document_records(
             .then_some(joint.offset_mrad.zip(joint.interval_95_mrad))
             .flatten();
         out.push(SessionRecord {
-            offset_mrad: offset.map(|(y, i)| interval(y, i, &place)).transpose()?,
+            offset_mrad: offset
+                .map(|(y, i)| {
+                    interval(y, i).map_err(|(key, must)| {
+                        let found = if key == "offset_mrad" { y } else { i };
+                        value(&place, format!("{key} = {found}: must be {must}"))
+                    })
+                })
+                .transpose()?,
             source: place,
             robot: absolute.robot.clone().or(robot.clone()),
             recording: absolute.recording.clone(),
@@ -189,116 +186,57 @@ fn document_records(
 /// Reads a CSV table; `file` is its name for messages.
 ///
 /// # Errors
-/// [`RecordError::Value`] with the line.
+/// [`RecordError::File`] with line and column.
 pub fn records_from_csv(text: &str, file: &str) -> Result<Vec<SessionRecord>, RecordError> {
-    const NEEDED: [&str; 4] = ["time", "joint", "offset_mrad", "interval_95_mrad"];
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .flexible(true)
-        .from_reader(text.as_bytes());
-    let head = reader
-        .headers()
-        .map_err(|e| value(file, e.to_string()))?
-        .clone();
-    let column = |name: &str| {
-        head.iter()
-            .position(|h| h.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name))
-    };
-    if let Some(missing) = NEEDED.iter().find(|n| column(n).is_none()) {
-        return Err(value(
-            file,
-            format!("has no column '{missing}'; it needs {}", NEEDED.join(", ")),
-        ));
-    }
-    let mut out = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|e| value(file, e.to_string()))?;
-        let line = row.position().map_or(0, csv::Position::line);
-        let cell = |name: &str| {
-            column(name)
-                .and_then(|i| row.get(i))
-                .filter(|text| !text.is_empty())
-        };
-        out.push(row_record(&cell, format!("{file}, line {line}"))?);
-    }
-    Ok(out)
+    let table = Table::parse(text, file)?;
+    table.need(&["time", "joint", "offset_mrad", "interval_95_mrad"])?;
+    table.rows().map(|row| row_record(&row, file)).collect()
 }
 
-/// One line; `cell` finds what stands in a column, if anything does.
-fn row_record<'a>(
-    cell: &dyn Fn(&str) -> Option<&'a str>,
-    place: String,
-) -> Result<SessionRecord, RecordError> {
-    let number = |name: &str| number(cell(name), name, &place);
-    let need = |name: &str| cell(name).ok_or_else(|| value(&place, format!("'{name}' is empty")));
-    let time = need("time")?;
+fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
+    let time = row.need_text("time")?;
     let time_utc_s = parse_utc_s(time).ok_or_else(|| {
-        value(
-            &place,
-            format!(
-                "time '{time}' is no date; write such as 2026-03-01T08:30Z or seconds since 1970"
-            ),
-        )
+        let must = "2026-03-01T08:30Z, 2026-03-01 or seconds since 1970; this is no date";
+        row.refuse("time", must)
     })?;
+    let number = |column| row.number(column, Bound::Any);
     let offset_mrad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
         (None, _) => None,
         (Some(_), None) => {
-            return Err(value(
-                &place,
-                "interval_95_mrad is empty beside an offset".into(),
-            ));
+            let problem = "interval_95_mrad is empty beside an offset";
+            return Err(row.here(Fault::MissingKey, problem).into());
         }
-        (Some(y), Some(i)) => Some(interval(y, i, &place)?),
+        (Some(y), Some(i)) => {
+            Some(interval(y, i).map_err(|(column, must)| row.refuse(column, must))?)
+        }
     };
     let stiffness = number("stiffness_change_percent")?
         .zip(number("stiffness_interval_95_percent")?)
         .filter(|(_, i)| *i > 0.0);
-    let text = |name: &str| cell(name).map(str::to_string);
+    let text = |column: &str| row.text(column).map(str::to_string);
     Ok(SessionRecord {
         robot: text("robot"),
         recording: text("recording"),
         baseline: text("baseline"),
         time_utc_s,
         duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
-        joint: need("joint")?.to_string(),
+        joint: row.need_text("joint")?.to_string(),
         offset_mrad,
         temperature_c: number("temperature_c")?,
         stiffness_percent: stiffness.map(|(v, i)| [v, i]),
-        source: place.clone(),
+        source: format!("{file}, line {}", row.line()),
     })
 }
 
-fn number(cell: Option<&str>, name: &str, place: &str) -> Result<Option<f64>, RecordError> {
-    cell.map(|text| {
-        text.parse::<f64>()
-            .ok()
-            .filter(|v| v.is_finite())
-            .ok_or_else(|| {
-                value(
-                    place,
-                    format!("{name} = '{text}' is not a finite number; leave it empty where nothing is known"),
-                )
-            })
-    })
-    .transpose()
-}
-
-/// An offset that can be one.
-fn interval(offset: f64, interval: f64, place: &str) -> Result<[f64; 2], RecordError> {
+/// An offset that can be one; else its key, and what it must be.
+fn interval(offset: f64, interval: f64) -> Result<[f64; 2], (&'static str, &'static str)> {
     /// Half a turn, mrad.
     const MOST_MRAD: f64 = 3142.0;
     if !(offset.abs() <= MOST_MRAD) {
-        return Err(value(
-            place,
-            format!("offset_mrad = {offset} is more than half a turn; is it in mrad?"),
-        ));
+        return Err(("offset_mrad", "at most half a turn; is it in mrad?"));
     }
     if !(interval > 0.0 && interval.is_finite()) {
-        return Err(value(
-            place,
-            format!("interval_95_mrad = {interval} must be above 0 mrad"),
-        ));
+        return Err(("interval_95_mrad", "above 0 mrad"));
     }
     Ok([offset, interval])
 }

@@ -1,6 +1,7 @@
 //! Sessions as records: one per joint and session, put in order and freed of repeats.
 
-use super::date::day_of;
+use sinew_files::Located;
+use sinew_files::date::day_of;
 use std::collections::BTreeMap;
 
 /// What one session said about one joint.
@@ -32,15 +33,10 @@ pub struct SessionRecord {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// A file that can't be read.
-    #[error("can't read {file}: {why}")]
-    Read {
-        /// File.
-        file: String,
-        /// Why.
-        why: String,
-    },
-    /// A value or document that can't be.
+    /// A file that can't be read, or a table with the place of what is wrong.
+    #[error(transparent)]
+    File(#[from] Located),
+    /// A document that can't be.
     #[error("{place}: {why}")]
     Value {
         /// File and line or entry.

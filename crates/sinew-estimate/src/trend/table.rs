@@ -1,7 +1,7 @@
 //! Every session of every tendon as a table.
 
-use super::date::day_of;
 use super::result::TrendReport;
+use sinew_files::date::day_of;
 use sinew_files::{OutputError, write_file};
 use std::fmt::Write as _;
 use std::path::Path;

@@ -6,8 +6,9 @@
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Baseline, Payload, Recorded, Recorder, WatchOptions};
 use sinew_estimate::robot_dir;
-use sinew_estimate::trend::{SessionRecord, date::parse_utc_s};
+use sinew_estimate::trend::SessionRecord;
 use sinew_eval::scenarios::Plan;
+use sinew_files::date::parse_utc_s;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
 use sinew_sim::{Scenario, Simulation};

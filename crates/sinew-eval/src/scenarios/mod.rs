@@ -22,8 +22,8 @@ pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
 
 use sinew_estimate::absolute::AbsoluteError;
 use sinew_estimate::robot_dir::RobotDirError;
+use sinew_files::Located;
 use sinew_model::offset::OffsetConfigError;
-use sinew_model::robot::RobotError;
 use sinew_sim::SimulateError;
 
 /// Why the bench could not run.
@@ -51,7 +51,7 @@ pub enum ScenarioError {
     Simulate(#[from] SimulateError),
     /// The robot's description was refused.
     #[error(transparent)]
-    Robot(#[from] RobotError),
+    Robot(#[from] Located),
     /// The robot could not be loaded.
     #[error(transparent)]
     RobotDir(#[from] RobotDirError),

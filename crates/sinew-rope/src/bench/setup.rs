@@ -1,8 +1,7 @@
 //! What stands where on the bench, and what is done to it.
 
-use serde::Deserialize;
+use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
 use sinew_model::rope::routing::{self, Pulley, RoutingError};
-use toml::Spanned;
 
 /// One of the two strands between drive pulley and joint pulley.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -45,34 +44,9 @@ pub struct Bench {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
-    /// Not TOML, an unknown key, or a value of the wrong type.
-    #[error("{file}: {message}")]
-    Toml {
-        /// File.
-        file: String,
-        /// What the parser says.
-        message: String,
-    },
-    /// A value that can't be.
-    #[error("{file}, line {line}: {key} = {value}: {why}")]
-    Value {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Key with its unit.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-        /// What it must be.
-        why: &'static str,
-    },
-    /// No phase at all.
-    #[error("{file}: no [[phase]]; the bench has nothing to do")]
-    NoPhase {
-        /// File.
-        file: String,
-    },
+    /// The file, with the place of what is wrong.
+    #[error(transparent)]
+    File(#[from] Located),
     /// The guiding pulleys don't fit.
     #[error("{file}, strand {strand}: {error}")]
     Routing {
@@ -83,43 +57,6 @@ pub enum BenchError {
         /// Why.
         error: RoutingError,
     },
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawBench {
-    name: Option<String>,
-    strand_mm: Spanned<f64>,
-    stroke_mm: Spanned<f64>,
-    period_s: Spanned<f64>,
-    #[serde(default)]
-    guide: Vec<RawGuide>,
-    #[serde(default)]
-    phase: Vec<RawPhase>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawGuide {
-    strand: Spanned<f64>,
-    at_mm: Spanned<f64>,
-    radius_mm: Spanned<f64>,
-    wrap_deg: Spanned<f64>,
-    friction: Option<Spanned<f64>>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawPhase {
-    force_n: Spanned<f64>,
-    duration_min: Spanned<f64>,
-    temperature_c: Option<Spanned<f64>>,
-    #[serde(default = "yes")]
-    moving: bool,
-}
-
-fn yes() -> bool {
-    true
 }
 
 impl Bench {
@@ -146,78 +83,29 @@ impl Bench {
     /// # Errors
     /// [`BenchError`] with file, line, key and value.
     pub fn parse(text: &str, file: &str) -> Result<Self, BenchError> {
-        let raw: RawBench = toml::from_str(text).map_err(|e| BenchError::Toml {
-            file: file.into(),
-            message: e.to_string().trim_end().into(),
-        })?;
-        let number = |key: &'static str, v: &Spanned<f64>, low: f64, high: f64, why| {
-            let value = *v.as_ref();
-            if (low..=high).contains(&value) {
-                return Ok(value);
-            }
-            let before = &text.as_bytes()[..v.span().start.min(text.len())];
-            Err(BenchError::Value {
-                file: file.into(),
-                line: 1 + before.iter().filter(|b| **b == b'\n').count(),
-                key,
-                value,
-                why,
-            })
-        };
-        const MM: f64 = 1e-3;
-        let length = |key, v: &Spanned<f64>| {
-            number(key, v, 1e-3, 1e6, "must be above 0 and at most a kilometre").map(|v| MM * v)
-        };
-        let from_zero = |key, v: &Spanned<f64>| number(key, v, 0.0, 1e6, "must be at least 0");
+        let bench = TomlFile::parse(text, file)?
+            .root()
+            .whole(|s| Self::of(s, file))?;
+        bench.check(file)?;
+        Ok(bench)
+    }
+
+    fn of(s: &Section<'_>, file: &str) -> Result<Self, Located> {
         let mut strands = [Strand::default(), Strand::default()];
-        for g in &raw.guide {
-            let which = number("strand", &g.strand, 1.0, 2.0, "must be 1 or 2")?;
-            let friction = g.friction.as_ref();
-            strands[usize::from(which >= 1.5)].pulleys.push(Pulley {
-                at_m: MM * from_zero("at_mm", &g.at_mm)?,
-                radius_m: length("radius_mm", &g.radius_mm)?,
-                wrap_rad: from_zero("wrap_deg", &g.wrap_deg)?.to_radians(),
-                friction: friction.map(|f| from_zero("friction", f)).transpose()?,
-            });
-        }
-        let mut phases = Vec::with_capacity(raw.phase.len());
-        for p in &raw.phase {
-            let temperature_c = match &p.temperature_c {
-                None => 23.0,
-                Some(v) => number("temperature_c", v, -100.0, 200.0, "must be −100 to 200 °C")?,
-            };
-            let minutes = number(
-                "duration_min",
-                &p.duration_min,
-                1e-3,
-                6e6,
-                "must be above 0 and at most ten years",
-            )?;
-            phases.push(Phase {
-                force_n: from_zero("force_n", &p.force_n)?,
-                temperature_c,
-                duration_s: 60.0 * minutes,
-                moving: p.moving,
-            });
-        }
-        if phases.is_empty() {
-            return Err(BenchError::NoPhase { file: file.into() });
+        for (second, pulley) in s.each("guide", guide)? {
+            strands[usize::from(second)].pulleys.push(pulley);
         }
         let bench = Self {
-            name: raw.name.clone().unwrap_or_else(|| file.into()),
-            strand_m: length("strand_mm", &raw.strand_mm)?,
-            stroke_m: MM * from_zero("stroke_mm", &raw.stroke_mm)?,
-            period_s: number(
-                "period_s",
-                &raw.period_s,
-                1e-3,
-                1e6,
-                "must be at least 0.001 s",
-            )?,
+            name: s.text("name")?.unwrap_or_else(|| file.into()),
+            strand_m: MM * s.need("strand_mm", LENGTH_MM, "length of each strand")?,
+            stroke_m: MM * s.need("stroke_mm", FROM_0, "rope unrolled and taken up")?,
+            period_s: s.need("period_s", Bound::Within(1e-3, 1e6), "of one stroke")?,
             strands,
-            phases,
+            phases: s.each("phase", phase)?,
         };
-        bench.check(file)?;
+        if bench.phases.is_empty() {
+            return Err(s.missing("[[phase]]", "the bench has nothing to do"));
+        }
         Ok(bench)
     }
 
@@ -242,4 +130,33 @@ impl Bench {
     pub fn duration_s(&self) -> f64 {
         self.phases.iter().map(|p| p.duration_s).sum()
     }
+}
+
+const MM: f64 = 1e-3;
+/// At most a kilometre.
+const LENGTH_MM: Bound = Bound::Within(1e-3, 1e6);
+const FROM_0: Bound = Bound::Within(0.0, 1e6);
+
+/// Whether it guides the second strand, and the pulley.
+fn guide(s: &Section<'_>) -> Result<(bool, Pulley), Located> {
+    let which = s.need("strand", Bound::Within(1.0, 2.0), "1 or 2")?;
+    let wrap_deg = s.need("wrap_deg", FROM_0, "how far the rope bends")?;
+    let pulley = Pulley {
+        at_m: MM * s.need("at_mm", FROM_0, "where the rope meets it")?,
+        radius_m: MM * s.need("radius_mm", LENGTH_MM, "of the pulley")?,
+        wrap_rad: wrap_deg.to_radians(),
+        friction: s.number("friction", FROM_0)?,
+    };
+    Ok((which >= 1.5, pulley))
+}
+
+fn phase(s: &Section<'_>) -> Result<Phase, Located> {
+    // At most ten years.
+    let minutes = s.need("duration_min", Bound::Within(1e-3, 6e6), "how long")?;
+    Ok(Phase {
+        force_n: s.need("force_n", FROM_0, "on the carriage")?,
+        temperature_c: s.number_or("temperature_c", Bound::Within(-100.0, 200.0), 23.0)?,
+        duration_s: 60.0 * minutes,
+        moving: s.flag_or("moving", true)?,
+    })
 }

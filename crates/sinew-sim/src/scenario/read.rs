@@ -4,7 +4,7 @@ use super::correction::{contact_detection, correction};
 use super::draw::{Draw, Keys as _};
 use super::happens::{contact, faults, jam, offset, payload, random_contacts, record, session};
 use super::*;
-use sinew_files::{Bound, TomlFile, Fields as _, Located, Section};
+use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
 use std::f64::consts::PI;
 
 /// No joint of an arm is asked to go further than ten turns: above that a degree was meant.

@@ -2,7 +2,6 @@
 
 use crate::args::{self, Lag, Method, Opening, Source};
 use crate::files::check_outputs;
-use crate::nearest::nearest;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{ArgGroup, Args};
@@ -10,6 +9,7 @@ use sinew_estimate::absolute::Absolute;
 use sinew_estimate::estimate;
 use sinew_estimate::estimate::{Estimate as Result_, EstimateError, Injection, Progress, Request};
 use sinew_estimate::robot_dir;
+use sinew_files::names::nearest;
 use sinew_model::offset::VelocityFilter;
 use std::path::PathBuf;
 

@@ -3,8 +3,8 @@
 use super::ChainError;
 use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
-use sinew_sim::{Scenario, SimulateError};
 use sinew_sim::scenario::{Bound, Draw, Motion, PerJoint, Waypoint};
+use sinew_sim::{Scenario, SimulateError};
 
 const WORK: &str = include_str!("../../../../../examples/scenarios/work-session.toml");
 /// Length of a session of work, s.

@@ -7,7 +7,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use sinew_files::{Bound, TomlFile, Fault, Fields as _, Located, Section};
+use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 
 /// Keys of `[sources]` and what they stand for.
 type Sources = BTreeMap<String, String>;

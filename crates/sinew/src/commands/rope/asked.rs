@@ -124,7 +124,7 @@ impl Asked {
         let loaded = robot_dir::load(&place, None)?;
         let names = loaded.robot.joint_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
-            let hint = crate::nearest::nearest(joint, names)
+            let hint = sinew_files::names::nearest(joint, names)
                 .map(|n| format!("; did you mean '{n}'?"))
                 .unwrap_or_default();
             return Err(Failure::Refused(format!(

@@ -60,7 +60,7 @@ impl Ropes {
 pub(crate) fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
     catalogue.find(name).map_err(|error| {
         let names = catalogue.names();
-        let hint = crate::nearest::nearest(name, &names)
+        let hint = sinew_files::names::nearest(name, &names)
             .map(|n| format!("; did you mean '{n}'?"))
             .unwrap_or_default();
         Failure::Refused(format!("{error}{hint}"))

@@ -4,17 +4,17 @@ mod year;
 mod year_told;
 
 use crate::files::check_outputs;
-use crate::nearest::nearest;
 use crate::terminal::{Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend;
 use sinew_estimate::trend::{
-    JointTrend, LimitSaid, Stated, TrendReport, TrendRequest, analyze, date::parse_utc_s,
-    read_records,
+    JointTrend, LimitSaid, Stated, TrendReport, TrendRequest, analyze, read_records,
 };
 use sinew_figure::rounded;
+use sinew_files::date::parse_utc_s;
+use sinew_files::names::nearest;
 use sinew_rope::{Catalogue, Duty};
 use std::path::{Path, PathBuf};
 
