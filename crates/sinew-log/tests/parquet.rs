@@ -95,7 +95,7 @@ fn types_nulls_and_row_groups() {
         } else {
             assert_eq!(frame.theta[0], (row as f64 * 0.01).cos());
         }
-        assert_eq!(frame.tau_m[0], (row as i32 % 7 - 3).into());
+        assert_eq!(frame.tau_m[0], f64::from(row as i32 % 7 - 3));
     }
     assert!(
         health.non_finite.is_empty() && !health.is_lossy(),

@@ -2,7 +2,7 @@
 
 use super::draw::{Draw, PerJoint};
 use super::read::per;
-use crate::simulate::SimulateError;
+use crate::SimulateError;
 use serde_json::Value;
 use sinew_files::{Bound, Fields as _, Located, Section};
 use std::path::Path;
