@@ -195,3 +195,75 @@ fn gravity_follows_the_base() {
     let g = arm.gravity();
     assert!((g[0] - 9.81).abs() < 1e-14 && g[2].abs() < 1e-14, "{g:?}");
 }
+
+#[test]
+fn a_refusal_says_line_and_element() {
+    for (good, bad, part) in [
+        (
+            "value=\"2\"",
+            "value=\"two\"",
+            "line 3: link 'bob', <mass> value = \"two\" must be a number",
+        ),
+        (
+            "xyz=\"0 1 0\"",
+            "xyz=\"0 1\"",
+            "line 6: joint 'swing', <axis> xyz = \"0 1\" must be 3 numbers",
+        ),
+        (
+            "ixx=\"0.01\" ",
+            "",
+            "line 4: link 'bob', <inertia> has no ixx",
+        ),
+        (
+            "<parent link=\"base\"/>",
+            "",
+            "line 5: joint 'swing', <joint> has no <parent>",
+        ),
+        (
+            "type=\"revolute\"",
+            "type=\"hinge\"",
+            "line 5: joint 'swing', <joint> type = \"hinge\" must be one of revolute",
+        ),
+        ("</link>\n  <joint", "</lonk>\n  <joint", "line 4"),
+    ] {
+        let error = message(&PENDULUM.replace(good, bad));
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn what_later_versions_of_urdf_say_differently() {
+    let versioned =
+        |text: &str| text.replace("name=\"pendulum\"", "name=\"pendulum\" version=\"1.2\"");
+    let free = versioned(PENDULUM).replace(
+        "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+        "<limit effort=\"3\"/>",
+    );
+    let limits = parse(&free, &UrdfOptions::default()).unwrap().limits[0];
+    assert_eq!((limits.lower, limits.effort), (f64::NEG_INFINITY, 3.0));
+    // A quarter turn about x, as a quaternion and as roll, pitch, yaw.
+    let half = std::f64::consts::FRAC_PI_4;
+    let quaternion = format!(
+        "<origin xyz=\"0 0 -0.5\" quat_xyzw=\"{} 0 0 {}\"/>",
+        half.sin(),
+        half.cos()
+    );
+    let turned = versioned(PENDULUM).replace("<origin xyz=\"0 0 -0.5\"/>", &quaternion);
+    let told = PENDULUM.replace(
+        "<origin xyz=\"0 0 -0.5\"/>",
+        "<origin xyz=\"0 0 -0.5\" rpy=\"1.5707963267948966 0 0\"/>",
+    );
+    let inertia = |text: &str| {
+        let urdf = parse(text, &UrdfOptions::default()).unwrap();
+        let mut ws = ArmWorkspace::new(&urdf.arm);
+        urdf.arm.momentum(&mut ws, &[0.3], &[2.0]).unwrap().p[0]
+    };
+    assert!((inertia(&turned) - inertia(&told)).abs() < 1e-14);
+}
+
+#[test]
+fn deep_nesting_is_read_and_left_out() {
+    let deep = "<gazebo>".repeat(20_000) + &"</gazebo>".repeat(20_000);
+    let text = PENDULUM.replace("</robot>", &(deep + "</robot>"));
+    assert_eq!(parse(&text, &UrdfOptions::default()).unwrap().arm.dof(), 1);
+}

@@ -1,7 +1,7 @@
 //! Mass and friction of links and joints, and what is odd about them.
 
 use super::super::{ArmError, BodyInertia, Pose};
-use super::{JointLimits, Reader, UrdfError};
+use super::{JointLimits, Reader, UrdfError, xml};
 use crate::vec3::Mat3;
 use alloc::format;
 use alloc::string::String;
@@ -18,20 +18,16 @@ pub(super) struct Odd {
 
 impl Reader<'_> {
     /// Mass properties of a link in its own frame.
-    pub(super) fn link_body(&mut self, link: &urdf_rs::Link) -> Result<BodyInertia, UrdfError> {
-        let i = &link.inertial.inertia;
+    pub(super) fn link_body(&mut self, link: &xml::Link) -> Result<BodyInertia, UrdfError> {
+        let [ixx, ixy, ixz, iyy, iyz, izz] = link.inertia;
         let body = BodyInertia {
-            mass: link.inertial.mass.value,
+            mass: link.mass_kg,
             com: [0.0; 3],
-            inertia: [
-                [i.ixx, i.ixy, i.ixz],
-                [i.ixy, i.iyy, i.iyz],
-                [i.ixz, i.iyz, i.izz],
-            ],
+            inertia: [[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]],
         };
         let place = format!("link '{}'", link.name);
         super::super::build::check_body(&place, &body)?;
-        let pose = urdf_pose(&link.inertial.origin);
+        let pose = urdf_pose(&link.origin);
         let placed = body.seen_from(&pose);
         super::super::build::check_body(&place, &placed)?;
         let odd = &mut self.odd;
@@ -96,19 +92,19 @@ impl Odd {
     }
 }
 
-pub(super) fn limits(joint: &urdf_rs::Joint) -> JointLimits {
-    let l = &joint.limit;
-    let endless = joint.joint_type == urdf_rs::JointType::Continuous;
+pub(super) fn limits(joint: &xml::Joint) -> JointLimits {
+    let [lower, upper, effort, velocity] = joint.limit;
+    let endless = joint.joint_type == xml::JointType::Continuous;
     JointLimits {
-        lower: if endless { f64::NEG_INFINITY } else { l.lower },
-        upper: if endless { f64::INFINITY } else { l.upper },
-        effort: l.effort,
-        velocity: l.velocity,
+        lower: if endless { f64::NEG_INFINITY } else { lower },
+        upper: if endless { f64::INFINITY } else { upper },
+        effort,
+        velocity,
     }
 }
 
-pub(super) fn urdf_pose(pose: &urdf_rs::Pose) -> Pose {
-    Pose::from_xyz_rpy(pose.xyz.0, pose.rpy.0)
+pub(super) fn urdf_pose(origin: &xml::Origin) -> Pose {
+    Pose::from_xyz_rpy(origin.xyz, origin.rpy)
 }
 
 /// Whether every principal minor is at least zero, up to rounding of the entries.

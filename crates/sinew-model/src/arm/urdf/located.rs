@@ -12,7 +12,12 @@ impl UrdfError {
         let new = |fault| Located::new(file, fault, self.to_string());
         let at = |element: &str, located: Located| located.line(line_of(text, element));
         match self {
-            Self::Xml(_) => new(Fault::Syntax),
+            Self::Xml { line, problem } => Located::new(
+                file,
+                Fault::Syntax,
+                format!("not a readable URDF: {problem}"),
+            )
+            .line(u64::from(*line)),
             Self::Tree(_) => new(Fault::Contradiction),
             Self::JointType { joint, .. } => {
                 at(&format!("joint '{joint}'"), new(Fault::NotAllowed))

@@ -16,6 +16,7 @@
 
 mod links;
 mod located;
+mod xml;
 
 use super::{Arm, ArmBuilder, ArmError, BodyInertia, BodySpec, GRAVITY_M_S2, JointKind, Pose};
 use crate::vec3::{Vec3, norm};
@@ -81,8 +82,13 @@ pub struct UrdfArm {
 #[non_exhaustive]
 pub enum UrdfError {
     /// Not URDF at all, or broken XML.
-    #[error("not a readable URDF: {0}")]
-    Xml(String),
+    #[error("not a readable URDF: line {line}: {problem}")]
+    Xml {
+        /// Line, from 1.
+        line: u32,
+        /// What is wrong there.
+        problem: String,
+    },
     /// A tree it isn't.
     #[error("{0}")]
     Tree(String),
@@ -117,16 +123,12 @@ pub enum UrdfError {
 /// [`UrdfError`]; nothing is half-built.
 pub fn parse(text: &str, options: &UrdfOptions) -> Result<UrdfArm, UrdfError> {
     if text.trim().is_empty() {
-        return Err(UrdfError::Xml("the text is empty".to_string()));
+        return Err(UrdfError::Xml {
+            line: 1,
+            problem: "the text is empty".to_string(),
+        });
     }
-    let robot = urdf_rs::read_from_string(text).map_err(|e| UrdfError::Xml(one_line(&e)))?;
-    Reader::new(&robot, options)?.read()
-}
-
-/// An error's text on one line, since it ends up inside another sentence.
-fn one_line(error: &dyn core::fmt::Display) -> String {
-    let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    Reader::new(&xml::read(text)?, options)?.read()
 }
 
 /// A branch still to be entered: a link, the URDF joint that leads to it, and where that starts.
@@ -147,7 +149,7 @@ enum Motion {
 }
 
 struct Reader<'a> {
-    robot: &'a urdf_rs::Robot,
+    robot: &'a xml::Robot,
     options: &'a UrdfOptions,
     link_index: BTreeMap<&'a str, usize>,
     /// Joints that start at each link, in the file's order.
@@ -158,7 +160,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(robot: &'a urdf_rs::Robot, options: &'a UrdfOptions) -> Result<Self, UrdfError> {
+    fn new(robot: &'a xml::Robot, options: &'a UrdfOptions) -> Result<Self, UrdfError> {
         let tree = |text: String| Err(UrdfError::Tree(text));
         if robot.links.is_empty() {
             return tree("the URDF has no link".to_string());
@@ -171,7 +173,7 @@ impl<'a> Reader<'a> {
         }
         let mut children = alloc::vec![Vec::new(); robot.links.len()];
         let mut carried_by: Vec<Option<&str>> = alloc::vec![None; robot.links.len()];
-        let find = |joint: &urdf_rs::Joint, link: &str| {
+        let find = |joint: &xml::Joint, link: &str| {
             link_index.get(link).copied().ok_or_else(|| {
                 UrdfError::Tree(format!(
                     "joint '{}' names link '{link}', which the URDF doesn't have",
@@ -180,12 +182,12 @@ impl<'a> Reader<'a> {
             })
         };
         for (j, joint) in robot.joints.iter().enumerate() {
-            let parent = find(joint, &joint.parent.link)?;
-            let child = find(joint, &joint.child.link)?;
+            let parent = find(joint, &joint.parent)?;
+            let child = find(joint, &joint.child)?;
             if let Some(other) = carried_by[child] {
                 return tree(format!(
                     "link '{}' hangs on two joints, '{other}' and '{}'; closed chains are not supported",
-                    joint.child.link, joint.name
+                    joint.child, joint.name
                 ));
             }
             carried_by[child] = Some(&joint.name);
@@ -216,7 +218,7 @@ impl<'a> Reader<'a> {
             });
         };
         for (name, _) in &options.locked {
-            let moving = |j: &&urdf_rs::Joint| j.joint_type != urdf_rs::JointType::Fixed;
+            let moving = |j: &&xml::Joint| j.joint_type != xml::JointType::Fixed;
             if !robot.joints.iter().filter(moving).any(|j| j.name == *name) {
                 let known: Vec<&str> = robot
                     .joints
@@ -268,7 +270,7 @@ impl<'a> Reader<'a> {
                             kind,
                             parent: carrier,
                             placement,
-                            axis: joint.axis.xyz.0,
+                            axis: joint.axis,
                             body: BodyInertia::ZERO,
                         });
                         sources.push(j);
@@ -285,7 +287,7 @@ impl<'a> Reader<'a> {
             builder = builder.link(link.name.clone(), carrier, pose);
             // The stack turns the order round: last child first.
             for &j in self.children[branch.link].iter().rev() {
-                let child = self.robot.joints[j].child.link.as_str();
+                let child = self.robot.joints[j].child.as_str();
                 stack.push(Branch {
                     link: self.link_index[child],
                     via: Some(j),
@@ -316,15 +318,11 @@ impl<'a> Reader<'a> {
         let mut viscous_nm_s_per_rad = Vec::with_capacity(arm.dof());
         for i in 0..arm.dof() {
             let joint = joint_of(i);
-            let (damping, friction) = joint
-                .dynamics
-                .as_ref()
-                .map_or((0.0, 0.0), |d| (d.damping, d.friction));
-            coulomb_nm.push(self.friction(&joint.name, "friction", friction, "N·m")?);
+            coulomb_nm.push(self.friction(&joint.name, "friction", joint.friction, "N·m")?);
             viscous_nm_s_per_rad.push(self.friction(
                 &joint.name,
                 "damping",
-                damping,
+                joint.damping,
                 "N·m·s/rad",
             )?);
         }
@@ -339,8 +337,8 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn motion(&mut self, joint: &urdf_rs::Joint) -> Result<Motion, UrdfError> {
-        use urdf_rs::JointType;
+    fn motion(&mut self, joint: &xml::Joint) -> Result<Motion, UrdfError> {
+        use xml::JointType;
         let refused = |kind| {
             Err(UrdfError::JointType {
                 joint: joint.name.clone(),
@@ -358,18 +356,18 @@ impl<'a> Reader<'a> {
         if let Some((_, at)) = self.options.locked.iter().find(|(n, _)| *n == joint.name) {
             return self.locked(joint, kind, *at).map(Motion::Welded);
         }
-        if let Some(mimic) = &joint.mimic {
+        if let Some(other) = &joint.mimics {
             self.warnings.push(format!(
                 "joint '{}' mimics '{}' in the URDF; it is read as a joint of its own, with its own position in the recording (lock it otherwise)",
-                joint.name, mimic.joint
+                joint.name, other
             ));
         }
         Ok(Motion::Moves(kind))
     }
 
     /// Displacement of a joint held at `at`.
-    fn locked(&self, joint: &urdf_rs::Joint, kind: JointKind, at: f64) -> Result<Pose, UrdfError> {
-        let axis = joint.axis.xyz.0;
+    fn locked(&self, joint: &xml::Joint, kind: JointKind, at: f64) -> Result<Pose, UrdfError> {
+        let axis = joint.axis;
         let length = norm(axis);
         if !(length.is_finite() && length > 0.0) {
             return Err(ArmError::Axis(joint.name.clone()).into());

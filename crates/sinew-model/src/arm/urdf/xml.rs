@@ -1,0 +1,301 @@
+//! The part of URDF that dynamics need, as it stands in the file.
+
+use super::UrdfError;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use roxmltree::{Document, Node, ParsingOptions};
+
+/// Elements and texts a URDF may have; the largest robots have some ten thousand.
+const NODES_MOST: u32 = 1_000_000;
+
+pub(super) struct Robot {
+    pub(super) name: String,
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+}
+
+pub(super) struct Link {
+    pub(super) name: String,
+    pub(super) mass_kg: f64,
+    /// `ixx ixy ixz iyy iyz izz`.
+    pub(super) inertia: [f64; 6],
+    pub(super) origin: Origin,
+}
+
+#[derive(Default)]
+pub(super) struct Origin {
+    pub(super) xyz: [f64; 3],
+    pub(super) rpy: [f64; 3],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum JointType {
+    Revolute,
+    Continuous,
+    Prismatic,
+    Fixed,
+    Floating,
+    Planar,
+    Spherical,
+}
+
+impl JointType {
+    const ALL: [(&'static str, Self); 7] = [
+        ("revolute", Self::Revolute),
+        ("continuous", Self::Continuous),
+        ("prismatic", Self::Prismatic),
+        ("fixed", Self::Fixed),
+        ("floating", Self::Floating),
+        ("planar", Self::Planar),
+        ("spherical", Self::Spherical),
+    ];
+}
+
+pub(super) struct Joint {
+    pub(super) name: String,
+    pub(super) joint_type: JointType,
+    pub(super) origin: Origin,
+    pub(super) parent: String,
+    pub(super) child: String,
+    pub(super) axis: [f64; 3],
+    /// `lower upper effort velocity`.
+    pub(super) limit: [f64; 4],
+    pub(super) damping: f64,
+    pub(super) friction: f64,
+    /// The joint it follows.
+    pub(super) mimics: Option<String>,
+}
+
+/// Reads `text`.
+pub(super) fn read(text: &str) -> Result<Robot, UrdfError> {
+    let options = ParsingOptions {
+        nodes_limit: NODES_MOST,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(text, options).map_err(|error| UrdfError::Xml {
+        line: error.pos().row,
+        problem: error.to_string(),
+    })?;
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        return Err(fault(root, "the outermost element must be <robot>"));
+    }
+    let version = Version::of(root);
+    let all = |tag: &'static str| {
+        root.children()
+            .filter(move |node| node.tag_name().name() == tag)
+    };
+    Ok(Robot {
+        name: root.attribute("name").unwrap_or_default().to_string(),
+        links: all("link")
+            .map(|node| link(node, version))
+            .collect::<Result<_, _>>()?,
+        joints: all("joint")
+            .map(|node| joint(node, version))
+            .collect::<Result<_, _>>()?,
+    })
+}
+
+/// What `<robot version>` changes.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+struct Version(u32, u32);
+
+impl Version {
+    /// A missing or malformed version is 1.0, as other readers take it.
+    fn of(robot: Node<'_, '_>) -> Self {
+        let parts = robot
+            .attribute("version")
+            .and_then(|v| v.trim().split_once('.'));
+        let number = parts.and_then(|(a, b)| Some(Self(a.parse().ok()?, b.parse().ok()?)));
+        number.unwrap_or(Self(1, 0))
+    }
+
+    fn has_quaternions(self) -> bool {
+        self >= Self(1, 1)
+    }
+
+    /// Limits that aren't stated are none, not zero.
+    fn has_open_limits(self) -> bool {
+        self >= Self(1, 2)
+    }
+}
+
+fn link(node: Node<'_, '_>, version: Version) -> Result<Link, UrdfError> {
+    let name = needed(node, "name")?;
+    let Some(inertial) = child(node, "inertial") else {
+        return Ok(Link {
+            name,
+            mass_kg: 0.0,
+            inertia: [0.0; 6],
+            origin: Origin::default(),
+        });
+    };
+    let mass = needed_child(inertial, "mass")?;
+    let inertia = needed_child(inertial, "inertia")?;
+    let mut entries = [0.0; 6];
+    let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+    for (entry, name) in entries.iter_mut().zip(names) {
+        *entry = needed_number(inertia, name)?;
+    }
+    Ok(Link {
+        name,
+        mass_kg: needed_number(mass, "value")?,
+        inertia: entries,
+        origin: origin(inertial, version)?,
+    })
+}
+
+fn joint(node: Node<'_, '_>, version: Version) -> Result<Joint, UrdfError> {
+    let kind = needed(node, "type")?;
+    let joint_type = JointType::ALL.iter().find(|(word, _)| *word == kind);
+    let axis = child(node, "axis").map(|axis| vector(axis, "xyz"));
+    let number = |tag, name| {
+        let found = child(node, tag).map(|node| number(node, name)).transpose();
+        found.map(|value| value.flatten().unwrap_or(0.0))
+    };
+    Ok(Joint {
+        name: needed(node, "name")?,
+        joint_type: joint_type
+            .map(|(_, joint_type)| *joint_type)
+            .ok_or_else(|| {
+                let words = JointType::ALL.map(|(word, _)| word).join(", ");
+                fault(node, &format!("type = \"{kind}\" must be one of {words}"))
+            })?,
+        origin: origin(node, version)?,
+        parent: needed(needed_child(node, "parent")?, "link")?,
+        child: needed(needed_child(node, "child")?, "link")?,
+        axis: axis.transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]),
+        limit: limit(node, version)?,
+        damping: number("dynamics", "damping")?,
+        friction: number("dynamics", "friction")?,
+        mimics: child(node, "mimic")
+            .map(|mimic| needed(mimic, "joint"))
+            .transpose()?,
+    })
+}
+
+fn limit(joint: Node<'_, '_>, version: Version) -> Result<[f64; 4], UrdfError> {
+    let Some(limit) = child(joint, "limit") else {
+        return Ok([0.0; 4]);
+    };
+    let unstated = if version.has_open_limits() {
+        [
+            f64::NEG_INFINITY,
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::INFINITY,
+        ]
+    } else {
+        [0.0; 4]
+    };
+    let mut out = unstated;
+    for (slot, name) in out.iter_mut().zip(["lower", "upper", "effort", "velocity"]) {
+        *slot = number(limit, name)?.unwrap_or(*slot);
+    }
+    if version.has_open_limits() && (out[1] < out[0] || out[2] < 0.0 || out[3] < 0.0) {
+        return Err(fault(
+            limit,
+            "upper must not be below lower, effort and velocity not below 0",
+        ));
+    }
+    Ok(out)
+}
+
+fn origin(node: Node<'_, '_>, version: Version) -> Result<Origin, UrdfError> {
+    let Some(origin) = child(node, "origin") else {
+        return Ok(Origin::default());
+    };
+    let mut rpy = vector(origin, "rpy")?;
+    if version.has_quaternions()
+        && let Some(quaternion) = numbers::<4>(origin, "quat_xyzw")?
+    {
+        if rpy.is_some() {
+            return Err(fault(origin, "has both rpy and quat_xyzw; leave one out"));
+        }
+        rpy = Some(rpy_of(quaternion));
+    }
+    Ok(Origin {
+        xyz: vector(origin, "xyz")?.unwrap_or_default(),
+        rpy: rpy.unwrap_or_default(),
+    })
+}
+
+/// Roll, pitch and yaw of a quaternion (x, y, z, w), as urdfdom has them.
+fn rpy_of(quaternion: [f64; 4]) -> [f64; 3] {
+    use core::f64::consts::FRAC_PI_2;
+    let norm = libm::sqrt(quaternion.iter().map(|x| x * x).sum());
+    let [x, y, z, w] = if norm > 0.0 {
+        quaternion.map(|v| v / norm)
+    } else {
+        [0.0, 0.0, 0.0, 1.0]
+    };
+    let sin_pitch = -2.0 * (x * z - w * y);
+    if sin_pitch <= -0.999_99 {
+        return [0.0, -FRAC_PI_2, 2.0 * libm::atan2(x, -y)];
+    }
+    if sin_pitch >= 0.999_99 {
+        return [0.0, FRAC_PI_2, 2.0 * libm::atan2(-x, y)];
+    }
+    [
+        libm::atan2(2.0 * (y * z + w * x), w * w - x * x - y * y + z * z),
+        libm::asin(sin_pitch),
+        libm::atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z),
+    ]
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, tag: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.tag_name().name() == tag)
+}
+
+fn needed_child<'a, 'i>(node: Node<'a, 'i>, tag: &str) -> Result<Node<'a, 'i>, UrdfError> {
+    child(node, tag).ok_or_else(|| fault(node, &format!("has no <{tag}>")))
+}
+
+fn needed(node: Node<'_, '_>, name: &str) -> Result<String, UrdfError> {
+    let text = node.attribute(name).map(ToString::to_string);
+    text.ok_or_else(|| fault(node, &format!("has no {name}")))
+}
+
+fn needed_number(node: Node<'_, '_>, name: &str) -> Result<f64, UrdfError> {
+    number(node, name)?.ok_or_else(|| fault(node, &format!("has no {name}")))
+}
+
+fn number(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, UrdfError> {
+    Ok(numbers::<1>(node, name)?.map(|[number]| number))
+}
+
+fn vector(node: Node<'_, '_>, name: &str) -> Result<Option<[f64; 3]>, UrdfError> {
+    numbers(node, name)
+}
+
+fn numbers<const N: usize>(node: Node<'_, '_>, name: &str) -> Result<Option<[f64; N]>, UrdfError> {
+    let Some(text) = node.attribute(name) else {
+        return Ok(None);
+    };
+    let words = text.split_whitespace().map(str::parse::<f64>);
+    let found: Option<Vec<f64>> = words.map(Result::ok).collect();
+    let found = found.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
+    found.map(Some).ok_or_else(|| {
+        let what = match N {
+            1 => "a number".to_string(),
+            _ => format!("{N} numbers"),
+        };
+        fault(node, &format!("{name} = \"{text}\" must be {what}"))
+    })
+}
+
+/// A fault of an element, with what it belongs to.
+fn fault(node: Node<'_, '_>, problem: &str) -> UrdfError {
+    let named = node
+        .ancestors()
+        .find(|n| n.has_tag_name("link") || n.has_tag_name("joint"));
+    let owner = named.map_or_else(String::new, |n| {
+        let name = n.attribute("name").unwrap_or("?");
+        format!("{} '{name}', ", n.tag_name().name())
+    });
+    UrdfError::Xml {
+        line: node.document().text_pos_at(node.range().start).row,
+        problem: format!("{owner}<{}> {problem}", node.tag_name().name()),
+    }
+}
