@@ -361,3 +361,86 @@ fn creep_tests() {
         refusal(&["creep", "analyze", log, "--column", &column])
     });
 }
+
+/// Names in the first column of the tables whose first column is called "column", with a cell of theirs.
+fn columns(page: &str, cell: usize) -> Vec<(String, String)> {
+    let text = std::fs::read_to_string(root().join("docs/src/reference").join(page)).unwrap();
+    let mut of_columns = false;
+    let mut columns = Vec::new();
+    for line in text.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let Some(first) = cells.get(1) else {
+            of_columns = false;
+            continue;
+        };
+        if *first == "column" {
+            of_columns = true;
+        } else if of_columns && !first.starts_with('-') {
+            for name in first.split(", ") {
+                columns.push((name.trim_matches('`').to_string(), cells[cell].to_string()));
+            }
+        }
+    }
+    columns
+}
+
+#[test]
+fn columns_of_a_recording() {
+    let all = columns("recordings.md", 2);
+    let names = all.iter().map(|(name, _)| name.replace("JOINT", "tilt"));
+    let names: Vec<String> = names.filter(|name| !name.starts_with("time_")).collect();
+    assert_eq!(names.len(), 7, "{names:?}");
+    for time in ["time_s", "time_ms", "time_us", "time_ns"] {
+        assert!(all.iter().any(|(name, _)| name == time), "{time}");
+        let row = |t: u32| format!("{t}{}\n", ",0.5".repeat(names.len()));
+        let text = format!("{time},{}\n{}{}", names.join(","), row(1), row(2));
+        let (_folder, path) = file("log.csv", &text);
+        let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
+            .args(["log", "info", &path, "--quiet"])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let joint = said.lines().find(|l| l.starts_with("tilt")).expect(&said);
+        assert_eq!(joint.matches("yes").count(), 6, "{said}");
+        assert!(said.contains("temperature: yes"), "{said}");
+    }
+}
+
+#[test]
+fn columns_of_a_table_of_sessions() {
+    let all = columns("sessions.md", 3);
+    let needed: Vec<&str> = all
+        .iter()
+        .filter(|c| c.1 == "yes")
+        .map(|c| c.0.as_str())
+        .collect();
+    let cell = |name: &str| match name {
+        "time" => "2026-03-02",
+        "joint" => "elbow",
+        "robot" | "recording" | "baseline" => "x",
+        _ => "1",
+    };
+    let trend = |names: &[&str]| {
+        let cells: Vec<&str> = names.iter().map(|name| cell(name)).collect();
+        let (_folder, path) = file(
+            "sessions.csv",
+            &format!("{}\n{}\n", names.join(","), cells.join(",")),
+        );
+        Command::new(env!("CARGO_BIN_EXE_sinew"))
+            .args(["trend", &path, "--quiet"])
+            .output()
+            .unwrap()
+    };
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    let output = trend(&names);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(trend(&needed).status.success(), "{needed:?} are not enough");
+    for missing in &needed {
+        let others: Vec<&str> = needed.iter().filter(|n| *n != missing).copied().collect();
+        assert!(!trend(&others).status.success(), "{missing} is not needed");
+    }
+}
