@@ -216,7 +216,8 @@ fn curves_of_a_rope_are_those_of_its_law() {
 #[test]
 fn a_trend_survives_being_stored() {
     use sinew_estimate::trend::stored::{StoredTrend, StoredTrendError};
-    use sinew_model::trend::{Prior, Record, Trend, TrendConfig};
+    use sinew_model::Gaussian;
+    use sinew_model::trend::{Prior, Record, Trend, TrendConfig, TrendNow};
     let prior = Prior::new(prior::generic(None));
     let config = TrendConfig::default();
     let mut whole = Trend::new(prior.clone(), config).unwrap();
@@ -230,9 +231,12 @@ fn a_trend_survives_being_stored() {
         let fallen = if d >= 20 { -5.0 } else { 0.0 } + if d >= 12 { 3.0 } else { 0.0 };
         let record = Record {
             time_s: t * DAY_S,
-            offset_rad: (d != 7).then_some([1e-3 * ((24.0 * t).ln() + fallen + wobble(t)), 0.3e-3]),
+            offset_rad: (d != 7).then_some(Gaussian::new(
+                1e-3 * ((24.0 * t).ln() + fallen + wobble(t)),
+                0.3e-3,
+            )),
             temperature_c: (d != 9).then_some(21.3),
-            stiffness: (d != 5).then_some([0.02 - 0.001 * t, 0.01]),
+            stiffness: (d != 5).then_some(Gaussian::new(0.02 - 0.001 * t, 0.01)),
         };
         whole.add(record).unwrap();
         let text = serde_json::to_string(&StoredTrend::from(&stored)).unwrap();
@@ -249,13 +253,13 @@ fn a_trend_survives_being_stored() {
         stored.add(record).unwrap();
     }
     // JSON numbers are read to the last digit but one.
-    let (a, b) = (whole.now(), stored.now());
+    let (a, b) = (TrendNow::of(&whole), TrendNow::of(&stored));
     assert!(
-        (a.offset_rad[0] - b.offset_rad[0]).abs() < 1e-12,
+        (a.offset_rad.mean - b.offset_rad.mean).abs() < 1e-12,
         "{a:?} {b:?}"
     );
     assert!(
-        (a.offset_rad[1] / b.offset_rad[1] - 1.0).abs() < 1e-9,
+        (a.offset_rad.deviation / b.offset_rad.deviation - 1.0).abs() < 1e-9,
         "{a:?} {b:?}"
     );
     assert_eq!(whole.events().len(), stored.events().len());

@@ -1,8 +1,9 @@
 //! Trend of a tendon against closed forms, dense linear algebra and its own prior.
 
+use sinew_model::Gaussian;
 use sinew_model::trend::{
-    Curve, Noise, Prior, Record, Trend, TrendConfig, TrendError, first_passage, generic_curves,
-    node_times_s,
+    Curve, Noise, Paths, Prior, Record, Trend, TrendConfig, TrendError, first_passage,
+    generic_curves, node_times_s,
 };
 
 const DAY_S: f64 = 86_400.0;
@@ -55,7 +56,7 @@ fn only(curve: Curve, noise: Noise) -> Prior {
 fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
     Record {
         time_s: days * DAY_S,
-        offset_rad: Some([offset_rad, deviation_rad]),
+        offset_rad: Some(Gaussian::new(offset_rad, deviation_rad)),
         temperature_c: Some(temperature_c),
         stiffness: None,
     }
@@ -88,7 +89,7 @@ fn a_line_over_log_time_and_a_temperature_drift_come_back() {
         .map(|i| trend.time_s() * 1.02_f64.powi(i))
         .collect();
     let mut random = Random(1);
-    let paths = trend.paths(&times, 20, &mut || random.normal());
+    let paths = Paths::draw(&trend, &times, 20, &mut || random.normal());
     for t in first_passage(&paths.times_s, &paths.offset_rad, limit) {
         // Linear over time between times 2 % apart: half of 1e-4 of the time at worst.
         assert!((t / expected - 1.0).abs() < 1e-4, "{t} {expected}");
@@ -117,7 +118,7 @@ fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
                 + square(dd) * warm(a) * warm(b)
                 + square(noise.slow_deviation_rad) * slow;
             if i == j {
-                k[i][j] += square(noise.white_scale * a.offset_rad.expect("known")[1]);
+                k[i][j] += square(noise.white_scale * a.offset_rad.expect("known").deviation);
             }
         }
     }
@@ -144,7 +145,7 @@ fn dense(prior: &Prior, records: &[Record], at_s: f64) -> [f64; 3] {
     };
     let residual: Vec<f64> = records
         .iter()
-        .map(|r| r.offset_rad.expect("known")[0] - curve.amplitude * creep(r.time_s))
+        .map(|r| r.offset_rad.expect("known").mean - curve.amplitude * creep(r.time_s))
         .collect();
     let cross: Vec<f64> = records
         .iter()
@@ -299,7 +300,7 @@ fn forecasts_of_tendons_drawn_from_the_prior_cover_as_they_say() {
         for r in &truth.records {
             trend.add(*r).expect("in order");
         }
-        let paths = trend.paths(&times, 400, &mut || random.normal());
+        let paths = Paths::draw(&trend, &times, 400, &mut || random.normal());
         // The offset at four times the length of the record.
         let at = times
             .iter()
@@ -338,13 +339,14 @@ fn going_on_from_a_state_is_the_same_to_the_last_bit() {
         // A strand fails.
         r.offset_rad = r
             .offset_rad
-            .map(|[y, s]| [y + if i > 25 { 3e-3 } else { 0.0 }, s]);
+            .map(|y| Gaussian::new(y.mean + if i > 25 { 3e-3 } else { 0.0 }, y.deviation));
         // A session that can't tell, now and then.
         if i % 9 == 4 {
             r.offset_rad = None;
         }
         let lost = if i > 25 { 0.05 } else { 0.0 };
-        r.stiffness = (i % 5 != 2).then(|| [0.1 - lost + 0.002 * random.normal(), 0.01]);
+        r.stiffness =
+            (i % 5 != 2).then(|| Gaussian::new(0.1 - lost + 0.002 * random.normal(), 0.01));
         whole.add(r).expect("in order");
         cut = Trend::resume(prior.clone(), config, cut.state()).expect("its own state");
         cut.add(r).expect("in order");

@@ -1,6 +1,9 @@
 //! Sudden changes of a tendon: found, told apart, withdrawn; few records and bad ones.
 
-use sinew_model::trend::{Event, Prior, Record, Trend, TrendConfig, TrendError, generic_curves};
+use sinew_model::Gaussian;
+use sinew_model::trend::{
+    Event, Paths, Prior, Record, Trend, TrendConfig, TrendError, TrendNow, generic_curves,
+};
 
 const DAY_S: f64 = 86_400.0;
 
@@ -25,7 +28,7 @@ impl Random {
 fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
     Record {
         time_s: days * DAY_S,
-        offset_rad: Some([offset_rad, deviation_rad]),
+        offset_rad: Some(Gaussian::new(offset_rad, deviation_rad)),
         temperature_c: Some(temperature_c),
         stiffness: None,
     }
@@ -51,7 +54,7 @@ fn softened(
         let y = 1e-3 * (24.0 * t).ln() + change(day) + 0.3e-3 * random.normal();
         let mut record = record(t, y, 0.3e-3, 23.0);
         // Its errors are a fifth of what is stated, as those of sessions of one baseline.
-        record.stiffness = stiffness(day).map(|s| [s + 0.002 * random.normal(), 0.01]);
+        record.stiffness = stiffness(day).map(|s| Gaussian::new(s + 0.002 * random.normal(), 0.01));
         let added = trend.add(record).expect("in order");
         said.push((day, added.jump_probability, added.confirmed.is_some()));
     }
@@ -69,9 +72,12 @@ fn a_jump_is_suspected_at_once_and_confirmed_by_the_next_record() {
         assert!(!event.tensioned);
         assert!(event.confirmed_s <= 32.0 * DAY_S, "seed {seed}: {event:?}");
         assert!(!said[29].2, "one record confirms nothing");
-        let off = (event.size_rad - 3e-3).abs();
-        assert!(off < 3.0 * event.deviation_rad, "seed {seed}: {event:?}");
-        assert!(event.deviation_rad < 0.6e-3, "seed {seed}: {event:?}");
+        let off = (event.size_rad.mean - 3e-3).abs();
+        assert!(
+            off < 3.0 * event.size_rad.deviation,
+            "seed {seed}: {event:?}"
+        );
+        assert!(event.size_rad.deviation < 0.6e-3, "seed {seed}: {event:?}");
     }
 }
 
@@ -103,7 +109,7 @@ fn a_tensioning_is_told_from_a_jump_stated_or_not() {
     let [event] = trend.events() else {
         panic!("{:?}", trend.events());
     };
-    assert!(event.tensioned && event.size_rad < -3e-3, "{event:?}");
+    assert!(event.tensioned && event.size_rad.mean < -3e-3, "{event:?}");
 
     let mut stated =
         Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
@@ -119,7 +125,7 @@ fn a_tensioning_is_told_from_a_jump_stated_or_not() {
     assert_eq!(stated.events().len(), 1, "{:?}", stated.events());
     // The rope is as long as before, and longer since; the offset has fallen by 5 mrad.
     for trend in [&trend, &stated] {
-        let paths = trend.paths(&[trend.time_s()], 400, &mut || random.normal());
+        let paths = Paths::draw(&trend, &[trend.time_s()], 400, &mut || random.normal());
         let mean = |rows: &[Vec<f64>]| rows.iter().map(|r| r[0]).sum::<f64>() / 400.0;
         let (offset, whole) = (mean(&paths.offset_rad), mean(&paths.whole_rad));
         let true_whole = 1e-3 * (24.0_f64 * 45.0).ln();
@@ -207,7 +213,7 @@ fn after_a_strand(seed: u64, late: [f64; 2], misread: f64) -> Vec<Event> {
             y += late[0];
             k += late[1];
         }
-        let stiffness = Some([k, 0.02]);
+        let stiffness = Some(Gaussian::new(k, 0.02));
         let record = Record {
             stiffness,
             ..record(t, y, 0.5e-3, 23.0)
@@ -233,8 +239,11 @@ fn sessions_that_misread_a_lost_stiffness_are_no_second_failure() {
             let day = event.time_s / DAY_S;
             assert!((120.0..122.0).contains(&day), "seed {seed}: {event:?}");
             // What the stiffness lost in earnest says nothing of the size.
-            let off = (event.size_rad - late[0]).abs();
-            assert!(off < 3.0 * event.deviation_rad, "seed {seed}: {event:?}");
+            let off = (event.size_rad.mean - late[0]).abs();
+            assert!(
+                off < 3.0 * event.size_rad.deviation,
+                "seed {seed}: {event:?}"
+            );
         }
     }
 }
@@ -253,7 +262,10 @@ fn a_small_step_is_no_alarm_and_yet_taken_in() {
     }
     assert!(trend.events().is_empty(), "{:?}", trend.events());
     let expected = 1e-3 * (24.0_f64 * 45.0).ln() + 0.5e-3;
-    let [offset, deviation] = trend.now().offset_rad;
+    let Gaussian {
+        mean: offset,
+        deviation,
+    } = TrendNow::of(&trend).offset_rad;
     assert!(
         (offset - expected).abs() < 3.0 * deviation,
         "{offset} {deviation}"
@@ -285,7 +297,7 @@ fn creep_that_comes_in_steps_is_as_unsure_as_its_steps() {
     let mut random = Random(8);
     const PATHS: usize = 4000;
     let times: Vec<f64> = (1..=100).map(|d| f64::from(d) * DAY_S).collect();
-    let paths = trend.paths(&times, PATHS, &mut || random.normal());
+    let paths = Paths::draw(&trend, &times, PATHS, &mut || random.normal());
     for (k, days) in [(9, 10.0), (99, 100.0)] {
         let n = PATHS as f64;
         let mean = paths.offset_rad.iter().map(|p| p[k]).sum::<f64>() / n;
@@ -309,7 +321,7 @@ fn few_records_and_bad_ones() {
                 .expect("in order");
         }
         let times = [trend.time_s(), 100.0 * DAY_S, 1000.0 * DAY_S];
-        let paths = trend.paths(&times, 300, &mut || random.normal());
+        let paths = Paths::draw(&trend, &times, 300, &mut || random.normal());
         assert_eq!(paths.offset_rad.len(), 300);
         let mut ends: Vec<f64> = paths.offset_rad.iter().map(|p| p[2]).collect();
         ends.sort_unstable_by(f64::total_cmp);
@@ -325,7 +337,7 @@ fn few_records_and_bad_ones() {
         record(3.0, 1e-3, 0.0, 20.0),
         record(3.0, 1e-3, 1e-4, f64::NAN),
         Record {
-            stiffness: Some([0.1, 0.0]),
+            stiffness: Some(Gaussian::new(0.1, 0.0)),
             ..record(3.0, 1e-3, 1e-4, 20.0)
         },
     ] {

@@ -6,9 +6,10 @@ use super::records::{SessionRecord, Sorted};
 use super::result::{EventSaid, JointTrend, Series, Suspicion, TrendReport};
 use super::stiffness;
 use sinew_files::date::day_of;
+use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendError};
+use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendError, TrendNow};
 use sinew_rope::{Catalogue, CatalogueError, Duty};
 
 /// 97.5 % quantile of the normal distribution.
@@ -232,11 +233,11 @@ fn said(
     grounds: &Grounds,
     mut series: Series,
 ) -> JointTrend {
-    let now = trend.now();
+    let now = TrendNow::of(trend);
     let reference_c = trend.prior().temperature_ref_c;
-    let mrad = |[m, s]: [f64; 2]| [1e3 * m, 1e3 * Z95 * s];
+    let mrad = |x: Gaussian| [1e3 * x.mean, 1e3 * Z95 * x.deviation];
     let scale = |[m, h]: [f64; 2], factor: f64| [m * factor, h * factor];
-    let drift = now.drift_rad_per_k[0];
+    let drift = now.drift_rad_per_k.mean;
     series.at_reference_mrad = (records.iter())
         .map(|r| {
             let warm = r.temperature_c.map_or(0.0, |t| t - reference_c);
@@ -318,11 +319,14 @@ fn feed(
         baseline = own.or(baseline);
         let added = trend.add(Record {
             time_s,
-            offset_rad: record.offset_mrad.map(|[y, i]| [1e-3 * y, 1e-3 * i / Z95]),
+            offset_rad: record
+                .offset_mrad
+                .map(|[y, i]| Gaussian::new(1e-3 * y, 1e-3 * i / Z95)),
             temperature_c: record.temperature_c,
-            stiffness: (record.stiffness_percent).map(|[v, i]| [0.01 * v, 0.01 * i / Z95]),
+            stiffness: (record.stiffness_percent)
+                .map(|[v, i]| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
         })?;
-        let [mean, deviation] = trend.now().offset_rad;
+        let Gaussian { mean, deviation } = TrendNow::of(trend).offset_rad;
         let [offset, interval] = record.offset_mrad.unwrap_or([f64::NAN; 2]);
         series.time_utc_s.push(record.time_utc_s);
         series.offset_mrad.push(offset);
@@ -347,7 +351,7 @@ fn feed(
 
 fn event_said(event: &Event, clock: &Clock, records: &[SessionRecord]) -> EventSaid {
     let utc = |t: f64| clock.start_utc_s + t;
-    let stated = event.size_rad.is_nan();
+    let stated = event.size_rad.mean.is_nan();
     let change = stiffness::change(records, utc(event.time_s));
     let meaning = match (event.tensioned, stated) {
         (true, true) => "tensioned".into(),
@@ -359,7 +363,10 @@ fn event_said(event: &Event, clock: &Clock, records: &[SessionRecord]) -> EventS
         time_utc_s: utc(event.time_s),
         kind: if event.tensioned { "tensioned" } else { "jump" }.into(),
         stated,
-        size_mrad: (!stated).then_some([1e3 * event.size_rad, 1e3 * Z95 * event.deviation_rad]),
+        size_mrad: (!stated).then_some([
+            1e3 * event.size_rad.mean,
+            1e3 * Z95 * event.size_rad.deviation,
+        ]),
         confirmed_day: day_of(utc(event.confirmed_s)),
         probability: event.probability,
         stiffness_change_percent: change,

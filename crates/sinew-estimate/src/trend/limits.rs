@@ -33,7 +33,9 @@ impl Ahead {
             .map(|i| trend.time_s() + start * (ratio.powi(i as i32) - 1.0))
             .collect();
         Self {
-            paths: trend.paths(&times, PATHS, &mut || StandardNormal.sample(&mut rng)),
+            paths: Paths::draw(trend, &times, PATHS, &mut || {
+                StandardNormal.sample(&mut rng)
+            }),
         }
     }
 

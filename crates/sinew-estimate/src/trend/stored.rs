@@ -1,9 +1,10 @@
 //! A trend's state as a file keeps it: versioned, apart from the model's own types.
 
 use serde::{Deserialize, Serialize};
+use sinew_model::Gaussian;
 use sinew_model::trend::{
-    Component, Entry, Event, Prior, Record, Softened, State, Stiffness, Trend, TrendConfig,
-    TrendError,
+    Component, Event, Prior, Record, Softened, Stiffness, Trend, TrendConfig, TrendEntry,
+    TrendError, TrendState,
 };
 
 /// Version written.
@@ -133,7 +134,7 @@ impl From<&Trend> for StoredTrend {
                 .map(|e| StoredEvent {
                     time_s: e.time_s,
                     after_s: e.after_s,
-                    size_rad: (!e.size_rad.is_nan()).then_some([e.size_rad, e.deviation_rad]),
+                    size_rad: (!e.size_rad.mean.is_nan()).then_some(pair(e.size_rad)),
                     confirmed_s: e.confirmed_s,
                     probability: e.probability,
                     tensioned: e.tensioned,
@@ -143,27 +144,35 @@ impl From<&Trend> for StoredTrend {
     }
 }
 
-fn entry(entry: &Entry) -> Option<StoredEntry> {
+fn pair(x: Gaussian) -> [f64; 2] {
+    [x.mean, x.deviation]
+}
+
+fn gaussian([mean, deviation]: [f64; 2]) -> Gaussian {
+    Gaussian { mean, deviation }
+}
+
+fn entry(entry: &TrendEntry) -> Option<StoredEntry> {
     Some(match *entry {
-        Entry::Record(Record {
+        TrendEntry::Record(Record {
             time_s,
             offset_rad,
             temperature_c,
             stiffness,
         }) => StoredEntry::Session {
             time_s,
-            offset_rad,
+            offset_rad: offset_rad.map(pair),
             temperature_c,
-            stiffness,
+            stiffness: stiffness.map(pair),
         },
-        Entry::Jump {
+        TrendEntry::Jump {
             time_s,
             deviation_rad,
         } => StoredEntry::Jump {
             time_s,
             deviation_rad,
         },
-        Entry::Tensioned { time_s } => StoredEntry::Tensioned { time_s },
+        TrendEntry::Tensioned { time_s } => StoredEntry::Tensioned { time_s },
         // A kind this version doesn't know can't be written by it either.
         _ => return None,
     })
@@ -180,7 +189,7 @@ impl StoredTrend {
         }
         let fingerprint = u64::from_str_radix(&self.prior, 16).map_err(|_| TrendError::State)?;
         let [m0, m1, c0, c1, c2, shape, rate] = self.stiffness;
-        let state = State {
+        let state = TrendState {
             fingerprint,
             time_s: self.time_s,
             components: (self.filters.into_iter())
@@ -206,34 +215,30 @@ impl StoredTrend {
                         offset_rad,
                         temperature_c,
                         stiffness,
-                    } => Entry::Record(Record {
+                    } => TrendEntry::Record(Record {
                         time_s,
-                        offset_rad,
+                        offset_rad: offset_rad.map(gaussian),
                         temperature_c,
-                        stiffness,
+                        stiffness: stiffness.map(gaussian),
                     }),
                     StoredEntry::Jump {
                         time_s,
                         deviation_rad,
-                    } => Entry::Jump {
+                    } => TrendEntry::Jump {
                         time_s,
                         deviation_rad,
                     },
-                    StoredEntry::Tensioned { time_s } => Entry::Tensioned { time_s },
+                    StoredEntry::Tensioned { time_s } => TrendEntry::Tensioned { time_s },
                 })
                 .collect(),
             events: (self.events.into_iter())
-                .map(|e| {
-                    let [size_rad, deviation_rad] = e.size_rad.unwrap_or([f64::NAN; 2]);
-                    Event {
-                        time_s: e.time_s,
-                        after_s: e.after_s,
-                        size_rad,
-                        deviation_rad,
-                        confirmed_s: e.confirmed_s,
-                        probability: e.probability,
-                        tensioned: e.tensioned,
-                    }
+                .map(|e| Event {
+                    time_s: e.time_s,
+                    after_s: e.after_s,
+                    size_rad: gaussian(e.size_rad.unwrap_or([f64::NAN; 2])),
+                    confirmed_s: e.confirmed_s,
+                    probability: e.probability,
+                    tensioned: e.tensioned,
                 })
                 .collect(),
             records: self.records,

@@ -10,9 +10,10 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
+use sinew_model::Gaussian;
 use sinew_model::Z95;
 use sinew_model::robot::Robot;
-use sinew_model::trend::{Prior, Record, Trend, TrendConfig, first_passage};
+use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, first_passage};
 use sinew_rope::Catalogue;
 use sinew_rope::draws::quantile;
 
@@ -165,9 +166,12 @@ fn record(session: &Session, joint: &str) -> Option<Record> {
     let own = session.joints.iter().find(|j| j.name == joint)?;
     Some(Record {
         time_s: session.day as f64 * DAY_S,
-        offset_rad: own.offset_mrad.map(|[y, i]| [1e-3 * y, 1e-3 * i / Z95]),
+        offset_rad: own
+            .offset_mrad
+            .map(|[y, i]| Gaussian::new(1e-3 * y, 1e-3 * i / Z95)),
         temperature_c: Some(session.temperature_c),
-        stiffness: Some(own.stiffness_percent.map(|v| 0.01 * v)).map(|[v, i]| [v, i / Z95]),
+        stiffness: Some(own.stiffness_percent.map(|v| 0.01 * v))
+            .map(|[v, i]| Gaussian::new(v, i / Z95)),
     })
 }
 
@@ -254,7 +258,9 @@ fn sudden(creep_rad: &[f64], day: usize) -> bool {
 /// Mean of the present offset, rad.
 fn mean_offset(trend: &Trend, rng: &mut ChaCha8Rng) -> f64 {
     const PATHS: usize = 100;
-    let paths = trend.paths(&[trend.time_s()], PATHS, &mut || StandardNormal.sample(rng));
+    let paths = Paths::draw(trend, &[trend.time_s()], PATHS, &mut || {
+        StandardNormal.sample(rng)
+    });
     paths.offset_rad.iter().map(|p| p[0]).sum::<f64>() / PATHS as f64
 }
 
@@ -272,7 +278,7 @@ fn forecast(
     let times: Vec<f64> = (0..=STEPS)
         .map(|i| trend.time_s() * ratio.powi(i))
         .collect();
-    let paths = trend.paths(&times, PATHS, &mut || StandardNormal.sample(rng));
+    let paths = Paths::draw(trend, &times, PATHS, &mut || StandardNormal.sample(rng));
     let mut found = first_passage(&paths.times_s, &paths.offset_rad, limit_rad);
     found.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| {

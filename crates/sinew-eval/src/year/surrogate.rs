@@ -4,6 +4,7 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal, StudentT};
 use serde::{Deserialize, Serialize};
+use sinew_model::Gaussian;
 use sinew_model::trend::Record;
 
 /// Errors of a daily session, as measured on the full chain (see `docs/src/science/years.md`).
@@ -157,12 +158,13 @@ pub fn records(
         let refused = rng.random::<f64>() < errors.refused;
         out.push(Record {
             time_s: day as f64 * DAY_S,
-            offset_rad: (!refused).then_some([MRAD * offset_mrad, MRAD * errors.stated_mrad]),
+            offset_rad: (!refused)
+                .then_some(Gaussian::new(MRAD * offset_mrad, MRAD * errors.stated_mrad)),
             temperature_c: Some(read),
-            stiffness: (!refused).then_some([
+            stiffness: (!refused).then_some(Gaussian::new(
                 0.01 * stiffness_percent,
                 0.01 * errors.stiffness_stated_percent,
-            ]),
+            )),
         });
     }
     out

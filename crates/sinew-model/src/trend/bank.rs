@@ -1,50 +1,20 @@
 //! Filters side by side: one per pair of curve and noise.
 
+use super::component::{
+    AMPLITUDE, Component, DRIFT, LEVEL, SHARED, SLOW, STATES, TAKEN_OUT, TRIANGLE, entry,
+};
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
-use super::record::Record;
+use super::record::{Record, TrendConfig, TrendEntry};
 use super::softened::Softened;
+use crate::Gaussian;
 use alloc::vec::Vec;
 
-/// Level, taken out, amplitude, temperature drift, slow error, error per error of the stiffness.
-pub const STATES: usize = 6;
-/// Entries of the lower triangle of a covariance.
-const TRIANGLE: usize = STATES * (STATES + 1) / 2;
-pub(super) const LEVEL: usize = 0;
-pub(super) const TAKEN_OUT: usize = 1;
-pub(super) const AMPLITUDE: usize = 2;
-pub(super) const DRIFT: usize = 3;
-const SLOW: usize = 4;
-const SHARED: usize = 5;
 /// Standard deviation of a session's error in the offset per error of its stiffness, rad: half a
 /// millirad per percent. A starting guess.
 const SHARED_RAD: f64 = 0.05;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
-
-/// A Kalman filter for one curve and one noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Component {
-    /// Index of the curve.
-    pub curve: u32,
-    /// Index of the noise.
-    pub noise: u32,
-    /// Logarithm of its probability, up to a constant of the bank.
-    pub log_weight: f64,
-    /// Means: rad, rad, 1, rad/K, rad, rad.
-    pub mean: [f64; STATES],
-    /// Lower triangle of the covariance, row by row.
-    pub covariance: [f64; TRIANGLE],
-}
-
-/// Where `(i, k)` stands in the triangle.
-pub(super) const fn entry(i: usize, k: usize) -> usize {
-    if i >= k {
-        i * (i + 1) / 2 + k
-    } else {
-        k * (k + 1) / 2 + i
-    }
-}
 
 /// All filters at one time.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,15 +31,6 @@ pub(super) struct Bank {
 pub(super) struct Updated {
     pub log_evidence: f64,
     pub off: bool,
-}
-
-/// How records that are off by themselves are reckoned with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OffRecords {
-    /// Share of records.
-    pub share: f64,
-    /// By how much, rad.
-    pub deviation_rad: f64,
 }
 
 impl Bank {
@@ -102,6 +63,17 @@ impl Bank {
             components,
             softened: None,
         }
+    }
+
+    /// Mean of the true offset at the reference temperature, rad.
+    pub(super) fn offset(&self) -> f64 {
+        let mut all = LogSum::new();
+        self.components.iter().for_each(|c| all.add(c.log_weight));
+        let all = all.value();
+        self.components
+            .iter()
+            .map(|c| libm::exp(c.log_weight - all) * (c.mean[LEVEL] + c.mean[TAKEN_OUT]))
+            .sum()
     }
 
     /// Time passes: the level creeps on, its pace may leave its curve, the slow error forgets.
@@ -175,11 +147,11 @@ impl Bank {
         &mut self,
         prior: &Prior,
         record: &Record,
-        off: OffRecords,
+        config: &TrendConfig,
         answers: &mut [[f64; STATES]],
         sums: &mut [[f64; 2]],
     ) {
-        let Some([offset, _]) = record.offset_rad else {
+        let Some(Gaussian { mean: offset, .. }) = record.offset_rad else {
             return;
         };
         let h = self.sees(prior, record);
@@ -189,10 +161,10 @@ impl Bank {
             // Where a jump as known so far leaves the record.
             let left = offset - expected - d * sum[1] / sum[0];
             let mut own = own_variance(prior, record, c);
-            let wide = own + off.deviation_rad * off.deviation_rad;
+            let wide = own + config.off_deviation_rad * config.off_deviation_rad;
             let free = variance + d * d / sum[0];
             let odds = log_normal(left, free + wide) - log_normal(left, free + own);
-            if odds + libm::log(off.share) > libm::log(1.0 - off.share) {
+            if odds + libm::log(config.off_share) > libm::log(1.0 - config.off_share) {
                 own = wide;
             }
             let s = variance + own;
@@ -269,17 +241,22 @@ impl Bank {
     }
 
     /// Takes a record in; one without an offset changes nothing.
-    pub(super) fn update(&mut self, prior: &Prior, record: &Record, off: OffRecords) -> Updated {
+    pub(super) fn update(
+        &mut self,
+        prior: &Prior,
+        record: &Record,
+        config: &TrendConfig,
+    ) -> Updated {
         let none = Updated {
             log_evidence: 0.0,
             off: false,
         };
-        let Some([offset, _]) = record.offset_rad else {
+        let Some(Gaussian { mean: offset, .. }) = record.offset_rad else {
             return none;
         };
         let h = self.sees(prior, record);
         let own = |c: &Component| own_variance(prior, record, c);
-        let add = off.deviation_rad * off.deviation_rad;
+        let add = config.off_deviation_rad * config.off_deviation_rad;
         // Evidence of both readings of the record, over all filters.
         let mut plain = LogSum::new();
         let mut wide = LogSum::new();
@@ -291,8 +268,8 @@ impl Bank {
             wide.add(c.log_weight + log_normal(offset - expected, variance + r + add));
             all.add(c.log_weight);
         }
-        let plain_e = plain.value() - all.value() + libm::log(1.0 - off.share);
-        let wide_e = wide.value() - all.value() + libm::log(off.share);
+        let plain_e = plain.value() - all.value() + libm::log(1.0 - config.off_share);
+        let wide_e = wide.value() - all.value() + libm::log(config.off_share);
         let is_off = wide_e > plain_e;
         for c in &mut self.components {
             let r = own(c) + if is_off { add } else { 0.0 };
@@ -304,6 +281,43 @@ impl Bank {
             log_evidence: plain_e.max(wide_e),
             off: is_off,
         }
+    }
+
+    /// Runs filters through entries; logarithm of the evidence, and which records were taken as off.
+    pub(super) fn run(
+        &mut self,
+        prior: &Prior,
+        config: &TrendConfig,
+        entries: &[TrendEntry],
+    ) -> (f64, Vec<bool>) {
+        let mut log_evidence = 0.0;
+        let mut off = Vec::with_capacity(entries.len());
+        for entry in entries {
+            let mut is_off = false;
+            match entry {
+                TrendEntry::Record(record) => {
+                    self.advance(prior, record.time_s);
+                    let updated = self.update(prior, record, config);
+                    log_evidence += updated.log_evidence;
+                    is_off = updated.off;
+                }
+                TrendEntry::Jump {
+                    time_s,
+                    deviation_rad,
+                } => {
+                    self.advance(prior, *time_s);
+                    self.open(LEVEL, *deviation_rad);
+                    self.reconsider_errors(prior);
+                    self.jumped();
+                }
+                TrendEntry::Tensioned { time_s } => {
+                    self.advance(prior, *time_s);
+                    self.open(TAKEN_OUT, config.fall_deviation_rad);
+                }
+            }
+            off.push(is_off);
+        }
+        (log_evidence, off)
     }
 
     /// Drops filters that don't count any more and brings the likeliest to weight 0.
@@ -370,7 +384,7 @@ pub(super) fn folds(prior: &Prior, from_s: f64, to_s: f64) -> f64 {
 fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
     /// A temperature nobody wrote down is not known to some 5 K, and the drift blurs the record.
     const UNKNOWN_K: f64 = 5.0;
-    let deviation = record.offset_rad.map_or(0.0, |[_, d]| d);
+    let deviation = record.offset_rad.map_or(0.0, |offset| offset.deviation);
     let scale = prior
         .noises
         .get(c.noise as usize)
@@ -380,51 +394,4 @@ fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
         None => UNKNOWN_K * prior.temperature_deviation_rad_per_k,
     };
     deviation * deviation * scale * scale + blur * blur
-}
-
-impl Component {
-    /// Mean and variance of what a record sees, without its own error.
-    pub(super) fn predict(&self, h: &[f64; STATES]) -> (f64, f64) {
-        let mut expected = 0.0;
-        let mut variance = 0.0;
-        for i in 0..STATES {
-            expected += h[i] * self.mean[i];
-            let mut ph = 0.0;
-            for k in 0..STATES {
-                ph += self.covariance[entry(i, k)] * h[k];
-            }
-            variance += h[i] * ph;
-        }
-        (expected, variance.max(0.0))
-    }
-
-    /// Kalman update; the weight takes the evidence. Returns the gain.
-    fn correct(&mut self, h: &[f64; STATES], value: f64, own_variance: f64) -> [f64; STATES] {
-        let mut ph = [0.0; STATES];
-        for i in 0..STATES {
-            for k in 0..STATES {
-                ph[i] += self.covariance[entry(i, k)] * h[k];
-            }
-        }
-        let (expected, variance) = self.predict(h);
-        let s = variance + own_variance;
-        let error = value - expected;
-        for i in 0..STATES {
-            self.mean[i] += ph[i] / s * error;
-            for k in 0..=i {
-                self.covariance[entry(i, k)] -= ph[i] * ph[k] / s;
-            }
-            // Rounding must not make a variance negative.
-            let own = &mut self.covariance[entry(i, i)];
-            *own = own.max(0.0);
-        }
-        self.log_weight += log_normal(error, s);
-        ph.map(|v| v / s)
-    }
-
-    /// Logarithm of the weight with `a > 0` reckoned in.
-    pub(super) fn weight_above_zero(&self) -> f64 {
-        let deviation = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
-        self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], deviation))
-    }
 }

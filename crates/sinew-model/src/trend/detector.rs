@@ -1,48 +1,76 @@
 //! Jumps: each of the last records as the first after one, held against none.
 
-use super::bank::{Bank, LEVEL};
+use super::bank::Bank;
+use super::component::LEVEL;
 use super::gauss::LogSum;
-use super::record::{Added, Entry, Event, informative, time_of};
-use super::tracker::Trend;
+use super::jump::jump_size;
+use super::prior::Prior;
+use super::record::{Event, TrendConfig, TrendEntry};
+use super::stiffness::Stiffness;
 
 /// Seconds of a day.
 const DAY_S: f64 = 86_400.0;
 /// Filters that jumps are judged with.
 const JUDGES: usize = 160;
 
-/// The likeliest jump so far.
+/// A jump that may have happened.
 #[derive(Debug, Clone, Copy)]
-struct Best {
+pub(super) struct Hypothesis {
     odds: f64,
-    /// Entry it comes before.
+    /// TrendEntry it comes before.
     at: usize,
     deviation_rad: f64,
     /// Whether two records speak for it.
     agreed: bool,
 }
 
-impl Trend {
-    /// Holds jumps within the window against none, and confirms one that is sure.
-    pub(super) fn judge(&mut self, now_s: f64, added: &mut Added) {
+impl Hypothesis {
+    /// Whether two records speak for it.
+    pub(super) fn is_agreed(&self) -> bool {
+        self.agreed
+    }
+}
+
+/// A jump that is sure, and the entry to insert for it.
+pub(super) struct Confirmed {
+    pub(super) at: usize,
+    pub(super) entry: TrendEntry,
+    pub(super) event: Event,
+}
+
+/// The last records, and what was known before them.
+pub(super) struct Window<'a> {
+    pub(super) prior: &'a Prior,
+    pub(super) config: &'a TrendConfig,
+    pub(super) anchor: &'a Bank,
+    pub(super) stiffness: Stiffness,
+    pub(super) entries: &'a [TrendEntry],
+    /// Records with an offset, those in the window included.
+    pub(super) records: u64,
+}
+
+impl Window<'_> {
+    /// Probability that there was a jump within the window, and the likeliest.
+    pub(super) fn judge(&self) -> (f64, Option<Hypothesis>) {
         let start = self.anchor.thinned(JUDGES);
-        let (none, _) = self.run(&mut start.clone(), &self.entries);
+        let (none, _) = start.clone().run(self.prior, self.config, self.entries);
         let mut all = LogSum::new();
         all.add(0.0);
         let mut jumps = LogSum::new();
-        let mut best: Option<Best> = None;
+        let mut best: Option<Hypothesis> = None;
         // Filters before each entry, so that a hypothesis begins where it differs.
         let mut before = start;
         let mut stiffness = self.stiffness;
         let reference_c = self.prior.temperature_ref_c;
         let mut so_far = 0.0;
-        let inside = self.entries.iter().filter(|e| informative(e)).count() as u64;
+        let inside = self.entries.iter().filter(|e| e.is_informative()).count() as u64;
         let mut earlier = self.records - inside.min(self.records);
         let mut last_s = before.time_s;
         for i in 0..self.entries.len() {
             let entry = self.entries[i];
-            if informative(&entry) {
-                let time_s = time_of(&entry);
-                let follows_event = i > 0 && !matches!(self.entries[i - 1], Entry::Record(_));
+            if entry.is_informative() {
+                let time_s = entry.time_s();
+                let follows_event = i > 0 && !matches!(self.entries[i - 1], TrendEntry::Record(_));
                 // Two records before say what the level was.
                 if earlier >= 2 && !follows_event {
                     let days = ((time_s - last_s) / DAY_S).clamp(0.1, 30.0);
@@ -59,46 +87,49 @@ impl Trend {
                 earlier += 1;
                 last_s = time_s;
             }
-            so_far += self.run(&mut before, core::slice::from_ref(&entry)).0;
+            so_far += before.run(self.prior, self.config, &[entry]).0;
             stiffness.take(&entry, reference_c);
         }
         let probability = libm::exp(jumps.value() - all.value());
-        added.jump_probability = if probability.is_finite() {
+        let probability = if probability.is_finite() {
             probability
         } else {
             0.0
         };
-        let (Some(best), true) = (best, added.jump_probability > 0.5) else {
-            return;
-        };
-        added.suspected_s = Some(time_of(&self.entries[best.at]));
-        if best.agreed && added.jump_probability > self.config.confirm {
-            added.confirmed = self.confirm(best, now_s, added.jump_probability);
-            added.suspected_s = None;
-            added.jump_probability = 0.0;
-        }
+        (probability, best)
+    }
+
+    /// Time of the first record after a jump, s.
+    pub(super) fn time_s(&self, jump: &Hypothesis) -> f64 {
+        self.entries[jump.at].time_s()
     }
 
     /// A jump and a large one before entry `at`; `log_prior` is added to the logarithms of their odds,
     /// to the jump's also the stiffness' `support`.
-    fn hypotheses(&self, before: &Bank, at: usize, log_prior: f64, support: f64) -> [Best; 2] {
+    fn hypotheses(
+        &self,
+        before: &Bank,
+        at: usize,
+        log_prior: f64,
+        support: f64,
+    ) -> [Hypothesis; 2] {
         let tail = &self.entries[at..];
-        let config = &self.config;
+        let config = self.config;
         [
             (config.jumps_per_day, config.jump_deviation_rad, support),
             (config.falls_per_day, config.fall_deviation_rad, 0.0),
         ]
         .map(|(rate, deviation_rad, support)| {
             let mut bank = before.clone();
-            bank.advance(&self.prior, time_of(&tail[0]));
+            bank.advance(self.prior, tail[0].time_s());
             bank.open(LEVEL, deviation_rad);
             bank.forget_stiffness();
-            let (evidence, off) = self.run(&mut bank, tail);
+            let (evidence, off) = bank.run(self.prior, self.config, tail);
             let agree = tail
                 .iter()
                 .zip(&off)
-                .filter(|(e, off)| informative(e) && !**off);
-            Best {
+                .filter(|(e, off)| e.is_informative() && !**off);
+            Hypothesis {
                 odds: evidence + log_prior + libm::log(rate) + support,
                 at,
                 deviation_rad,
@@ -107,53 +138,50 @@ impl Trend {
         })
     }
 
-    /// Writes a jump before entry `at` down and opens the level there; `None` where it is too small to
-    /// speak of.
-    fn confirm(&mut self, best: Best, now_s: f64, probability: f64) -> Option<Event> {
-        let Best {
+    /// How large a jump was, and the entry that opens the level there.
+    pub(super) fn confirm(&self, jump: &Hypothesis, now_s: f64, probability: f64) -> Confirmed {
+        let &Hypothesis {
             at, deviation_rad, ..
-        } = best;
+        } = jump;
         let (head, tail) = self.entries.split_at(at);
-        let time_s = tail.first().map_or(now_s, time_of);
+        let time_s = tail.first().map_or(now_s, TrendEntry::time_s);
         let mut bank = self.anchor.clone();
-        self.run(&mut bank, head);
+        bank.run(self.prior, self.config, head);
         let after_s = head
             .iter()
             .rev()
-            .find(|e| informative(e))
-            .map_or(self.anchor.time_s, time_of);
+            .find(|e| e.is_informative())
+            .map_or(self.anchor.time_s, TrendEntry::time_s);
         let offset_before = bank.offset();
-        let [size_rad, size_deviation] =
-            bank.thinned(JUDGES)
-                .jump(&self.prior, tail, deviation_rad, self.off());
+        let size_rad = jump_size(
+            &bank.thinned(JUDGES),
+            self.prior,
+            tail,
+            deviation_rad,
+            self.config,
+        );
         // A fall by much of what there was is somebody with a wrench, not a rope.
         const LEAST_RAD: f64 = 2e-3;
-        let tensioned = size_rad < -LEAST_RAD.max(0.4 * offset_before);
+        let tensioned = size_rad.mean < -LEAST_RAD.max(0.4 * offset_before);
         let entry = if tensioned {
-            Entry::Tensioned { time_s }
+            TrendEntry::Tensioned { time_s }
         } else {
-            Entry::Jump {
+            TrendEntry::Jump {
                 time_s,
                 deviation_rad,
             }
         };
-        self.entries.insert(at, entry);
-        let mut bank = self.anchor.clone();
-        self.run(&mut bank, &self.entries);
-        self.current = bank;
-        if size_rad.abs() < self.config.least_jump_rad {
-            return None;
+        Confirmed {
+            at,
+            entry,
+            event: Event {
+                time_s,
+                after_s,
+                size_rad,
+                confirmed_s: now_s,
+                probability,
+                tensioned,
+            },
         }
-        let event = Event {
-            time_s,
-            after_s,
-            size_rad,
-            deviation_rad: size_deviation,
-            confirmed_s: now_s,
-            probability,
-            tensioned,
-        };
-        self.events.push(event);
-        Some(event)
     }
 }

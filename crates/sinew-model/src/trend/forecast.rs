@@ -1,7 +1,9 @@
 //! Paths drawn from the posterior, and when they pass a limit.
 
-use super::bank::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, creep, entry, folds};
+use super::bank::{creep, folds};
+use super::component::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, entry};
 use super::gauss::LogSum;
+use super::prior::Prior;
 use super::tracker::Trend;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -18,17 +20,22 @@ pub struct Paths {
     pub whole_rad: Vec<Vec<f64>>,
 }
 
-impl Trend {
-    /// Draws `count` paths over `times_s`, which rise from the time of the last entry on.
+impl Paths {
+    /// Draws `count` paths of a trend over `times_s`, which rise from the time of the last entry on.
     ///
     /// Filters are drawn by their probability, systematically; within each the state is drawn from its
     /// normal distribution with `a > 0`; the amplitude walks on by factors, so that it stays above 0.
     ///
     /// * `normal`: standard normal numbers, one per call.
     #[must_use]
-    pub fn paths(&self, times_s: &[f64], count: usize, normal: &mut dyn FnMut() -> f64) -> Paths {
-        let prior = self.prior();
-        let components = self.components();
+    pub fn draw(
+        trend: &Trend,
+        times_s: &[f64],
+        count: usize,
+        normal: &mut dyn FnMut() -> f64,
+    ) -> Self {
+        let prior = trend.prior();
+        let components = trend.components();
         let weights: Vec<f64> = components
             .iter()
             .map(Component::weight_above_zero)
@@ -38,17 +45,17 @@ impl Trend {
         let total = all.value();
         let mut times = Vec::with_capacity(times_s.len());
         for &t in times_s {
-            let last = times.last().copied().unwrap_or(self.time_s());
+            let last = times.last().copied().unwrap_or(trend.time_s());
             times.push(if t > last { t } else { last });
         }
         // Creep of every curve from time to time, and the e-folds between.
         let mut steps: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len());
-        let mut from = self.time_s();
+        let mut from = trend.time_s();
         for &t in &times {
             steps.push((folds(prior, from, t), creep(prior, from, t)));
             from = t;
         }
-        let mut out = Paths {
+        let mut out = Self {
             times_s: times,
             offset_rad: Vec::with_capacity(count),
             whole_rad: Vec::with_capacity(count),
@@ -59,44 +66,43 @@ impl Trend {
             while out.offset_rad.len() < count
                 && (out.offset_rad.len() as f64 + 0.5) / (count as f64) < reached
             {
-                let (offset, whole) = self.path(component, &steps, normal);
+                let (offset, whole) = path(prior, component, &steps, normal);
                 out.offset_rad.push(offset);
                 out.whole_rad.push(whole);
             }
         }
         out
     }
+}
 
-    /// One path of one filter.
-    fn path(
-        &self,
-        component: &Component,
-        steps: &[(f64, Vec<f64>)],
-        normal: &mut dyn FnMut() -> f64,
-    ) -> (Vec<f64>, Vec<f64>) {
-        let state = draw(component, normal);
-        let mut offset = vec![0.0; steps.len()];
-        let mut whole = vec![0.0; steps.len()];
-        let pace_error = self
-            .prior()
-            .noises
-            .get(component.noise as usize)
-            .map_or(0.0, |n| n.pace_error);
-        let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
-        for (i, (folds, creep)) in steps.iter().enumerate() {
-            let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
-            // A factor of mean 1; the level takes the mean of both ends.
-            let variance = pace_error * pace_error * folds;
-            let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
-            let crept = 0.5 * (1.0 + factor) * amplitude * step;
-            let jerk = libm::sqrt(self.prior().step_rad * crept.max(0.0));
-            level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
-            amplitude *= factor;
-            whole[i] = level;
-            offset[i] = level + state[TAKEN_OUT];
-        }
-        (offset, whole)
+/// One path of one filter.
+fn path(
+    prior: &Prior,
+    component: &Component,
+    steps: &[(f64, Vec<f64>)],
+    normal: &mut dyn FnMut() -> f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let state = draw(component, normal);
+    let mut offset = vec![0.0; steps.len()];
+    let mut whole = vec![0.0; steps.len()];
+    let pace_error = prior
+        .noises
+        .get(component.noise as usize)
+        .map_or(0.0, |n| n.pace_error);
+    let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
+    for (i, (folds, creep)) in steps.iter().enumerate() {
+        let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
+        // A factor of mean 1; the level takes the mean of both ends.
+        let variance = pace_error * pace_error * folds;
+        let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
+        let crept = 0.5 * (1.0 + factor) * amplitude * step;
+        let jerk = libm::sqrt(prior.step_rad * crept.max(0.0));
+        level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
+        amplitude *= factor;
+        whole[i] = level;
+        offset[i] = level + state[TAKEN_OUT];
     }
+    (offset, whole)
 }
 
 /// States that a path is made of: not what only sessions see.

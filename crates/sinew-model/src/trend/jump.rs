@@ -1,71 +1,60 @@
 //! How large a jump was.
 
-use super::bank::{Bank, LEVEL, OffRecords, STATES, TAKEN_OUT};
+use super::bank::Bank;
+use super::component::STATES;
 use super::gauss::LogSum;
 use super::prior::Prior;
-use super::record::{Entry, Record};
+use super::record::{Record, TrendConfig, TrendEntry};
+use crate::Gaussian;
 use alloc::vec::Vec;
 
-impl Bank {
-    /// Mean of the true offset at the reference temperature, rad.
-    pub(super) fn offset(&self) -> f64 {
-        let mut all = LogSum::new();
-        self.components.iter().for_each(|c| all.add(c.log_weight));
-        let all = all.value();
-        self.components
-            .iter()
-            .map(|c| libm::exp(c.log_weight - all) * (c.mean[LEVEL] + c.mean[TAKEN_OUT]))
-            .sum()
+/// Size of a jump just before the first of `entries`, rad, given
+/// that there was one of prior deviation `deviation_rad`.
+///
+/// Per filter the innovations answer a jump of 1 by `d_k`, found by letting a unit of level run
+/// through the same gains: precision `1/V + Σ d_k²/S_k`, mean `Σ d_k ν_k/S_k` over that.
+pub(super) fn jump_size(
+    bank: &Bank,
+    prior: &Prior,
+    entries: &[TrendEntry],
+    deviation_rad: f64,
+    config: &TrendConfig,
+) -> Gaussian {
+    let records: Vec<&Record> = entries
+        .iter()
+        .filter_map(|e| match e {
+            TrendEntry::Record(r) if r.offset_rad.is_some() => Some(r),
+            _ => None,
+        })
+        .collect();
+    let inverse = 1.0 / (deviation_rad * deviation_rad);
+    let mut bank = bank.clone();
+    bank.forget_stiffness();
+    let mut answers: Vec<[f64; STATES]> = bank.components.iter().map(|_| UNIT).collect();
+    let mut sums: Vec<[f64; 2]> = bank.components.iter().map(|_| [inverse, 0.0]).collect();
+    for record in records {
+        bank.advance_keeping(prior, record.time_s, &mut answers);
+        bank.answer(prior, record, config, &mut answers, &mut sums);
     }
-
-    /// Size of a jump just before the first of `entries` and its standard deviation, rad, given
-    /// that there was one of prior deviation `deviation_rad`.
-    ///
-    /// Per filter the innovations answer a jump of 1 by `d_k`, found by letting a unit of level run
-    /// through the same gains: precision `1/V + Σ d_k²/S_k`, mean `Σ d_k ν_k/S_k` over that.
-    pub(super) fn jump(
-        &self,
-        prior: &Prior,
-        entries: &[Entry],
-        deviation_rad: f64,
-        off: OffRecords,
-    ) -> [f64; 2] {
-        let records: Vec<&Record> = entries
-            .iter()
-            .filter_map(|e| match e {
-                Entry::Record(r) if r.offset_rad.is_some() => Some(r),
-                _ => None,
-            })
-            .collect();
-        let inverse = 1.0 / (deviation_rad * deviation_rad);
-        let mut bank = self.clone();
-        bank.forget_stiffness();
-        let mut answers: Vec<[f64; STATES]> = self.components.iter().map(|_| UNIT).collect();
-        let mut sums: Vec<[f64; 2]> = self.components.iter().map(|_| [inverse, 0.0]).collect();
-        for record in records {
-            bank.advance_keeping(prior, record.time_s, &mut answers);
-            bank.answer(prior, record, off, &mut answers, &mut sums);
-        }
-        let mut all = LogSum::new();
-        let weights: Vec<f64> = bank
-            .components
-            .iter()
-            .zip(&sums)
-            .map(|(c, [precision, dv])| {
-                // Evidence of the jump of this filter: its Gaussian integral over the size.
-                c.log_weight + 0.5 * (dv * dv / precision - libm::log(*precision))
-            })
-            .collect();
-        weights.iter().for_each(|w| all.add(*w));
-        let (mut mean, mut square) = (0.0, 0.0);
-        for (w, [precision, dv]) in weights.iter().zip(&sums) {
-            let share = libm::exp(w - all.value());
-            let size = dv / precision;
-            mean += share * size;
-            square += share * (size * size + 1.0 / precision);
-        }
-        [mean, libm::sqrt((square - mean * mean).max(0.0))]
+    let mut all = LogSum::new();
+    let weights: Vec<f64> = bank
+        .components
+        .iter()
+        .zip(&sums)
+        .map(|(c, [precision, dv])| {
+            // Evidence of the jump of this filter: its Gaussian integral over the size.
+            c.log_weight + 0.5 * (dv * dv / precision - libm::log(*precision))
+        })
+        .collect();
+    weights.iter().for_each(|w| all.add(*w));
+    let (mut mean, mut square) = (0.0, 0.0);
+    for (w, [precision, dv]) in weights.iter().zip(&sums) {
+        let share = libm::exp(w - all.value());
+        let size = dv / precision;
+        mean += share * size;
+        square += share * (size * size + 1.0 / precision);
     }
+    Gaussian::new(mean, libm::sqrt((square - mean * mean).max(0.0)))
 }
 
 /// A unit of level and nothing else.

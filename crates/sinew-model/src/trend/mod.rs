@@ -31,7 +31,7 @@
 //! alone never makes one.
 //!
 //! **Forecast.** Paths are drawn from the posterior, and where each passes a limit is read off
-//! ([`Trend::paths`], [`first_passage`]). Further jumps aren't forecast.
+//! ([`Paths::draw`], [`first_passage`]). Further jumps aren't forecast.
 //!
 //! Adding one record a day gives what adding all at once gives: there is one way through.
 //!
@@ -43,6 +43,7 @@
 //! None of this is a step of a control loop: it allocates. It doesn't panic on any input.
 
 mod bank;
+mod component;
 mod curve;
 mod detector;
 mod forecast;
@@ -52,15 +53,17 @@ mod now;
 mod prior;
 mod record;
 mod softened;
+mod state;
 mod stiffness;
 mod tracker;
 
-pub use bank::{Component, STATES};
+pub use component::{Component, STATES};
 pub use curve::{Curve, NODES, generic_curves, node_times_s};
 pub use forecast::{Paths, first_passage};
-pub use now::Now;
+pub use now::TrendNow;
 pub use prior::{Noise, Prior, generic_noises};
-pub use record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+pub use record::{Added, Event, Record, TrendConfig, TrendEntry, TrendError};
 pub use softened::Softened;
+pub use state::TrendState;
 pub use stiffness::Stiffness;
 pub use tracker::Trend;

@@ -1,41 +1,42 @@
 //! Where a tendon stands after the last record.
 
-use super::bank::{AMPLITUDE, Component, DRIFT, LEVEL, STATES, TAKEN_OUT};
+use super::component::{AMPLITUDE, Component, DRIFT, LEVEL, STATES, TAKEN_OUT};
 use super::gauss::LogSum;
 use super::tracker::Trend;
+use crate::Gaussian;
 
-/// Means and standard deviations over all filters.
+/// Where the tendon stands after the last entry, over all filters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Now {
+pub struct TrendNow {
     /// True offset at the reference temperature since the last tensioning, rad.
-    pub offset_rad: [f64; 2],
+    pub offset_rad: Gaussian,
     /// The same since the first tensioning, rad.
-    pub whole_rad: [f64; 2],
+    pub whole_rad: Gaussian,
     /// How fast the creep goes on, rad/s.
-    pub rate_rad_per_s: [f64; 2],
+    pub rate_rad_per_s: Gaussian,
     /// Drift of the records with temperature, rad/K.
-    pub drift_rad_per_k: [f64; 2],
+    pub drift_rad_per_k: Gaussian,
     /// Deviation of the error that sessions share, rad: mean over what is still likely.
     pub slow_deviation_rad: f64,
     /// True over stated deviation of a record's own error: mean.
     pub white_scale: f64,
 }
 
-impl Trend {
-    /// Where the tendon stands after the last entry.
+impl TrendNow {
+    /// Of a trend.
     #[must_use]
-    pub fn now(&self) -> Now {
+    pub fn of(trend: &Trend) -> Self {
         const DAY_S: f64 = 86_400.0;
-        let prior = self.prior();
-        let t = self.time_s();
+        let prior = trend.prior();
+        let t = trend.time_s();
         let mut all = LogSum::new();
-        for c in self.components() {
+        for c in trend.components() {
             all.add(c.weight_above_zero());
         }
         let total = all.value();
         let mut moments = [[0.0; 2]; 4];
         let (mut slow_deviation_rad, mut white_scale) = (0.0, 0.0);
-        for c in self.components() {
+        for c in trend.components() {
             let share = libm::exp(c.weight_above_zero() - total);
             let rate = prior
                 .curves
@@ -59,8 +60,10 @@ impl Trend {
                 white_scale += share * noise.white_scale;
             }
         }
-        let of = |[mean, square]: [f64; 2]| [mean, libm::sqrt((square - mean * mean).max(0.0))];
-        Now {
+        let of = |[mean, square]: [f64; 2]| {
+            Gaussian::new(mean, libm::sqrt((square - mean * mean).max(0.0)))
+        };
+        Self {
             offset_rad: of(moments[0]),
             whole_rad: of(moments[1]),
             rate_rad_per_s: of(moments[2]),

@@ -1,27 +1,24 @@
 //! What goes into a trend and what comes out.
 
-use super::bank::Component;
-use super::softened::Softened;
-use super::stiffness::Stiffness;
-use alloc::vec::Vec;
+use crate::Gaussian;
 
 /// What one session said.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
     /// When, s since tensioning.
     pub time_s: f64,
-    /// Offset since the baseline and its own standard deviation, rad; `None`: it couldn't tell.
-    pub offset_rad: Option<[f64; 2]>,
+    /// Offset since the baseline with the session's own error, rad; `None`: it couldn't tell.
+    pub offset_rad: Option<Gaussian>,
     /// Temperature, °C; `None`: not known.
     pub temperature_c: Option<f64>,
-    /// Stiffness over nominal less 1 and its own standard deviation; `None`: not known.
-    pub stiffness: Option<[f64; 2]>,
+    /// Stiffness over nominal less 1 with its own error; `None`: not known.
+    pub stiffness: Option<Gaussian>,
 }
 
 /// What happened, in the order of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Entry {
+pub enum TrendEntry {
     /// A session.
     Record(Record),
     /// The level jumped; it is open by `deviation_rad`.
@@ -46,9 +43,7 @@ pub struct Event {
     /// Time of the last record before it, s.
     pub after_s: f64,
     /// By how much the offset changed, rad; NaN for a stated re-tensioning.
-    pub size_rad: f64,
-    /// Its standard deviation, rad.
-    pub deviation_rad: f64,
+    pub size_rad: Gaussian,
     /// Time of the record that confirmed it, s.
     pub confirmed_s: f64,
     /// Posterior probability when it was confirmed; 1 for a stated one.
@@ -136,40 +131,43 @@ pub enum TrendError {
     State,
 }
 
-/// What a trend remembers: the filters before the last records, and those.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// [`super::Prior::fingerprint`].
-    pub fingerprint: u64,
-    /// Time of the filters, s.
-    pub time_s: f64,
-    /// The filters.
-    pub components: Vec<Component>,
-    /// The stiffness since the last jump before the last entries, if there was one.
-    pub softened: Option<Softened>,
-    /// The stiffness before the last entries.
-    pub stiffness: Stiffness,
-    /// Last entries.
-    pub entries: Vec<Entry>,
-    /// Events so far.
-    pub events: Vec<Event>,
-    /// Records with an offset so far.
-    pub records: u64,
+impl Record {
+    /// Its stiffness, if it can be one.
+    pub(super) fn credible_stiffness(&self) -> Option<Gaussian> {
+        /// No transmission is ten times as stiff as stated, or known to less than that.
+        const ABSURD: f64 = 10.0;
+        let credible =
+            |s: &Gaussian| s.mean.abs() < ABSURD && s.deviation < ABSURD && s.deviation > 1e-6;
+        self.stiffness.filter(credible)
+    }
+
+    /// Whether all of it is finite, and deviations are above 0.
+    pub(super) fn is_possible(&self) -> bool {
+        self.time_s.is_finite()
+            && self.temperature_c.is_none_or(f64::is_finite)
+            && [self.offset_rad, self.stiffness]
+                .iter()
+                .all(|p| p.is_none_or(|p| p.is_finite() && p.deviation > 0.0))
+    }
 }
 
-pub(super) fn informative(entry: &Entry) -> bool {
-    matches!(
-        entry,
-        Entry::Record(Record {
-            offset_rad: Some(_),
-            ..
-        })
-    )
-}
+impl TrendEntry {
+    /// Whether it is a session that says something of the offset.
+    pub(super) fn is_informative(&self) -> bool {
+        matches!(
+            self,
+            Self::Record(Record {
+                offset_rad: Some(_),
+                ..
+            })
+        )
+    }
 
-pub(super) fn time_of(entry: &Entry) -> f64 {
-    match entry {
-        Entry::Record(r) => r.time_s,
-        Entry::Jump { time_s, .. } | Entry::Tensioned { time_s } => *time_s,
+    /// When, s.
+    pub(super) fn time_s(&self) -> f64 {
+        match self {
+            Self::Record(r) => r.time_s,
+            Self::Jump { time_s, .. } | Self::Tensioned { time_s } => *time_s,
+        }
     }
 }

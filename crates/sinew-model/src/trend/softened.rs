@@ -1,7 +1,6 @@
 //! What sessions after a failed strand get wrong together: stiffness and offset.
 
 use super::record::Record;
-use super::stiffness::sane;
 
 /// Sessions before which the stiffness is not known well enough to say what is off.
 const FEWEST: u64 = 6;
@@ -41,9 +40,9 @@ impl Softened {
 
     /// By how much a session has the stiffness off; 0 where that isn't known.
     pub(super) fn off(&self, record: &Record) -> f64 {
-        match sane(record) {
-            Some([value, deviation]) if self.sessions >= FEWEST => {
-                (value - self.mean).clamp(-MOST * deviation, MOST * deviation)
+        match record.credible_stiffness() {
+            Some(s) if self.sessions >= FEWEST => {
+                (s.mean - self.mean).clamp(-MOST * s.deviation, MOST * s.deviation)
             }
             _ => 0.0,
         }
@@ -52,15 +51,16 @@ impl Softened {
     /// Takes a session in: it counts by what it says of the offset, so that where the level stands does
     /// not depend on how the errors go together.
     pub(super) fn take(&mut self, record: &Record) {
-        let (Some([value, _]), Some([_, deviation])) = (sane(record), record.offset_rad) else {
+        let (Some(stiffness), Some(offset)) = (record.credible_stiffness(), record.offset_rad)
+        else {
             return;
         };
-        let own = 1.0 / (deviation * deviation);
+        let own = 1.0 / (offset.deviation * offset.deviation);
         if !own.is_finite() {
             return;
         }
         self.sessions += 1;
         self.information = (self.information * (1.0 - 1.0 / MEMORY)) + own;
-        self.mean += own / self.information * (value - self.mean);
+        self.mean += own / self.information * (stiffness.mean - self.mean);
     }
 }

@@ -1,6 +1,7 @@
 //! The stiffness that sessions report beside the offset: a failed strand takes some along.
 
-use super::record::{Entry, Record};
+use super::record::{Record, TrendEntry};
+use crate::Gaussian;
 
 /// Prior of `k²`: shape and rate of the inverse gamma distribution; `k` is some 0.5.
 const SHAPE: f64 = 1.0;
@@ -9,8 +10,8 @@ const RATE: f64 = 0.25;
 const MEMORY: f64 = 50.0;
 /// How far the level walks from session to session, in stated standard deviations times `k`.
 const WALK: f64 = 0.1;
-/// Mean and standard deviation of what a failed strand takes along.
-const LOSS: [f64; 2] = [0.04, 0.03];
+/// What a failed strand takes along.
+const LOSS: Gaussian = Gaussian::new(0.04, 0.03);
 /// Sessions before which nothing is said.
 const FEWEST: u64 = 6;
 /// Share of jumps that are failed strands; the others are slips, which leave the stiffness.
@@ -67,16 +68,16 @@ impl Stiffness {
     }
 
     /// Takes an entry in; logarithm of the predictive density of a session's stiffness.
-    pub(super) fn take(&mut self, entry: &Entry, reference_c: f64) -> f64 {
+    pub(super) fn take(&mut self, entry: &TrendEntry, reference_c: f64) -> f64 {
         match entry {
-            Entry::Record(record) => self.update(record, reference_c),
-            Entry::Jump { .. } => {
+            TrendEntry::Record(record) => self.update(record, reference_c),
+            TrendEntry::Jump { .. } => {
                 // Known to have jumped, not whether a strand failed.
-                self.open(0.0, LOSS[0] + LOSS[1]);
+                self.open(0.0, LOSS.mean + LOSS.deviation);
                 0.0
             }
-            Entry::Tensioned { .. } => {
-                self.open(0.0, LOSS[1]);
+            TrendEntry::Tensioned { .. } => {
+                self.open(0.0, LOSS.deviation);
                 0.0
             }
         }
@@ -84,12 +85,12 @@ impl Stiffness {
 
     /// How much likelier the stiffness of `entries` is if the level jumped just before them than if it
     /// didn't, as a logarithm: half of all jumps are failed strands, which take stiffness along.
-    pub(super) fn support(&self, entries: &[Entry], reference_c: f64) -> f64 {
+    pub(super) fn support(&self, entries: &[TrendEntry], reference_c: f64) -> f64 {
         if self.sessions < FEWEST {
             return 0.0;
         }
         let (mut kept, mut lost) = (*self, *self);
-        lost.open(-LOSS[0], LOSS[1]);
+        lost.open(-LOSS.mean, LOSS.deviation);
         let mut ratio = 0.0;
         for entry in entries {
             ratio += lost.take(entry, reference_c) - kept.take(entry, reference_c);
@@ -111,7 +112,11 @@ impl Stiffness {
     }
 
     fn update(&mut self, record: &Record, reference_c: f64) -> f64 {
-        let Some([value, deviation]) = sane(record) else {
+        let Some(Gaussian {
+            mean: value,
+            deviation,
+        }) = record.credible_stiffness()
+        else {
             return 0.0;
         };
         let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
@@ -141,14 +146,6 @@ impl Stiffness {
     }
 }
 
-/// A record's stiffness, if it can be one.
-pub(super) fn sane(record: &Record) -> Option<[f64; 2]> {
-    /// No transmission is ten times as stiff as stated, or known to less than that.
-    const ABSURD: f64 = 10.0;
-    let sane = |s: &[f64; 2]| s[0].abs() < ABSURD && s[1] < ABSURD && s[1] > 1e-6;
-    record.stiffness.filter(sane)
-}
-
 /// Logarithm of Student's density with `freedom` degrees and a squared scale.
 fn log_student(error: f64, freedom: f64, scale2: f64) -> f64 {
     let half = 0.5 * (freedom + 1.0);
@@ -161,14 +158,15 @@ fn log_student(error: f64, freedom: f64, scale2: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Stiffness, log_student};
-    use crate::trend::record::{Entry, Record};
+    use crate::Gaussian;
+    use crate::trend::record::{Record, TrendEntry};
 
-    fn session(day: i32, stiffness: f64, celsius: f64) -> Entry {
-        Entry::Record(Record {
+    fn session(day: i32, stiffness: f64, celsius: f64) -> TrendEntry {
+        TrendEntry::Record(Record {
             time_s: 86_400.0 * f64::from(day),
-            offset_rad: Some([0.0, 1e-3]),
+            offset_rad: Some(Gaussian::new(0.0, 1e-3)),
             temperature_c: Some(celsius),
-            stiffness: Some([stiffness, 0.02]),
+            stiffness: Some(Gaussian::new(stiffness, 0.02)),
         })
     }
 

@@ -1,26 +1,29 @@
 //! One tendon's trend: records in, posterior and events out.
 
-use super::bank::{Bank, Component, LEVEL, OffRecords, TAKEN_OUT};
+use super::bank::Bank;
+use super::component::Component;
+use super::detector::{Confirmed, Window};
 use super::prior::Prior;
-use super::record::{Added, Entry, Event, Record, State, TrendConfig, TrendError};
+use super::record::{Added, Event, Record, TrendConfig, TrendEntry, TrendError};
+use super::state::TrendState;
 use super::stiffness::Stiffness;
-use alloc::vec;
+use crate::Gaussian;
 use alloc::vec::Vec;
 
 /// The trend of one tendon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
-    pub(super) prior: Prior,
-    pub(super) config: TrendConfig,
+    prior: Prior,
+    config: TrendConfig,
     /// Before the window.
-    pub(super) anchor: Bank,
+    anchor: Bank,
     /// The same of the stiffness.
-    pub(super) stiffness: Stiffness,
-    pub(super) entries: Vec<Entry>,
+    stiffness: Stiffness,
+    entries: Vec<TrendEntry>,
     /// After the last entry.
-    pub(super) current: Bank,
-    pub(super) events: Vec<Event>,
-    pub(super) records: u64,
+    current: Bank,
+    events: Vec<Event>,
+    records: u64,
 }
 
 impl Trend {
@@ -49,7 +52,11 @@ impl Trend {
     ///
     /// # Errors
     /// [`TrendError::State`] when it belongs to another prior or can't be.
-    pub fn resume(prior: Prior, config: TrendConfig, state: State) -> Result<Self, TrendError> {
+    pub fn resume(
+        prior: Prior,
+        config: TrendConfig,
+        state: TrendState,
+    ) -> Result<Self, TrendError> {
         let mut out = Self::new(prior, config)?;
         let possible = |c: &Component| {
             (c.curve as usize) < out.prior.curves.len()
@@ -75,17 +82,14 @@ impl Trend {
         out.entries = state.entries;
         out.events = state.events;
         out.records = state.records;
-        out.current = out.anchor.clone();
-        let mut bank = out.anchor.clone();
-        out.run(&mut bank, &out.entries);
-        out.current = bank;
+        out.replay();
         Ok(out)
     }
 
     /// What to store to go on later.
     #[must_use]
-    pub fn state(&self) -> State {
-        State {
+    pub fn state(&self) -> TrendState {
+        TrendState {
             fingerprint: self.prior.fingerprint(),
             time_s: self.anchor.time_s,
             components: self.anchor.components.clone(),
@@ -132,12 +136,7 @@ impl Trend {
     /// # Errors
     /// [`TrendError::NotFinite`], [`TrendError::OutOfOrder`]; the trend is unchanged.
     pub fn add(&mut self, record: Record) -> Result<Added, TrendError> {
-        let finite = record.time_s.is_finite()
-            && record.temperature_c.is_none_or(f64::is_finite)
-            && [record.offset_rad, record.stiffness]
-                .iter()
-                .all(|p| p.is_none_or(|[y, s]| y.is_finite() && s.is_finite() && s > 0.0));
-        if !finite {
+        if !record.is_possible() {
             return Err(TrendError::NotFinite);
         }
         self.in_order(record.time_s)?;
@@ -147,9 +146,9 @@ impl Trend {
             off: false,
             confirmed: None,
         };
-        self.entries.push(Entry::Record(record));
+        self.entries.push(TrendEntry::Record(record));
         self.current.advance(&self.prior, record.time_s);
-        added.off = self.current.update(&self.prior, &record, self.off()).off;
+        added.off = self.current.update(&self.prior, &record, &self.config).off;
         if record.offset_rad.is_some() {
             self.records += 1;
             self.judge(record.time_s, &mut added);
@@ -168,24 +167,14 @@ impl Trend {
             return Err(TrendError::NotFinite);
         }
         self.in_order(time_s)?;
-        let entry = Entry::Tensioned { time_s };
+        let entry = TrendEntry::Tensioned { time_s };
         self.entries.push(entry);
         let after_s = self.current.time_s;
-        let mut bank = core::mem::replace(
-            &mut self.current,
-            Bank {
-                time_s,
-                components: vec![],
-                softened: None,
-            },
-        );
-        self.run(&mut bank, &[entry]);
-        self.current = bank;
+        self.current.run(&self.prior, &self.config, &[entry]);
         self.events.push(Event {
             time_s,
             after_s,
-            size_rad: f64::NAN,
-            deviation_rad: f64::NAN,
+            size_rad: Gaussian::new(f64::NAN, f64::NAN),
             confirmed_s: time_s,
             probability: 1.0,
             tensioned: true,
@@ -203,61 +192,48 @@ impl Trend {
         Ok(())
     }
 
-    pub(super) fn off(&self) -> OffRecords {
-        OffRecords {
-            share: self.config.off_share,
-            deviation_rad: self.config.off_deviation_rad,
-        }
+    /// Filters after the last entry, from those before the window.
+    fn replay(&mut self) {
+        self.current = self.anchor.clone();
+        self.current.run(&self.prior, &self.config, &self.entries);
     }
 
-    /// Runs filters through entries; logarithm of the evidence, and which records were taken as off.
-    pub(super) fn run(&self, bank: &mut Bank, entries: &[Entry]) -> (f64, Vec<bool>) {
-        let mut log_evidence = 0.0;
-        let mut off = Vec::with_capacity(entries.len());
-        for entry in entries {
-            let mut is_off = false;
-            match entry {
-                Entry::Record(record) => {
-                    bank.advance(&self.prior, record.time_s);
-                    let updated = bank.update(&self.prior, record, self.off());
-                    log_evidence += updated.log_evidence;
-                    is_off = updated.off;
-                }
-                Entry::Jump {
-                    time_s,
-                    deviation_rad,
-                } => {
-                    bank.advance(&self.prior, *time_s);
-                    bank.open(LEVEL, *deviation_rad);
-                    bank.reconsider_errors(&self.prior);
-                    bank.jumped();
-                }
-                Entry::Tensioned { time_s } => {
-                    bank.advance(&self.prior, *time_s);
-                    bank.open(TAKEN_OUT, self.config.fall_deviation_rad);
-                }
-            }
-            off.push(is_off);
+    /// Holds jumps within the window against none, and writes one that is sure down.
+    fn judge(&mut self, now_s: f64, added: &mut Added) {
+        let window = Window {
+            prior: &self.prior,
+            config: &self.config,
+            anchor: &self.anchor,
+            stiffness: self.stiffness,
+            entries: &self.entries,
+            records: self.records,
+        };
+        let (jump_probability, best) = window.judge();
+        added.jump_probability = jump_probability;
+        let (Some(best), true) = (best, jump_probability > 0.5) else {
+            return;
+        };
+        if !(best.is_agreed() && jump_probability > self.config.confirm) {
+            added.suspected_s = Some(window.time_s(&best));
+            return;
         }
-        (log_evidence, off)
+        let Confirmed { at, entry, event } = window.confirm(&best, now_s, jump_probability);
+        added.jump_probability = 0.0;
+        self.entries.insert(at, entry);
+        self.replay();
+        if event.size_rad.mean.abs() >= self.config.least_jump_rad {
+            self.events.push(event);
+            added.confirmed = Some(event);
+        }
     }
 
     /// Lets the oldest entries go into the filters.
     fn roll(&mut self) {
         let window = self.config.window.max(1);
-        let sessions = |e: &&Entry| matches!(e, Entry::Record(_));
+        let sessions = |e: &&TrendEntry| matches!(e, TrendEntry::Record(_));
         while self.entries.iter().filter(sessions).count() > window {
             let first = self.entries.remove(0);
-            let mut bank = core::mem::replace(
-                &mut self.anchor,
-                Bank {
-                    time_s: 0.0,
-                    components: vec![],
-                    softened: None,
-                },
-            );
-            self.run(&mut bank, &[first]);
-            self.anchor = bank;
+            self.anchor.run(&self.prior, &self.config, &[first]);
             self.stiffness.take(&first, self.prior.temperature_ref_c);
         }
     }
