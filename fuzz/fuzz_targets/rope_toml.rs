@@ -3,14 +3,14 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_model::rope::entry::Entry;
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::entry::CatalogueEntry;
+use sinew_model::rope::{Law, RopeLoad, State};
 
 fuzz_target!(|text: &str| {
-    let Ok(entry) = Entry::parse(text, "rope.toml") else {
+    let Ok(entry) = CatalogueEntry::parse(text, "rope.toml") else {
         return;
     };
-    let again = Entry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
+    let again = CatalogueEntry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
     assert_eq!(entry, again);
     let Ok(parameters) = entry.parameters() else {
         return;
@@ -18,7 +18,7 @@ fuzz_target!(|text: &str| {
     let Ok(law) = Law::new(parameters) else {
         return;
     };
-    let load = Load::celsius(0.1 * parameters.breaking_load_n, 30.0);
+    let load = RopeLoad::celsius(0.1 * parameters.breaking_load_n, 30.0);
     let mut state = State::default();
     let mut last: f64 = 0.0;
     for seconds in [1.0, 1e3, 1e7] {

@@ -1,7 +1,7 @@
 //! A fit of the rope law as a rope of the catalogue.
 
 use sinew_model::rope::Parameter;
-use sinew_model::rope::entry::{Correlation, Entry, Origin, Uncertainty, Value};
+use sinew_model::rope::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
 
 use super::CreepError;
 use super::fit::Fit;
@@ -31,7 +31,11 @@ const SOURCE: &str = "creep-fit";
 ///
 /// # Errors
 /// [`CreepError::Request`] when the fit is not one of [`Law::Rope`] or has no draws.
-pub fn rope_entry(fit: &Fit, base: &RopeBase, from: &Provenance) -> Result<Entry, CreepError> {
+pub fn rope_entry(
+    fit: &Fit,
+    base: &RopeBase,
+    from: &Provenance,
+) -> Result<CatalogueEntry, CreepError> {
     if fit.law != Law::Rope || fit.draws.is_empty() || fit.model.blocks.len() != 1 {
         return Err(CreepError::Request(
             "a catalogue entry needs a fit of the rope law with intervals, and one amplitude for all specimens"

@@ -6,7 +6,7 @@
 //! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
 //! closed form), and only the rest is searched.
 
-use sinew_model::rope::entry::{Entry, Uncertainty};
+use sinew_model::rope::entry::{CatalogueEntry, Uncertainty};
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
 
 use super::CreepError;
@@ -18,7 +18,7 @@ use super::rope_walk::{Parts, Walk};
 #[derive(Debug, Clone, PartialEq)]
 pub struct RopeBase {
     /// Its entry.
-    pub entry: Entry,
+    pub entry: CatalogueEntry,
     pub(super) parameters: Parameters,
 }
 
@@ -27,7 +27,7 @@ impl RopeBase {
     ///
     /// # Errors
     /// [`CreepError::Request`] naming parameters its law lacks.
-    pub fn new(entry: Entry) -> Result<Self, CreepError> {
+    pub fn new(entry: CatalogueEntry) -> Result<Self, CreepError> {
         let parameters = entry.parameters().map_err(|missing| {
             CreepError::Request(format!(
                 "rope '{}' has no complete law; missing in its [law]: {}",

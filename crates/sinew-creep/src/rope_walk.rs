@@ -1,6 +1,6 @@
 //! A rope's way through the tensions of a record, part by part.
 
-use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Load, Parameter, Rates, State};
+use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
 
 use super::curve::Curve;
 use super::rope_law::TEMPERATURE_C;
@@ -79,7 +79,7 @@ impl<'a> Walk<'a> {
     fn meet(&mut self) {
         self.rates = self
             .law
-            .rates(Load {
+            .rates(RopeLoad {
                 tension_n: self.tension_n,
                 temperature_k: self.temperature_k,
             })

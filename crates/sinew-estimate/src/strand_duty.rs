@@ -1,7 +1,7 @@
 //! A recording's own torques as a rope's duty.
 
 use crate::estimate::{JointEstimate, Series};
-use sinew_model::rope::Load;
+use sinew_model::rope::RopeLoad;
 use sinew_model::transmission::Tendon;
 use sinew_rope::{Duty, Stretch};
 
@@ -86,7 +86,7 @@ fn stretches(
         for half in [low, high] {
             if !half.is_empty() {
                 let mean = half.iter().sum::<f64>() / half.len() as f64;
-                let load = Load::celsius(mean, temperature_c);
+                let load = RopeLoad::celsius(mean, temperature_c);
                 stretches.push(Stretch::hold(load, spacing * half.len() as f64));
             }
         }

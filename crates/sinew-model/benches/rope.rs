@@ -3,20 +3,20 @@
 //! `cargo bench -p sinew-model --bench rope`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sinew_model::rope::entry::Entry;
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::entry::CatalogueEntry;
+use sinew_model::rope::{Law, RopeLoad, State};
 use std::hint::black_box;
 
 const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
 const MINUTES_PER_YEAR: usize = 525_600;
 
 fn law() -> Law {
-    let entry = Entry::parse(ROPE, "liros-dc000-0301.toml").expect("shipped");
+    let entry = CatalogueEntry::parse(ROPE, "liros-dc000-0301.toml").expect("shipped");
     Law::new(entry.parameters().expect("complete")).expect("a rope")
 }
 
 /// Tension changes every minute, temperature with the hour.
-fn minutes(count: usize) -> Vec<Load> {
+fn minutes(count: usize) -> Vec<RopeLoad> {
     let mut x = 1u64;
     (0..count)
         .map(|i| {
@@ -26,7 +26,7 @@ fn minutes(count: usize) -> Vec<Load> {
                 .wrapping_add(1_442_695_040_888_963_407);
             let u = (x >> 11) as f64 / (1u64 << 53) as f64;
             let day = (i as f64 / 1440.0 * std::f64::consts::TAU).sin();
-            Load::celsius(40.0 + 400.0 * u, 25.0 + 15.0 * day)
+            RopeLoad::celsius(40.0 + 400.0 * u, 25.0 + 15.0 * day)
         })
         .collect()
 }
@@ -56,7 +56,7 @@ fn single(c: &mut Criterion) {
     group.bench_function("step of a new rope", |b| {
         b.iter(|| {
             let mut state = State::default();
-            law.hold(&mut state, black_box(Load::at_reference(60.0)), 60.0)
+            law.hold(&mut state, black_box(RopeLoad::at_reference(60.0)), 60.0)
                 .expect("a load");
             state
         });
@@ -64,7 +64,10 @@ fn single(c: &mut Criterion) {
     group.bench_function("ramp of an hour, 60 to 200 N, 23 to 50 °C", |b| {
         b.iter(|| {
             let mut state = State::default();
-            let (from, to) = (Load::celsius(60.0, 23.0), Load::celsius(200.0, 50.0));
+            let (from, to) = (
+                RopeLoad::celsius(60.0, 23.0),
+                RopeLoad::celsius(200.0, 50.0),
+            );
             law.ramp(&mut state, black_box(from), black_box(to), 3600.0)
                 .expect("a load");
             state

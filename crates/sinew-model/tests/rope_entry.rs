@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use sinew_model::rope::Parameter;
-use sinew_model::rope::entry::{Entry, Origin, Uncertainty};
+use sinew_model::rope::entry::{CatalogueEntry, Origin, Uncertainty};
 
 const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
 
@@ -13,7 +13,7 @@ fn changed(from: &str, to: &str) -> String {
 
 #[test]
 fn every_value_has_its_origin() {
-    let rope = Entry::parse(ROPE, "rope.toml").expect("a rope");
+    let rope = CatalogueEntry::parse(ROPE, "rope.toml").expect("a rope");
     let b = &rope.law[&Parameter::Bedding];
     assert_eq!((b.value, b.origin), (0.42, Origin::StartingGuess));
     assert_eq!(b.uncertainty, Uncertainty::Factor(1.5));
@@ -27,10 +27,11 @@ fn every_value_has_its_origin() {
 
 #[test]
 fn what_is_missing_is_missing() {
-    let rope = Entry::parse(&changed("jamming =", "# jamming ="), "rope.toml").expect("a rope");
+    let rope =
+        CatalogueEntry::parse(&changed("jamming =", "# jamming ="), "rope.toml").expect("a rope");
     assert_eq!(rope.parameters(), Err(vec!["jamming"]));
     let text = changed("weight_g_per_m =", "# weight_g_per_m =");
-    let rope = Entry::parse(&text, "rope.toml").expect("a rope");
+    let rope = CatalogueEntry::parse(&text, "rope.toml").expect("a rope");
     assert_eq!(rope.weight_g_per_m, None);
 }
 
@@ -64,7 +65,7 @@ fn nonsense_is_refused_with_file_and_line() {
             "not both",
         ),
     ] {
-        let error = Entry::parse(&changed(from, to), "rope.toml")
+        let error = CatalogueEntry::parse(&changed(from, to), "rope.toml")
             .expect_err(to)
             .to_string();
         assert!(
@@ -88,7 +89,7 @@ fn nonsense_is_refused_with_file_and_line() {
         ("name = \"liros", "name = \"Liros ", "lower case"),
         ("value = 1.50", "value = 0.0", "must be above 0"),
     ] {
-        let error = Entry::parse(&changed(from, to), "rope.toml")
+        let error = CatalogueEntry::parse(&changed(from, to), "rope.toml")
             .expect_err(to)
             .to_string();
         assert!(
@@ -104,7 +105,7 @@ fn correlations_are_checked() {
         let tail = format!(
             "\n[correlation]\nparameters = [\"toe_percent\", \"jamming\"]\nmatrix = {matrix}\n"
         );
-        Entry::parse(&(ROPE.to_string() + &tail), "rope.toml")
+        CatalogueEntry::parse(&(ROPE.to_string() + &tail), "rope.toml")
     };
     let rope = with("[[1.0, 0.6], [0.6, 1.0]]").expect("a rope");
     let c = rope.correlation.expect("read");
@@ -134,8 +135,8 @@ proptest! {
         bytes.extend(put.as_bytes());
         bytes.extend(&ROPE.as_bytes()[end..]);
         let text = String::from_utf8_lossy(&bytes);
-        if let Ok(rope) = Entry::parse(&text, "rope.toml") {
-            let again = Entry::parse(&rope.to_toml(), "again.toml");
+        if let Ok(rope) = CatalogueEntry::parse(&text, "rope.toml") {
+            let again = CatalogueEntry::parse(&rope.to_toml(), "again.toml");
             prop_assert_eq!(again, Ok(rope));
         }
     }

@@ -3,7 +3,7 @@
 use super::duty::{DUTY_BYTES_MAX, Duty, Stretch};
 use sinew_files::csv::Table;
 use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, read_text};
-use sinew_model::rope::Load;
+use sinew_model::rope::RopeLoad;
 use std::path::Path;
 
 impl Duty {
@@ -102,8 +102,8 @@ fn stretch(block: &impl Fields) -> Result<Stretch, Located> {
         return Err(block.refuse(key, "at most 100 years"));
     }
     Ok(Stretch {
-        from: Load::celsius(t0, c0),
-        to: Load::celsius(t1, c1),
+        from: RopeLoad::celsius(t0, c0),
+        to: RopeLoad::celsius(t1, c1),
         duration_s,
     })
 }

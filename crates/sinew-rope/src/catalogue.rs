@@ -1,7 +1,7 @@
 //! Ropes to choose from: those that ship with the program and those in the user's own folders.
 
 use sinew_files::{Fault, Located, read_text};
-use sinew_model::rope::entry::Entry;
+use sinew_model::rope::entry::CatalogueEntry;
 use std::path::{Path, PathBuf};
 
 /// The ropes of the paper's Table I, in its order.
@@ -51,7 +51,7 @@ const ENTRY_BYTES_MAX: u64 = 1 << 20;
 #[derive(Debug, Clone, PartialEq)]
 pub struct CatalogueRope {
     /// The rope.
-    pub entry: Entry,
+    pub entry: CatalogueEntry,
     /// Its file; `None` for one that ships with the program.
     pub file: Option<PathBuf>,
 }
@@ -105,7 +105,7 @@ impl Catalogue {
     pub fn shipped() -> Result<Self, CatalogueError> {
         let parse = |(file, text): &(&str, &str)| {
             Ok::<_, CatalogueError>(CatalogueRope {
-                entry: Entry::parse(text, file)?,
+                entry: CatalogueEntry::parse(text, file)?,
                 file: None,
             })
         };
@@ -145,7 +145,7 @@ impl Catalogue {
         let mut fresh: Vec<CatalogueRope> = Vec::new();
         for path in files {
             let text = read_text(&path, ENTRY_BYTES_MAX)?;
-            let entry = Entry::parse(&text, &path.display().to_string())?;
+            let entry = CatalogueEntry::parse(&text, &path.display().to_string())?;
             if let Some(twin) = fresh.iter().find(|r| r.entry.name == entry.name) {
                 return Err(CatalogueError::Twice {
                     name: entry.name,
@@ -293,7 +293,7 @@ mod tests {
     fn shipped_ropes_survive_being_written() {
         for rope in Catalogue::shipped().expect("shipped ropes parse").ropes() {
             let text = rope.entry.to_toml();
-            let again = Entry::parse(&text, "again").expect("own text parses");
+            let again = CatalogueEntry::parse(&text, "again").expect("own text parses");
             assert_eq!(again, rope.entry);
         }
     }

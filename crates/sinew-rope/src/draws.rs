@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sinew_model::rope::entry::Entry;
+use sinew_model::rope::entry::CatalogueEntry;
 use sinew_model::rope::{Law, Parameter};
 
 /// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
@@ -101,7 +101,7 @@ impl Draws {
 }
 
 /// One standard normal number per parameter, correlated where the entry says so.
-fn standard_errors(entry: &Entry, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn standard_errors(entry: &CatalogueEntry, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let all = Parameter::ALL;
     let mut z: Vec<f64> = all.iter().map(|_| StandardNormal.sample(rng)).collect();
     if let Some(correlation) = &entry.correlation {
@@ -164,7 +164,7 @@ mod tests {
         let text = rope.entry.to_toml()
             + "\n[correlation]\nparameters = [\"bedding_percent\", \"jamming\"]\n\
                matrix = [[1.0, -0.8], [-0.8, 1.0]]\n";
-        rope.entry = Entry::parse(&text, "test").expect("parses");
+        rope.entry = CatalogueEntry::parse(&text, "test").expect("parses");
         let draws = Draws::new(&rope, 4000, 3).expect("complete");
         let pairs: Vec<(f64, f64)> = draws
             .laws

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 use sinew_files::{Fault, Located};
-use sinew_model::rope::Load;
+use sinew_model::rope::RopeLoad;
 
 /// Largest duty file read, bytes.
 pub(super) const DUTY_BYTES_MAX: u64 = 64 << 20;
@@ -14,16 +14,16 @@ const STRETCHES_MAX: usize = 604_800;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// At its start.
-    pub from: Load,
+    pub from: RopeLoad,
     /// At its end.
-    pub to: Load,
+    pub to: RopeLoad,
     /// s, above 0.
     pub duration_s: f64,
 }
 
 impl Stretch {
     /// Constant tension and temperature.
-    pub fn hold(load: Load, duration_s: f64) -> Self {
+    pub fn hold(load: RopeLoad, duration_s: f64) -> Self {
         Self {
             from: load,
             to: load,
@@ -70,7 +70,7 @@ impl Duty {
         Self {
             about: format!("{tension_n} N at {temperature_c} °C"),
             stretches: vec![Stretch::hold(
-                Load::celsius(tension_n, temperature_c),
+                RopeLoad::celsius(tension_n, temperature_c),
                 CYCLE_S,
             )],
             repeat: true,
@@ -139,7 +139,7 @@ impl Duty {
         if mu_phi == 0.0 {
             return self.clone();
         }
-        let times = |load: Load, factor: f64| Load {
+        let times = |load: RopeLoad, factor: f64| RopeLoad {
             tension_n: load.tension_n * factor,
             ..load
         };

@@ -244,7 +244,7 @@ pub(crate) fn run_stretch(
 mod tests {
     use super::*;
     use crate::{Catalogue, Draws};
-    use sinew_model::rope::Load;
+    use sinew_model::rope::RopeLoad;
 
     fn law() -> Law {
         let catalogue = Catalogue::shipped().expect("shipped");
@@ -254,7 +254,7 @@ mod tests {
 
     /// A minute of work at two tensions, warm.
     fn minute() -> Duty {
-        let load = |n: f64| Load::celsius(n, 30.0);
+        let load = |n: f64| RopeLoad::celsius(n, 30.0);
         Duty {
             about: "minute".into(),
             stretches: vec![
@@ -323,7 +323,7 @@ mod tests {
         for s in &duty.stretches {
             run_stretch(&law, &mut expected, s, s.duration_s).expect("load");
         }
-        law.hold(&mut expected, Load::celsius(40.0, 30.0), 1e7 - 60.0)
+        law.hold(&mut expected, RopeLoad::celsius(40.0, 30.0), 1e7 - 60.0)
             .expect("load");
         assert!((end.bedding_percent - expected.bedding_percent).abs() < 1e-14);
     }

@@ -8,7 +8,7 @@ use super::{CatalogueError, CatalogueRope};
 use serde::Serialize;
 use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
-use sinew_model::rope::{Law, Load, LoadError, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Readings made where nothing else is asked for.
@@ -60,7 +60,7 @@ pub struct Request {
     /// Times to read at, s, rising.
     pub times_s: Vec<f64>,
     /// Load the readings refer to; `None` takes the duty's means.
-    pub read_at: Option<Load>,
+    pub read_at: Option<RopeLoad>,
     /// Draws for the intervals.
     pub draws: usize,
     /// Seed of the draws.
@@ -159,7 +159,7 @@ pub fn predict_watched(
 ) -> Result<Prediction, PredictError> {
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
-    let read_at = request.read_at.unwrap_or(Load::celsius(
+    let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
         summary.tension_mean_n,
         summary.temperature_mean_c,
     ));
@@ -226,7 +226,7 @@ pub(crate) fn growth_of_draws(
 ) -> Result<Vec<f64>, CatalogueError> {
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
-    let read_at = request.read_at.unwrap_or(Load::celsius(
+    let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
         summary.tension_mean_n,
         summary.temperature_mean_c,
     ));
@@ -316,7 +316,7 @@ mod tests {
         let law = Draws::new(rope, 0, 1).expect("complete").nominal;
         for reading in &found.readings {
             let mut s = State::default();
-            let load = Load::at_reference(60.0);
+            let load = RopeLoad::at_reference(60.0);
             law.hold(&mut s, load, reading.time_s).expect("load");
             let strain = law.strain(&s, load).expect("load");
             let i = reading.strain_percent;

@@ -13,7 +13,7 @@ pub use super::schedule::{LeftAlone, Schedule};
 use super::{CatalogueError, CatalogueRope};
 use serde::Serialize;
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
-use sinew_model::rope::{Law, Load, LoadError, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// Bedding-in tensions tried, as multiples of the working tension.
 const TENSIONS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0];
@@ -113,7 +113,7 @@ pub enum PretensionError {
 /// [`PretensionError`].
 pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionError> {
     let draws = Draws::new(rope, request.draws, request.seed)?;
-    let work = Load::celsius(request.tension_n, request.temperature_c);
+    let work = RopeLoad::celsius(request.tension_n, request.temperature_c);
     let refuse = |error| PretensionError::Load {
         rope: rope.entry.name.clone(),
         error,
@@ -124,7 +124,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
         let one = |law: &Law| {
             let mut state = State::default();
             if let Some((tension_n, duration_s)) = procedure {
-                let load = Load { tension_n, ..work };
+                let load = RopeLoad { tension_n, ..work };
                 law.hold(&mut state, load, duration_s)?;
             }
             still_to_come(law, state, work, request.horizon_s).map(|v| mm * v)
@@ -198,7 +198,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
 fn still_to_come(
     law: &Law,
     mut state: State,
-    load: Load,
+    load: RopeLoad,
     horizon_s: f64,
 ) -> Result<f64, LoadError> {
     law.hold(&mut state, load, TENSIONED_AFTER_S)?;

@@ -6,7 +6,7 @@ use super::predict::TENSIONED_AFTER_S;
 use super::pretension::{Procedure, Request};
 use serde::Serialize;
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
-use sinew_model::rope::{Law, Load, LoadError, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// First step at constant length, s, and how much longer each next one is: a tension that falls
 /// with the logarithm of time changes by a few per mille per step.
@@ -62,7 +62,7 @@ fn string_up(
     start_n: f64,
     retension: bool,
 ) -> Result<Strung, LoadError> {
-    let load = |tension_n: f64| Load::celsius(tension_n, request.temperature_c);
+    let load = |tension_n: f64| RopeLoad::celsius(tension_n, request.temperature_c);
     let settle = |state: &mut State| {
         law.hold(state, load(start_n), TENSIONED_AFTER_S)?;
         Ok(law.strain(state, load(start_n))?.total_percent())
@@ -106,7 +106,7 @@ fn tension_at(
     temperature_c: f64,
 ) -> Result<f64, LoadError> {
     let excess = |tension_n: f64| {
-        law.strain(state, Load::celsius(tension_n, temperature_c))
+        law.strain(state, RopeLoad::celsius(tension_n, temperature_c))
             .map(|s| s.total_percent() - length)
     };
     if excess(0.0)? >= 0.0 {
@@ -140,7 +140,7 @@ pub(super) fn schedule(
     let bedded = |law: &Law| {
         let mut state = State::default();
         if let Some(p) = procedure {
-            let load = Load::celsius(p.tension_n, request.temperature_c);
+            let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
             law.hold(&mut state, load, p.duration_s)?;
         }
         Ok::<State, LoadError>(state)
@@ -300,16 +300,16 @@ mod tests {
             .expect("load")
             .tension_n;
         let mut state = State::default();
-        law.hold(&mut state, Load::at_reference(60.0), TENSIONED_AFTER_S)
+        law.hold(&mut state, RopeLoad::at_reference(60.0), TENSIONED_AFTER_S)
             .expect("load");
         let length = law
-            .strain(&state, Load::at_reference(60.0))
+            .strain(&state, RopeLoad::at_reference(60.0))
             .expect("load")
             .total_percent();
         let (mut t, mut n) = (TENSIONED_AFTER_S, 60.0);
         while t < MONTH_S {
             let dt = f64::min(0.2 + 0.01 * (t - TENSIONED_AFTER_S), MONTH_S - t);
-            law.hold(&mut state, Load::at_reference(n), dt)
+            law.hold(&mut state, RopeLoad::at_reference(n), dt)
                 .expect("load");
             n = tension_at(&law, &state, length, n, 23.0).expect("load");
             t += dt;

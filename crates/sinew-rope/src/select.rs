@@ -4,7 +4,7 @@ use super::draws::{Draws, Interval};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
 use serde::Serialize;
-use sinew_model::rope::{Load, validity};
+use sinew_model::rope::{RopeLoad, validity};
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -282,7 +282,7 @@ fn judge(
 fn stiffness_n_per_mm(rope: &CatalogueRope, request: &predict::Request) -> Option<Interval> {
     let draws = Draws::new(rope, request.draws, request.seed).ok()?;
     let summary = request.duty.summary();
-    let load = Load::celsius(summary.tension_mean_n, summary.temperature_mean_c);
+    let load = RopeLoad::celsius(summary.tension_mean_n, summary.temperature_mean_c);
     let mm_per_percent = 10.0 * request.route.length_m;
     let (nominal, drawn) = draws.map(|law| {
         law.compliance_percent_per_n(load)

@@ -3,7 +3,7 @@
 use super::history::History;
 use super::predict::Request;
 use sinew_model::rope::routing::{self, RoutingError};
-use sinew_model::rope::{Law, Load, LoadError, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// Strand averages at one time: strain, irreversible strain, %.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,7 +22,7 @@ pub(super) enum StrandError {
 pub(super) fn strand(
     law: &Law,
     request: &Request,
-    read_at: Load,
+    read_at: RopeLoad,
     times_s: &[f64],
 ) -> Result<Vec<Mean>, StrandError> {
     let route = &request.route;

@@ -4,8 +4,8 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_model::rope::entry::Entry;
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::entry::CatalogueEntry;
+use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::bench::{Bench, simulate};
 use sinew_rope::{Catalogue, Draws, Duty};
 
@@ -111,15 +111,16 @@ fn duties() {
 #[test]
 fn ropes() {
     often(ROPE, 1500, |t| {
-        let Some(entry) = named(Entry::parse(t, "r.toml"), "r.toml") else {
+        let Some(entry) = named(CatalogueEntry::parse(t, "r.toml"), "r.toml") else {
             return false;
         };
-        let again = Entry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
+        let again =
+            CatalogueEntry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
         assert_eq!(again, entry);
         let Some(law) = entry.parameters().ok().and_then(|p| Law::new(p).ok()) else {
             return true;
         };
-        let load = Load::celsius(0.1 * law.parameters().breaking_load_n, 30.0);
+        let load = RopeLoad::celsius(0.1 * law.parameters().breaking_load_n, 30.0);
         let mut state = State::default();
         law.hold(&mut state, load, 1e7).expect("a tenth of it");
         let strain = law.strain(&state, load).expect("the same");

@@ -2,11 +2,11 @@
 
 use super::{COLD, SIGMA, base, options, records, seeds, truth};
 use sinew_creep::*;
-use sinew_model::rope::{Law as RopeLaw, Load, State};
+use sinew_model::rope::{Law as RopeLaw, RopeLoad, State};
 
 #[test]
 fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
-    use sinew_model::rope::entry::{Entry, Origin, Uncertainty};
+    use sinew_model::rope::entry::{CatalogueEntry, Origin, Uncertainty};
     use sinew_rope::predict::{Request, Route, predict};
     use sinew_rope::{CatalogueRope, Duty};
     let count = seeds(4);
@@ -29,7 +29,7 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
             };
             let entry = rope_entry(&found, &base, &from).unwrap();
             let text = entry.to_toml();
-            let read = Entry::parse(&text, "mine.toml").unwrap();
+            let read = CatalogueEntry::parse(&text, "mine.toml").unwrap();
             assert_eq!(read, entry, "{text}");
             for (parameter, value) in &read.law {
                 let fitted = found.parameter(parameter.name()).is_some();
@@ -60,7 +60,7 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
                     told.readings
                         .iter()
                         .map(|r| {
-                            let load = Load::celsius(tension, 23.0);
+                            let load = RopeLoad::celsius(tension, 23.0);
                             let mut s = State::default();
                             true_law.hold(&mut s, load, r.time_s).unwrap();
                             let value = true_law.strain(&s, load).unwrap().total_percent();

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
-use sinew_model::rope::{Law as RopeLaw, Load, Parameter as P, Parameters, State};
+use sinew_model::rope::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};
 use sinew_rope::Catalogue;
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ fn even_in_log(count: usize, last_s: f64) -> impl Iterator<Item = f64> {
 /// The law's own record, with noise; the zero is a mean of 20 readings.
 fn record(p: Parameters, test: Test, sigma: f64, random: &mut ChaCha8Rng) -> Curve {
     let law = RopeLaw::new(p).unwrap();
-    let load = |n: f64| Load::celsius(n, test.celsius);
+    let load = |n: f64| RopeLoad::celsius(n, test.celsius);
     let strain = |s: &State, n: f64| 0.01 * law.strain(s, load(n)).unwrap().total_percent();
     let mut start = State::default();
     law.hold(&mut start, load(PRELOAD_N), PRELOADED_S).unwrap();

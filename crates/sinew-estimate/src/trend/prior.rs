@@ -3,7 +3,7 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sinew_model::rope::routing::{Portion, Pulley, portions};
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Curve, Prior, generic_curves, node_times_s};
 use sinew_rope::history::History;
@@ -80,8 +80,8 @@ pub fn strand(tendon: &Tendon) -> Vec<Portion> {
 /// Between nodes delayed elasticity, flow and retraction see the mean tension, bedding-in and flow the
 /// peaks for their share of the time.
 pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) -> Option<Vec<f64>> {
-    let mean = Load::celsius(pretension_n * work.mean_factor, work.temperature_c);
-    let peak = Load::celsius(pretension_n * work.peak_factor, work.temperature_c);
+    let mean = RopeLoad::celsius(pretension_n * work.mean_factor, work.temperature_c);
+    let peak = RopeLoad::celsius(pretension_n * work.peak_factor, work.temperature_c);
     through(law, tendon, pretension_n, |law, state, from_s, to_s| {
         let dt = to_s - from_s;
         let mut pulled = *state;
@@ -96,7 +96,7 @@ pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) ->
 
 /// The same under a duty that is known.
 pub fn duty_curve(law: &Law, tendon: &Tendon, pretension_n: f64, duty: &Duty) -> Option<Vec<f64>> {
-    let read = Load::at_reference(pretension_n);
+    let read = RopeLoad::at_reference(pretension_n);
     let mut out = vec![0.0; node_times_s().len()];
     for portion in strand(tendon) {
         let law = law.passed_by(portion.guides as f64);
@@ -117,7 +117,7 @@ fn through(
     pretension_n: f64,
     step: impl Fn(&Law, &mut State, f64, f64) -> Option<()>,
 ) -> Option<Vec<f64>> {
-    let read = Load::at_reference(pretension_n);
+    let read = RopeLoad::at_reference(pretension_n);
     let times = node_times_s();
     let mut out = vec![0.0; times.len()];
     for portion in strand(tendon) {

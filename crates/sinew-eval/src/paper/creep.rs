@@ -3,7 +3,7 @@
 use super::judge::{assumptions, curve, judged, laws, slope};
 use super::{PanelData, PaperError, PaperFigure};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::Catalogue;
 use sinew_rope::draws::Interval;
 use sinew_rope::parallel::in_parallel;
@@ -47,7 +47,7 @@ pub(super) fn minutes() -> Vec<f64> {
 }
 
 /// Strain at every minute of a test, %. The first reading is right after loading.
-fn strain(law: &Law, load: Load) -> Result<Vec<f64>, PaperError> {
+fn strain(law: &Law, load: RopeLoad) -> Result<Vec<f64>, PaperError> {
     let mut state = State::default();
     let rates = law.rates(load)?;
     let mut out = Vec::with_capacity(MINUTES + 1);
@@ -67,7 +67,7 @@ pub(super) fn test(
     name: &str,
     temperature_c: f64,
 ) -> Result<Test, PaperError> {
-    let load = Load::celsius(LOAD_N, temperature_c);
+    let load = RopeLoad::celsius(LOAD_N, temperature_c);
     let laws = laws(catalogue, name)?;
     let curves = in_parallel(&laws, |law| strain(law, load))
         .into_iter()

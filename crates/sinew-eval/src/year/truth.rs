@@ -4,7 +4,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sinew_estimate::trend::prior::{Work, strand};
-use sinew_model::rope::{Law, Load, State};
+use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
 use sinew_rope::{CatalogueError, CatalogueRope, Draws};
 
@@ -94,7 +94,7 @@ fn live(
         let peak = work.peak_factor * (1.0 + 0.05 * b).max(0.7);
         days.push((peak_s.min(4.0 * HOUR_S), peak));
     }
-    let read = Load::at_reference(pretension_n);
+    let read = RopeLoad::at_reference(pretension_n);
     let mut out = vec![0.0; temperature_c.len()];
     for portion in strand(tendon) {
         let law = law.passed_by(portion.guides as f64);
@@ -103,14 +103,15 @@ fn live(
         // Tensioned, and an hour until the baseline.
         law.hold(
             &mut state,
-            Load::celsius(pretension_n, temperature_c[0]),
+            RopeLoad::celsius(pretension_n, temperature_c[0]),
             HOUR_S,
         )
         .ok()?;
         for (day, (&celsius, &(peak_s, peak))) in temperature_c.iter().zip(&days).enumerate() {
             out[day] += per_percent * law.strain(&state, read).ok()?.total_percent();
-            let load =
-                |factor: f64| Load::celsius(pretension_n * factor, celsius + work.temperature_c);
+            let load = |factor: f64| {
+                RopeLoad::celsius(pretension_n * factor, celsius + work.temperature_c)
+            };
             law.hold(&mut state, load(working), 8.0 * HOUR_S - peak_s)
                 .ok()?;
             law.hold(&mut state, load(peak.max(working)), peak_s).ok()?;

@@ -1,6 +1,6 @@
 //! Bodies in, re-based arm out.
 
-use super::{Arm, GRAVITY_M_S2, Joint, JointKind, LinkFrame};
+use super::{Arm, ArmJoint, GRAVITY_M_S2, JointKind, LinkFrame};
 use crate::vec3::{
     IDENTITY, Mat3, Vec3, add, add_scaled, mul, norm, point_inertia, rotate, rotate_back,
     rotation_with_z, scale, sub, transpose,
@@ -266,7 +266,7 @@ impl ArmBuilder {
         }
         // joint_from_rebased, one per joint
         let mut rebase: Vec<Mat3> = Vec::with_capacity(self.specs.len());
-        let mut joints: Vec<Joint> = Vec::with_capacity(self.specs.len());
+        let mut joints: Vec<ArmJoint> = Vec::with_capacity(self.specs.len());
         let mut names: Vec<String> = Vec::with_capacity(self.specs.len());
         for (i, spec) in self.specs.iter().enumerate() {
             check_spec(spec)?;
@@ -287,7 +287,7 @@ impl ArmBuilder {
                 translation: [0.0; 3],
             });
             let (first_moment, inertia) = body.at_origin();
-            joints.push(Joint {
+            joints.push(ArmJoint {
                 kind: spec.kind,
                 parent_slot: spec.parent.map_or(0, |p| p + 1),
                 rotation: mul(

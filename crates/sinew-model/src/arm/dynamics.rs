@@ -1,10 +1,10 @@
 //! Inverse and forward dynamics.
 
 use super::mass_matrix::wrench_in_parent;
-use super::{Arm, ArmWorkspace, BodyState, Joint, JointKind};
+use super::{Arm, ArmJoint, ArmWorkspace, BodyState, JointKind};
 use crate::StepError;
 use crate::cholesky;
-use crate::vec3::{Vec3, add, cross, rotate, rotate_back, scale, sub};
+use crate::vec3::{Vec3, add, cross, rotate, rotate_back, scale};
 
 impl Arm {
     /// Generalised force for a motion: `tau = M(q) ddq + C(q, dq) dq + g(q)`.
@@ -105,11 +105,8 @@ impl Arm {
 
     /// Newton–Euler recursion over placed bodies to `ws.tau`. Lengths are checked by the caller.
     fn newton_euler(&self, ws: &mut ArmWorkspace, dq: &[f64], ddq: Option<&[f64]>) {
-        // In `state`: `gamma` holds the linear acceleration of the origin with gravity in it,
-        // `first_moment` the angular acceleration; `moment` and `force` the wrench.
         if let Some(base) = ws.state.first_mut() {
-            base.gamma = scale(self.gravity, -1.0);
-            base.first_moment = [0.0; 3];
+            base.acceleration = scale(self.gravity, -1.0);
         }
         for (i, (joint, rate)) in self.joints.iter().zip(dq).enumerate() {
             let acc = ddq.and_then(|a| a.get(i)).copied().unwrap_or(0.0);
@@ -140,13 +137,10 @@ impl Arm {
             parent.moment = add(parent.moment, moment);
             parent.force = add(parent.force, force);
         }
-        // The base slot serves the momentum pass too, which counts on it being at rest.
+        // What reached the base is nobody's: the next pass begins with none.
         if let Some(base) = ws.state.first_mut() {
-            base.gamma = self.gravity;
-            base.first_moment = [0.0; 3];
             base.moment = [0.0; 3];
             base.force = [0.0; 3];
-            debug_assert_eq!(sub(base.omega, [0.0; 3]), [0.0; 3]);
         }
     }
 }
@@ -154,31 +148,34 @@ impl Arm {
 impl BodyState {
     /// Motion of a body from its parent's, and the wrench that needs.
     #[inline(always)]
-    fn accelerate(&mut self, joint: &Joint, parent: &Self, rate: f64, acc: f64) {
-        let (wp, dwp, r) = (parent.omega, parent.first_moment, self.origin);
+    fn accelerate(&mut self, joint: &ArmJoint, parent: &Self, rate: f64, acc: f64) {
+        let (wp, dwp, r) = (parent.omega, parent.angular_acceleration, self.origin);
         let rotation = self.rotation;
         let down = |x: Vec3| rotate_back(&rotation, x);
-        let a_origin = add(parent.gamma, add(cross(dwp, r), cross(wp, cross(wp, r))));
+        let a_origin = add(
+            parent.acceleration,
+            add(cross(dwp, r), cross(wp, cross(wp, r))),
+        );
         let w = down(wp);
         self.omega = w;
-        self.first_moment = down(dwp);
-        self.gamma = down(a_origin);
+        self.angular_acceleration = down(dwp);
+        self.acceleration = down(a_origin);
         match joint.kind {
             JointKind::Revolute => {
                 self.omega[2] += rate;
                 // d/dt of (w + rate ẑ) seen from the turning body
-                self.first_moment[0] += w[1] * rate;
-                self.first_moment[1] -= w[0] * rate;
-                self.first_moment[2] += acc;
+                self.angular_acceleration[0] += w[1] * rate;
+                self.angular_acceleration[1] -= w[0] * rate;
+                self.angular_acceleration[2] += acc;
             }
             JointKind::Prismatic => {
                 // Coriolis 2 ω × ẑ rate, and the acceleration along z
-                self.gamma[0] += 2.0 * w[1] * rate;
-                self.gamma[1] -= 2.0 * w[0] * rate;
-                self.gamma[2] += acc;
+                self.acceleration[0] += 2.0 * w[1] * rate;
+                self.acceleration[1] -= 2.0 * w[0] * rate;
+                self.acceleration[2] += acc;
             }
         }
-        let (w, dw, a) = (self.omega, self.first_moment, self.gamma);
+        let (w, dw, a) = (self.omega, self.angular_acceleration, self.acceleration);
         let (m, h) = (joint.mass, joint.first_moment);
         let spin = rotate(&joint.inertia, w);
         self.force = add(scale(a, m), add(cross(dw, h), cross(w, cross(w, h))));

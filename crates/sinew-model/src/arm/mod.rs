@@ -43,7 +43,7 @@ pub enum JointKind {
 
 /// A joint and the body it carries, in re-based frames.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Joint {
+pub(crate) struct ArmJoint {
     pub(crate) kind: JointKind,
     /// Slot of the parent in a workspace: 0 is the base, `i + 1` is joint `i`.
     pub(crate) parent_slot: usize,
@@ -61,7 +61,7 @@ pub(crate) struct Joint {
     pub(crate) subtree_mass: f64,
 }
 
-impl Joint {
+impl ArmJoint {
     /// `parent_from_body` at `q`: the fixed rotation and the joint's own in one matrix, so that the
     /// chain of joints waits for one product per joint, not two; and the origin.
     #[inline(always)]
@@ -96,7 +96,7 @@ pub(crate) struct LinkFrame {
 /// A fixed-base arm of `n` joints. Immutable; see [`ArmBuilder`] and the module `urdf`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    pub(crate) joints: Vec<Joint>,
+    pub(crate) joints: Vec<ArmJoint>,
     pub(crate) names: Vec<String>,
     pub(crate) links: Vec<LinkFrame>,
     /// Gravitational acceleration in the base frame, m/s².
@@ -116,12 +116,14 @@ pub(crate) struct BodyState {
     pub(crate) v: Vec3,
     /// Gravity, body frame.
     pub(crate) gamma: Vec3,
-    /// Angular momentum (or moment) of the subtree about the body's origin.
+    /// Angular acceleration, body frame.
+    pub(crate) angular_acceleration: Vec3,
+    /// Acceleration of the body's origin less gravity, body frame.
+    pub(crate) acceleration: Vec3,
+    /// Moment that acts on the subtree about the body's origin.
     pub(crate) moment: Vec3,
-    /// Linear momentum (or force) of the subtree.
+    /// Force that acts on the subtree.
     pub(crate) force: Vec3,
-    /// First mass moment of the subtree.
-    pub(crate) first_moment: Vec3,
 }
 
 /// Composite inertia of a subtree at its joint origin.

@@ -1,6 +1,6 @@
 //! The O(n) momentum pass.
 
-use super::{Arm, ArmWorkspace, Joint, JointKind};
+use super::{Arm, ArmJoint, ArmWorkspace, JointKind};
 use crate::StepError;
 use crate::vec3::{Mat3, Vec3, add, cross, rotate, rotate_back};
 
@@ -101,7 +101,7 @@ impl Arm {
             };
             let motion = parent.motion().carried_on(&body.frame());
             body.set_motion(&motion);
-            body.set_load(&Load::of(joint, &motion));
+            body.set_carried(&SubtreeMomentum::of(joint, &motion));
         }
     }
 
@@ -124,10 +124,10 @@ impl Arm {
             else {
                 return;
             };
-            let load = body.load();
-            (*p, *ct_dq, *g) = project(joint, &body.motion(), &load);
+            let carried = body.carried();
+            (*p, *ct_dq, *g) = project(joint, &body.motion(), &carried);
             if joint.parent_slot != 0 {
-                parent.add(&load.seen_from_parent(joint, &body.frame()));
+                parent.add(&carried.seen_from_parent(joint, &body.frame()));
             }
         }
     }
@@ -148,7 +148,7 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(joint: &Joint, q: f64, dq: f64) -> Self {
+    fn new(joint: &ArmJoint, q: f64, dq: f64) -> Self {
         let (rotation, translation) = joint.placed(q);
         let (spin, slide) = match joint.kind {
             JointKind::Revolute => (dq, 0.0),
@@ -198,7 +198,7 @@ impl Motion {
 
 /// What a body hands to the one that carries it, about the origin it is seen from.
 #[derive(Clone, Copy, Default)]
-struct Load {
+struct SubtreeMomentum {
     /// Linear momentum.
     force: Vec3,
     /// Angular momentum.
@@ -207,10 +207,10 @@ struct Load {
     first: Vec3,
 }
 
-impl Load {
+impl SubtreeMomentum {
     /// Of one body alone: `H = [I ω + h × v; m v + ω × h]`.
     #[inline(always)]
-    fn of(joint: &Joint, motion: &Motion) -> Self {
+    fn of(joint: &ArmJoint, motion: &Motion) -> Self {
         let (w, v) = (motion.omega, motion.v);
         let (m, h, i) = (joint.mass, joint.first_moment, &joint.inertia);
         Self {
@@ -228,9 +228,9 @@ impl Load {
         }
     }
 
-    /// The load of a joint's subtree about its parent's origin, in its parent's axes.
+    /// The momentum of a joint's subtree about its parent's origin, in its parent's axes.
     #[inline(always)]
-    fn seen_from_parent(&self, joint: &Joint, frame: &Frame) -> Self {
+    fn seen_from_parent(&self, joint: &ArmJoint, frame: &Frame) -> Self {
         let (e, r, m) = (&frame.rotation, frame.translation, joint.subtree_mass);
         let force = rotate(e, self.force);
         let moment = rotate(e, self.moment);
@@ -247,7 +247,7 @@ impl Load {
     }
 }
 
-/// Frame, motion and load of one body, kept between the sweeps.
+/// Frame, motion and subtree momentum of one body, kept between the sweeps.
 ///
 /// The layout is what makes the pass fast on x86-64, and looks odd on purpose: no two results of the
 /// same sweep are neighbours in memory. Where they are, the compiler packs them two by two into
@@ -331,27 +331,27 @@ impl Moving {
     }
 
     #[inline(always)]
-    fn set_load(&mut self, load: &Load) {
+    fn set_carried(&mut self, carried: &SubtreeMomentum) {
         for (k, slot) in self.0.iter_mut().enumerate() {
-            slot.force = load.force[k];
-            slot.moment = load.moment[k];
-            slot.first = load.first[k];
+            slot.force = carried.force[k];
+            slot.moment = carried.moment[k];
+            slot.first = carried.first[k];
         }
     }
 
     #[inline(always)]
-    fn add(&mut self, load: &Load) {
+    fn add(&mut self, carried: &SubtreeMomentum) {
         for (k, slot) in self.0.iter_mut().enumerate() {
-            slot.force += load.force[k];
-            slot.moment += load.moment[k];
-            slot.first += load.first[k];
+            slot.force += carried.force[k];
+            slot.moment += carried.moment[k];
+            slot.first += carried.first[k];
         }
     }
 
     #[inline(always)]
-    fn load(&self) -> Load {
+    fn carried(&self) -> SubtreeMomentum {
         let [x, y, z] = &self.0;
-        Load {
+        SubtreeMomentum {
             force: [x.force, y.force, z.force],
             moment: [x.moment, y.moment, z.moment],
             first: [x.first, y.first, z.first],
@@ -359,11 +359,11 @@ impl Moving {
     }
 }
 
-/// `(p, Cᵀdq, g)` of one joint from the motion of its body and the load of its subtree.
+/// `(p, Cᵀdq, g)` of one joint from the motion of its body and the momentum of its subtree.
 #[inline(always)]
-fn project(joint: &Joint, motion: &Motion, load: &Load) -> (f64, f64, f64) {
+fn project(joint: &ArmJoint, motion: &Motion, carried: &SubtreeMomentum) -> (f64, f64, f64) {
     let (w, v, gamma) = (motion.omega, motion.v, motion.gamma);
-    let (f, n, s) = (load.force, load.moment, load.first);
+    let (f, n, s) = (carried.force, carried.moment, carried.first);
     match joint.kind {
         JointKind::Revolute => (
             n[2],

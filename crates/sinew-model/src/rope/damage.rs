@@ -28,7 +28,7 @@ impl Law {
         pulley_m: f64,
         rope_m: f64,
     ) -> Result<f64, LoadError> {
-        self.check(super::Load::at_reference(tension_n))?;
+        self.check(super::RopeLoad::at_reference(tension_n))?;
         let ratio = pulley_m / rope_m;
         if !(ratio > 0.0 && ratio.is_finite() && rope_m > 0.0) {
             return Err(LoadError::Bend);

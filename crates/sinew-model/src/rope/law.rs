@@ -17,14 +17,14 @@ const DURATION_MAX_S: f64 = 1e10;
 
 /// Tension and temperature of one stretch of rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Load {
+pub struct RopeLoad {
     /// Tension, N, at least 0.
     pub tension_n: f64,
     /// Temperature, K.
     pub temperature_k: f64,
 }
 
-impl Load {
+impl RopeLoad {
     /// A tension at a temperature in °C.
     #[must_use]
     pub fn celsius(tension_n: f64, temperature_c: f64) -> Self {
@@ -161,7 +161,12 @@ impl Law {
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
-    pub fn hold(&self, state: &mut State, load: Load, duration_s: f64) -> Result<(), LoadError> {
+    pub fn hold(
+        &self,
+        state: &mut State,
+        load: RopeLoad,
+        duration_s: f64,
+    ) -> Result<(), LoadError> {
         self.check(load)?;
         check_duration(duration_s)?;
         if !state.is_possible() {
@@ -179,7 +184,7 @@ impl Law {
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
-    pub fn rates(&self, load: Load) -> Result<Rates, LoadError> {
+    pub fn rates(&self, load: RopeLoad) -> Result<Rates, LoadError> {
         self.check(load)?;
         Ok(self.rates_at(self.load_ratio(load.tension_n), load.temperature_k))
     }
@@ -242,7 +247,7 @@ impl Law {
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
-    pub fn strain(&self, state: &State, load: Load) -> Result<Strain, LoadError> {
+    pub fn strain(&self, state: &State, load: RopeLoad) -> Result<Strain, LoadError> {
         self.check(load)?;
         let lambda = self.load_ratio(load.tension_n);
         Ok(Strain {
@@ -260,15 +265,15 @@ impl Law {
     ///
     /// # Errors
     /// [`LoadError`].
-    pub fn compliance_percent_per_n(&self, load: Load) -> Result<f64, LoadError> {
+    pub fn compliance_percent_per_n(&self, load: RopeLoad) -> Result<f64, LoadError> {
         self.check(load)?;
         let lambda = self.load_ratio(load.tension_n);
         let toe = self.p.toe_percent / self.p.toe_load_ratio * exp(-lambda / self.p.toe_load_ratio);
         Ok((100.0 / self.p.elastic_k + toe) / self.p.breaking_load_n)
     }
 
-    pub(super) fn check(&self, load: Load) -> Result<(), LoadError> {
-        let Load {
+    pub(super) fn check(&self, load: RopeLoad) -> Result<(), LoadError> {
+        let RopeLoad {
             tension_n,
             temperature_k,
         } = load;

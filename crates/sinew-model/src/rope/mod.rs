@@ -54,7 +54,7 @@ mod state;
 pub mod validity;
 
 pub use error::{LoadError, ParameterError};
-pub use law::{Law, Load, Rates};
+pub use law::{Law, Rates, RopeLoad};
 pub use parameters::{Parameter, Parameters, Polymer};
 pub use ramp::RAMP_TOLERANCE_PERCENT;
 pub use state::{DELAY_TIMES_S, State, Strain};

@@ -2,7 +2,7 @@
 
 use super::factors::{Heat, closed, delayed_fractions};
 use super::law::{RETRACTION_FULL_K, RETRACTION_START_K, check_duration};
-use super::{DELAY_TIMES_S, Law, Load, LoadError, State};
+use super::{DELAY_TIMES_S, Law, LoadError, RopeLoad, State};
 
 /// Error a ramp is allowed in any part of the strain, %: a thousandth of what the law is held to
 /// against a reference integrator.
@@ -42,8 +42,8 @@ impl Law {
     pub fn ramp(
         &self,
         state: &mut State,
-        from: Load,
-        to: Load,
+        from: RopeLoad,
+        to: RopeLoad,
         duration_s: f64,
     ) -> Result<(), LoadError> {
         self.check(from)?;

@@ -1,6 +1,6 @@
 //! Where the law was never checked.
 
-use super::{CELSIUS_ZERO_K, Law, Load, Polymer};
+use super::{CELSIUS_ZERO_K, Law, Polymer, RopeLoad};
 use core::fmt;
 
 /// Below this share of the breaking load the braid is slack and its geometry decides.
@@ -75,7 +75,7 @@ impl fmt::Display for Outside {
 impl Law {
     /// Which limits a load lies outside of; the law still answers, with this as a warning.
     #[must_use]
-    pub fn outside(&self, load: Load) -> Outside {
+    pub fn outside(&self, load: RopeLoad) -> Outside {
         let lambda = self.load_ratio(load.tension_n);
         Outside {
             low_load: lambda > 0.0 && lambda < LOAD_RATIO_LOW,

@@ -6,7 +6,7 @@ mod values;
 
 use proptest::prelude::*;
 use rope_reference::{Piece, aramid, distance, integrate, sk99};
-use sinew_model::rope::{Law, Load, Parameters, State, bedding};
+use sinew_model::rope::{Law, Parameters, RopeLoad, State, bedding};
 
 /// What is asked of the law against the reference, % strain.
 const AGAINST_REFERENCE_PERCENT: f64 = 1e-6;
@@ -25,13 +25,13 @@ fn law(parameters: Parameters) -> Law {
     Law::new(parameters).expect("parameters of a rope")
 }
 
-fn a_load(ratio_max: f64) -> impl Strategy<Value = Load> {
+fn a_load(ratio_max: f64) -> impl Strategy<Value = RopeLoad> {
     // A quarter of the loads is slack: unloading is where laws go wrong.
     (
         prop_oneof![1 => Just(0.0), 3 => 0.0..ratio_max],
         -20.0..80.0f64,
     )
-        .prop_map(|(ratio, celsius)| Load::celsius(ratio * 4450.0, celsius))
+        .prop_map(|(ratio, celsius)| RopeLoad::celsius(ratio * 4450.0, celsius))
 }
 
 fn a_duration() -> impl Strategy<Value = f64> {
@@ -119,7 +119,7 @@ proptest! {
         let mut cut = whole;
         law.ramp(&mut whole, from, to, duration_s).expect("load");
         let mix = |a: f64, b: f64| a + (b - a) * at;
-        let middle = Load {
+        let middle = RopeLoad {
             tension_n: mix(from.tension_n, to.tension_n),
             temperature_k: mix(from.temperature_k, to.temperature_k),
         };
@@ -154,7 +154,7 @@ proptest! {
         }
         state.retraction_percent = 0.0;
         let floor = state.irreversible_percent();
-        let slack = Load::at_reference(0.0);
+        let slack = RopeLoad::at_reference(0.0);
         let mut last = f64::INFINITY;
         for _ in 0..40 {
             law.hold(&mut state, slack, 5e4).expect("load");
@@ -173,7 +173,7 @@ proptest! {
     fn more_tension_more_strain(a in 0.0..0.6f64, b in 0.0..0.6f64, t in a_duration()) {
         let law = law(sk99());
         let strain = |ratio: f64| {
-            let load = Load::at_reference(ratio * 4450.0);
+            let load = RopeLoad::at_reference(ratio * 4450.0);
             let mut s = State::default();
             law.hold(&mut s, load, t).expect("load");
             law.strain(&s, load).expect("load").total_percent()

@@ -2,7 +2,7 @@
 
 use super::law;
 use super::rope_reference::{aramid, sk99};
-use sinew_model::rope::{Law, Load, LoadError, Parameter, State, bedding};
+use sinew_model::rope::{Law, LoadError, Parameter, RopeLoad, State, bedding};
 
 #[test]
 fn entire_exponential_integral_has_its_known_values() {
@@ -28,7 +28,7 @@ fn without_jamming_bedding_in_is_an_exponential() {
     let mut p = sk99();
     p.jamming = 0.0;
     let law = law(p);
-    let load = Load::at_reference(60.0);
+    let load = RopeLoad::at_reference(60.0);
     let mut state = State::default();
     law.hold(&mut state, load, 500.0).expect("load");
     let target = 0.42 * (1.0 - (-60.0 / 4450.0 / 0.020f64).exp());
@@ -40,7 +40,7 @@ fn without_jamming_bedding_in_is_an_exponential() {
 fn delayed_elasticity_is_five_exponentials() {
     let law = law(sk99());
     let mut state = State::default();
-    law.hold(&mut state, Load::at_reference(445.0), 5000.0)
+    law.hold(&mut state, RopeLoad::at_reference(445.0), 5000.0)
         .expect("load");
     for (v, tau) in state
         .delayed_percent
@@ -56,9 +56,13 @@ fn delayed_elasticity_is_five_exponentials() {
 fn thermal_expansion_alone() {
     let law = law(sk99());
     let state = State::default();
-    let strain = law.strain(&state, Load::celsius(0.0, -27.0)).expect("load");
+    let strain = law
+        .strain(&state, RopeLoad::celsius(0.0, -27.0))
+        .expect("load");
     assert!((strain.total_percent() - 100.0 * 12e-6 * 50.0).abs() < 1e-15);
-    let strain = law.strain(&state, Load::at_reference(0.0)).expect("load");
+    let strain = law
+        .strain(&state, RopeLoad::at_reference(0.0))
+        .expect("load");
     assert_eq!(strain.total_percent(), 0.0);
 }
 
@@ -67,7 +71,7 @@ fn heat_retraction_starts_at_35_degrees_and_is_full_at_60() {
     let law = law(sk99());
     let settled = |celsius: f64, tension_n: f64| {
         let mut s = State::default();
-        law.hold(&mut s, Load::celsius(tension_n, celsius), 1e5)
+        law.hold(&mut s, RopeLoad::celsius(tension_n, celsius), 1e5)
             .expect("load");
         s.retraction_percent
     };
@@ -82,14 +86,14 @@ fn heat_retraction_starts_at_35_degrees_and_is_full_at_60() {
 #[test]
 fn fibre_flow_is_eyrings() {
     let law = law(sk99());
-    let rates = law.rates(Load::celsius(1335.0, 43.0)).expect("load");
+    let rates = law.rates(RopeLoad::celsius(1335.0, 43.0)).expect("load");
     let speed = (145e3 / 8.31446261815324 * (1.0 / 296.15 - 1.0 / 316.15f64)).exp();
     let expected = 100.0 * 1e-13 * speed * (0.3 * 2990.0 / 92.0f64).sinh();
     assert!((rates.flow_percent_per_s / expected - 1.0).abs() < 1e-13);
     // At the load of a creep test the fibre itself stands still: SCIENCE gives less than 1e-6 %
     // within 85 min.
     let mut state = State::default();
-    law.hold(&mut state, Load::at_reference(60.0), 5100.0)
+    law.hold(&mut state, RopeLoad::at_reference(60.0), 5100.0)
         .expect("load");
     assert!(state.flow_percent < 1e-6 && state.flow_percent > 0.0);
 }
@@ -107,28 +111,28 @@ fn guiding_pulleys_widen_the_bedding_in() {
 fn nonsense_is_refused_and_the_state_stays() {
     let law = law(sk99());
     let mut state = State::default();
-    law.hold(&mut state, Load::at_reference(200.0), 1e4)
+    law.hold(&mut state, RopeLoad::at_reference(200.0), 1e4)
         .expect("load");
     let before = state;
-    let good = Load::at_reference(100.0);
-    let cases: [(Load, f64, LoadError); 7] = [
+    let good = RopeLoad::at_reference(100.0);
+    let cases: [(RopeLoad, f64, LoadError); 7] = [
         (
-            Load::at_reference(f64::NAN),
+            RopeLoad::at_reference(f64::NAN),
             1.0,
             LoadError::TensionNotFinite,
         ),
         (
-            Load::at_reference(f64::INFINITY),
+            RopeLoad::at_reference(f64::INFINITY),
             1.0,
             LoadError::TensionNotFinite,
         ),
         (
-            Load::at_reference(-1.0),
+            RopeLoad::at_reference(-1.0),
             1.0,
             LoadError::NegativeTension { tension_n: -1.0 },
         ),
         (
-            Load::at_reference(4451.0),
+            RopeLoad::at_reference(4451.0),
             1.0,
             LoadError::Broken {
                 tension_n: 4451.0,
@@ -136,7 +140,7 @@ fn nonsense_is_refused_and_the_state_stays() {
             },
         ),
         (
-            Load {
+            RopeLoad {
                 tension_n: 1.0,
                 temperature_k: 20.0,
             },
@@ -157,7 +161,7 @@ fn nonsense_is_refused_and_the_state_stays() {
         law.hold(&mut state, good, f64::NAN),
         Err(LoadError::Duration { .. })
     ));
-    let hot = Load {
+    let hot = RopeLoad {
         tension_n: 1.0,
         temperature_k: f64::NAN,
     };
@@ -198,14 +202,14 @@ fn every_parameter_out_of_range_is_refused_by_name() {
 #[test]
 fn limits_of_validity_are_said() {
     let law = law(sk99());
-    assert!(law.outside(Load::at_reference(60.0)).is_inside());
-    assert!(law.outside(Load::at_reference(0.0)).is_inside());
-    assert!(law.outside(Load::at_reference(44.0)).low_load);
-    assert!(law.outside(Load::at_reference(1781.0)).high_load);
-    assert!(law.outside(Load::celsius(60.0, 66.0)).hot);
+    assert!(law.outside(RopeLoad::at_reference(60.0)).is_inside());
+    assert!(law.outside(RopeLoad::at_reference(0.0)).is_inside());
+    assert!(law.outside(RopeLoad::at_reference(44.0)).low_load);
+    assert!(law.outside(RopeLoad::at_reference(1781.0)).high_load);
+    assert!(law.outside(RopeLoad::celsius(60.0, 66.0)).hot);
     let cord = Law::new(aramid()).expect("parameters of a rope");
-    assert!(cord.outside(Load::celsius(60.0, 90.0)).is_inside());
-    let both = law.outside(Load::celsius(44.0, 70.0));
+    assert!(cord.outside(RopeLoad::celsius(60.0, 90.0)).is_inside());
+    let both = law.outside(RopeLoad::celsius(44.0, 70.0));
     assert_eq!(both.sentences().count(), 2);
 }
 

@@ -3,7 +3,7 @@
 
 #![allow(dead_code)] // each test file uses its part
 
-use sinew_model::rope::{DELAY_TIMES_S, Load, Parameters, Polymer, State};
+use sinew_model::rope::{DELAY_TIMES_S, Parameters, Polymer, RopeLoad, State};
 
 /// Liros DC000-0301 at its starting values.
 pub(crate) fn sk99() -> Parameters {
@@ -63,7 +63,7 @@ pub(crate) fn aramid() -> Parameters {
 type Y = [f64; 8];
 
 /// `dy/dt` for b, v₁…v₅, f, s, straight from the equations.
-fn rate(p: &Parameters, guides: f64, load: Load, y: &Y) -> Y {
+fn rate(p: &Parameters, guides: f64, load: RopeLoad, y: &Y) -> Y {
     const R: f64 = 8.31446261815324;
     const T_REF: f64 = 296.15;
     let lambda = load.tension_n / p.breaking_load_n;
@@ -97,16 +97,16 @@ fn rate(p: &Parameters, guides: f64, load: Load, y: &Y) -> Y {
 /// One stretch of a programme: from a load to a load within a duration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
-    pub(crate) from: Load,
-    pub(crate) to: Load,
+    pub(crate) from: RopeLoad,
+    pub(crate) to: RopeLoad,
     pub(crate) duration_s: f64,
 }
 
 impl Piece {
-    fn at(&self, t: f64) -> Load {
+    fn at(&self, t: f64) -> RopeLoad {
         let x = t / self.duration_s;
         let mix = |a: f64, b: f64| a + (b - a) * x;
-        Load {
+        RopeLoad {
             tension_n: mix(self.from.tension_n, self.to.tension_n),
             temperature_k: mix(self.from.temperature_k, self.to.temperature_k),
         }

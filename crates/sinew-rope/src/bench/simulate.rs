@@ -10,7 +10,7 @@ use crate::duty::{Duty, Stretch};
 use crate::history::History;
 use serde::Serialize;
 use sinew_model::rope::routing::{self, Portion};
-use sinew_model::rope::{Law, Load, LoadError, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// Steps a half period is cut into: tension along a portion changes as it crosses a pulley. Eight times
 /// as many move the paper's B, C and D by at most 1.2e-4 % strain, of the 1e-2 % between them.
@@ -86,7 +86,7 @@ fn simulate_in(
             let mut at = 0;
             for (i, phase) in bench.phases.iter().enumerate() {
                 let duty = duty(&law, bench, which, &portion, i, steps);
-                let read_at = Load::celsius(0.5 * phase.force_n, phase.temperature_c);
+                let read_at = RopeLoad::celsius(0.5 * phase.force_n, phase.temperature_c);
                 let mut history = History::new(&law, &duty, state);
                 while let Some((_, t, _)) = times.get(at).filter(|(j, ..)| *j == i) {
                     let now = history.at(*t)?;
@@ -119,7 +119,7 @@ fn duty(
 ) -> Duty {
     let phase = &bench.phases[phase];
     let strand = &bench.strands[which];
-    let load = |tension_n: f64| Load::celsius(tension_n, phase.temperature_c);
+    let load = |tension_n: f64| RopeLoad::celsius(tension_n, phase.temperature_c);
     let duty = |stretches| Duty {
         about: String::new(),
         stretches,
@@ -168,7 +168,7 @@ mod tests {
         let law = law();
         let bench = paper("A").expect("a case");
         let found = simulate(&law, &bench, 600.0).expect("load");
-        let load = Load::at_reference(100.0);
+        let load = RopeLoad::at_reference(100.0);
         for (t, e) in found.time_s.iter().zip(&found.strain_percent) {
             let mut state = State::default();
             law.hold(&mut state, load, *t).expect("load");

@@ -30,6 +30,7 @@
 mod parse;
 
 use super::{Parameter, Parameters, Polymer};
+use crate::gaussian::QUANTILE_975;
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
@@ -89,7 +90,7 @@ pub struct Value {
     pub uncertainty: Uncertainty,
     /// Where it comes from.
     pub origin: Origin,
-    /// Key of [`Entry::sources`].
+    /// Key of [`CatalogueEntry::sources`].
     pub source: String,
     /// Day of a fit, as written.
     pub date: Option<String>,
@@ -100,12 +101,10 @@ impl Value {
     /// on a log scale for a factor.
     #[must_use]
     pub fn at(&self, z: f64) -> f64 {
-        /// 97.5 % quantile of the normal distribution.
-        const Z_95: f64 = 1.959_963_984_540_054;
         match self.uncertainty {
             Uncertainty::NotStated => self.value,
-            Uncertainty::Factor(f) => self.value * libm::exp(libm::log(f) * z / Z_95),
-            Uncertainty::PlusMinus(d) => self.value + d * z / Z_95,
+            Uncertainty::Factor(f) => self.value * libm::exp(libm::log(f) * z / QUANTILE_975),
+            Uncertainty::PlusMinus(d) => self.value + d * z / QUANTILE_975,
         }
     }
 }
@@ -143,7 +142,7 @@ impl Correlation {
 
 /// A rope of the catalogue.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct CatalogueEntry {
     /// Name to call it by: lower case, digits and hyphens.
     pub name: String,
     /// Who makes it.
@@ -172,7 +171,7 @@ pub struct Entry {
     pub correlation: Option<Correlation>,
 }
 
-impl Entry {
+impl CatalogueEntry {
     /// Parses a catalogue entry; `file` is its name for messages.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! From catalogue text to an entry, with the place of what is wrong.
 
-use super::{Correlation, Entry, Origin, Uncertainty, Value};
+use super::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
 use crate::rope::{Parameter, Polymer};
 use alloc::borrow::ToOwned;
 use alloc::collections::BTreeMap;
@@ -12,11 +12,11 @@ use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 /// Keys of `[sources]` and what they stand for.
 type Sources = BTreeMap<String, String>;
 
-pub(super) fn entry(text: &str, file: &str) -> Result<Entry, Located> {
+pub(super) fn entry(text: &str, file: &str) -> Result<CatalogueEntry, Located> {
     TomlFile::parse(text, file)?.root().whole(root)
 }
 
-fn root(s: &Section<'_>) -> Result<Entry, Located> {
+fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
     let sources = s.read("sources", |s| {
         let entries = s.entries().into_iter();
         let read = entries.map(|(key, _, text)| Ok((key.to_owned(), text.text()?.to_owned())));
@@ -35,7 +35,7 @@ fn root(s: &Section<'_>) -> Result<Entry, Located> {
     let law = s.read("law", |s| law(s, &sources))?.unwrap_or_default();
     let name = s.need_text("name", "what to call the rope by")?;
     let material = s.need_text("material", "HMPE, aramid, LCP or other")?;
-    let entry = Entry {
+    let entry = CatalogueEntry {
         manufacturer: s.need_text("manufacturer", "who makes it")?,
         product: s.need_text("product", "what they call it")?,
         fibre: s.need_text("fibre", "what carries the load")?,

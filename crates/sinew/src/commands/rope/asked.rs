@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use sinew_estimate::estimate;
 use sinew_estimate::robot_dir;
 use sinew_estimate::strand_duty::{self, Strand};
-use sinew_model::rope::Load;
+use sinew_model::rope::RopeLoad;
 use sinew_model::rope::routing::Pulley;
 use sinew_model::transmission::Tendon;
 use sinew_rope::duty::Duty;
@@ -237,8 +237,8 @@ impl Asked {
     }
 
     /// Constant tension and temperature, where nothing else was asked.
-    pub(super) fn read_at(load: Option<f64>, temperature_c: f64) -> Option<Load> {
-        load.map(|n| Load::celsius(n, temperature_c))
+    pub(super) fn read_at(load: Option<f64>, temperature_c: f64) -> Option<RopeLoad> {
+        load.map(|n| RopeLoad::celsius(n, temperature_c))
     }
 
     pub(super) fn temperature(&self) -> f64 {
