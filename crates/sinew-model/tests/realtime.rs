@@ -1,4 +1,7 @@
 //! Steps allocate nothing after construction: counted, over many steps of every kind.
+//!
+//! A binary of its own: the counting allocator would be that of every other test too, and counts by
+//! thread, so that nothing else may run in the thread of a test.
 
 // A global allocator is an unsafe trait; this one only counts and hands on to the system's.
 #![allow(unsafe_code)]

@@ -1,8 +1,6 @@
 //! The rope law written down a second time as plain differential equations, integrated by
 //! Dormand and Prince's 5(4) pair at a tolerance far below what is tested; ropes to try it on.
 
-#![allow(dead_code)] // each test file uses its part
-
 use sinew_model::rope::{DELAY_TIMES_S, Parameters, Polymer, RopeLoad, State};
 
 /// Liros DC000-0301 at its starting values.

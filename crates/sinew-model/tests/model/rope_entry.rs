@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sinew_model::rope::Parameter;
 use sinew_model::rope::entry::{CatalogueEntry, Origin, Uncertainty};
 
-const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
+const ROPE: &str = include_str!("../../../../ropes/liros-dc000-0301.toml");
 
 fn changed(from: &str, to: &str) -> String {
     assert!(ROPE.contains(from), "{from}");

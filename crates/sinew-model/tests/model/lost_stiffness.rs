@@ -1,8 +1,6 @@
 //! Stiffness lost between two recordings, all at once and block by block.
 
-mod pendulum;
-
-use pendulum::{PLAIN, Truth, blocks, pendulum, prior};
+use crate::pendulum::{PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::Gaussian;
 use sinew_model::offset::{
     Belief, FeatureConfig, JointParameter, MapEstimator, Payload, RecursiveOffsets, SearchScope,

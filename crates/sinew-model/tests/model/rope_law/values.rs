@@ -1,7 +1,7 @@
 //! Values known beforehand, limits, refusals.
 
 use super::law;
-use super::rope_reference::{aramid, sk99};
+use crate::rope_reference::{aramid, sk99};
 use sinew_model::rope::{Law, LoadError, Parameter, RopeLoad, State, bedding};
 
 #[test]

@@ -1,11 +1,9 @@
 //! The rope law: against a reference integrator, against itself cut differently, in its limits.
 
-#[path = "../rope_reference/mod.rs"]
-mod rope_reference;
 mod values;
 
+use crate::rope_reference::{Piece, aramid, distance, integrate, sk99};
 use proptest::prelude::*;
-use rope_reference::{Piece, aramid, distance, integrate, sk99};
 use sinew_model::rope::{Law, Parameters, RopeLoad, State, bedding};
 
 /// What is asked of the law against the reference, % strain.

@@ -1,7 +1,6 @@
 //! External torque, its threshold and contacts: closed forms, identities, refusals.
 
-mod spring_arms;
-
+use crate::spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
 use sinew_model::StepError;
 use sinew_model::arm::Arm;
 use sinew_model::correction::{
@@ -11,7 +10,6 @@ use sinew_model::correction::{
 use sinew_model::observer::{ExactPole, FirstOrder};
 use sinew_model::offset::{OffsetConfig, OffsetObserver, Sample, VelocityFilter};
 use sinew_model::transmission::Transmission;
-use spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
 
 const RECORDED: ExternalTorqueConfig = ExternalTorqueConfig {
     gain_per_s: 30.0,

@@ -1,12 +1,10 @@
 //! Corrected torque and set-points: closed forms, identities, refusals.
 
-mod spring_arms;
-
+use crate::spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
 use sinew_model::StepError;
 use sinew_model::arm::{ArmWorkspace, BodyInertia};
 use sinew_model::correction::{Correction, CorrectionError, JointCorrection, SetPoint, Spring};
 use sinew_model::transmission::Transmission;
-use spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
 
 #[test]
 fn a_spring_and_its_inverse_undo_each_other() {

@@ -1,12 +1,10 @@
 //! Identities of the physics on random trees.
 //!
-//! Derivatives are taken without truncation error (see `random_tree::derivative`), so that every
+//! Derivatives are taken without truncation error (see `crate::random_tree::derivative`), so that every
 //! tolerance is rounding only: [`ROUNDING`] times the magnitudes that were added or subtracted.
 
-mod random_tree;
-
+use crate::random_tree::{Case, ROUNDING, case, config, derivative, dot, joint_name, link_name};
 use proptest::prelude::*;
-use random_tree::{Case, ROUNDING, case, config, derivative, dot, joint_name, link_name};
 use sinew_model::arm::{Arm, ArmBuilder, ArmWorkspace, BodySpec, Pose};
 
 /// `p`, `Cᵀdq`, `g`, copied out of the workspace.
@@ -42,15 +40,15 @@ fn magnitude(m: &[Vec<f64>], x: &[f64]) -> f64 {
 /// Bound of what gravity torques are made of: weight times the largest distance in the tree.
 fn gravity_magnitude(case: &Case) -> f64 {
     let mass: f64 = case.links.iter().map(|l| l.body().mass).sum();
-    mass * random_tree::norm(case.gravity) * reach(case)
+    mass * crate::random_tree::norm(case.gravity) * reach(case)
 }
 
 /// No particle is farther than this from any joint, m.
 fn reach(case: &Case) -> f64 {
-    let travel = |(l, q): (&random_tree::Link, &f64)| if l.revolute { 0.0 } else { q.abs() };
+    let travel = |(l, q): (&crate::random_tree::Link, &f64)| if l.revolute { 0.0 } else { q.abs() };
     let links = case.links.iter().zip(&case.q);
     0.6 + links
-        .map(|l| random_tree::norm(l.0.xyz) + travel(l))
+        .map(|l| crate::random_tree::norm(l.0.xyz) + travel(l))
         .sum::<f64>()
 }
 
@@ -276,7 +274,7 @@ proptest! {
             let (work, _) = derivative(&case.q, i, case.links[i].kind(), |q| {
                 dot(&arm.link_pose(&mut ws, q, &link).unwrap().apply(point), &force)
             });
-            let size = random_tree::norm(force) * reach(&case) + case.other[i].abs();
+            let size = crate::random_tree::norm(force) * reach(&case) + case.other[i].abs();
             close("Jᵀ f", tau[i], case.other[i] + work, size);
         }
     }
@@ -347,7 +345,7 @@ fn energy_drift(arm: &Arm, q0: &[f64], dq0: &[f64], steps: usize) -> f64 {
 
 /// A tree with both kinds of joints and a branch, at rest, falling.
 fn falling_tree() -> (Arm, Vec<f64>) {
-    let link = |revolute, parent, xyz, axis| random_tree::Link {
+    let link = |revolute, parent, xyz, axis| crate::random_tree::Link {
         revolute,
         parent,
         xyz,

@@ -1,8 +1,5 @@
 //! A pendulum whose every number is known in closed form.
 
-// Each test file uses its own part of this.
-#![allow(dead_code)]
-
 use sinew_files::Located;
 use sinew_model::arm::Arm;
 use sinew_model::correction::Spring;

@@ -1,8 +1,6 @@
 //! The state of the absolute estimate: a pendulum whose every number is known in closed form.
 
-mod pendulum;
-
-use pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
+use crate::pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::Gaussian;
 use sinew_model::offset::{
     Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,

@@ -1,0 +1,26 @@
+//! The model against closed forms, identities, references and itself, in one binary.
+//!
+//! `realtime.rs` beside this folder is a binary of its own: it counts allocations, for which it brings a
+//! global allocator.
+
+mod closed_forms;
+mod contact;
+mod correction;
+mod identities;
+mod lost_stiffness;
+mod observer;
+mod offset;
+mod offset_state;
+mod pendulum;
+mod random_tree;
+mod reference_values;
+mod regressor;
+mod robot;
+mod rope_entry;
+mod rope_law;
+mod rope_reference;
+mod rope_routing;
+mod spring_arms;
+mod trend;
+mod trend_jumps;
+mod urdf;
