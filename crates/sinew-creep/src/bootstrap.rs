@@ -7,9 +7,9 @@ use rand_distr::{Distribution, StandardNormal};
 use super::fit::{Draw, Fit, IntervalKind, Search};
 use super::model::Model;
 use super::noise::Noise;
-use super::sample::quantile;
 use super::solver::{LeastSquares, TrustRegion};
 use super::student::{normal_quantile, normal_share};
+use sinew_model::statistics::quantile;
 
 impl Fit {
     /// Replaces the parameters' intervals by bias-corrected quantiles of `count` replicates:

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::fit::{Draw, Fit};
 use super::noise::Filter;
-use super::sample::quantile;
+use sinew_model::statistics::quantile;
 
 /// Strain at given times, m/m.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -2,7 +2,7 @@
 
 use super::fit::{Draw, Fit, IntervalKind};
 use super::law::Shape;
-use super::sample::quantile;
+use sinew_model::statistics::quantile;
 
 /// A fitted parameter.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -2,6 +2,7 @@
 
 use super::curve::Curve;
 use super::law::Shape;
+use sinew_model::statistics::upper_median;
 
 /// First and last time of a reading after its first load, over all curves.
 pub(super) fn span(curves: &[Curve]) -> (f64, f64) {
@@ -39,8 +40,7 @@ pub(super) fn typical_gap(curves: &[Curve]) -> f64 {
         .flat_map(|c| c.time_s.windows(2).map(|w| w[1] - w[0]))
         .filter(|gap| *gap > 0.0)
         .collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
+    upper_median(&mut gaps).unwrap_or(1.0)
 }
 
 pub(super) fn linear_shape(

@@ -65,8 +65,8 @@ pub fn rope_entry(
         own.sort_by(f64::total_cmp);
         let (lowest, highest) = parameter.range();
         let value = found.value.clamp(lowest, highest);
-        let low = super::sample::quantile(&own, 0.025);
-        let high = super::sample::quantile(&own, 0.975);
+        let low = sinew_model::statistics::quantile(&own, 0.025);
+        let high = sinew_model::statistics::quantile(&own, 0.975);
         entry.law.insert(
             parameter,
             Value {

@@ -1,6 +1,6 @@
 //! Stages of the load, jumps and outliers of the strain.
 
-use super::sample::quantile;
+use sinew_model::statistics::quantile;
 
 /// From this share of the largest load on, a change is a change of stage.
 const STAGE: f64 = 0.05;

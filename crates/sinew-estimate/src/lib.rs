@@ -2,7 +2,7 @@
 
 pub mod absolute;
 pub mod estimate;
-pub mod hands;
+pub mod executor;
 pub mod robot_dir;
 pub mod strand_duty;
 pub mod trend;

@@ -2,6 +2,7 @@
 
 pub mod control;
 pub mod excitation;
+mod jobs;
 mod journal;
 pub mod paper;
 pub mod scenarios;

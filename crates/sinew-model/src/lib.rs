@@ -61,6 +61,7 @@ pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod rope;
+pub mod statistics;
 pub mod tolerances;
 pub mod transmission;
 pub mod trend;

@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 use sinew_model::rope::entry::CatalogueEntry;
 use sinew_model::rope::{Law, Parameter};
+use sinew_model::statistics::quantile;
 
 /// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
 pub const DRAWS_DEFAULT: usize = 400;
@@ -27,10 +28,14 @@ impl Interval {
     pub fn of(value: f64, draws: &[f64]) -> Self {
         let mut sorted: Vec<f64> = draws.iter().copied().filter(|v| !v.is_nan()).collect();
         sorted.sort_unstable_by(f64::total_cmp);
+        let at = |share| match sorted.as_slice() {
+            [] => value,
+            sorted => quantile(sorted, share),
+        };
         Self {
-            low: quantile(&sorted, 0.025).unwrap_or(value),
+            low: at(0.025),
             value,
-            high: quantile(&sorted, 0.975).unwrap_or(value),
+            high: at(0.975),
         }
     }
 
@@ -43,15 +48,6 @@ impl Interval {
             high: self.high * factor,
         }
     }
-}
-
-/// Quantile of sorted numbers by linear interpolation.
-pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    let at = share.clamp(0.0, 1.0) * last as f64;
-    let (below, rest) = (at.floor() as usize, at.fract());
-    let next = sorted[(below + 1).min(last)];
-    Some(sorted[below] + (next - sorted[below]) * rest)
 }
 
 /// The law of a rope, as the catalogue has it and as it might be.

@@ -13,7 +13,6 @@ pub mod catalogue;
 pub mod draws;
 pub mod duty;
 pub mod history;
-pub mod parallel;
 pub mod predict;
 pub mod pretension;
 mod schedule;

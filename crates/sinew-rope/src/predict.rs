@@ -2,9 +2,9 @@
 
 use super::draws::{Draws, Interval};
 use super::duty::{Duty, DutySummary};
-use super::parallel::in_parallel;
 use super::strand::{Mean, StrandError, strand};
 use super::{CatalogueError, CatalogueRope};
+use rayon::prelude::*;
 use serde::Serialize;
 use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
@@ -173,14 +173,18 @@ pub fn predict_watched(
         StrandError::Routing(error) => error.into(),
     })?;
     let finished = AtomicUsize::new(0);
-    let drawn: Vec<Vec<Mean>> = in_parallel(&draws.laws, |law| {
-        let means = strand(law, request, read_at, &times).ok();
-        done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        means
-    })
-    .into_iter()
-    .flatten()
-    .collect();
+    let drawn: Vec<Vec<Mean>> = draws
+        .laws
+        .par_iter()
+        .map(|law| {
+            let means = strand(law, request, read_at, &times).ok();
+            done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+            means
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .flatten()
+        .collect();
     let broken = draws.laws.len() - drawn.len();
     let mm_per_percent = 10.0 * request.route.length_m;
     let mut readings = Vec::with_capacity(request.times_s.len());
@@ -232,11 +236,15 @@ pub(crate) fn growth_of_draws(
     ));
     let last = request.times_s.last().copied().unwrap_or(TENSIONED_AFTER_S);
     let times = [TENSIONED_AFTER_S, last];
-    Ok(in_parallel(&draws.laws, |law| {
-        strand(law, request, read_at, &times).map_or(f64::NAN, |m| {
-            10.0 * request.route.length_m * (m[1].strain - m[0].strain)
+    Ok(draws
+        .laws
+        .par_iter()
+        .map(|law| {
+            strand(law, request, read_at, &times).map_or(f64::NAN, |m| {
+                10.0 * request.route.length_m * (m[1].strain - m[0].strain)
+            })
         })
-    }))
+        .collect())
 }
 
 fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Interval> {

@@ -6,11 +6,11 @@
 //! too far.
 
 use super::draws::{Draws, Interval};
-use super::parallel::in_parallel;
 use super::predict::{HOUR_S, TENSIONED_AFTER_S};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
 use super::{CatalogueError, CatalogueRope};
+use rayon::prelude::*;
 use serde::Serialize;
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
@@ -129,7 +129,11 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
             }
             still_to_come(law, state, work, request.horizon_s).map(|v| mm * v)
         };
-        let drawn = in_parallel(&draws.laws, |law| one(law).unwrap_or(f64::NAN));
+        let drawn = draws
+            .laws
+            .par_iter()
+            .map(|law| one(law).unwrap_or(f64::NAN))
+            .collect::<Vec<_>>();
         Ok((one(&draws.nominal)?, drawn))
     };
     let (without, without_drawn) = later(None).map_err(refuse)?;

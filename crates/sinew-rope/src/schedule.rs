@@ -1,9 +1,9 @@
 //! A rope at constant length: how its tension falls, and when to tension it again.
 
 use super::draws::{Draws, Interval};
-use super::parallel::in_parallel;
 use super::predict::TENSIONED_AFTER_S;
 use super::pretension::{Procedure, Request};
+use rayon::prelude::*;
 use serde::Serialize;
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
@@ -153,7 +153,11 @@ pub(super) fn schedule(
         Ok::<_, LoadError>((with.events_s, without, start_n))
     };
     let (times_s, left_alone, start_n) = one(&draws.nominal)?;
-    let drawn: Vec<_> = in_parallel(&draws.laws, |law| one(law).ok())
+    let drawn: Vec<_> = draws
+        .laws
+        .par_iter()
+        .map(|law| one(law).ok())
+        .collect::<Vec<_>>()
         .into_iter()
         .flatten()
         .collect();

@@ -6,7 +6,7 @@ use super::file::Baseline;
 use super::said::said;
 use crate::estimate;
 use crate::estimate::{Estimate, Opened, Pass, Progress, Request};
-use crate::hands::Processors;
+use crate::executor::Pool;
 use sinew_model::offset::{
     Belief, Block, FeatureConfig, MapError, MapEstimate, MapEstimator, Payload, Prior,
     RecursiveOffsets, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
@@ -412,7 +412,7 @@ pub fn estimator(robot: &Robot, options: &WatchOptions) -> MapEstimator {
     let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, tolerances);
     MapEstimator::new(prior, &FeatureConfig::default())
         .with_motor_torque(options.motor_torque)
-        .with_executor(Processors::machine())
+        .with_executor(&Pool)
 }
 
 pub(super) fn mean_temperature(blocks: &[Block]) -> f64 {

@@ -6,9 +6,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sinew_figure::rounded;
 use sinew_files::date::day_of;
+use sinew_model::statistics::quantile;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Paths, Trend, first_passage};
-use sinew_rope::draws::quantile;
 
 const DAY_S: f64 = 86_400.0;
 /// Paths drawn: the 2.5 % quantile rests on fifty.
@@ -45,7 +45,7 @@ impl Ahead {
             .map(|i| {
                 let mut column: Vec<f64> = self.paths.offset_rad.iter().map(|p| p[i]).collect();
                 column.sort_unstable_by(f64::total_cmp);
-                [0.025, 0.5, 0.975].map(|q| 1e3 * quantile(&column, q).unwrap_or(f64::NAN))
+                [0.025, 0.5, 0.975].map(|q| 1e3 * quantile(&column, q))
             })
             .collect()
     }
@@ -102,9 +102,8 @@ fn said(
     let count = found_s.len().max(1) as f64;
     let passed_probability = found_s.iter().filter(|t| **t <= now_s).count() as f64 / count;
     let at = |share: f64| {
-        quantile(&found_s, share)
-            .filter(|t| t.is_finite())
-            .map(|t| ((t - now_s) / DAY_S).max(0.0))
+        let t = quantile(&found_s, share);
+        t.is_finite().then_some(((t - now_s) / DAY_S).max(0.0))
     };
     let (low, median, high) = (at(0.025), at(0.5), at(0.975));
     let whole = |d: f64| format!("{:.0}", d.round());

@@ -10,6 +10,7 @@ use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Absolute, Baseline, Payload, WatchOptions};
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
+use sinew_model::statistics::upper_median;
 
 /// How to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -178,8 +179,7 @@ fn medians(of: &[&Absolute]) -> Vec<f64> {
     (0..joints)
         .map(|i| {
             let mut values: Vec<f64> = of.iter().map(|a| a.joints[i].interval_95_mrad).collect();
-            values.sort_by(f64::total_cmp);
-            values[values.len() / 2]
+            upper_median(&mut values).unwrap_or(f64::NAN)
         })
         .collect()
 }

@@ -2,12 +2,12 @@
 
 use super::judge::{assumptions, curve, judged, laws};
 use super::{PanelData, PaperError, PaperFigure};
+use rayon::prelude::*;
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Panel};
 use sinew_model::rope::routing::portions;
 use sinew_rope::Catalogue;
 use sinew_rope::bench::{Simulated, routings, simulate};
-use sinew_rope::parallel::in_parallel;
 
 /// The rope of the paper's bending tests.
 const ROPE: &str = "liros-dc000-0301";
@@ -22,7 +22,9 @@ const SHORT_INTERVAL_S: f64 = 60.0;
 fn runs(catalogue: &Catalogue, name: &str, every_s: f64) -> Result<Vec<Simulated>, PaperError> {
     let bench = routings::paper(name).ok_or_else(|| PaperError::Rope(name.to_string()))?;
     let laws = laws(catalogue, ROPE)?;
-    in_parallel(&laws, |law| simulate(law, &bench, every_s))
+    laws.par_iter()
+        .map(|law| simulate(law, &bench, every_s))
+        .collect::<Vec<_>>()
         .into_iter()
         .map(|r| r.map_err(PaperError::from))
         .collect()
@@ -243,12 +245,15 @@ fn kept(catalogue: &Catalogue) -> Result<Vec<f64>, PaperError> {
     for phase in &mut low.phases {
         phase.force_n = high.phases[last].force_n;
     }
-    in_parallel(&laws(catalogue, ROPE)?, |law| {
-        let end_of = |bench| simulate(law, bench, LONG_S).map(|run| end(&run));
-        Ok(end_of(&high)? - end_of(&low)?)
-    })
-    .into_iter()
-    .collect()
+    laws(catalogue, ROPE)?
+        .par_iter()
+        .map(|law| {
+            let end_of = |bench| simulate(law, bench, LONG_S).map(|run| end(&run));
+            Ok(end_of(&high)? - end_of(&low)?)
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect()
 }
 
 fn drawn(

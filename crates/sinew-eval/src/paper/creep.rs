@@ -2,11 +2,11 @@
 
 use super::judge::{assumptions, curve, judged, laws, slope};
 use super::{PanelData, PaperError, PaperFigure};
+use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::Catalogue;
 use sinew_rope::draws::Interval;
-use sinew_rope::parallel::in_parallel;
 
 /// Load of the tests, N.
 pub(super) const LOAD_N: f64 = 60.0;
@@ -69,7 +69,10 @@ pub(super) fn test(
 ) -> Result<Test, PaperError> {
     let load = RopeLoad::celsius(LOAD_N, temperature_c);
     let laws = laws(catalogue, name)?;
-    let curves = in_parallel(&laws, |law| strain(law, load))
+    let curves = laws
+        .par_iter()
+        .map(|law| strain(law, load))
+        .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
     let minutes = minutes();

@@ -3,7 +3,7 @@
 use super::{PaperError, Sentence, SeriesData};
 use sinew_figure::plot::{Band, Colour, Line};
 use sinew_model::rope::Law;
-use sinew_rope::draws::quantile;
+use sinew_model::statistics::quantile;
 use sinew_rope::{Catalogue, Draws};
 
 /// Draws behind every share and band.
@@ -74,7 +74,7 @@ pub(super) fn curve(
     let (low, high) = (0..minutes.len())
         .map(|i| {
             let all = column(i);
-            let at = |share| quantile(&all, share).unwrap_or(f64::NAN);
+            let at = |share| quantile(&all, share);
             (at(0.025), at(0.975))
         })
         .unzip();

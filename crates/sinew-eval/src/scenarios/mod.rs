@@ -68,6 +68,9 @@ pub enum ScenarioError {
         /// Why.
         error: Box<AbsoluteError>,
     },
+    /// There are no threads to work on.
+    #[error("can't start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// The file of results can't be used.
     #[error("{file}: {why}")]
     Journal {

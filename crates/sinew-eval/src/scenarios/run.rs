@@ -2,15 +2,12 @@
 
 use super::journal::Settings;
 use super::{Plan, Recording, ScenarioError, Summary, record};
-use crate::journal;
 use crate::journal::Journal;
-use sinew_estimate::hands::Processors;
+use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
 use sinew_sim::{Scenario, SimulateError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 /// What to run.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +36,7 @@ pub struct Options {
 /// [`ScenarioError`]; what was finished before is in the file of results.
 pub fn run(
     options: &Options,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Summary, ScenarioError> {
     let mut plans = plans(options)?;
     if !options.motor_torque {
@@ -85,50 +82,25 @@ pub fn run(
         .collect();
     progress(recordings.len(), wanted.len());
 
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    // This thread only waits.
-    let _taken = Processors::machine().take_up_to(options.jobs.saturating_sub(1));
-    let mut failed = None;
-    std::thread::scope(|scope| {
-        for _ in 0..options.jobs.clamp(1, missing.len().max(1)) {
-            let (sender, next, missing, plans) = (sender.clone(), &next, &missing, &plans);
-            scope.spawn(move || {
-                while let Some(&(plan, seed)) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let result = record(&plans[plan], seed, options.steps);
-                    if sender.send(result).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for result in &receiver {
-            let kept = result.and_then(|recording| {
-                if let Some(journal) = &mut journal {
-                    journal.add(&recording).map_err(wrong)?;
-                }
-                Ok(recording)
-            });
-            match kept {
-                Ok(recording) => recordings.push(recording),
-                Err(error) => {
-                    // Nobody takes up another recording.
-                    next.store(missing.len(), Ordering::Relaxed);
-                    failed.get_or_insert(error);
-                }
+    jobs::each(
+        &missing,
+        options.jobs,
+        |&(plan, seed), give| {
+            give(record(&plans[plan], seed, options.steps)?);
+            Ok::<_, ScenarioError>(())
+        },
+        |recording| {
+            if let Some(journal) = &mut journal {
+                journal.add(&recording).map_err(wrong)?;
             }
+            recordings.push(recording);
             progress(recordings.len(), wanted.len());
-        }
-    });
-    match failed {
-        Some(error) => Err(error),
-        None => {
-            // In the order of seeds, whoever was first: sums come out the same to the last bit.
-            recordings.sort_by_key(|r| r.seed);
-            Ok(Summary::of(&plans, &recordings, options))
-        }
-    }
+            Ok(())
+        },
+    )?;
+    // In the order of seeds, whoever was first: sums come out the same to the last bit.
+    recordings.sort_by_key(|r| r.seed);
+    Ok(Summary::of(&plans, &recordings, options))
 }
 
 /// What is to be run, each by a name of its own.

@@ -2,6 +2,7 @@
 
 use super::{FoundStep, Options, Plan, Recording, StepScore};
 use serde::Serialize;
+use sinew_model::statistics::quantile;
 use std::collections::BTreeMap;
 
 /// All scenarios of a run.
@@ -187,7 +188,7 @@ fn joint(name: &str, recordings: &[&Recording]) -> JointSummary {
         name: name.into(),
         bias_mrad: mean(&errors),
         rmse_mrad: rms(&errors),
-        q95_error_mrad: quantile(errors.iter().map(|e| e.abs()).collect(), 0.95),
+        q95_error_mrad: quantile_of(errors.iter().map(|e| e.abs()).collect(), 0.95),
         coverage: inside as f64 / n as f64,
         coverage_95: wilson(inside, n),
         interval_95_mrad: mean(&intervals),
@@ -235,8 +236,8 @@ fn steps(name: &str, recordings: &[&Recording]) -> StepSummary {
         moment_coverage: some(&inside, &|v| mean(&v)),
         moment_interval_95_s: some(&half, &|v| mean(&v)),
         moment_rmse_s: some(&off, &|v| rms(&v)),
-        delay_s: some(&delays, &|v| quantile(v, 0.5)),
-        delay_90_s: some(&delays, &|v| quantile(v, 0.9)),
+        delay_s: some(&delays, &|v| quantile_of(v, 0.5)),
+        delay_90_s: some(&delays, &|v| quantile_of(v, 0.9)),
     }
 }
 
@@ -278,16 +279,10 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// The value that a share of all lies at or below, straight lines between.
-fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let Some(last) = values.len().checked_sub(1) else {
-        return f64::NAN;
-    };
-    let at = share * last as f64;
-    let below = at.floor() as usize;
-    let above = (below + 1).min(last);
-    values[below] + (at - below as f64) * (values[above] - values[below])
+/// Quantile of numbers in any order.
+fn quantile_of(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    quantile(&values, share)
 }
 
 /// Where a share lies with 95 % confidence.
@@ -309,9 +304,9 @@ mod tests {
 
     #[test]
     fn quantiles_and_wilson_agree_with_hand_and_table() {
-        assert_eq!(quantile(vec![3.0, 1.0, 2.0], 0.5), 2.0);
-        assert_eq!(quantile(vec![0.0, 10.0], 0.95), 9.5);
-        assert!(quantile(Vec::new(), 0.5).is_nan());
+        assert_eq!(quantile_of(vec![3.0, 1.0, 2.0], 0.5), 2.0);
+        assert_eq!(quantile_of(vec![0.0, 10.0], 0.95), 9.5);
+        assert!(quantile_of(Vec::new(), 0.5).is_nan());
         // 95 of 100: 0.888 to 0.978 (Newcombe 1998 gives the score interval's closed form).
         let [low, high] = wilson(95, 100);
         assert!(

@@ -16,8 +16,10 @@ pub use forecaster::Forecaster;
 pub use robot::{Forecast, RobotYear, TendonResult};
 pub use summary::{Summary, summary};
 
+use crate::jobs;
 use chain::{ChainError, ChainRequest, Session};
 use life::WATCHED;
+use rayon::prelude::*;
 use robot::Fleet;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_model::robot::Robot;
@@ -75,6 +77,9 @@ pub enum YearError {
     /// A simulated session.
     #[error(transparent)]
     Chain(#[from] ChainError),
+    /// There are no threads to work on.
+    #[error("can't start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// The trend refused its prior.
     #[error(transparent)]
     Trend(#[from] sinew_model::trend::TrendError),
@@ -96,9 +101,9 @@ pub fn run(
     let seeds: Vec<u64> = (request.seed..request.seed + request.robots)
         .filter(|s| !done.contains(s))
         .collect();
+    let pool = jobs::pool(request.jobs)?;
     for batch in seeds.chunks(request.jobs.max(1)) {
-        let years = sinew_rope::parallel::in_parallel(batch, |seed| fleet.year(*seed));
-        for year in years {
+        for year in pool.install(|| in_order(batch, |seed| fleet.year(*seed))) {
             finished(year?);
         }
     }
@@ -117,21 +122,26 @@ pub fn run_chain(
     request: &YearRequest,
     chain: &ChainRequest,
     days: usize,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut (dyn FnMut(usize, usize) + Send),
     finished: &mut dyn FnMut(Vec<Session>, RobotYear),
 ) -> Result<(), YearError> {
     let fleet = Fleet::new(robot, catalogue, request)?;
     let seeds: Vec<u64> = (request.seed..request.seed + request.robots).collect();
     let mut lives = Vec::with_capacity(seeds.len());
-    for life in sinew_rope::parallel::in_parallel(&seeds, |seed| fleet.life(*seed)) {
+    for life in in_order(&seeds, |seed| fleet.life(*seed)) {
         lives.push(life?);
     }
     let days = days.clamp(1, WATCHED);
     let sessions = chain::sessions(robot, &request.joints, &lives, days, chain, progress)?;
     let both: Vec<_> = lives.iter().zip(&sessions).collect();
-    let years = sinew_rope::parallel::in_parallel(&both, |(life, own)| fleet.chained(life, own));
+    let years = in_order(&both, |(life, own)| fleet.chained(life, own));
     for (own, year) in sessions.into_iter().zip(years) {
         finished(own, year?);
     }
     Ok(())
+}
+
+/// The same work on every item, on all threads, in the order of the items.
+fn in_order<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Sync + Send) -> Vec<R> {
+    items.par_iter().map(work).collect()
 }

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_model::Z95;
 use sinew_model::robot::Robot;
+use sinew_model::statistics::quantile;
 use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, first_passage};
 use sinew_rope::Catalogue;
-use sinew_rope::draws::quantile;
 
 const DAY_S: f64 = 86_400.0;
 /// Days forecasts are made on.
@@ -282,9 +282,8 @@ fn forecast(
     let mut found = first_passage(&paths.times_s, &paths.offset_rad, limit_rad);
     found.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| {
-        quantile(&found, share)
-            .filter(|t| t.is_finite())
-            .map(|t| t / DAY_S)
+        let t = quantile(&found, share);
+        t.is_finite().then_some(t / DAY_S)
     };
     Forecast {
         made_day: day as f64,

@@ -3,7 +3,7 @@
 use super::forecaster::Forecaster;
 use super::robot::{Forecast, RobotYear, TendonResult};
 use serde::Serialize;
-use sinew_rope::draws::quantile;
+use sinew_model::statistics::{quantile, upper_median};
 
 /// What one forecaster reached.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,11 +93,11 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
         failures: failed.count(),
         found_two_days: delays.iter().filter(|d| **d <= 2.0).count(),
         found: delays.len(),
-        delay_median_days: quantile(&delays, 0.5).unwrap_or(f64::NAN),
+        delay_median_days: quantile(&delays, 0.5),
         false_alarms,
         sudden_creep: own.iter().map(|(_, t)| t.sudden_creep_days.len()).sum(),
         false_alarms_per_robot_year: false_alarms as f64 / years.len() as f64,
-        tracking_rms_mrad: quantile(&rms, 0.5).unwrap_or(f64::NAN),
+        tracking_rms_mrad: quantile(&rms, 0.5),
         forecasts: days
             .into_iter()
             .map(|day| {
@@ -115,9 +115,8 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
 fn forecasts(made_day: f64, made: &[Forecast]) -> ForecastSummary {
     let median = |f: &dyn Fn(&Forecast) -> f64| {
         let mut all: Vec<f64> = made.iter().map(f).collect();
-        all.sort_unstable_by(f64::total_cmp);
-        // The middle one: between a finite and an infinite error no mean helps.
-        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+        // Between a finite and an infinite error no mean helps.
+        upper_median(&mut all).unwrap_or(f64::NAN)
     };
     let error = |f: &Forecast| (f.median_day.unwrap_or(f64::INFINITY) - f.true_day).abs();
     let covered = |low: usize, high: usize| {

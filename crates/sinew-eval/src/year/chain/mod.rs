@@ -15,17 +15,15 @@ pub use session::{Session, SessionJoint};
 pub use statistics::{FailureSeen, JointErrors, statistics};
 
 use super::life::Life;
+use crate::jobs;
 use crate::journal::Journal;
 use journal::Settings;
 use session::ChainRobot;
 use sinew_estimate::absolute::AbsoluteError;
-use sinew_estimate::hands::Processors;
 use sinew_model::robot::Robot;
 use sinew_sim::SimulateError;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 /// Which sessions are simulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +60,9 @@ pub enum ChainError {
     /// The estimate.
     #[error(transparent)]
     Absolute(#[from] AbsoluteError),
+    /// There are no threads to work on.
+    #[error("can't start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// The file of sessions.
     #[error("{file}: {why}")]
     Journal {
@@ -80,7 +81,7 @@ pub(super) fn sessions(
     lives: &[Life],
     days: usize,
     request: &ChainRequest,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Vec<Vec<Session>>, ChainError> {
     let settings = Settings::new(robot, joints, request);
     let out = request.out.as_ref();
@@ -111,49 +112,19 @@ pub(super) fn sessions(
         .collect();
     let all = lives.len() * days;
     progress(done.len(), all);
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    // This thread only waits.
-    let _taken = Processors::machine().take_up_to(request.jobs.saturating_sub(1));
-    let mut failed = None;
-    std::thread::scope(|scope| {
-        for _ in 0..request.jobs.clamp(1, missing.len().max(1)) {
-            let (sender, next, missing) = (sender.clone(), &next, &missing);
-            scope.spawn(move || {
-                while let Some((life, days)) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let mut send = |result| sender.send(result).is_ok();
-                    if let Err(error) = live(robot, life, days, request, &mut send) {
-                        send(Err(error));
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for result in &receiver {
-            let kept = result.and_then(|session: Session| {
-                if let Some(journal) = &mut journal {
-                    journal.add(&session).map_err(wrong)?;
-                }
-                Ok(session)
-            });
-            match kept {
-                Ok(session) => {
-                    done.insert((session.seed, session.day), session);
-                }
-                Err(error) => {
-                    failed = Some(error);
-                    // Nobody listens any more: every thread ends after its session.
-                    next.store(missing.len(), Ordering::Relaxed);
-                    break;
-                }
+    jobs::each(
+        &missing,
+        request.jobs,
+        |(life, days), give| live(robot, life, days, request, give),
+        |session: Session| {
+            if let Some(journal) = &mut journal {
+                journal.add(&session).map_err(wrong)?;
             }
+            done.insert((session.seed, session.day), session);
             progress(done.len(), all);
-        }
-        drop(receiver);
-    });
-    if let Some(error) = failed {
-        return Err(error);
-    }
+            Ok(())
+        },
+    )?;
     let mut out: Vec<Vec<Session>> = lives.iter().map(|_| Vec::with_capacity(days)).collect();
     for session in done.into_values() {
         if let Some(i) = lives.iter().position(|l| l.seed == session.seed) {
@@ -163,19 +134,19 @@ pub(super) fn sessions(
     Ok(out)
 }
 
-/// One robot's missing days; ends early where nobody listens.
+/// One robot's missing days; ends early where it is told to.
 fn live(
     robot: &Robot,
     life: &Life,
     days: &[usize],
     request: &ChainRequest,
-    send: &mut dyn FnMut(Result<Session, ChainError>) -> bool,
+    give: &dyn Fn(Session) -> bool,
 ) -> Result<(), ChainError> {
     let own = ChainRobot::new(robot, life, request.kind)?;
     let mut since = own.baseline()?;
     if !request.chained {
         for &day in days {
-            if !send(Ok(own.session(day, &since)?.0)) {
+            if !give(own.session(day, &since)?.0) {
                 break;
             }
         }
@@ -185,7 +156,7 @@ fn live(
     for day in 1..=days.last().copied().unwrap_or(0) {
         let (session, next) = own.session(day, &since)?;
         since = next;
-        if days.contains(&day) && !send(Ok(session)) {
+        if days.contains(&day) && !give(session) {
             break;
         }
     }

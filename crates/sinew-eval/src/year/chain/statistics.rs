@@ -2,7 +2,7 @@
 
 use super::{Session, SessionJoint};
 use serde::Serialize;
-use sinew_rope::draws::quantile;
+use sinew_model::statistics::quantile;
 
 /// Sessions of a robot below which nothing is said of it.
 const FEWEST: usize = 6;
@@ -217,7 +217,7 @@ impl Tally {
     fn finish(self, joint: &str) -> JointErrors {
         let mut sizes: Vec<f64> = self.left.iter().map(|e| e.abs()).collect();
         sizes.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| quantile(&sizes, share).unwrap_or(f64::NAN);
+        let at = |share: f64| quantile(&sizes, share);
         let share = |n: usize, of: usize| 100.0 * n as f64 / of as f64;
         let told = self.errors.len();
         JointErrors {

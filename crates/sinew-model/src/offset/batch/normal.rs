@@ -6,6 +6,7 @@ use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::gram::Gram;
 use crate::offset::error::MapError;
 use crate::offset::layout::Layout;
+use crate::statistics::upper_median;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -149,7 +150,8 @@ impl Residuals {
 
     /// 1.4826 times the median size, of all parts.
     pub(super) fn noise<'a>(parts: impl Iterator<Item = &'a Self>, i: usize, side: Side) -> f64 {
-        1.4826 * median(parts.flat_map(|p| p.sizes(i, side)).collect())
+        let mut sizes: Vec<f64> = parts.flat_map(|p| p.sizes(i, side)).collect();
+        1.4826 * upper_median(&mut sizes).unwrap_or(0.0)
     }
 }
 
@@ -180,14 +182,6 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
         }
     }
     runs
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -1,0 +1,44 @@
+//! Order statistics.
+
+/// Quantile of sorted numbers by linear interpolation; `share` of them lie below it. NaN of none.
+///
+/// `x₍ₖ₎ + (h − k)(x₍ₖ₊₁₎ − x₍ₖ₎)` with `h = share (n − 1)` and `k = ⌊h⌋`.
+///
+/// # Source
+/// R. J. Hyndman, Y. Fan, *Sample Quantiles in Statistical Packages*, 1996, definition 7.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let at = share.clamp(0.0, 1.0) * last as f64;
+    let below = libm::floor(at);
+    let (k, rest) = (below as usize, at - below);
+    let next = sorted[(k + 1).min(last)];
+    sorted[k] + (next - sorted[k]) * rest
+}
+
+/// The middle value, the upper of two: always one of the values, so that it is finite where more than
+/// half of them are. Changes their order; `None` of none.
+pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_lie_on_straight_lines_between_values() {
+        assert_eq!(quantile(&[1.0, 2.0, 3.0], 0.5), 2.0);
+        assert_eq!(quantile(&[0.0, 10.0], 0.95), 9.5);
+        assert_eq!(quantile(&[0.0, 10.0], 2.0), 10.0);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn the_upper_median_is_one_of_the_values() {
+        assert_eq!(upper_median(&mut [3.0, 1.0, f64::INFINITY, 2.0]), Some(3.0));
+        assert_eq!(upper_median(&mut []), None);
+    }
+}
