@@ -3,9 +3,12 @@
 use crate::support;
 
 use sinew_estimate::trend::{
-    SessionRecord, Stated, TrendReport, TrendRequest, analyze, prior, sort,
+    JumpCause, Limit, LimitState, PriorBasis, SessionRecord, Stated, TrendEventKind, TrendReport,
+    TrendRequest, TrendVerdict, analyze, prior, sort,
 };
-use sinew_report::trend::html;
+use sinew_files::date::day_of;
+use sinew_model::{Gaussian, Z95};
+use sinew_report::trend::{format_note, html};
 use sinew_rope::Catalogue;
 use support::{DAY_S, biorob_like, session_record, utc};
 
@@ -50,55 +53,68 @@ fn a_tendon_that_creeps_over_its_limit_says_when() {
     let said = report(records(150), vec![tensioned(0.0)]);
     let joint = &said.joints[0];
     let limit = &joint.limits[0];
-    assert_eq!(
-        (limit.kind.as_str(), limit.limit_mrad),
-        ("re-tension", 20.0)
-    );
+    assert!(matches!(limit.limit, Limit::Retension { .. }));
+    assert_eq!(1e3 * limit.limit_rad, 20.0);
     let truth = (20.0_f64 / 2.2).exp() / 24.0 - 150.0;
-    let low = limit.interval_95_days[0].unwrap();
-    let high = limit.interval_95_days[1].unwrap_or(f64::INFINITY);
+    let low = limit.after_low_s.unwrap() / DAY_S;
+    let high = limit.after_high_s.map_or(f64::INFINITY, |t| t / DAY_S);
     assert!(low < truth && truth < high, "{truth}: {limit:?}");
     assert!(
-        joint.events.is_empty() && !said.attention,
+        joint.events.is_empty() && !said.needs_attention,
         "{:?}",
         joint.events
     );
-    assert!(joint.basis.contains("liros-dc000-0301"), "{}", joint.basis);
+    let PriorBasis::Rope { rope, .. } = &joint.basis else {
+        panic!("{:?}", joint.basis);
+    };
+    assert_eq!(rope, "liros-dc000-0301");
     let page = html(&said);
     assert!(page.contains("<svg") && page.contains("elbow") && !page.contains("NaN"));
 
     // Passed: 150 mrad more.
     let mut over = records(40);
     over.iter_mut()
-        .for_each(|r| r.offset_mrad = r.offset_mrad.map(|[y, i]| [y + 15.0, i]));
+        .filter_map(|r| r.offset_rad.as_mut())
+        .for_each(|y| y.mean += 15e-3);
     let said = report(over, vec![tensioned(0.0)]);
-    assert_eq!(said.joints[0].limits[0].state, "passed");
-    assert!(said.attention && said.joints[0].verdict.contains("tension it again"));
+    assert_eq!(said.joints[0].limits[0].state, LimitState::Passed);
+    assert!(said.needs_attention && said.joints[0].verdict == TrendVerdict::Retension);
+    assert!(html(&said).contains("tension it again"));
+    // Results are data: they are read as they were written.
+    let text = serde_json::to_string(&said).unwrap();
+    assert_eq!(serde_json::from_str::<TrendReport>(&text).unwrap(), said);
 }
 
 #[test]
 fn one_session_or_none_that_can_tell_says_unknown() {
     let nothing = |day: f64| SessionRecord {
-        offset_mrad: None,
+        offset_rad: None,
         ..session_record(day, 0.0)
     };
     let said = report(vec![nothing(1.0), nothing(2.0)], vec![tensioned(0.0)]);
     let joint = &said.joints[0];
-    assert_eq!(joint.limits[0].state, "unknown", "{:?}", joint.limits);
+    assert_eq!(
+        joint.limits[0].state,
+        LimitState::TooFewSessions,
+        "{:?}",
+        joint.limits
+    );
     assert_eq!((joint.sessions, joint.without_information), (2, 2));
-    assert!(!said.attention);
+    assert!(!said.needs_attention);
     let said = report(vec![session_record(1.0, 2.0)], Vec::new());
     let joint = &said.joints[0];
     assert!(!joint.tensioned_stated);
     assert!(
-        said.notes.iter().any(|n| n.contains("--tensioned")),
+        said.notes
+            .iter()
+            .any(|n| format_note(n).contains("--tensioned")),
         "{:?}",
         said.notes
     );
     assert!(
-        (joint.offset_mrad[0] - 2.0).abs() < 1.0,
+        (1e3 * joint.offset_rad.mean - 2.0).abs() < 1.0,
         "{:?}",
-        joint.offset_mrad
+        joint.offset_rad
     );
 }
 
@@ -120,19 +136,24 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
             panic!("{how_many} stated: {:?}", joint.events);
         };
         assert_eq!(
-            (event.kind.as_str(), event.stated),
-            ("tensioned", how_many == 2)
+            event.kind,
+            TrendEventKind::Tensioned {
+                stated: how_many == 2
+            }
         );
         let left = whole(90.0) - whole(45.0);
         assert!(
-            (joint.offset_mrad[0] - left).abs() < 0.7,
+            (1e3 * joint.offset_rad.mean - left).abs() < 0.7,
             "{:?} {left}",
-            joint.offset_mrad
+            joint.offset_rad
         );
         let strain = 0.1 * 25.0 / 700.0 * whole(90.0);
-        let found = joint.strain_percent.unwrap();
-        assert!((found[0] - strain).abs() < 0.01, "{found:?} {strain}");
-        assert!(!said.attention, "a tensioning is no alarm");
+        let found = joint.strain_ratio.unwrap();
+        assert!(
+            (100.0 * found.mean - strain).abs() < 0.01,
+            "{found:?} {strain}"
+        );
+        assert!(!said.needs_attention, "a tensioning is no alarm");
     }
     // Another baseline is a tensioning too; a replacement forgets what was before.
     let mut other = records.clone();
@@ -141,7 +162,9 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
         .for_each(|r| r.baseline = Some("april".into()));
     let said = report(other, vec![tensioned(0.0)]);
     assert!(
-        said.notes.iter().any(|n| n.contains("another baseline")),
+        said.notes
+            .iter()
+            .any(|n| format_note(n).contains("another baseline")),
         "{:?}",
         said.notes
     );
@@ -151,12 +174,12 @@ fn a_tensioning_takes_the_offset_away_and_leaves_the_strain() {
     };
     let said = report(records, vec![tensioned(0.0), replaced]);
     assert_eq!(said.joints[0].sessions, 45);
-    assert_eq!(said.joints[0].tensioned_day, "2026-04-15");
+    assert_eq!(day_of(said.joints[0].tensioned_utc_s), "2026-04-15");
 }
 
 #[test]
 fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
-    for (stiffness, word) in [(-6.0, "strand"), (0.0, "slip")] {
+    for (stiffness, cause) in [(-0.06, JumpCause::StrandFailure), (0.0, JumpCause::Slip)] {
         let records = (1..=60)
             .map(|d| {
                 let t = f64::from(d);
@@ -165,7 +188,8 @@ fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
                     t,
                     (24.0 * t).ln() + if failed { 3.0 } else { 0.0 } + wobble(t),
                 );
-                r.stiffness_percent = Some([if failed { stiffness } else { 0.0 }, 2.0]);
+                let stiffness = if failed { stiffness } else { 0.0 };
+                r.stiffness_ratio = Some(Gaussian::new(stiffness, 0.02 / Z95));
                 r
             })
             .collect();
@@ -173,10 +197,11 @@ fn a_failed_strand_is_told_from_a_slip_by_its_stiffness() {
         let [event] = said.joints[0].events.as_slice() else {
             panic!("{:?}", said.joints[0].events);
         };
-        let [size, half] = event.size_mrad.unwrap();
+        let size = event.size_rad.unwrap().scaled(1e3);
+        let (size, half) = (size.mean, size.half_width_95());
         assert!((size - 3.0).abs() < half.max(0.5), "{size} ± {half}");
-        assert!(event.meaning.contains(word), "{}", event.meaning);
-        assert!(said.attention);
+        assert_eq!(event.kind, TrendEventKind::Jump { cause });
+        assert!(said.needs_attention);
     }
 }
 
@@ -216,7 +241,6 @@ fn curves_of_a_rope_are_those_of_its_law() {
 #[test]
 fn a_trend_survives_being_stored() {
     use sinew_estimate::trend::stored::{StoredTrend, StoredTrendError};
-    use sinew_model::Gaussian;
     use sinew_model::trend::{Prior, Record, Trend, TrendConfig, TrendNow};
     let prior = Prior::new(prior::generic(None));
     let config = TrendConfig::default();

@@ -3,6 +3,8 @@
 use crate::support;
 
 use sinew_estimate::trend::{RecordError, records_from_csv, records_from_json, sort};
+use sinew_model::{Gaussian, Z95};
+use sinew_report::trend::format_note;
 use support::{DAY_S, session_record, utc};
 
 #[test]
@@ -13,9 +15,12 @@ fn csv_says_line_and_cure() {
         "s.csv",
     )
     .unwrap();
-    assert_eq!(good[0].offset_mrad, Some([1.5, 0.4]));
+    assert_eq!(
+        good[0].offset_rad,
+        Some(Gaussian::new(1.5e-3, 0.4e-3 / Z95))
+    );
     assert_eq!(good[0].time_utc_s, utc("2026-03-01T08:30Z"));
-    assert_eq!((good[1].offset_mrad, good[1].temperature_c), (None, None));
+    assert_eq!((good[1].offset_rad, good[1].temperature_c), (None, None));
     for (row, words) in [
         ("yesterday,elbow,1,0.4,21", "no date"),
         ("2026-03-01,elbow,nan,0.4,21", "not a finite number"),
@@ -54,8 +59,11 @@ fn what_estimate_prints_is_read() {
     assert_eq!(read.len(), 2);
     assert_eq!(read[0].time_utc_s, 1_772_353_800.0);
     assert_eq!(read[0].robot.as_deref(), Some("arm"));
-    assert_eq!(read[0].stiffness_percent, Some([-2.0, 1.0]));
-    assert_eq!(read[1].offset_mrad, None, "it couldn't tell");
+    assert_eq!(
+        read[0].stiffness_ratio,
+        Some(Gaussian::new(-0.02, 0.01 / Z95))
+    );
+    assert_eq!(read[1].offset_rad, None, "it couldn't tell");
     // The absolute estimate alone, with a date of its own; a list; one document after another.
     let alone = format!(
         r#"{{"start_time_utc_s": 1772353800.0, "temperature_c": 22.5, "joints": {joints}}}"#
@@ -121,12 +129,18 @@ fn records_are_put_in_order_and_freed_of_repeats() {
         .collect();
     assert_eq!(days, [1.0, 2.0, 3.0]);
     assert!(
-        sorted.notes.iter().any(|n| n.contains("counted once")),
+        sorted
+            .notes
+            .iter()
+            .any(|n| format_note(n).contains("counted once")),
         "{:?}",
         sorted.notes
     );
     assert!(
-        sorted.notes.iter().any(|n| n.contains("overlaps")),
+        sorted
+            .notes
+            .iter()
+            .any(|n| format_note(n).contains("overlaps")),
         "{:?}",
         sorted.notes
     );
@@ -198,7 +212,10 @@ fn damaged_files_are_refused_and_never_break_anything() {
                     for (_, records) in sorted.joints {
                         for r in records {
                             assert!(r.time_utc_s.is_finite());
-                            assert!(r.offset_mrad.is_none_or(|[y, i]| y.is_finite() && i > 0.0));
+                            assert!(
+                                r.offset_rad
+                                    .is_none_or(|y| y.mean.is_finite() && y.deviation > 0.0)
+                            );
                         }
                     }
                 }

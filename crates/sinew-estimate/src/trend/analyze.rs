@@ -1,34 +1,22 @@
 //! From records to what a maintenance engineer acts on.
 
-use super::limits::{self, Ahead};
-use super::prior::{Grounds, days, grounds};
+use super::clock::{Clock, Stated, clock};
+use super::error::AnalyzeError;
+use super::limits;
+use super::prior::{RopePrior, days, rope_prior};
 use super::records::{SessionRecord, Sorted};
-use super::result::{EventSaid, JointTrend, Series, Suspicion, TrendReport};
+use super::result::{
+    JointTrend, Limit, LimitState, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind,
+    TrendNote, TrendReport, TrendVerdict,
+};
 use super::stiffness;
-use sinew_files::date::day_of;
-use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendError, TrendNow};
-use sinew_rope::{Catalogue, CatalogueError, Duty};
+use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendNow};
+use sinew_rope::{Catalogue, Duty};
 
-/// 97.5 % quantile of the normal distribution.
-pub(super) const Z95: f64 = 1.96;
-/// Baselines are learned about so long after tensioning, s.
-const BASELINE_AFTER_S: f64 = 3600.0;
 /// Level where nobody said when the tendon was tensioned, rad.
 const LEVEL_UNKNOWN_RAD: f64 = 30e-3;
-
-/// Something somebody did, on a day.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stated {
-    /// Joint; `None`: all.
-    pub joint: Option<String>,
-    /// When, s since 1970.
-    pub time_utc_s: f64,
-    /// Whether the rope was replaced; else it was tensioned.
-    pub replaced: bool,
-}
 
 /// What is asked beside the records.
 #[derive(Debug)]
@@ -45,36 +33,6 @@ pub struct TrendRequest<'a> {
     pub horizon_days: f64,
     /// Seed of the draws.
     pub seed: u64,
-}
-
-/// Why there is no trend.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum AnalyzeError {
-    /// A rope of the robot file.
-    #[error(transparent)]
-    Catalogue(#[from] CatalogueError),
-    /// The estimator.
-    #[error(transparent)]
-    Trend(#[from] TrendError),
-    /// A stated day for a joint without records.
-    #[error(
-        "no records of joint '{joint}', which was stated as tensioned or replaced; records have {known}"
-    )]
-    Joint {
-        /// Joint.
-        joint: String,
-        /// Joints there are.
-        known: String,
-    },
-    /// Everything is older than the replacement.
-    #[error("all records of '{joint}' are older than its replacement on {day}")]
-    Replaced {
-        /// Joint.
-        joint: String,
-        /// Day.
-        day: String,
-    },
 }
 
 /// Analyses sorted records.
@@ -96,77 +54,18 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
     for (name, records) in &sorted.joints {
         joints.push(joint(name, records, request, &mut notes)?);
     }
-    let attention = joints.iter().any(|j| {
-        j.limits.iter().any(|l| l.state == "passed")
-            || j.events.iter().any(|e| e.kind == "jump" && !e.stated)
+    let needs_attention = joints.iter().any(|j| {
+        (j.limits.iter()).any(|l| l.state == LimitState::Passed)
+            || j.events.iter().any(TrendEvent::is_jump)
     });
     Ok(TrendReport {
         sinew_version: env!("CARGO_PKG_VERSION").into(),
         robot: sorted.robot,
         joints,
-        attention,
-        horizon_days: request.horizon_days,
+        needs_attention,
+        horizon_s: days(request.horizon_days),
         notes,
     })
-}
-
-/// When a tendon's clock began, and what was done to it since.
-struct Clock {
-    start_utc_s: f64,
-    stated: bool,
-    /// Baseline, s after the start.
-    baseline_s: f64,
-    /// Later tensionings, s since 1970.
-    tensioned: Vec<f64>,
-}
-
-/// The clock of a joint, and its records from then on.
-fn clock<'a>(
-    name: &str,
-    records: &'a [SessionRecord],
-    stated: &[Stated],
-) -> Result<(Clock, &'a [SessionRecord]), AnalyzeError> {
-    let own = stated
-        .iter()
-        .filter(|s| s.joint.as_deref().is_none_or(|j| j == name));
-    let replaced = own
-        .clone()
-        .filter(|s| s.replaced)
-        .map(|s| s.time_utc_s)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let from = records.partition_point(|r| r.time_utc_s < replaced);
-    let records = &records[from..];
-    let Some(first) = records.first() else {
-        return Err(AnalyzeError::Replaced {
-            joint: name.into(),
-            day: day_of(replaced),
-        });
-    };
-    let mut tensioned: Vec<f64> = own
-        .filter(|s| !s.replaced && s.time_utc_s > replaced)
-        .map(|s| s.time_utc_s)
-        .collect();
-    if replaced.is_finite() {
-        tensioned.push(replaced);
-    }
-    tensioned.sort_unstable_by(f64::total_cmp);
-    let before = tensioned.partition_point(|t| *t <= first.time_utc_s);
-    let later = tensioned.split_off(before);
-    let clock = match (tensioned.first(), tensioned.last()) {
-        (Some(start), Some(last)) => Clock {
-            start_utc_s: *start,
-            stated: true,
-            baseline_s: (last - start + BASELINE_AFTER_S).min(first.time_utc_s - start),
-            tensioned: later,
-        },
-        _ => Clock {
-            start_utc_s: first.time_utc_s - BASELINE_AFTER_S,
-            stated: false,
-            baseline_s: BASELINE_AFTER_S,
-            tensioned: later,
-        },
-    };
-    Ok((clock, records))
 }
 
 /// One tendon from its records.
@@ -174,114 +73,90 @@ fn joint(
     name: &str,
     records: &[SessionRecord],
     request: &TrendRequest<'_>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<TrendNote>,
 ) -> Result<JointTrend, AnalyzeError> {
     let tendon = request.robot.and_then(|r| tendon_of(r, name));
     let (clock, records) = clock(name, records, &request.stated)?;
+    let mut prior = prior_of(tendon, records, request)?;
+    prior.prior.baseline_s = clock.baseline_s;
+    if !clock.stated {
+        prior.prior.level_deviation_rad = LEVEL_UNKNOWN_RAD;
+        notes.push(TrendNote::TensioningNotStated { joint: name.into() });
+    }
+    let mut trend = Trend::new(prior.prior, TrendConfig::default())?;
+    let (mut series, last) = feed(&mut trend, records, &clock, name, notes)?;
+    let now = TrendNow::of(&trend);
+    let reference_c = trend.prior().temperature_ref_c;
+    for point in &mut series {
+        let warm = point.temperature_c.map_or(0.0, |t| t - reference_c);
+        point.at_reference_rad =
+            (point.offset_rad).map(|y| y.mean - now.drift_rad_per_k.mean * warm);
+    }
+    let paths = limits::forecast_paths(&trend, days(request.horizon_days), request.seed);
+    let rope_known = matches!(prior.basis, PriorBasis::Rope { .. });
+    let time_of = |r: Option<&SessionRecord>| r.map_or(f64::NAN, |r| r.time_utc_s);
+    let mut out = JointTrend {
+        name: name.into(),
+        verdict: TrendVerdict::NoLimit,
+        sessions: records.len(),
+        without_information: records.iter().filter(|r| r.offset_rad.is_none()).count(),
+        first_utc_s: time_of(records.first()),
+        last_utc_s: time_of(records.last()),
+        tensioned_utc_s: clock.start_utc_s,
+        tensioned_stated: clock.stated,
+        offset_rad: now.offset_rad,
+        elongation_m: tendon.map(|t| now.offset_rad.scaled(t.joint_pulley_radius_m)),
+        strain_ratio: tendon.map(|t| now.whole_rad.scaled(t.joint_pulley_radius_m / t.length_m)),
+        rate_rad_per_s: now.rate_rad_per_s,
+        drift_rad_per_k: (records.iter().any(|r| r.temperature_c.is_some()))
+            .then_some(now.drift_rad_per_k),
+        reference_c,
+        shared_error_rad: now.slow_deviation_rad,
+        stated_width_ratio: now.white_scale,
+        events: (trend.events().iter())
+            .map(|e| found_event(e, &clock, records))
+            .collect(),
+        suspicion: last.and_then(|added| {
+            Some(Suspicion {
+                time_utc_s: clock.start_utc_s + added.suspected_s?,
+                probability: added.jump_probability,
+            })
+        }),
+        limits: limits::limits(tendon, &trend, &paths, rope_known),
+        basis: prior.basis,
+        series,
+        forecast: limits::forecast(&paths, clock.start_utc_s),
+    };
+    out.verdict = verdict(&out);
+    Ok(out)
+}
+
+/// The prior of a tendon before its first record.
+fn prior_of(
+    tendon: Option<&Tendon>,
+    records: &[SessionRecord],
+    request: &TrendRequest<'_>,
+) -> Result<RopePrior, AnalyzeError> {
     let temperatures: Vec<f64> = records.iter().filter_map(|r| r.temperature_c).collect();
     let mean_c = match temperatures.len() {
         0 => 23.0,
         n => temperatures.iter().sum::<f64>() / n as f64,
     };
-    let mut grounds = grounds(
-        tendon,
-        request.catalogue,
-        request.duty.as_ref(),
-        mean_c,
-        request.seed,
-    )?;
-    grounds.prior.temperature_ref_c = temperatures.first().copied().unwrap_or(23.0);
-    grounds.prior.baseline_s = clock.baseline_s;
-    if !clock.stated {
-        grounds.prior.level_deviation_rad = LEVEL_UNKNOWN_RAD;
-        notes.push(format!(
-            "{name}: nobody said when it was tensioned (--tensioned DATE); the clock of its creep begins with the first session"
-        ));
-    }
-    let mut trend = Trend::new(grounds.prior.clone(), TrendConfig::default())?;
-    let (series, added) = feed(&mut trend, records, &clock, name, notes)?;
-    let mut out = said(name, &trend, &clock, records, tendon, &grounds, series);
-    out.suspicion = added.and_then(|a| {
-        Some(Suspicion {
-            day: day_of(clock.start_utc_s + a.suspected_s?),
-            probability: a.jump_probability,
-        })
-    });
-    let ahead = Ahead::draw(&trend, days(request.horizon_days), request.seed);
-    out.series.forecast_utc_s = (ahead.paths.times_s.iter())
-        .map(|t| clock.start_utc_s + t)
-        .collect();
-    out.series.forecast_mrad = ahead.quantiles_mrad();
-    out.limits = limits::limits(
-        tendon,
-        &trend,
-        &ahead,
-        out.last_utc_s,
-        grounds.rope.is_some(),
-    );
-    out.verdict = limits::verdict(&out);
-    Ok(out)
+    let duty = request.duty.as_ref();
+    let mut prior = rope_prior(tendon, request.catalogue, duty, mean_c, request.seed)?;
+    prior.prior.temperature_ref_c = temperatures.first().copied().unwrap_or(23.0);
+    Ok(prior)
 }
 
-/// Where a tendon stands, without its future.
-fn said(
-    name: &str,
-    trend: &Trend,
-    clock: &Clock,
-    records: &[SessionRecord],
-    tendon: Option<&Tendon>,
-    grounds: &Grounds,
-    mut series: Series,
-) -> JointTrend {
-    let now = TrendNow::of(trend);
-    let reference_c = trend.prior().temperature_ref_c;
-    let mrad = |x: Gaussian| [1e3 * x.mean, 1e3 * Z95 * x.deviation];
-    let scale = |[m, h]: [f64; 2], factor: f64| [m * factor, h * factor];
-    let drift = now.drift_rad_per_k.mean;
-    series.at_reference_mrad = (records.iter())
-        .map(|r| {
-            let warm = r.temperature_c.map_or(0.0, |t| t - reference_c);
-            r.offset_mrad
-                .map_or(f64::NAN, |[y, _]| y - 1e3 * drift * warm)
-        })
-        .collect();
-    let (first_utc_s, last_utc_s) = match records {
-        [] => (f64::NAN, f64::NAN),
-        [first, .., last] => (first.time_utc_s, last.time_utc_s),
-        [only] => (only.time_utc_s, only.time_utc_s),
-    };
-    let warmth = records.iter().any(|r| r.temperature_c.is_some());
-    let offset_mrad = mrad(now.offset_rad);
-    JointTrend {
-        name: name.into(),
-        sessions: records.len(),
-        without_information: records.iter().filter(|r| r.offset_mrad.is_none()).count(),
-        first_day: day_of(first_utc_s),
-        last_day: day_of(last_utc_s),
-        last_utc_s,
-        tensioned_day: day_of(clock.start_utc_s),
-        tensioned_stated: clock.stated,
-        offset_mrad,
-        elongation_mm: tendon.map(|t| scale(offset_mrad, t.joint_pulley_radius_m)),
-        strain_percent: tendon.map(|t| {
-            scale(
-                mrad(now.whole_rad),
-                0.1 * t.joint_pulley_radius_m / t.length_m,
-            )
-        }),
-        rate_mrad_per_month: scale(mrad(now.rate_rad_per_s), days(30.0)),
-        drift_mrad_per_k: warmth.then(|| mrad(now.drift_rad_per_k)),
-        reference_c,
-        shared_error_mrad: 1e3 * now.slow_deviation_rad,
-        stated_width_factor: now.white_scale,
-        events: (trend.events().iter())
-            .map(|e| event_said(e, clock, records))
-            .collect(),
-        suspicion: None,
-        limits: Vec::new(),
-        basis: grounds.basis.clone(),
-        verdict: String::new(),
-        series,
+fn verdict(joint: &JointTrend) -> TrendVerdict {
+    let mut passed = (joint.limits.iter()).filter(|l| l.state == LimitState::Passed);
+    match (passed.next().map(|l| l.limit), joint.suspicion) {
+        (Some(Limit::Replace { .. }), _) => TrendVerdict::Replace,
+        (Some(Limit::Retension { .. }), _) => TrendVerdict::Retension,
+        _ if joint.events.iter().any(TrendEvent::is_jump) => TrendVerdict::Inspect,
+        (_, Some(_)) => TrendVerdict::Watch,
+        _ if joint.limits.is_empty() => TrendVerdict::NoLimit,
+        _ => TrendVerdict::Wait,
     }
 }
 
@@ -296,9 +171,9 @@ fn feed(
     records: &[SessionRecord],
     clock: &Clock,
     name: &str,
-    notes: &mut Vec<String>,
-) -> Result<(Series, Option<Added>), AnalyzeError> {
-    let mut series = Series::default();
+    notes: &mut Vec<TrendNote>,
+) -> Result<(Vec<SessionPoint>, Option<Added>), AnalyzeError> {
+    let mut series = Vec::with_capacity(records.len());
     let mut pending = clock.tensioned.iter().copied().peekable();
     let (mut last, mut baseline): (Option<Added>, Option<&str>) = (None, None);
     for record in records {
@@ -311,35 +186,28 @@ fn feed(
         let own = record.baseline.as_deref();
         if own.is_some() && baseline.is_some() && own != baseline && !just_tensioned {
             trend.tensioned(trend.time_s().max(time_s - 1.0))?;
-            notes.push(format!(
-                "{name}: another baseline from {} on; taken as a tensioning",
-                day_of(record.time_utc_s)
-            ));
+            notes.push(TrendNote::OtherBaseline {
+                joint: name.into(),
+                time_utc_s: record.time_utc_s,
+            });
         }
         baseline = own.or(baseline);
         let added = trend.add(Record {
             time_s,
-            offset_rad: record
-                .offset_mrad
-                .map(|[y, i]| Gaussian::new(1e-3 * y, 1e-3 * i / Z95)),
+            offset_rad: record.offset_rad,
             temperature_c: record.temperature_c,
-            stiffness: (record.stiffness_percent)
-                .map(|[v, i]| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
+            stiffness: record.stiffness_ratio,
         })?;
-        let Gaussian { mean, deviation } = TrendNow::of(trend).offset_rad;
-        let [offset, interval] = record.offset_mrad.unwrap_or([f64::NAN; 2]);
-        series.time_utc_s.push(record.time_utc_s);
-        series.offset_mrad.push(offset);
-        series.interval_95_mrad.push(interval);
-        series
-            .temperature_c
-            .push(record.temperature_c.unwrap_or(f64::NAN));
-        series
-            .tracked_mrad
-            .push([1e3 * mean, 1e3 * Z95 * deviation]);
-        series.jump_probability.push(added.jump_probability);
-        series.off.push(added.off);
-        if record.offset_mrad.is_some() {
+        series.push(SessionPoint {
+            time_utc_s: record.time_utc_s,
+            offset_rad: record.offset_rad,
+            at_reference_rad: None,
+            temperature_c: record.temperature_c,
+            tracked_rad: TrendNow::of(trend).offset_rad,
+            jump_probability: added.jump_probability,
+            is_off: added.off,
+        });
+        if record.offset_rad.is_some() {
             last = Some(added);
         }
     }
@@ -349,27 +217,20 @@ fn feed(
     Ok((series, last))
 }
 
-fn event_said(event: &Event, clock: &Clock, records: &[SessionRecord]) -> EventSaid {
-    let utc = |t: f64| clock.start_utc_s + t;
+fn found_event(event: &Event, clock: &Clock, records: &[SessionRecord]) -> TrendEvent {
+    let time_utc_s = clock.start_utc_s + event.time_s;
     let stated = event.size_rad.mean.is_nan();
-    let change = stiffness::change(records, utc(event.time_s));
-    let meaning = match (event.tensioned, stated) {
-        (true, true) => "tensioned".into(),
-        (true, false) => "the offset fell: tensioned, and nobody wrote it down?".into(),
-        (false, _) => stiffness::meaning(change),
-    };
-    EventSaid {
-        day: day_of(utc(event.time_s)),
-        time_utc_s: utc(event.time_s),
-        kind: if event.tensioned { "tensioned" } else { "jump" }.into(),
-        stated,
-        size_mrad: (!stated).then_some([
-            1e3 * event.size_rad.mean,
-            1e3 * Z95 * event.size_rad.deviation,
-        ]),
-        confirmed_day: day_of(utc(event.confirmed_s)),
+    let stiffness_change_ratio = stiffness::change(records, time_utc_s);
+    let cause = stiffness::cause(stiffness_change_ratio);
+    TrendEvent {
+        kind: match event.tensioned {
+            true => TrendEventKind::Tensioned { stated },
+            false => TrendEventKind::Jump { cause },
+        },
+        time_utc_s,
+        size_rad: (!stated).then_some(event.size_rad),
+        confirmed_utc_s: clock.start_utc_s + event.confirmed_s,
         probability: event.probability,
-        stiffness_change_percent: change,
-        meaning,
+        stiffness_change_ratio,
     }
 }

@@ -1,7 +1,9 @@
 //! What the rope's law says on a tendon before its first record.
 
+use super::result::{MissingFromRobot, PriorBasis};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use sinew_files::date::DAY_S;
 use sinew_model::rope::routing::{Portion, Pulley, portions};
 use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
@@ -19,7 +21,6 @@ const AMPLITUDE_DEVIATION: f64 = 0.4;
 const GENERIC_STRAIN: f64 = 1e-3;
 /// The same without a tendon, rad.
 const GENERIC_RAD: f64 = 30e-3;
-const SECONDS_PER_DAY: f64 = 86_400.0;
 
 /// What a working robot does to a strand, averaged over days.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +49,7 @@ impl Work {
     }
 }
 
-/// Stretches of the strand between motor and joint: guiding pulleys stand evenly, a quarter turn of
+/// Portions of the strand between motor and joint: guiding pulleys stand evenly, a quarter turn of
 /// the joint moves the rope.
 pub fn strand(tendon: &Tendon) -> Vec<Portion> {
     let n = tendon.guides.len() as f64;
@@ -191,57 +192,51 @@ pub fn generic(tendon: Option<&Tendon>) -> Vec<Curve> {
 
 /// A prior and what it rests on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grounds {
+pub struct RopePrior {
     /// The prior.
     pub prior: Prior,
-    /// Name of the rope, where its law is used.
-    pub rope: Option<String>,
-    /// What it rests on, in a sentence.
-    pub basis: String,
+    /// What it rests on.
+    pub basis: PriorBasis,
 }
 
 /// The prior of a tendon: of its rope where the robot names one that the catalogue has, else generic.
 ///
 /// # Errors
 /// [`CatalogueError`] for a rope that is named and not there, or has no complete law.
-pub fn grounds(
+pub fn rope_prior(
     tendon: Option<&Tendon>,
     catalogue: &Catalogue,
     duty: Option<&Duty>,
     temperature_c: f64,
     seed: u64,
-) -> Result<Grounds, CatalogueError> {
+) -> Result<RopePrior, CatalogueError> {
     let named = tendon.and_then(|t| Some((t, t.rope.as_ref()?, t.pretension_n?)));
     let Some((tendon, name, pretension_n)) = named else {
-        let why = match tendon {
-            None => "the robot file has no tendon here",
-            Some(t) if t.rope.is_none() => "the robot file names no rope here",
-            Some(_) => "the robot file has no pretension_n here",
+        let missing = match tendon {
+            None => MissingFromRobot::Tendon,
+            Some(t) if t.rope.is_none() => MissingFromRobot::Rope,
+            Some(_) => MissingFromRobot::Pretension,
         };
-        return Ok(Grounds {
+        return Ok(RopePrior {
             prior: Prior::new(generic(tendon)),
-            rope: None,
-            basis: format!("generic creep curves, since {why}"),
+            basis: PriorBasis::Generic { missing },
         });
     };
     let rope = catalogue.find(name)?;
     let curves = rope_curves(rope, tendon, pretension_n, duty, temperature_c, seed)?;
-    let guesses = rope.entry.guesses();
-    let duty = match duty {
-        Some(duty) => format!("under the duty of {}", duty.about),
-        None => "under work with peaks nobody recorded".into(),
-    };
-    Ok(Grounds {
+    Ok(RopePrior {
         prior: Prior::new(curves),
-        rope: Some(name.clone()),
-        basis: format!(
-            "law of {name} ({guesses} of {} parameters starting guesses), {CURVES} draws {duty}, and a fifth generic curves",
-            rope.entry.law.len()
-        ),
+        basis: PriorBasis::Rope {
+            rope: name.clone(),
+            parameters: rope.entry.law.len(),
+            guesses: rope.entry.guesses(),
+            draws: CURVES,
+            duty: duty.map(|d| d.about.clone()),
+        },
     })
 }
 
 /// Days to seconds.
 pub fn days(d: f64) -> f64 {
-    d * SECONDS_PER_DAY
+    d * DAY_S
 }

@@ -16,15 +16,38 @@
 //! | `robot`, `recording`, `baseline`, `duration_s` | optional, may be empty |
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
-use super::records::{RecordError, SessionRecord};
+use super::records::{RecordError, SessionRecord, Sorted, sort};
 use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
 use sinew_files::{Bound, Fault, Fields as _, read_text};
-use std::path::Path;
+use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
+use std::path::{Path, PathBuf};
 
 /// Largest file read, bytes: a session of 32 joints takes some ten thousand.
 const BYTES_MAX: u64 = 1 << 28;
+
+/// Reads the records of several files and puts them in order; joints must be elastic ones of the robot.
+///
+/// # Errors
+/// [`RecordError`].
+pub fn read_sessions(files: &[PathBuf], robot: Option<&Robot>) -> Result<Sorted, RecordError> {
+    let mut records = Vec::new();
+    for file in files {
+        records.extend(read_records(file)?);
+    }
+    let elastic: Vec<String> = robot.map_or(Vec::new(), |r| {
+        (r.joint_names().iter().zip(&r.transmissions))
+            .filter(|(_, t)| t.is_some())
+            .map(|(n, _)| n.clone())
+            .collect()
+    });
+    sort(
+        records,
+        robot.map(|r| (r.name.as_str(), elastic.as_slice())),
+    )
+}
 
 /// Reads the records of a file, CSV by the end of its name, else JSON.
 ///
@@ -154,12 +177,12 @@ fn document_records(
         })?;
     for joint in absolute.joints {
         let place = format!("{place}, joint '{}'", joint.name);
-        let told = joint.verdict.as_deref() != Some("can't tell");
-        let offset = told
+        let can_tell = joint.verdict.as_deref() != Some("can't tell");
+        let offset = can_tell
             .then_some(joint.offset_mrad.zip(joint.interval_95_mrad))
             .flatten();
         out.push(SessionRecord {
-            offset_mrad: offset
+            offset_rad: offset
                 .map(|(y, i)| {
                     interval(y, i).map_err(|(key, must)| {
                         let found = if key == "offset_mrad" { y } else { i };
@@ -175,9 +198,10 @@ fn document_records(
             duration_s: absolute.duration_s.filter(|d| *d >= 0.0),
             joint: joint.name,
             temperature_c: absolute.temperature_c.filter(|t| t.is_finite()),
-            stiffness_percent: joint
+            stiffness_ratio: joint
                 .stiffness_change_percent
-                .filter(|[v, i]| v.is_finite() && *i > 0.0 && i.is_finite()),
+                .filter(|[v, i]| v.is_finite() && *i > 0.0 && i.is_finite())
+                .map(|[v, i]| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
         });
     }
     Ok(())
@@ -200,7 +224,7 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         row.refuse("time", must)
     })?;
     let number = |column| row.number(column, Bound::Any);
-    let offset_mrad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
+    let offset_rad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
         (None, _) => None,
         (Some(_), None) => {
             let problem = "interval_95_mrad is empty beside an offset";
@@ -221,15 +245,15 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         time_utc_s,
         duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
         joint: row.need_text("joint")?.to_string(),
-        offset_mrad,
+        offset_rad,
         temperature_c: number("temperature_c")?,
-        stiffness_percent: stiffness.map(|(v, i)| [v, i]),
+        stiffness_ratio: stiffness.map(|(v, i)| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
         source: format!("{file}, line {}", row.line()),
     })
 }
 
-/// An offset that can be one; else its key, and what it must be.
-fn interval(offset: f64, interval: f64) -> Result<[f64; 2], (&'static str, &'static str)> {
+/// An offset, mrad, and half its 95 % interval; else the key of what can't be, and what it must be.
+fn interval(offset: f64, interval: f64) -> Result<Gaussian, (&'static str, &'static str)> {
     /// Half a turn, mrad.
     const MOST_MRAD: f64 = 3142.0;
     if !(offset.abs() <= MOST_MRAD) {
@@ -238,7 +262,7 @@ fn interval(offset: f64, interval: f64) -> Result<[f64; 2], (&'static str, &'sta
     if !(interval > 0.0 && interval.is_finite()) {
         return Err(("interval_95_mrad", "above 0 mrad"));
     }
-    Ok([offset, interval])
+    Ok(Gaussian::new(1e-3 * offset, 1e-3 * interval / Z95))
 }
 
 fn value(place: &str, why: String) -> RecordError {

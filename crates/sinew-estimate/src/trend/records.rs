@@ -1,11 +1,15 @@
 //! Sessions as records: one per joint and session, put in order and freed of repeats.
 
-use sinew_files::Located;
+use super::result::TrendNote;
+use serde::{Deserialize, Serialize};
 use sinew_files::date::day_of;
+use sinew_files::{Located, names};
+use sinew_model::Gaussian;
 use std::collections::BTreeMap;
 
 /// What one session said about one joint.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionRecord {
     /// File and place in it, for messages.
     pub source: String,
@@ -21,12 +25,12 @@ pub struct SessionRecord {
     pub duration_s: Option<f64>,
     /// Joint.
     pub joint: String,
-    /// Offset since the baseline and half its 95 % interval, mrad; `None`: it couldn't tell.
-    pub offset_mrad: Option<[f64; 2]>,
+    /// Offset since the baseline; `None`: it couldn't tell.
+    pub offset_rad: Option<Gaussian>,
     /// Temperature, °C.
     pub temperature_c: Option<f64>,
-    /// Change of stiffness and half its 95 % interval, %.
-    pub stiffness_percent: Option<[f64; 2]>,
+    /// Change of stiffness as a fraction of nominal.
+    pub stiffness_ratio: Option<Gaussian>,
 }
 
 /// Why records were refused.
@@ -70,13 +74,15 @@ pub enum RecordError {
     },
     /// A joint the robot doesn't have.
     #[error(
-        "{place}: joint '{joint}' has no elastic transmission in the robot's description; it has {known}"
+        "{place}: joint '{joint}' has no elastic transmission in the robot's description{hint} it has {known}"
     )]
     Joint {
         /// File and place.
         place: String,
         /// Joint.
         joint: String,
+        /// The one that may have been meant, as `; did you mean …?`.
+        hint: String,
         /// Joints there are.
         known: String,
     },
@@ -94,8 +100,8 @@ pub struct Sorted {
     pub joints: Vec<(String, Vec<SessionRecord>)>,
     /// Robot, where any record names it.
     pub robot: Option<String>,
-    /// What was dropped or assumed, in sentences.
-    pub notes: Vec<String>,
+    /// What was dropped.
+    pub notes: Vec<TrendNote>,
 }
 
 /// Puts records in order, one tendon each.
@@ -136,6 +142,7 @@ pub fn sort(
         {
             return Err(RecordError::Joint {
                 place: record.source,
+                hint: names::hint(&record.joint, joints),
                 joint: record.joint,
                 known: joints.join(", "),
             });
@@ -160,7 +167,7 @@ pub fn sort(
                 continue;
             };
             if record.time_utc_s == last.time_utc_s {
-                if record.offset_mrad != last.offset_mrad {
+                if record.offset_rad != last.offset_rad {
                     return Err(RecordError::Conflict {
                         first: last.source.clone(),
                         second: record.source,
@@ -181,18 +188,14 @@ pub fn sort(
         let place = |name: &String| names.iter().position(|n| n == name);
         out.joints.sort_by_key(|(name, _)| place(name));
     }
-    for (what, mut places) in [
-        ("the same session again, counted once", twice),
-        ("overlaps the session before it, left out", overlapping),
-    ] {
-        places.dedup();
-        if let Some(first) = places.first() {
-            let more = match places.len() {
-                1 => String::new(),
-                n => format!(" and {} more", n - 1),
-            };
-            out.notes.push(format!("{first}{more}: {what}"));
-        }
-    }
+    let counted = |mut sources: Vec<String>| {
+        sources.dedup();
+        let more = sources.len().saturating_sub(1);
+        sources.into_iter().next().map(|first| (first, more))
+    };
+    let repeated = counted(twice).map(|(source, more)| TrendNote::Repeated { source, more });
+    let overlapping = counted(overlapping);
+    let overlapping = overlapping.map(|(source, more)| TrendNote::Overlapping { source, more });
+    out.notes.extend(repeated.into_iter().chain(overlapping));
     Ok(out)
 }

@@ -1,9 +1,12 @@
-//! What a trend says, as data: table, JSON, CSV and report are made from this alone.
+//! What a trend finds, as data in SI: tables, pages and the CSV are made from this alone.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::{Gaussian, Interval95};
 
 /// The trend of a robot's tendons.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendReport {
     /// Version of the program that made it.
     pub sinew_version: String,
@@ -12,142 +15,306 @@ pub struct TrendReport {
     /// One entry per joint with records.
     pub joints: Vec<JointTrend>,
     /// Whether a limit is passed or a sudden change was confirmed (exit code 3).
-    pub attention: bool,
-    /// How far forecasts look, days from the last session.
-    pub horizon_days: f64,
-    /// What was dropped or assumed, in sentences.
-    pub notes: Vec<String>,
+    pub needs_attention: bool,
+    /// How far forecasts look, s from the last session.
+    pub horizon_s: f64,
+    /// What was dropped or assumed.
+    pub notes: Vec<TrendNote>,
 }
 
-/// A mean and half of its 95 % interval.
-pub type With95 = [f64; 2];
+impl JsonDocument for TrendReport {
+    const SCHEMA: &'static str = "sinew/trend/1";
+}
+
+/// What was dropped or assumed on the way to a trend.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum TrendNote {
+    /// The same session again, counted once.
+    Repeated {
+        /// File and place of the first.
+        source: String,
+        /// How many more.
+        more: usize,
+    },
+    /// Overlaps the session before it, left out.
+    Overlapping {
+        /// File and place of the first.
+        source: String,
+        /// How many more.
+        more: usize,
+    },
+    /// Nobody said when the tendon was tensioned: its clock begins with the first session.
+    TensioningNotStated {
+        /// Joint.
+        joint: String,
+    },
+    /// Another baseline, taken as a tensioning.
+    OtherBaseline {
+        /// Joint.
+        joint: String,
+        /// First session with it, s since 1970.
+        time_utc_s: f64,
+    },
+}
 
 /// One tendon.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointTrend {
     /// Joint.
     pub name: String,
+    /// What to do.
+    pub verdict: TrendVerdict,
     /// Sessions.
     pub sessions: usize,
     /// Sessions that couldn't tell.
     pub without_information: usize,
-    /// Day of the first and of the last session.
-    pub first_day: String,
-    /// Day of the last session.
-    pub last_day: String,
+    /// Start of the first session, s since 1970.
+    pub first_utc_s: f64,
     /// Start of the last session, s since 1970.
     pub last_utc_s: f64,
-    /// Start of the creep's clock: tensioning or replacement.
-    pub tensioned_day: String,
-    /// Whether somebody stated that day; else it is the first session's.
+    /// Start of the creep's clock, tensioning or replacement, s since 1970.
+    pub tensioned_utc_s: f64,
+    /// Whether somebody stated that; else it is the first session's.
     pub tensioned_stated: bool,
-    /// Offset at the reference temperature since the last tensioning, mrad, and half its 95 %
-    /// interval.
-    pub offset_mrad: With95,
-    /// The same as elongation, mm; `None` without tendon geometry.
-    pub elongation_mm: Option<With95>,
-    /// Strain since the first tensioning, %; `None` without tendon geometry.
-    pub strain_percent: Option<With95>,
-    /// Creep per 30 days now, mrad.
-    pub rate_mrad_per_month: With95,
-    /// Drift of the records with temperature, mrad/K; `None` without temperatures.
-    pub drift_mrad_per_k: Option<With95>,
+    /// Offset at the reference temperature since the last tensioning.
+    pub offset_rad: Gaussian,
+    /// The same as elongation; `None` without tendon geometry.
+    pub elongation_m: Option<Gaussian>,
+    /// Strain since the first tensioning, as a fraction; `None` without tendon geometry.
+    pub strain_ratio: Option<Gaussian>,
+    /// Creep now.
+    pub rate_rad_per_s: Gaussian,
+    /// Drift of the records with temperature; `None` without temperatures.
+    pub drift_rad_per_k: Option<Gaussian>,
     /// Reference temperature, °C.
     pub reference_c: f64,
-    /// Deviation of the error that sessions share, mrad.
-    pub shared_error_mrad: f64,
+    /// Standard deviation of the error that sessions share, rad.
+    pub shared_error_rad: f64,
     /// True over stated width of the sessions' intervals.
-    pub stated_width_factor: f64,
+    pub stated_width_ratio: f64,
     /// Sudden changes and re-tensionings.
-    pub events: Vec<EventSaid>,
+    pub events: Vec<TrendEvent>,
     /// A sudden change that waits for another session.
     pub suspicion: Option<Suspicion>,
-    /// Limits of robot.toml.
-    pub limits: Vec<LimitSaid>,
+    /// Limits of robot.toml, re-tensioning first.
+    pub limits: Vec<LimitForecast>,
     /// What the forecast rests on.
-    pub basis: String,
-    /// The tendon in one sentence.
-    pub verdict: String,
-    /// Records and curves for plots and the CSV.
-    pub series: Series,
+    pub basis: PriorBasis,
+    /// Sessions in the order of time.
+    pub series: Vec<SessionPoint>,
+    /// Offset from the last session on.
+    pub forecast: Vec<ForecastPoint>,
+}
+
+/// What to do about a tendon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TrendVerdict {
+    /// Tension it again: its limit is passed.
+    Retension,
+    /// Replace the rope: its limit is passed.
+    Replace,
+    /// Look at it: it jumped.
+    Inspect,
+    /// Watch it: a jump is suspected.
+    Watch,
+    /// Nothing until the first limit.
+    Wait,
+    /// Nothing known: `robot.toml` states no limit.
+    NoLimit,
 }
 
 /// A sudden change or a re-tensioning.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EventSaid {
-    /// Day of the first session after it.
-    pub day: String,
-    /// The same, s since 1970.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TrendEvent {
+    /// What it is.
+    #[serde(flatten)]
+    pub kind: TrendEventKind,
+    /// First session after it, or as stated, s since 1970.
     pub time_utc_s: f64,
-    /// "jump" or "tensioned".
-    pub kind: String,
-    /// Whether somebody stated it.
-    pub stated: bool,
-    /// Change of the offset, mrad, and half its 95 % interval; `None` for a stated one.
-    pub size_mrad: Option<With95>,
-    /// Day of the session that confirmed it.
-    pub confirmed_day: String,
+    /// Change of the offset; `None` for a stated one.
+    pub size_rad: Option<Gaussian>,
+    /// Session that confirmed it, s since 1970.
+    pub confirmed_utc_s: f64,
     /// Posterior probability when it was confirmed.
     pub probability: f64,
-    /// Change of the stiffness over it, %, and half its 95 % interval, where sessions state it.
-    pub stiffness_change_percent: Option<With95>,
-    /// What it may be, in words.
-    pub meaning: String,
+    /// Change of the stiffness over it, as a fraction of nominal, where sessions state it.
+    pub stiffness_change_ratio: Option<Gaussian>,
+}
+
+impl TrendEvent {
+    /// Whether the offset grew suddenly.
+    pub fn is_jump(&self) -> bool {
+        matches!(self.kind, TrendEventKind::Jump { .. })
+    }
+}
+
+/// What happened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum TrendEventKind {
+    /// The offset grew suddenly.
+    Jump {
+        /// Why, as far as the stiffness tells.
+        cause: JumpCause,
+    },
+    /// The tendon was tensioned.
+    Tensioned {
+        /// Whether somebody said so; else the offset fell.
+        stated: bool,
+    },
+}
+
+/// Why a tendon grew suddenly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum JumpCause {
+    /// The stiffness fell too: a strand has failed.
+    StrandFailure,
+    /// The stiffness stayed: rope, clamp or encoder slipped.
+    Slip,
+    /// The stiffness doesn't tell.
+    Unknown,
 }
 
 /// A sudden change that isn't confirmed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Suspicion {
-    /// Day of the first session after it.
-    pub day: String,
+    /// First session after it, s since 1970.
+    pub time_utc_s: f64,
     /// Its probability.
     pub probability: f64,
 }
 
-/// A limit and when it is passed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LimitSaid {
-    /// "re-tension" or "replace".
-    pub kind: String,
-    /// Limit, mrad.
-    pub limit_mrad: f64,
-    /// Limit in the unit of robot.toml.
-    pub stated: String,
-    /// Probability that it is passed already.
-    pub passed_probability: f64,
-    /// "passed", "forecast" or "unknown".
-    pub state: String,
-    /// Median of the days from the last session; `None`: beyond the horizon, or unknown.
-    pub days: Option<f64>,
-    /// 95 % interval of the days; `None`: beyond the horizon.
-    pub interval_95_days: [Option<f64>; 2],
-    /// Day of the median.
-    pub day: Option<String>,
-    /// In words.
-    pub said: String,
+/// A limit of `robot.toml`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Limit {
+    /// Tension again at this elongation since the last tensioning.
+    Retension {
+        /// m.
+        elongation_m: f64,
+    },
+    /// Replace at this strain since the first tensioning.
+    Replace {
+        /// As a fraction.
+        strain_ratio: f64,
+    },
 }
 
-/// Columns for plots.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Series {
-    /// Sessions, s since 1970.
-    pub time_utc_s: Vec<f64>,
-    /// As recorded, mrad; NaN (`null`) where it couldn't tell.
-    pub offset_mrad: Vec<f64>,
-    /// Half of the stated 95 % interval, mrad.
-    pub interval_95_mrad: Vec<f64>,
-    /// At the reference temperature, with the drift found in the end, mrad.
-    pub at_reference_mrad: Vec<f64>,
+/// A limit and when it is passed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LimitForecast {
+    /// The limit.
+    #[serde(flatten)]
+    pub limit: Limit,
+    /// The limit as an offset, rad.
+    pub limit_rad: f64,
+    /// What is known.
+    pub state: LimitState,
+    /// Probability that it is passed already.
+    pub passed_probability: f64,
+    /// Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown.
+    pub after_s: Option<f64>,
+    /// 2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown.
+    pub after_low_s: Option<f64>,
+    /// 97.5 % quantile of that time, s; `None`: beyond the horizon, or unknown.
+    pub after_high_s: Option<f64>,
+}
+
+/// What is known of the day a limit is passed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum LimitState {
+    /// Likelier passed than not.
+    Passed,
+    /// Its median lies within the horizon.
+    Forecast,
+    /// Only its lower bound lies within the horizon.
+    NotBefore,
+    /// Not passed within the horizon.
+    NotWithinHorizon,
+    /// Too few sessions for a forecast.
+    TooFewSessions,
+}
+
+/// What the prior of a tendon rests on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum PriorBasis {
+    /// Generic creep curves alone.
+    Generic {
+        /// What the robot file lacks.
+        missing: MissingFromRobot,
+    },
+    /// The law of a rope, and a fifth generic curves.
+    Rope {
+        /// Rope.
+        rope: String,
+        /// Parameters of its law.
+        parameters: usize,
+        /// Parameters that are starting guesses.
+        guesses: usize,
+        /// Laws drawn.
+        draws: usize,
+        /// The duty, where it is known; else work with peaks nobody recorded.
+        duty: Option<String>,
+    },
+}
+
+/// What a robot file lacks for a prior of its rope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MissingFromRobot {
+    /// A tendon at this joint.
+    Tendon,
+    /// The tendon's rope.
+    Rope,
+    /// Its pretension.
+    Pretension,
+}
+
+/// A session, and what the trend knew after it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SessionPoint {
+    /// Its start, s since 1970.
+    pub time_utc_s: f64,
+    /// As recorded; `None` where it couldn't tell.
+    pub offset_rad: Option<Gaussian>,
+    /// At the reference temperature, with the drift found in the end.
+    pub at_reference_rad: Option<f64>,
     /// Temperature, °C.
-    pub temperature_c: Vec<f64>,
-    /// What the trend knew after that session: offset and half its 95 % interval, mrad.
-    pub tracked_mrad: Vec<With95>,
-    /// Probability of an unconfirmed jump after that session.
-    pub jump_probability: Vec<f64>,
+    pub temperature_c: Option<f64>,
+    /// Offset as the trend knew it then.
+    pub tracked_rad: Gaussian,
+    /// Probability of an unconfirmed jump.
+    pub jump_probability: f64,
     /// Whether the record looked off by itself.
-    pub off: Vec<bool>,
-    /// Forecast, s since 1970.
-    pub forecast_utc_s: Vec<f64>,
-    /// Quantiles of 2.5, 50 and 97.5 % of the offset, mrad.
-    pub forecast_mrad: Vec<[f64; 3]>,
+    pub is_off: bool,
+}
+
+/// Offset at a time to come.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForecastPoint {
+    /// When, s since 1970.
+    pub time_utc_s: f64,
+    /// Median.
+    pub offset_rad: f64,
+    /// Quantiles of 2.5 and 97.5 %.
+    pub interval_95_rad: Interval95,
 }

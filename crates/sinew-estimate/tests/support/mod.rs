@@ -11,6 +11,7 @@ use sinew_eval::scenarios::Plan;
 use sinew_files::date::parse_utc_s;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
 use sinew_sim::{Scenario, Simulation};
 use std::path::{Path, PathBuf};
 
@@ -72,9 +73,9 @@ pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
         time_utc_s: utc("2026-03-01") + day * DAY_S,
         duration_s: Some(60.0),
         joint: "elbow".into(),
-        offset_mrad: Some([offset_mrad, 0.6]),
+        offset_rad: Some(Gaussian::new(1e-3 * offset_mrad, 0.6e-3 / Z95)),
         temperature_c: Some(21.0),
-        stiffness_percent: None,
+        stiffness_ratio: None,
     }
 }
 

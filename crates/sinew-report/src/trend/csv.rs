@@ -1,8 +1,9 @@
 //! Every session of every tendon as a table.
 
-use super::result::TrendReport;
+use sinew_estimate::trend::TrendReport;
 use sinew_files::date::day_of;
 use sinew_files::{OutputError, write_file};
+use sinew_model::Z95;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -16,36 +17,31 @@ pub fn write_csv(report: &TrendReport, path: &Path) -> Result<(), OutputError> {
         "day,time_utc_s,joint,offset_mrad,interval_95_mrad,temperature_c,at_reference_mrad,\
          tracked_mrad,tracked_interval_95_mrad,jump_probability,off\n",
     );
-    let cell = |v: f64| {
-        if v.is_finite() {
-            format!("{v:.6}")
-        } else {
-            String::new()
-        }
+    let cell = |v: Option<f64>| match v {
+        Some(v) if v.is_finite() => format!("{v:.6}"),
+        _ => String::new(),
     };
     for joint in &report.joints {
-        let s = &joint.series;
         // A name with a comma or a quote is quoted.
         let name = if joint.name.contains([',', '"', '\n']) {
             format!("\"{}\"", joint.name.replace('"', "\"\""))
         } else {
             joint.name.clone()
         };
-        for i in 0..s.time_utc_s.len() {
-            let [tracked, interval] = s.tracked_mrad[i];
+        for s in &joint.series {
             let _ = writeln!(
                 out,
                 "{},{:.3},{name},{},{},{},{},{},{},{:.4},{}",
-                day_of(s.time_utc_s[i]),
-                s.time_utc_s[i],
-                cell(s.offset_mrad[i]),
-                cell(s.interval_95_mrad[i]),
-                cell(s.temperature_c[i]),
-                cell(s.at_reference_mrad[i]),
-                cell(tracked),
-                cell(interval),
-                s.jump_probability[i],
-                s.off[i]
+                day_of(s.time_utc_s),
+                s.time_utc_s,
+                cell(s.offset_rad.map(|y| 1e3 * y.mean)),
+                cell(s.offset_rad.map(|y| 1e3 * Z95 * y.deviation)),
+                cell(s.temperature_c),
+                cell(s.at_reference_rad.map(|y| 1e3 * y)),
+                cell(Some(1e3 * s.tracked_rad.mean)),
+                cell(Some(1e3 * Z95 * s.tracked_rad.deviation)),
+                s.jump_probability,
+                s.is_off
             );
         }
     }

@@ -1,91 +1,91 @@
-//! The trend as figures and as a page for whoever keeps the robots running.
+//! The trend as figures and as a page.
 
-use sinew_estimate::trend::{JointTrend, TrendReport};
+use super::summary::MONTH_S;
+use super::words::{
+    event_name, format_basis, format_limit, format_meaning, format_note, format_passage,
+    format_verdict, limit_name, plus_minus, plus_minus_or_dash,
+};
+use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Block, Page, Table, rounded};
-
-const DAY_S: f64 = 86_400.0;
+use sinew_files::date::{DAY_S, day_of};
+use sinew_model::Z95;
 
 /// Offset of one tendon over days since tensioning: sessions at the reference temperature, what the
 /// trend knew, the forecast, limits and events.
 pub fn figure(joint: &JointTrend) -> Figure {
     let s = &joint.series;
-    let start = s.time_utc_s.first().copied().unwrap_or(joint.last_utc_s);
-    let day = |t: &f64| (t - start) / DAY_S;
-    let days: Vec<f64> = s.time_utc_s.iter().map(day).collect();
-    let (low, high) = s.tracked_mrad.iter().map(|[m, h]| (m - h, m + h)).unzip();
-    let mean = s.tracked_mrad.iter().map(|[m, _]| *m).collect();
+    let start = s.first().map_or(joint.last_utc_s, |p| p.time_utc_s);
+    let day = |t: f64| (t - start) / DAY_S;
+    let days: Vec<f64> = s.iter().map(|p| day(p.time_utc_s)).collect();
+    let tracked = |z: f64| -> Vec<f64> {
+        (s.iter().map(|p| p.tracked_rad))
+            .map(|t| 1e3 * t.mean + z * (1e3 * Z95 * t.deviation))
+            .collect()
+    };
+    let at_reference: Vec<f64> = (s.iter())
+        .map(|p| p.at_reference_rad.map_or(f64::NAN, |y| 1e3 * y))
+        .collect();
     // As far ahead as it was watched, or until the first limit, at most four times as far.
     let watched = days.last().copied().unwrap_or(0.0).max(14.0);
     let reach = joint
         .limits
         .iter()
-        .filter_map(|l| l.interval_95_days[1].or(l.days.map(|d| 1.3 * d)))
+        .filter_map(|l| l.after_high_s.or(l.after_s.map(|t| 1.3 * t)))
+        .map(|t| t / DAY_S)
         .fold(watched, f64::max)
         .min(3.0 * watched);
     let end = days.last().copied().unwrap_or(0.0) + reach;
-    let shown: Vec<usize> = (0..s.forecast_utc_s.len())
-        .filter(|i| day(&s.forecast_utc_s[*i]) <= end)
-        .collect();
-    let ahead: Vec<f64> = shown.iter().map(|i| day(&s.forecast_utc_s[*i])).collect();
-    let of = |q: usize| {
-        shown
-            .iter()
-            .map(|i| s.forecast_mrad[*i][q])
-            .collect::<Vec<f64>>()
-    };
+    let shown = || joint.forecast.iter().filter(|f| day(f.time_utc_s) <= end);
+    let ahead: Vec<f64> = shown().map(|f| day(f.time_utc_s)).collect();
+    let low = shown().map(|f| 1e3 * f.interval_95_rad.low).collect();
+    let high: Vec<f64> = shown().map(|f| 1e3 * f.interval_95_rad.high).collect();
+    let median = shown().map(|f| 1e3 * f.offset_rad).collect();
+    // A limit far above all that happens would flatten the curve.
+    let top = (high.iter().copied()).fold((1e3 * joint.offset_rad.mean).abs(), f64::max);
     let mut panel = Panel::new("", "days since the first session", "offset (mrad)")
-        .band(Band::new("forecast, 95 %", ahead.clone(), of(0), of(2)).colour(Colour::Orange))
-        .band(Band::new("known then, 95 %", days.clone(), low, high))
+        .band(Band::new("forecast, 95 %", ahead.clone(), low, high).colour(Colour::Orange))
+        .band(Band::new(
+            "known then, 95 %",
+            days.clone(),
+            tracked(-1.0),
+            tracked(1.0),
+        ))
         .line(
             Line::new(
                 format!("sessions, at {} °C", rounded(joint.reference_c, 3)),
                 days.clone(),
-                s.at_reference_mrad.clone(),
+                at_reference.clone(),
             )
             .colour(Colour::Grey)
             .width(1.0),
         )
-        .line(Line::new("trend", days, mean))
+        .line(Line::new("trend", days, tracked(0.0)))
         .line(
-            Line::new("forecast, median", ahead, of(1))
+            Line::new("forecast, median", ahead, median)
                 .colour(Colour::Orange)
                 .dash(Dash::Dashed),
         )
         .x_range(0.0, end);
     for limit in &joint.limits {
-        // A limit far above all that happens would flatten the curve.
-        let top = of(2).into_iter().fold(joint.offset_mrad[0].abs(), f64::max);
-        if limit.limit_mrad < 1.5 * top && limit.kind == "re-tension" {
-            panel = panel.reference(limit.limit_mrad, limit.kind.clone());
+        let limit_mrad = 1e3 * limit.limit_rad;
+        if limit_mrad < 1.5 * top && matches!(limit.limit, Limit::Retension { .. }) {
+            panel = panel.reference(limit_mrad, limit_name(limit.limit));
         }
     }
     // The first session after a jump looks off until the next agrees with it.
     let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * DAY_S);
-    let last_off = (0..s.off.len())
-        .rev()
-        .find(|i| s.off[*i] && !jumped(s.time_utc_s[*i]));
+    let last_off = s.iter().rposition(|p| p.is_off && !jumped(p.time_utc_s));
     if let Some(i) = last_off {
-        panel = panel.note(
-            day(&s.time_utc_s[i]),
-            s.at_reference_mrad[i],
-            "off by itself",
-        );
+        panel = panel.note(day(s[i].time_utc_s), at_reference[i], "off by itself");
     }
     for event in &joint.events {
-        panel = panel.event(day(&event.time_utc_s), event.kind.clone());
+        panel = panel.event(day(event.time_utc_s), event_name(event.kind));
     }
     Figure::new(format!("Offset of {}", joint.name))
-        .subtitle(joint.verdict.clone())
+        .subtitle(format_verdict(joint))
         .size(820.0, 360.0)
         .panel(panel)
-}
-
-/// `12.3 ± 0.4`, or a dash.
-fn plus_minus(value: Option<[f64; 2]>) -> String {
-    value.map_or("–".into(), |[m, h]| {
-        format!("{} ± {}", rounded(m, 3), rounded(h, 2))
-    })
 }
 
 /// The page.
@@ -95,12 +95,12 @@ pub fn html(report: &TrendReport) -> String {
     page.subtitle = report
         .joints
         .iter()
-        .map(|j| j.last_day.clone())
-        .max()
-        .map_or(String::new(), |d| format!("as of {d}"));
+        .map(|j| j.last_utc_s)
+        .reduce(f64::max)
+        .map_or(String::new(), |t| format!("as of {}", day_of(t)));
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.joints.iter())
-        .map(|j| format!("{}: {}", j.name, j.verdict))
+        .map(|j| format!("{}: {}", j.name, format_verdict(j)))
         .collect();
     let head = [
         "tendon",
@@ -113,10 +113,10 @@ pub fn html(report: &TrendReport) -> String {
         .map(|j| {
             vec![
                 j.name.clone(),
-                plus_minus(Some(j.offset_mrad)),
-                plus_minus(j.elongation_mm),
-                plus_minus(j.strain_percent),
-                plus_minus(Some(j.rate_mrad_per_month)),
+                plus_minus(j.offset_rad, 1e3),
+                plus_minus_or_dash(j.elongation_m, 1e3),
+                plus_minus_or_dash(j.strain_ratio, 100.0),
+                plus_minus(j.rate_rad_per_s, 1e3 * MONTH_S),
             ]
         })
         .collect();
@@ -139,7 +139,7 @@ pub fn html(report: &TrendReport) -> String {
         "A forecast supposes that the robot is used as before and that nothing fails.".into(),
         "A jump is suspected after one session and confirmed by the next that agrees.".into(),
     ];
-    how.extend(report.notes.iter().cloned());
+    how.extend(report.notes.iter().map(format_note));
     page.section("How to read this", vec![Block::List(how)])
         .html()
 }
@@ -150,8 +150,8 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         format!(
             "{} sessions from {} to {}, {} of them without information; reference temperature {} °C",
             joint.sessions,
-            joint.first_day,
-            joint.last_day,
+            day_of(joint.first_utc_s),
+            day_of(joint.last_utc_s),
             joint.without_information,
             rounded(joint.reference_c, 3)
         ),
@@ -165,10 +165,10 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
             rows: (joint.limits.iter())
                 .map(|l| {
                     vec![
-                        l.kind.clone(),
-                        l.stated.clone(),
+                        limit_name(l.limit).into(),
+                        format_limit(l.limit),
                         format!("{:.2}", l.passed_probability),
-                        l.said.clone(),
+                        format_passage(l),
                     ]
                 })
                 .collect(),
@@ -183,13 +183,16 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
             rows: (joint.events.iter())
                 .map(|e| {
                     vec![
-                        e.day.clone(),
-                        e.kind.clone(),
-                        plus_minus(e.size_mrad),
-                        if e.stated {
-                            "stated".into()
-                        } else {
-                            format!("{:.1} %, {}", 100.0 * e.probability, e.confirmed_day)
+                        day_of(e.time_utc_s),
+                        event_name(e.kind).into(),
+                        plus_minus_or_dash(e.size_rad, 1e3),
+                        match e.kind {
+                            TrendEventKind::Tensioned { stated: true } => "stated".into(),
+                            _ => format!(
+                                "{:.1} %, {}",
+                                100.0 * e.probability,
+                                day_of(e.confirmed_utc_s)
+                            ),
                         },
                     ]
                 })
@@ -199,17 +202,17 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         let meanings = joint.events.iter();
         blocks.push(Block::List(
             meanings
-                .map(|e| format!("{}: {}", e.day, e.meaning))
+                .map(|e| format!("{}: {}", day_of(e.time_utc_s), format_meaning(e)))
                 .collect(),
         ));
     }
     let mut facts = vec![
-        ["Forecast rests on".to_string(), joint.basis.clone()],
+        ["Forecast rests on".to_string(), format_basis(&joint.basis)],
         [
             "Tensioned".into(),
             format!(
                 "{}{}",
-                joint.tensioned_day,
+                day_of(joint.tensioned_utc_s),
                 if joint.tensioned_stated {
                     ""
                 } else {
@@ -219,18 +222,16 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         ],
         [
             "Error that sessions share".into(),
-            format!("{} mrad", rounded(joint.shared_error_mrad, 2)),
+            format!("{} mrad", rounded(1e3 * joint.shared_error_rad, 2)),
         ],
         [
             "Sessions' own error over what they state".into(),
-            rounded(joint.stated_width_factor, 2),
+            rounded(joint.stated_width_ratio, 2),
         ],
     ];
-    if joint.drift_mrad_per_k.is_some() {
-        facts.push([
-            "Drift with temperature, mrad/K".into(),
-            plus_minus(joint.drift_mrad_per_k),
-        ]);
+    if let Some(drift) = joint.drift_rad_per_k {
+        let drift = plus_minus(drift, 1e3);
+        facts.push(["Drift with temperature, mrad/K".into(), drift]);
     }
     blocks.push(Block::Table(Table {
         caption: String::new(),

@@ -1,0 +1,11 @@
+//! The trend in words, as a table, as figures and as a page for whoever keeps the robots running.
+
+mod csv;
+mod page;
+mod summary;
+mod words;
+
+pub use csv::write_csv;
+pub use page::{figure, html};
+pub use summary::{HEAD, JointSummary, TrendSummary, summarise};
+pub use words::format_note;

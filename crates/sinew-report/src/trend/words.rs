@@ -1,0 +1,208 @@
+//! What a trend finds, in words.
+
+use sinew_estimate::trend::{
+    JointTrend, JumpCause, Limit, LimitForecast, LimitState, MissingFromRobot, PriorBasis,
+    TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
+};
+use sinew_figure::rounded;
+use sinew_files::date::{DAY_S, day_of};
+use sinew_model::{Gaussian, Z95};
+
+/// `12.3 ± 0.4` with half a 95 % interval, in a unit of which `factor` make one of SI.
+pub(super) fn plus_minus(value: Gaussian, factor: f64) -> String {
+    let (mean, half) = (factor * value.mean, factor * Z95 * value.deviation);
+    format!("{} ± {}", rounded(mean, 3), rounded(half, 2))
+}
+
+/// The same, or a dash.
+pub(super) fn plus_minus_or_dash(value: Option<Gaussian>, factor: f64) -> String {
+    value.map_or("–".into(), |v| plus_minus(v, factor))
+}
+
+/// Whole days of a time.
+pub(super) fn whole_days(time_s: f64) -> String {
+    format!("{:.0}", (time_s / DAY_S).round())
+}
+
+pub(super) fn limit_name(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Retension { .. } => "re-tension",
+        Limit::Replace { .. } => "replace",
+    }
+}
+
+/// The limit in the unit of robot.toml.
+pub(super) fn format_limit(limit: Limit) -> String {
+    match limit {
+        Limit::Retension { elongation_m } => format!("{} mm", rounded(1e3 * elongation_m, 3)),
+        Limit::Replace { strain_ratio } => format!("{} % strain", rounded(100.0 * strain_ratio, 3)),
+    }
+}
+
+/// When a limit is passed.
+pub(super) fn format_passage(limit: &LimitForecast) -> String {
+    let days = |time_s: Option<f64>| whole_days(time_s.unwrap_or(0.0));
+    let low = days(limit.after_low_s);
+    match limit.state {
+        LimitState::TooFewSessions => "unknown: too few sessions".into(),
+        LimitState::NotWithinHorizon => "not within the horizon".into(),
+        LimitState::NotBefore => format!("unknown: not before {low} days, perhaps never"),
+        LimitState::Passed => {
+            let percent = 100.0 * limit.passed_probability;
+            if percent > 99.0 {
+                "passed (over 99 % sure)".into()
+            } else {
+                format!("passed ({percent:.0} % sure)")
+            }
+        }
+        LimitState::Forecast => match limit.after_high_s {
+            Some(_) => format!(
+                "in {} days ({low} to {})",
+                days(limit.after_s),
+                days(limit.after_high_s)
+            ),
+            None => format!(
+                "in {} days or later, not before {low}, perhaps never",
+                days(limit.after_s)
+            ),
+        },
+    }
+}
+
+pub(super) fn event_name(kind: TrendEventKind) -> &'static str {
+    match kind {
+        TrendEventKind::Jump { .. } => "jump",
+        TrendEventKind::Tensioned { .. } => "tensioned",
+    }
+}
+
+/// What an event may be.
+pub(super) fn format_meaning(event: &TrendEvent) -> String {
+    let change = event.stiffness_change_ratio.map_or(String::new(), |c| {
+        format!(
+            " ({:.1} ± {:.1} %)",
+            100.0 * c.mean,
+            100.0 * c.half_width_95()
+        )
+    });
+    match event.kind {
+        TrendEventKind::Tensioned { stated: true } => "tensioned".into(),
+        TrendEventKind::Tensioned { stated: false } => {
+            "the offset fell: tensioned, and nobody wrote it down?".into()
+        }
+        TrendEventKind::Jump { cause } => match cause {
+            JumpCause::StrandFailure => {
+                format!("the stiffness fell too{change}: a strand has failed?")
+            }
+            JumpCause::Slip => {
+                format!("the stiffness stayed{change}: a slip of rope, clamp or encoder?")
+            }
+            JumpCause::Unknown => {
+                "a failed strand, a slip of rope or clamp, or of an encoder; the \
+                                   stiffness doesn't tell"
+                    .into()
+            }
+        },
+    }
+}
+
+/// The limit a tendon's verdict is about: one that is passed, else the first.
+pub(super) fn limit_of_verdict(joint: &JointTrend) -> Option<&LimitForecast> {
+    match joint.verdict {
+        TrendVerdict::Retension | TrendVerdict::Replace => {
+            (joint.limits.iter()).find(|l| l.state == LimitState::Passed)
+        }
+        TrendVerdict::Wait => joint.limits.first(),
+        TrendVerdict::Inspect | TrendVerdict::Watch | TrendVerdict::NoLimit => None,
+    }
+}
+
+/// The tendon in one sentence.
+pub(super) fn format_verdict(joint: &JointTrend) -> String {
+    let passed = |what: &str| {
+        limit_of_verdict(joint).map(|l| {
+            let (limit, passage) = (format_limit(l.limit), format_passage(l));
+            format!("{what}: the limit of {limit} is {passage}")
+        })
+    };
+    let said = match joint.verdict {
+        TrendVerdict::Replace => passed("replace the rope"),
+        TrendVerdict::Retension => passed("tension it again"),
+        TrendVerdict::Inspect => joint.events.iter().rfind(|e| e.is_jump()).map(|jump| {
+            let size = jump.size_rad.map_or(String::new(), |s| {
+                let (size, half) = (1e3 * s.mean, 1e3 * Z95 * s.deviation);
+                format!(" by {} ± {} mrad", rounded(size, 2), rounded(half, 2))
+            });
+            let (day, meaning) = (day_of(jump.time_utc_s), format_meaning(jump));
+            format!("look at it: jumped{size} by {day}; {meaning}")
+        }),
+        TrendVerdict::Watch => joint.suspicion.map(|s| {
+            let (day, percent) = (day_of(s.time_utc_s), 100.0 * s.probability);
+            format!(
+                "watch it: a jump by {day} is {percent:.0} % likely, the next session will tell"
+            )
+        }),
+        TrendVerdict::Wait => limit_of_verdict(joint)
+            .map(|l| format!("{} {}", limit_name(l.limit), format_passage(l))),
+        TrendVerdict::NoLimit => None,
+    };
+    said.unwrap_or_else(|| "no limit in robot.toml".into())
+}
+
+/// What a forecast rests on.
+pub(super) fn format_basis(basis: &PriorBasis) -> String {
+    match basis {
+        PriorBasis::Generic { missing } => {
+            let why = match missing {
+                MissingFromRobot::Tendon => "has no tendon here",
+                MissingFromRobot::Rope => "names no rope here",
+                MissingFromRobot::Pretension => "has no pretension_n here",
+            };
+            format!("generic creep curves, since the robot file {why}")
+        }
+        PriorBasis::Rope {
+            rope,
+            parameters,
+            guesses,
+            draws,
+            duty,
+        } => {
+            let duty = match duty {
+                Some(duty) => format!("under the duty of {duty}"),
+                None => "under work with peaks nobody recorded".into(),
+            };
+            format!(
+                "law of {rope} ({guesses} of {parameters} parameters starting guesses), {draws} draws \
+                 {duty}, and a fifth generic curves"
+            )
+        }
+    }
+}
+
+/// What was dropped or assumed, in a sentence.
+pub fn format_note(note: &TrendNote) -> String {
+    let places = |source: &str, more: usize| match more {
+        0 => source.to_string(),
+        more => format!("{source} and {more} more"),
+    };
+    match note {
+        TrendNote::Repeated { source, more } => {
+            format!(
+                "{}: the same session again, counted once",
+                places(source, *more)
+            )
+        }
+        TrendNote::Overlapping { source, more } => {
+            let places = places(source, *more);
+            format!("{places}: overlaps the session before it, left out")
+        }
+        TrendNote::TensioningNotStated { joint } => format!(
+            "{joint}: nobody said when it was tensioned (--tensioned DATE); the clock of its creep \
+             begins with the first session"
+        ),
+        TrendNote::OtherBaseline { joint, time_utc_s } => format!(
+            "{joint}: another baseline from {} on; taken as a tensioning",
+            day_of(*time_utc_s)
+        ),
+    }
+}
