@@ -138,7 +138,7 @@ mod tests {
             ),
             (
                 "repeat = true\n\n[[block]]\nduration_s = -1\ntension_n = 1\n",
-                "line 3",
+                "line 4",
             ),
             (
                 "[[block]]\nduration_s = 1\ntension_n = -5\n",
