@@ -91,11 +91,13 @@ pub fn unit_of(key: &str) -> &'static str {
         ("_v", "V"),
     ];
     // `pose_rad.elbow` has its unit before the joint's name, `offsets[0].rad` no word before it.
-    key.rsplit('.')
-        .find_map(|part| {
-            UNITS
-                .iter()
-                .find(|(ending, _)| part.ends_with(ending) || part == &ending[1..])
+    let mut parts = key.rsplit('.');
+    let last = parts.next().unwrap_or_default();
+    let unit = |is: &dyn Fn(&str) -> bool| UNITS.iter().find(|(ending, _)| is(ending));
+    unit(&|ending| last.ends_with(ending) || last == &ending[1..])
+        .or_else(|| {
+            let before = parts.next()?;
+            unit(&|ending| before.ends_with(ending))
         })
         .map_or("", |(_, unit)| unit)
 }

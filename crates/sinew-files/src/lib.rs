@@ -22,6 +22,7 @@ pub mod names;
 #[cfg(feature = "toml")]
 pub mod section;
 pub mod text;
+mod utf16;
 
 pub use atomic::{AtomicFile, OutputError, write_file};
 pub use bound::Bound;
@@ -31,3 +32,4 @@ pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use section::{Section, TomlFile, Value};
 pub use text::read_text;
+pub use utf16::Utf16Reader;

@@ -64,7 +64,7 @@ pub(crate) const BLOCKS: usize = 7;
 /// "Not recorded", told apart from a NaN that *was* recorded by its payload.
 ///
 /// Both reach the user as NaN; only the recorded one is counted as a bad sample.
-pub(crate) const ABSENT: f64 = f64::from_bits(0x7ff8_5349_4e45_5701);
+pub const ABSENT: f64 = f64::from_bits(0x7ff8_5349_4e45_5701);
 
 #[inline]
 pub(crate) fn is_absent(value: f64) -> bool {

@@ -1,6 +1,7 @@
 //! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet.
 //!
-//! What was measured, and nothing else: no physics, no clock, no network.
+//! What was measured, and nothing else: no physics, no clock, no network. In three storeys: [`decode`]
+//! (bytes to messages), [`assemble`] (samples to frames, time as an argument), and on top the files.
 //!
 //! ```no_run
 //! use sinew_log::{OpenOptions, open};
@@ -73,6 +74,7 @@
 //! | signal all NaN, constant (100 frames, 1 s) | suspicion |
 //! | joint position beyond 2π | suspicion "looks like degrees"; not converted |
 //! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | suspicion: degrees, gear ratio, sign |
+//! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
 //! | table without a time or joint column, column twice | refused |
 //! | CSV cell that is no number | refused with line, column and value; empty, `nan`, `null`, `n/a` are none |
 //! | CSV row with too few or too many cells | padded, or cut; counted |
@@ -85,30 +87,26 @@
 //!
 //! A damaged or lossy recording is never an error of a call: see [`Health::is_damaged`].
 
-mod ahead;
+pub mod assemble;
+mod creep_tests;
+pub mod decode;
+mod error;
+mod files;
 mod frame;
 mod health;
-mod options;
-mod recording;
-
-mod join;
 mod mapping;
-mod mcap_read;
-mod table;
-mod write;
+mod options;
 
-mod test_file;
-
-mod error;
-
-pub use error::{LogError, Place};
-pub use frame::{Channels, Frame, Quantities, Quantity};
-pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
-pub use mapping::Mapping;
-pub use options::{JointEffort, OpenOptions};
-pub use recording::{Format, Progress, ReadSeek, Recording, open};
-pub use test_file::{
+pub use creep_tests::{
     ColumnChoice, ColumnUse, Specimen, TestFile, TestFormat, TestOptions, TestQuantity, read_test,
     read_test_bytes,
 };
-pub use write::{Compression, CsvWriter, FrameWriter, McapOptions, McapWriter};
+pub use error::LogError;
+pub use files::{
+    Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Progress, ReadSeek,
+    Recording, open,
+};
+pub use frame::{Channels, Frame, Quantities, Quantity};
+pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
+pub use mapping::{JointEffort, Mapping};
+pub use options::OpenOptions;

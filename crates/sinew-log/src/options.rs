@@ -1,18 +1,6 @@
 //! How a recording shall be read.
 
-use crate::mapping::Mapping;
-
-/// Which quantity the `effort` of the joint-side `JointState` is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum JointEffort {
-    /// Elastic joint torque from a sensor (the default).
-    #[default]
-    TauEl,
-    /// Motor torque reflected to the joint, as many drivers publish it.
-    TauM,
-    /// Not used.
-    Ignore,
-}
+use crate::mapping::{JointEffort, Mapping};
 
 /// How a recording shall be read; every field has a documented default.
 ///
@@ -66,4 +54,9 @@ impl Default for OpenOptions {
             chunk_limit_bytes: 256 << 20,
         }
     }
+}
+
+/// Seconds to nanoseconds, saturating.
+pub(crate) fn to_ns(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
 }

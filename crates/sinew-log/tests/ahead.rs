@@ -1,10 +1,8 @@
 //! Frames read ahead on another thread are those read one by one.
 
+use crate::support::{open_bytes, read_bytes};
 use sinew_log::{Frame, LogError, OpenOptions, Recording};
 use std::ops::ControlFlow;
-use support::{open_bytes, read_bytes};
-
-mod support;
 
 /// 13 batches and a part of one.
 const ROWS: usize = 3500;

@@ -1,10 +1,8 @@
 //! Files that are cut off, corrupted or lie about their lengths: read up to the damage.
 
-mod support;
-
+use crate::support::*;
 use mcap::Compression;
 use sinew_log::{Health, LogError, OpenOptions};
-use support::*;
 
 const STEPS: i64 = 400;
 

@@ -1,9 +1,7 @@
 //! How messages become frames: by name, by stamp, in order, over gaps and jumps.
 
-mod support;
-
+use crate::support::*;
 use sinew_log::{EventKind, Mapping, OpenOptions, Quantity};
-use support::*;
 
 fn times(frames: &[sinew_log::Frame]) -> Vec<i64> {
     frames

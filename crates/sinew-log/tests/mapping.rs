@@ -7,7 +7,7 @@ fn refused(text: &str, line: usize, words: &[&str]) {
         .unwrap_err()
         .to_string();
     assert!(
-        message.starts_with(&format!("map.toml: line {line}: ")),
+        message.starts_with(&format!("map.toml, line {line}: ")),
         "{message}\n{text}"
     );
     for word in words {
@@ -21,24 +21,24 @@ fn joint(source: &str) -> String {
 
 #[test]
 fn keys_and_types() {
-    refused("[tme]\ncolumn = \"t\"\n", 1, &["unknown field", "tme"]);
+    refused("[tme]\ncolumn = \"t\"\n", 1, &["unknown key", "tme"]);
     refused(
         "[joints.a]\nposition = { column = \"x\" }\n",
         2,
-        &["unknown field", "position", "theta"],
+        &["unknown key", "position", "theta"],
     );
-    refused(&joint("{ colum = \"x\" }"), 2, &["unknown field", "colum"]);
-    refused(&joint("{ column = 3 }"), 2, &["invalid type"]);
+    refused(&joint("{ colum = \"x\" }"), 2, &["unknown key", "colum"]);
+    refused(&joint("{ column = 3 }"), 2, &["text in quotes"]);
     refused("[joints.a]\nq = { column = \"x\"\n", 2, &[]);
     refused(
         "[mcap]\ntopic = \"x\"\n",
         2,
-        &["unknown field", "motor_topic"],
+        &["unknown key", "motor_topic"],
     );
     refused(
         "[mcap]\njoint_effort = \"force\"\n",
         2,
-        &["'force'", "tau_el"],
+        &["\"force\"", "tau_el"],
     );
     refused("[time]\nunit = \"min\"\n", 2, &["'min'", "s, ms, us, ns"]);
     refused(
@@ -73,9 +73,13 @@ fn units_and_factors() {
     refused(
         &joint("{ column = \"x\", gear_ratio = 0.0 }"),
         2,
-        &["gear_ratio 0", "not zero"],
+        &["gear_ratio = 0", "not zero"],
     );
-    refused(&joint("{ column = \"x\", scale = nan }"), 2, &["scale NaN"]);
+    refused(
+        &joint("{ column = \"x\", scale = nan }"),
+        2,
+        &["scale = nan"],
+    );
     refused(
         &joint("{ column = \"x\", scale = 1e300, gear_ratio = 1e-300 }"),
         2,
@@ -84,17 +88,17 @@ fn units_and_factors() {
     refused(
         &joint("{ column = \"x\", sign = 2 }"),
         2,
-        &["sign 2 must be 1 or -1"],
+        &["sign = 2", "must be 1 or -1"],
     );
     refused(
         &joint("{ column = \"x\", offset = inf }"),
         2,
-        &["offset inf"],
+        &["offset = inf"],
     );
     refused(
         &joint("{ column = \"x\", wrap_period = -1.0 }"),
         2,
-        &["wrap_period -1"],
+        &["wrap_period = -1"],
     );
     refused(
         &joint("{ column = \"x\", wrap_period = 1.0, wrap = false }"),
@@ -120,7 +124,7 @@ fn units_and_factors() {
     refused(
         &joint("{ sum = [ { column = \"y\", sum = [] } ] }"),
         2,
-        &["unknown field"],
+        &["unknown key"],
     );
 }
 

@@ -1,9 +1,7 @@
 //! Payloads that are wrong in themselves.
 
-mod support;
-
+use crate::support::*;
 use sinew_log::OpenOptions;
-use support::*;
 
 #[test]
 fn both_byte_orders_and_a_change_between_them() {

@@ -1,16 +1,14 @@
 //! Parquet tables: types, nulls, row groups, damage.
 
-mod support;
-
 use std::sync::Arc;
 
+use crate::support::*;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::data_type::{DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use sinew_log::{Format, LogError, OpenOptions};
-use support::*;
 
 const GROUPS: i64 = 3;
 const ROWS: i64 = 1500;
@@ -116,7 +114,7 @@ fn a_file_that_was_cut_off_is_refused_and_wrong_bytes_are_survived() {
         bytes[at] ^= 0x3c;
         let mut recording = match open_bytes(&bytes, "a.parquet", &OpenOptions::default()) {
             Ok(recording) => recording,
-            Err(LogError::NotARecording { .. } | LogError::Content { .. }) => continue,
+            Err(LogError::NotARecording { .. } | LogError::File(_)) => continue,
             Err(error) => panic!("{error}"),
         };
         while recording.next_frame().unwrap().is_some() {}

@@ -1,9 +1,7 @@
 //! CSV as people and programs write it, and what is wrong with some of it.
 
-mod support;
-
+use crate::support::*;
 use sinew_log::{Frame, Health, Mapping, OpenOptions, Quantity};
-use support::*;
 
 fn read(text: &str) -> (Vec<Frame>, Health) {
     read_bytes(text.as_bytes(), "a.csv")
@@ -126,15 +124,40 @@ fn degrees_gear_ratios_and_signs_are_suspected() {
 }
 
 #[test]
+fn encodings_of_other_systems() {
+    let plain = "time_s;q.ärm_rad;theta.ärm_rad\n0,5;1,5;2,5\n0,75;-1e-3;3\n";
+    let (frames, health) = read(plain);
+    let wide = |unit: fn(u16) -> [u8; 2], text: &str| -> Vec<u8> {
+        let marked = format!("\u{feff}{text}");
+        marked.encode_utf16().flat_map(unit).collect()
+    };
+    for bytes in [
+        plain.chars().map(|c| c as u8).collect(),
+        wide(u16::to_le_bytes, plain),
+        wide(u16::to_be_bytes, plain),
+        wide(u16::to_le_bytes, plain.trim_end()),
+    ] {
+        let options = OpenOptions::default();
+        let recording = open_bytes(&bytes, "a.csv", &options).unwrap();
+        assert_eq!(recording.joints(), ["ärm"]);
+        assert_eq!(read_all(recording), (frames.clone(), health.clone()));
+    }
+    // A last line that is cut off is told in UTF-16 too.
+    let cut = plain.strip_suffix(";3\n").unwrap();
+    let (_, health) = read_bytes(&wide(u16::to_le_bytes, cut), "a.csv");
+    assert!(health.is_damaged(), "{health:?}");
+}
+
+#[test]
 fn a_cell_that_is_no_number_is_an_error_with_its_place() {
     let message = error("time_s,q.a_rad\n0,1\n1,fault\n2,3\n");
     assert_eq!(
         message,
-        "log.csv: line 3, column 'q.a_rad': 'fault' is not a number; empty or nan means not recorded"
+        "log.csv, line 3, column 'q.a_rad' = 'fault': is not a number; empty or nan means not recorded"
     );
     let message = error("time_s,q.a_rad\nsoon,1\n");
     assert!(
-        message.contains("line 2, column 'time_s': 'soon' is not a time"),
+        message.contains("line 2, column 'time_s' = 'soon': is not a time"),
         "{message}"
     );
     let message = error("time_s,q.a_rad\n1e30,1\n");
@@ -347,7 +370,7 @@ fn a_mapping_and_a_table_that_do_not_fit() {
     let message = mapped("[joints.a]\nq = { column = \"positoin\" }\n", text).unwrap_err();
     assert!(
         message
-            .contains("map.toml: line 2: no column 'positoin' in a.csv; did you mean 'position'?"),
+            .contains("map.toml, line 2: no column 'positoin' in a.csv; did you mean 'position'?"),
         "{message}"
     );
     let message = mapped("[joints.a]\nq = { unit = \"deg\" }\n", text).unwrap_err();

@@ -35,9 +35,11 @@
 mod parse;
 pub(crate) mod unit;
 
-use crate::frame::Quantity;
+use std::path::Path;
 
-pub(crate) use parse::from_toml;
+use sinew_files::Located;
+
+use crate::frame::Quantity;
 
 /// Names, units, gear ratios, signs and offsets of a recording that has its own.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -53,24 +55,19 @@ impl Mapping {
     /// Reads a mapping from the text of a TOML file; `file_name` is for messages only.
     ///
     /// # Errors
-    /// [`LogError::Mapping`](crate::LogError::Mapping) with file and line: broken TOML, unknown
-    /// keys, unknown units, a unit that cannot be the quantity, a zero or infinite factor.
-    pub fn from_toml(text: &str, file_name: &str) -> Result<Mapping, crate::LogError> {
-        from_toml(text, file_name)
+    /// With file, line and key: broken TOML, unknown keys, unknown units, a unit that cannot be the
+    /// quantity, a zero or infinite factor.
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Mapping, Located> {
+        parse::from_toml(text, file_name)
     }
 
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// As [`Mapping::from_toml`], and [`LogError::Io`](crate::LogError::Io).
-    pub fn read(path: &std::path::Path) -> Result<Mapping, crate::LogError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| crate::LogError::Io {
-            file: file.clone(),
-            action: "read",
-            source,
-        })?;
-        from_toml(&text, &file)
+    /// As [`Mapping::from_toml`]; a file that cannot be read.
+    pub fn read(path: &Path) -> Result<Mapping, Located> {
+        let text = sinew_files::read_text(path, parse::TEXT_LIMIT_BYTES)?;
+        Self::from_toml(&text, &path.display().to_string())
     }
 
     /// Whether the motor torque of a joint is a current times a torque constant.
@@ -113,6 +110,18 @@ impl JointMap {
     }
 }
 
+/// Which quantity the `effort` of the joint-side `JointState` is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum JointEffort {
+    /// Elastic joint torque from a sensor (the default).
+    #[default]
+    TauEl,
+    /// Motor torque reflected to the joint, as many drivers publish it.
+    TauM,
+    /// Not used.
+    Ignore,
+}
+
 /// Where one quantity comes from: a sum of terms.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Source {
@@ -120,7 +129,7 @@ pub(crate) struct Source {
     pub(crate) wrap: Wrap,
     /// A current times a torque constant.
     pub(crate) is_current: bool,
-    pub(crate) line: usize,
+    pub(crate) line: u64,
 }
 
 /// `si = scale · raw + offset`.
@@ -129,7 +138,7 @@ pub(crate) struct Term {
     pub(crate) column: Option<String>,
     pub(crate) scale: f64,
     pub(crate) offset: f64,
-    pub(crate) line: usize,
+    pub(crate) line: u64,
 }
 
 /// Period of the encoder as seen at the joint.
@@ -157,5 +166,5 @@ pub(crate) struct McapMap {
     pub(crate) motor_effort_interface: Option<String>,
     pub(crate) temperature_interface: Option<String>,
     pub(crate) external_torque_topic: Option<String>,
-    pub(crate) joint_effort: Option<crate::options::JointEffort>,
+    pub(crate) joint_effort: Option<JointEffort>,
 }

@@ -1,433 +1,201 @@
-//! From TOML text to a checked [`Mapping`]. Stored types are their own types.
+//! From TOML text to a checked [`Mapping`].
 
-use std::collections::HashMap;
-
-use serde::Deserialize;
-use toml::Spanned;
+use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 
 use super::unit::{Dimension, Unit, time_unit_exponent};
-use super::{JointMap, Mapping, McapMap, Source, Term, TimeMap, Wrap};
-use crate::error::LogError;
+use super::{JointEffort, JointMap, Mapping, McapMap, Source, Term, TimeMap, Wrap};
 use crate::frame::Quantity;
-use crate::options::JointEffort;
 
 /// Most bytes a mapping file may have: a mapping is written by hand.
-const TEXT_LIMIT_BYTES: usize = 4 << 20;
+pub(super) const TEXT_LIMIT_BYTES: u64 = 4 << 20;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Root {
-    time: Option<Spanned<TimeToml>>,
-    temperature: Option<Spanned<SourceToml>>,
-    #[serde(default)]
-    joints: HashMap<Spanned<String>, JointToml>,
-    #[serde(default)]
-    mcap: McapToml,
-}
+/// Keys of a term, beside `column`.
+const TERM_KEYS: [&str; 8] = [
+    "column",
+    "unit",
+    "scale",
+    "gear_ratio",
+    "counts_per_turn",
+    "torque_constant_nm_per_a",
+    "sign",
+    "offset",
+];
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TimeToml {
-    column: Option<String>,
-    unit: Option<Spanned<String>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct JointToml {
-    name: Option<String>,
-    motor_name: Option<String>,
-    q: Option<Spanned<SourceToml>>,
-    theta: Option<Spanned<SourceToml>>,
-    dq: Option<Spanned<SourceToml>>,
-    tau_el: Option<Spanned<SourceToml>>,
-    tau_m: Option<Spanned<SourceToml>>,
-    tau_ext: Option<Spanned<SourceToml>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SourceToml {
-    column: Option<String>,
-    unit: Option<String>,
-    scale: Option<f64>,
-    gear_ratio: Option<f64>,
-    counts_per_turn: Option<f64>,
-    torque_constant_nm_per_a: Option<f64>,
-    sign: Option<f64>,
-    offset: Option<f64>,
-    wrap_period: Option<f64>,
-    wrap: Option<bool>,
-    sum: Option<Vec<Spanned<TermToml>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TermToml {
-    column: Option<String>,
-    unit: Option<String>,
-    scale: Option<f64>,
-    gear_ratio: Option<f64>,
-    counts_per_turn: Option<f64>,
-    torque_constant_nm_per_a: Option<f64>,
-    sign: Option<f64>,
-    offset: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct McapToml {
-    joint_state_topic: Option<String>,
-    motor_topic: Option<String>,
-    motor_interface: Option<String>,
-    motor_effort_interface: Option<String>,
-    temperature_interface: Option<String>,
-    external_torque_topic: Option<String>,
-    joint_effort: Option<Spanned<String>>,
-}
-
-struct Context<'a> {
-    text: &'a str,
-    file: &'a str,
-}
-
-impl Context<'_> {
-    fn line(&self, byte: usize) -> usize {
-        let end = byte.min(self.text.len());
-        1 + self.text.as_bytes()[..end]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count()
+pub(super) fn from_toml(text: &str, file: &str) -> Result<Mapping, Located> {
+    if text.len() as u64 > TEXT_LIMIT_BYTES {
+        let problem = format!(
+            "{} bytes; a mapping has at most {TEXT_LIMIT_BYTES}",
+            text.len()
+        );
+        return Err(Located::new(file, Fault::TooLarge, problem));
     }
-
-    fn error(&self, line: usize, reason: impl Into<String>) -> LogError {
-        LogError::Mapping {
-            file: self.file.to_owned(),
-            line: Some(line),
-            reason: reason.into(),
-        }
-    }
-}
-
-pub(crate) fn from_toml(text: &str, file: &str) -> Result<Mapping, LogError> {
-    if text.len() > TEXT_LIMIT_BYTES {
-        return Err(LogError::Mapping {
+    TomlFile::parse(text, file)?.root().whole(|s| {
+        let joints = s.read("joints", |s| {
+            let entries = s.entries().into_iter();
+            let read = entries.map(|(name, line, value)| {
+                if name.is_empty() {
+                    let problem = "a joint without a name";
+                    return Err(s.here(Fault::NotAllowed, problem).line(line));
+                }
+                value.section()?.whole(|s| joint(s, name))
+            });
+            read.collect::<Result<Vec<_>, Located>>()
+        })?;
+        Ok(Mapping {
             file: file.to_owned(),
-            line: None,
-            reason: format!(
-                "{} bytes long, a mapping may have {TEXT_LIMIT_BYTES}",
-                text.len()
-            ),
-        });
-    }
-    let context = Context { text, file };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let root: Root = toml::from_str(text).map_err(|error| LogError::Mapping {
-        file: file.to_owned(),
-        line: error.span().map(|span| context.line(span.start)),
-        reason: error.message().trim().replace('\n', "; "),
-    })?;
-
-    let time = root.time.map(|time| time_map(&context, time)).transpose()?;
-    let temperature = root
-        .temperature
-        .map(|source| source_map(&context, source, Quantity::Temperature, "temperature"))
-        .transpose()?;
-
-    let mut entries: Vec<(Spanned<String>, JointToml)> = root.joints.into_iter().collect();
-    entries.sort_by_key(|(name, _)| name.span().start);
-    let mut joints = Vec::with_capacity(entries.len());
-    for (name, joint) in entries {
-        joints.push(joint_map(&context, name, joint)?);
-    }
-
-    let mcap = root.mcap;
-    let joint_effort = match mcap.joint_effort {
-        None => None,
-        Some(effort) => Some(match effort.as_ref().as_str() {
-            "tau_el" => JointEffort::TauEl,
-            "tau_m" => JointEffort::TauM,
-            "ignore" => JointEffort::Ignore,
-            other => {
-                return Err(context.error(
-                    context.line(effort.span().start),
-                    format!("joint_effort '{other}': known are tau_el, tau_m, ignore"),
-                ));
-            }
-        }),
-    };
-    Ok(Mapping {
-        file: file.to_owned(),
-        time,
-        temperature,
-        joints,
-        mcap: McapMap {
-            joint_state_topic: mcap.joint_state_topic,
-            motor_topic: mcap.motor_topic,
-            motor_interface: mcap.motor_interface,
-            motor_effort_interface: mcap.motor_effort_interface,
-            temperature_interface: mcap.temperature_interface,
-            external_torque_topic: mcap.external_torque_topic,
-            joint_effort,
-        },
-    })
-}
-
-fn time_map(context: &Context<'_>, time: Spanned<TimeToml>) -> Result<TimeMap, LogError> {
-    let time = time.into_inner();
-    let exponent = time
-        .unit
-        .map(|unit| {
-            time_unit_exponent(unit.as_ref())
-                .map_err(|reason| context.error(context.line(unit.span().start), reason))
+            time: s.read("time", time)?,
+            temperature: s.read("temperature", |s| source(s, Quantity::Temperature))?,
+            joints: joints.unwrap_or_default(),
+            mcap: s.read("mcap", mcap)?.unwrap_or_default(),
         })
-        .transpose()?;
-    Ok(TimeMap {
-        column: time.column,
-        exponent,
     })
 }
 
-fn joint_map(
-    context: &Context<'_>,
-    name: Spanned<String>,
-    joint: JointToml,
-) -> Result<JointMap, LogError> {
-    let line = context.line(name.span().start);
-    let name = name.into_inner();
-    if name.is_empty() {
-        return Err(context.error(line, "a joint without a name"));
-    }
-    let JointToml {
-        name: recorded,
-        motor_name,
-        q,
-        theta,
-        dq,
-        tau_el,
-        tau_m,
-        tau_ext,
-    } = joint;
+fn time(s: &Section<'_>) -> Result<TimeMap, Located> {
+    let exponent = s.value("unit").map(|unit| {
+        let known = time_unit_exponent(unit.text()?);
+        known.map_err(|reason| unit.fault(Fault::NotAllowed, reason))
+    });
+    Ok(TimeMap {
+        column: s.text("column")?,
+        exponent: exponent.transpose()?,
+    })
+}
+
+fn mcap(s: &Section<'_>) -> Result<McapMap, Located> {
+    Ok(McapMap {
+        joint_state_topic: s.text("joint_state_topic")?,
+        motor_topic: s.text("motor_topic")?,
+        motor_interface: s.text("motor_interface")?,
+        motor_effort_interface: s.text("motor_effort_interface")?,
+        temperature_interface: s.text("temperature_interface")?,
+        external_torque_topic: s.text("external_torque_topic")?,
+        joint_effort: s.one_of(
+            "joint_effort",
+            &[
+                ("tau_el", JointEffort::TauEl),
+                ("tau_m", JointEffort::TauM),
+                ("ignore", JointEffort::Ignore),
+            ],
+        )?,
+    })
+}
+
+fn joint(s: &Section<'_>, name: &str) -> Result<JointMap, Located> {
     let mut sources: [Option<Source>; 6] = Default::default();
-    for (quantity, source) in Quantity::PER_JOINT
-        .into_iter()
-        .zip([q, theta, dq, tau_el, tau_m, tau_ext])
-    {
-        let Some(source) = source else { continue };
-        let key = format!("joints.{name}.{}", quantity.symbol());
-        sources[quantity.index()] = Some(source_map(context, source, quantity, &key)?);
+    for quantity in Quantity::PER_JOINT {
+        sources[quantity.index()] = s.read(quantity.symbol(), |s| source(s, quantity))?;
     }
     Ok(JointMap {
-        name,
-        recorded,
-        motor_recorded: motor_name,
+        name: name.to_owned(),
+        recorded: s.text("name")?,
+        motor_recorded: s.text("motor_name")?,
         sources,
     })
 }
 
-fn source_map(
-    context: &Context<'_>,
-    source: Spanned<SourceToml>,
-    quantity: Quantity,
-    key: &str,
-) -> Result<Source, LogError> {
-    let line = context.line(source.span().start);
-    let SourceToml {
-        column,
-        unit,
-        scale,
-        gear_ratio,
-        counts_per_turn,
-        torque_constant_nm_per_a,
-        sign,
-        offset,
-        wrap_period,
-        wrap,
-        sum,
-    } = source.into_inner();
-    let whole = TermToml {
-        column,
-        unit,
-        scale,
-        gear_ratio,
-        counts_per_turn,
-        torque_constant_nm_per_a,
-        sign,
-        offset,
-    };
-    let (mut lengths, mut is_current) = (false, false);
-    let terms = match sum {
-        None => {
-            let (term, unit) = term_map(context, whole, line, quantity, key)?;
-            lengths = unit.dimension == Dimension::Length;
-            is_current = unit.dimension == Dimension::Current;
-            vec![term]
+fn source(s: &Section<'_>, quantity: Quantity) -> Result<Source, Located> {
+    let contradiction = |problem: &str| Err(s.here(Fault::Contradiction, problem));
+    let mut terms = s.each("sum", |s| {
+        s.need_text("column", "a term without a column reads nothing")?;
+        term(s, quantity)
+    })?;
+    let beside = TERM_KEYS.map(|key| s.has(key)).contains(&true);
+    if !s.has("sum") {
+        terms.push(term(s, quantity)?);
+    } else if beside {
+        return contradiction(
+            "beside 'sum' only wrap and wrap_period may stand; put column, unit and factors into the terms",
+        );
+    } else if terms.is_empty() {
+        return contradiction("the sum has no terms");
+    }
+    let is_a = |dimension| terms.iter().any(|(_, unit)| unit.dimension == dimension);
+    let wraps = s.flag_or("wrap", true)?;
+    let wrap = match (wraps, s.number("wrap_period", Bound::Positive)?) {
+        (false, Some(_)) => {
+            return contradiction("wrap = false and a wrap_period exclude each other");
         }
-        Some(terms) => {
-            let outside = whole.column.is_some()
-                || whole.unit.is_some()
-                || whole.scale.is_some()
-                || whole.gear_ratio.is_some()
-                || whole.counts_per_turn.is_some()
-                || whole.torque_constant_nm_per_a.is_some()
-                || whole.sign.is_some()
-                || whole.offset.is_some();
-            if outside {
-                return Err(context.error(
-                    line,
-                    format!("{key}: beside 'sum' only wrap and wrap_period may stand; put column, unit and factors into the terms"),
-                ));
-            }
-            if terms.is_empty() {
-                return Err(context.error(line, format!("{key}: the sum has no terms")));
-            }
-            let mut mapped = Vec::with_capacity(terms.len());
-            for term in terms {
-                let line = context.line(term.span().start);
-                let (term, unit) = term_map(context, term.into_inner(), line, quantity, key)?;
-                if term.column.is_none() {
-                    return Err(context.error(line, format!("{key}: a term without a column")));
-                }
-                lengths |= unit.dimension == Dimension::Length;
-                is_current |= unit.dimension == Dimension::Current;
-                mapped.push(term);
-            }
-            mapped
+        (false, None) => Wrap::Never,
+        (true, Some(_)) if !matches!(quantity, Quantity::Q | Quantity::Theta) => {
+            return contradiction("only positions wrap around");
         }
-    };
-    let wrap = match (wrap, wrap_period) {
-        (Some(false), Some(_)) => {
-            return Err(context.error(
-                line,
-                format!("{key}: wrap = false and a wrap_period exclude each other"),
-            ));
-        }
-        (Some(false), None) => Wrap::Never,
-        (_, Some(period)) => {
-            if !matches!(quantity, Quantity::Q | Quantity::Theta) {
-                return Err(context.error(line, format!("{key}: only positions wrap around")));
-            }
-            if !(period.is_finite() && period > 0.0) {
-                return Err(context.error(
-                    line,
-                    format!("{key}: wrap_period {period} must be positive"),
-                ));
-            }
-            Wrap::Period(period)
-        }
-        (None, None) if lengths => Wrap::Never,
-        (_, None) => Wrap::default_for(quantity),
+        (true, Some(period)) => Wrap::Period(period),
+        (true, None) if is_a(Dimension::Length) && !s.has("wrap") => Wrap::Never,
+        (true, None) => Wrap::default_for(quantity),
     };
     Ok(Source {
-        terms,
         wrap,
-        is_current,
-        line,
+        is_current: is_a(Dimension::Current),
+        terms: terms.into_iter().map(|(term, _)| term).collect(),
+        line: s.line(),
     })
 }
 
-fn term_map(
-    context: &Context<'_>,
-    term: TermToml,
-    line: usize,
-    quantity: Quantity,
-    key: &str,
-) -> Result<(Term, Unit), LogError> {
-    let unit = match &term.unit {
+fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
+    let factor = |key| s.number(key, Bound::NotZero);
+    let scale = factor("scale")?;
+    let gear_ratio = factor("gear_ratio")?.unwrap_or(1.0);
+    let counts_per_turn = factor("counts_per_turn")?;
+    let constant = factor("torque_constant_nm_per_a")?;
+    let sign = factor("sign")?.unwrap_or(1.0);
+    let offset = s.number_or("offset", Bound::Any, 0.0)?;
+    let unit = match s.value("unit") {
         None => Unit::SI,
         Some(text) => {
-            Unit::parse(text).map_err(|reason| context.error(line, format!("{key}: {reason}")))?
+            Unit::parse(text.text()?).map_err(|reason| text.fault(Fault::NotAllowed, reason))?
         }
     };
+    let symbol = quantity.symbol();
     let is_current = unit.dimension == Dimension::Current;
-    let constant = term.torque_constant_nm_per_a;
     if is_current != constant.is_some() {
-        return Err(context.error(
-            line,
-            format!(
-                "{key}: unit \"A\" (or \"mA\") and torque_constant_nm_per_a, N·m per A at the motor's shaft, need each other"
-            ),
-        ));
+        let problem = "unit \"A\" (or \"mA\") and torque_constant_nm_per_a, N·m per A at the motor's shaft, need each other";
+        return Err(s.here(Fault::Contradiction, problem));
     }
     if is_current && quantity != Quantity::TauM {
-        return Err(context.error(
-            line,
-            format!(
-                "{key}: a motor's current can be a tau_m, not a {}",
-                quantity.symbol()
-            ),
-        ));
+        let problem = format!("a motor's current can be a tau_m, not a {symbol}");
+        return Err(s.here(Fault::Contradiction, problem));
     }
-    if !unit.fits(quantity) && term.scale.is_none() {
-        return Err(context.error(
-            line,
-            format!(
-                "{key}: unit '{}' cannot be a {} ({}); give the 'scale' that converts it",
-                term.unit.as_deref().unwrap_or(""),
-                quantity.symbol(),
-                quantity.suffix().trim_start_matches('_'),
-            ),
-        ));
+    if !unit.fits(quantity) && scale.is_none() {
+        let si = quantity.suffix().trim_start_matches('_');
+        let must = format!(
+            "a unit of {symbol} ({si}): it cannot be a {symbol}; else give the 'scale' that converts it"
+        );
+        return Err(s.refuse("unit", &must));
     }
-    let factor = |name: &str, value: Option<f64>, neutral: f64| {
-        let value = value.unwrap_or(neutral);
-        if value.is_finite() && value != 0.0 {
-            Ok(value)
-        } else {
-            Err(context.error(
-                line,
-                format!("{key}: {name} {value} must be finite and not zero"),
-            ))
-        }
-    };
-    let scale = factor("scale", term.scale, 1.0)?;
-    let gear_ratio = factor("gear_ratio", term.gear_ratio, 1.0)?;
-    let counts_per_turn = factor("counts_per_turn", term.counts_per_turn, 1.0)?;
-    let constant = factor("torque_constant_nm_per_a", constant, 1.0)?;
-    if constant < 0.0 {
-        return Err(context.error(
-            line,
-            format!("{key}: torque_constant_nm_per_a {constant} must be above 0; 'sign' turns a motor round"),
-        ));
+    if constant.is_some_and(|constant| constant < 0.0) {
+        let must = "above 0; 'sign' turns a motor round";
+        return Err(s.refuse("torque_constant_nm_per_a", must));
     }
-    let sign = factor("sign", term.sign, 1.0)?;
     if sign.abs() != 1.0 {
-        return Err(context.error(line, format!("{key}: sign {sign} must be 1 or -1")));
-    }
-    let offset = term.offset.unwrap_or(0.0);
-    if !offset.is_finite() {
-        return Err(context.error(line, format!("{key}: offset {offset} must be finite")));
+        return Err(s.refuse("sign", "1 or -1"));
     }
     let is_count = unit.dimension == Dimension::Count;
-    if is_count != term.counts_per_turn.is_some() {
-        return Err(context.error(
-            line,
-            format!("{key}: unit \"count\" and counts_per_turn need each other"),
-        ));
+    if is_count != counts_per_turn.is_some() {
+        let problem = "unit \"count\" and counts_per_turn need each other";
+        return Err(s.here(Fault::Contradiction, problem));
     }
-    let unit_factor = if is_count {
-        2.0 * std::f64::consts::PI / counts_per_turn
-    } else {
-        unit.factor
+    let unit_factor = match counts_per_turn {
+        Some(counts_per_turn) => 2.0 * std::f64::consts::PI / counts_per_turn,
+        None => unit.factor,
     };
     // A gear divides what a motor turns by, and multiplies what it pulls with.
     let through_gear = match quantity {
         Quantity::TauEl | Quantity::TauM | Quantity::TauExt => gear_ratio,
         Quantity::Q | Quantity::Theta | Quantity::Dq | Quantity::Temperature => 1.0 / gear_ratio,
     };
-    let outer = sign * scale * constant * through_gear;
+    let outer = sign * scale.unwrap_or(1.0) * constant.unwrap_or(1.0) * through_gear;
     let scale = outer * unit_factor;
     let offset = outer * unit.offset + offset;
     if !(scale.is_finite() && scale != 0.0 && offset.is_finite()) {
-        return Err(context.error(line, format!("{key}: the factors multiply to {scale}")));
+        let problem = format!("the factors multiply to {scale}");
+        return Err(s.here(Fault::NotAllowed, problem));
     }
-    Ok((
-        Term {
-            column: term.column,
-            scale,
-            offset,
-            line,
-        },
-        unit,
-    ))
+    let term = Term {
+        column: s.text("column")?,
+        scale,
+        offset,
+        line: s.line(),
+    };
+    Ok((term, unit))
 }

@@ -1,8 +1,5 @@
 //! Recordings built message by message, so that each can be wrong in its own way.
 
-// Each test file uses its own part of this.
-#![allow(dead_code)]
-
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
@@ -161,11 +158,6 @@ impl Bag {
     pub(crate) fn motor(&mut self, time_ns: i64, joints: &[(&str, f64)]) -> &mut Self {
         let payload = little(&motor_state(time_ns, joints));
         self.raw(MOTOR, &payload)
-    }
-
-    pub(crate) fn flush(&mut self) -> &mut Self {
-        self.writer.flush().unwrap();
-        self
     }
 
     pub(crate) fn bytes(mut self) -> Vec<u8> {

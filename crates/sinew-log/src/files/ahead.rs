@@ -1,8 +1,8 @@
 //! Reading on while what has been read is used.
 
+use super::recording::{Progress, Recording};
 use crate::error::LogError;
 use crate::frame::Frame;
-use crate::recording::{Progress, Recording};
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 

@@ -1,5 +1,7 @@
 //! A table before anybody knows what its columns mean.
 
+use sinew_files::csv::Dialect;
+
 /// A cell as found.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
@@ -11,6 +13,15 @@ pub(super) enum Cell {
 }
 
 impl Cell {
+    /// A number where it is one.
+    pub(super) fn of_text(text: &str, dialect: Dialect) -> Cell {
+        match dialect.number(text.as_bytes()) {
+            Some(Some(value)) => Cell::Number(value),
+            _ if text.trim().is_empty() => Cell::Empty,
+            _ => Cell::Text(text.trim().to_owned()),
+        }
+    }
+
     pub(super) fn is_text(&self) -> bool {
         matches!(self, Cell::Text(_))
     }

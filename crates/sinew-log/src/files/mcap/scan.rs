@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use mcap::records::{Record, op};
 
-use super::cdr::Cdr;
 use super::container::{Container, Item, record_header};
-use super::message::{Field, Kind, parse};
+use crate::decode::Cdr;
+use crate::decode::{Field, MessageKind, parse};
 use crate::health::Health;
 
 /// Bytes of the file looked at for what the summary announces.
@@ -128,7 +128,7 @@ impl Contents {
         if topic.messages > NAMED_MESSAGES || topic.encoding != "cdr" {
             return;
         }
-        let Some(kind) = Kind::of_schema(&topic.schema) else {
+        let Some(kind) = MessageKind::of_schema(&topic.schema) else {
             return;
         };
         // What cannot be decoded is counted when the messages are read for good.
@@ -168,7 +168,7 @@ impl Contents {
             let met = self.topics.get(id).map_or(0, |topic| topic.messages);
             if is_description(topic) {
                 self.robot_description.is_some()
-            } else if Kind::of_schema(&topic.schema).is_some() {
+            } else if MessageKind::of_schema(&topic.schema).is_some() {
                 met >= NAMED_MESSAGES.min(topic.messages)
             } else {
                 true

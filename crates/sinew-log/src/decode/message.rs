@@ -5,7 +5,7 @@
 //! not values stay the same, the following messages are compared with `memcmp`
 //! and their values copied from known offsets.
 
-use super::cdr::{Cdr, CdrError, ENCAPSULATION};
+use super::cdr::{Cdr, DecodeError, ENCAPSULATION};
 
 /// Stamp of the header, the only bytes before the values that change.
 const STAMP: std::ops::Range<usize> = ENCAPSULATION..ENCAPSULATION + 8;
@@ -14,17 +14,22 @@ const CACHED_BYTES_LIMIT: usize = 64 << 10;
 
 /// A message type of which values are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum MessageKind {
+    /// `sensor_msgs/msg/JointState`.
     JointState,
+    /// `control_msgs/msg/DynamicJointState`.
     DynamicJointState,
 }
 
-impl Kind {
-    pub(super) fn of_schema(name: &str) -> Option<Kind> {
+impl MessageKind {
+    /// The type of a schema's name; `None`: not one that is read.
+    pub fn of_schema(name: &str) -> Option<MessageKind> {
         match name {
-            "sensor_msgs/msg/JointState" | "sensor_msgs/JointState" => Some(Kind::JointState),
+            "sensor_msgs/msg/JointState" | "sensor_msgs/JointState" => {
+                Some(MessageKind::JointState)
+            }
             "control_msgs/msg/DynamicJointState" | "control_msgs/DynamicJointState" => {
-                Some(Kind::DynamicJointState)
+                Some(MessageKind::DynamicJointState)
             }
             _ => None,
         }
@@ -33,35 +38,48 @@ impl Kind {
 
 /// Which value of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Field<'a> {
+pub enum Field<'a> {
+    /// Position.
     Position,
+    /// Velocity.
     Velocity,
+    /// Effort.
     Effort,
+    /// An interface by its name.
     Interface(&'a [u8]),
 }
 
 /// One value in a payload.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry<'a> {
-    pub(super) joint: &'a [u8],
-    pub(super) field: Field<'a>,
-    pub(super) at: usize,
+pub struct Entry<'a> {
+    /// Joint's name as recorded.
+    pub joint: &'a [u8],
+    /// Which of its values.
+    pub field: Field<'a>,
+    /// Offset in the payload; eight bytes.
+    pub at: usize,
 }
 
 /// A payload taken apart.
 #[derive(Debug)]
-pub(super) struct Parsed<'a> {
+pub struct Parsed<'a> {
     big_endian: bool,
-    pub(super) names: Vec<&'a [u8]>,
-    pub(super) entries: Vec<Entry<'a>>,
+    /// Joints named, in the message's order.
+    pub names: Vec<&'a [u8]>,
+    /// Values with their joints.
+    pub entries: Vec<Entry<'a>>,
     /// Byte ranges that hold values, ascending.
     values: Vec<(usize, usize)>,
     end: usize,
     /// Fewer values than names somewhere.
-    pub(super) short: bool,
+    pub short: bool,
 }
 
-pub(super) fn parse(kind: Kind, data: &[u8]) -> Result<Parsed<'_>, CdrError> {
+/// Takes a payload apart.
+///
+/// # Errors
+/// [`DecodeError`]: not plain CDR, or cut off.
+pub fn parse(kind: MessageKind, data: &[u8]) -> Result<Parsed<'_>, DecodeError> {
     let mut cdr = Cdr::new(data)?;
     // Header: seconds, nanoseconds, frame.
     cdr.u32()?;
@@ -81,7 +99,7 @@ pub(super) fn parse(kind: Kind, data: &[u8]) -> Result<Parsed<'_>, CdrError> {
         short: false,
     };
     match kind {
-        Kind::JointState => {
+        MessageKind::JointState => {
             for field in [Field::Position, Field::Velocity, Field::Effort] {
                 let (at, count) = cdr.doubles()?;
                 parsed.values.push((at, at + 8 * count));
@@ -96,7 +114,7 @@ pub(super) fn parse(kind: Kind, data: &[u8]) -> Result<Parsed<'_>, CdrError> {
                 }
             }
         }
-        Kind::DynamicJointState => {
+        MessageKind::DynamicJointState => {
             let count = cdr.u32()? as usize;
             parsed.short |= count < parsed.names.len();
             let mut interfaces = Vec::new();
@@ -128,19 +146,22 @@ pub(super) fn parse(kind: Kind, data: &[u8]) -> Result<Parsed<'_>, CdrError> {
 
 /// Where the values of a message go, valid while its other bytes stay the same.
 #[derive(Debug)]
-pub(super) struct Layout {
+pub struct Layout {
     template: Vec<u8>,
     /// Byte ranges that must equal the template.
     fixed: Vec<(usize, usize)>,
     /// Offset in the payload and column of the row.
     picks: Vec<(usize, usize)>,
     big_endian: bool,
-    pub(super) short: bool,
+    /// Fewer values than names somewhere.
+    pub short: bool,
 }
 
 impl Layout {
+    /// The layout of messages like this one.
+    ///
     /// `column_of` says where a value goes; the first value of a column is kept.
-    pub(super) fn new<'a>(
+    pub fn new<'a>(
         data: &[u8],
         parsed: &Parsed<'a>,
         width: usize,
@@ -176,22 +197,23 @@ impl Layout {
     }
 
     /// Columns of the row that the message fills.
-    pub(super) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn columns(&self) -> impl Iterator<Item = usize> + '_ {
         self.picks.iter().map(|(_, column)| *column)
     }
 
-    pub(super) fn is_cacheable(&self) -> bool {
+    /// Whether it is small enough to keep.
+    pub fn is_cacheable(&self) -> bool {
         self.template.len() <= CACHED_BYTES_LIMIT
     }
 
     /// Whether any value of the message is wanted.
-    pub(super) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.picks.is_empty()
     }
 
     /// Whether the message has this layout.
     #[inline]
-    pub(super) fn fits(&self, data: &[u8]) -> bool {
+    pub fn fits(&self, data: &[u8]) -> bool {
         data.len() == self.template.len()
             && self
                 .fixed
@@ -201,7 +223,7 @@ impl Layout {
 
     /// Copies the values into a row. The message must fit.
     #[inline]
-    pub(super) fn copy(&self, data: &[u8], row: &mut [f64]) {
+    pub fn copy(&self, data: &[u8], row: &mut [f64]) {
         for &(at, column) in &self.picks {
             let Some(bytes) = data[at..].first_chunk::<8>() else {
                 continue;

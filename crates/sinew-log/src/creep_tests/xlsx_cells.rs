@@ -4,8 +4,11 @@ use std::io::Cursor;
 
 use calamine::{Data, Reader, Xlsx, open_workbook_from_rs};
 
+use sinew_files::csv::Dialect;
+
 use super::cells::{Cell, Table};
-use crate::error::{LogError, name_list};
+use crate::error::LogError;
+use sinew_files::names::list;
 
 /// Seconds of a day: workbooks keep times as days.
 const DAY_S: f64 = 86_400.0;
@@ -30,7 +33,7 @@ pub(super) fn read(
             Some(sheet) => {
                 return Err(LogError::Request {
                     file: file.to_owned(),
-                    reason: format!("no sheet '{sheet}'; sheets are {}", name_list(&names)),
+                    reason: format!("no sheet '{sheet}'; sheets are {}", list(&names)),
                 });
             }
         };
@@ -65,12 +68,8 @@ fn cell(data: &Data) -> Cell {
         Data::Float(value) => Cell::Number(*value),
         Data::DateTime(time) => Cell::Clock(time.as_f64() * DAY_S),
         Data::Error(_) => Cell::Number(f64::NAN),
-        Data::String(text) if text.trim().is_empty() => Cell::Empty,
-        // A number typed into a text cell, also with a decimal comma.
-        Data::String(text) => match crate::table::parse_cell(text.as_bytes(), true) {
-            Some(value) => Cell::Number(value),
-            None => Cell::Text(text.trim().to_owned()),
-        },
+        // Also a number typed into a text cell, with a decimal comma.
+        Data::String(text) => Cell::of_text(text, Dialect::of_header(b";")),
         other => Cell::Text(other.to_string()),
     }
 }

@@ -5,15 +5,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
+use sinew_files::csv::Dialect;
+use sinew_files::text::Encoding;
+use sinew_files::{Fault, Located, Utf16Reader};
 
 use super::columns::Columns;
-use super::decimal::{parse_cell, parse_ns};
-use crate::error::{LogError, Place, shorten};
+use super::decimal::parse_ns;
+use crate::assemble::Joiner;
+use crate::error::LogError;
+use crate::files::read_seek::ReadSeek;
 use crate::frame::{ABSENT, BLOCKS};
 use crate::health::Health;
-use crate::join::Joiner;
 use crate::options::OpenOptions;
-use crate::recording::ReadSeek;
+use sinew_files::names::shorten;
 
 /// Longest line (header or row) that is read, bytes.
 const ROW_LIMIT_BYTES: u64 = 4 << 20;
@@ -25,7 +29,7 @@ const BUFFER_BYTES: usize = 256 << 10;
 /// Hands the file to the CSV parser and stops it before an unclosed quote or a
 /// file without line ends is collected in memory.
 struct Meter {
-    reader: Box<dyn ReadSeek>,
+    reader: Box<dyn Read + Send>,
     /// Bytes handed out.
     given: u64,
     /// Bytes up to which rows were complete, set by the row loop.
@@ -63,7 +67,7 @@ pub(crate) struct CsvReader {
     base: u64,
     /// The file's last byte is not a line end.
     unterminated: bool,
-    comma_is_decimal: bool,
+    dialect: Dialect,
     last_ns: Option<i64>,
 }
 
@@ -82,31 +86,38 @@ impl CsvReader {
             file: file.to_owned(),
             reason,
         };
-        let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
         let head = read_head(&mut reader).map_err(io)?;
-        if head.contains(&0) {
+        let (encoding, mark) = Encoding::of(&head);
+        let wide = matches!(encoding, Encoding::Utf16Le | Encoding::Utf16Be);
+        if head.contains(&0) && !wide {
             return Err(refuse(
-                "it holds zero bytes, so it is not text; MCAP, Parquet and delimited UTF-8 text are read".to_owned(),
+                "it holds zero bytes, so it is not text; MCAP, Parquet and delimited text are read"
+                    .to_owned(),
             ));
         }
-        if std::str::from_utf8(&head).is_err() {
-            return Err(refuse("its first line is not UTF-8 text".to_owned()));
-        }
-        let delimiter = delimiter_of(&head);
-        let mut last = [b'\n'];
-        reader
-            .seek(SeekFrom::Start(length.saturating_sub(1)))
-            .map_err(io)?;
-        let got = reader.read(&mut last).map_err(io)?;
-        let unterminated = got == 1 && last != *b"\n" && last != *b"\r";
+        let dialect = Dialect::of_header(encoding.decode(&head[mark..]).as_bytes());
         // The byte order mark is not part of the first column's name.
-        let start = if head.starts_with(b"\xef\xbb\xbf") {
-            3
+        let mut start = mark as u64;
+        let mut length = reader.seek(SeekFrom::End(0)).map_err(io)?;
+        let mut last = b'\n';
+        let reader: Box<dyn Read + Send> = if wide {
+            // Places count in UTF-8; how many there are takes a reading of its own.
+            let big_endian = encoding == Encoding::Utf16Be;
+            reader.seek(SeekFrom::Start(start)).map_err(io)?;
+            (length, last) = end_of(Utf16Reader::new(&mut reader, big_endian)).map_err(io)?;
+            reader.seek(SeekFrom::Start(start)).map_err(io)?;
+            start = 0;
+            Box::new(Utf16Reader::new(reader, big_endian))
         } else {
-            0
+            let before = length.saturating_sub(1);
+            reader.seek(SeekFrom::Start(before)).map_err(io)?;
+            let _none_is_a_line_end = reader.read(std::slice::from_mut(&mut last)).map_err(io)?;
+            reader.seek(SeekFrom::Start(start)).map_err(io)?;
+            reader
         };
-        reader.seek(SeekFrom::Start(start)).map_err(io)?;
+        let names_in = if wide { Encoding::Utf8 } else { encoding };
+        let unterminated = last != b'\n' && last != b'\r';
 
         let done = Arc::new(AtomicU64::new(0));
         let meter = Meter {
@@ -115,7 +126,7 @@ impl CsvReader {
             done: Arc::clone(&done),
         };
         let mut reader = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
+            .delimiter(dialect.delimiter)
             .flexible(true)
             .has_headers(false)
             .buffer_capacity(BUFFER_BYTES)
@@ -129,7 +140,7 @@ impl CsvReader {
         }
         let names: Vec<String> = record
             .iter()
-            .map(|name| String::from_utf8_lossy(name).trim().to_owned())
+            .map(|name| names_in.decode(name).trim().to_owned())
             .collect();
         let columns = Columns::new(&names, options, file)?;
         done.store(start + reader.position().byte(), Ordering::Relaxed);
@@ -145,7 +156,7 @@ impl CsvReader {
             length,
             base: start,
             unterminated,
-            comma_is_decimal: delimiter != b',',
+            dialect,
             last_ns: None,
         };
         this.resize(this.columns.found().0.len());
@@ -206,8 +217,8 @@ impl CsvReader {
                 continue;
             }
             let cell = self.record.get(column).unwrap_or(b"");
-            self.cells[place] = match parse_cell(cell, self.comma_is_decimal) {
-                Some(value) => value,
+            self.cells[place] = match self.dialect.number(cell) {
+                Some(value) => value.unwrap_or(ABSENT),
                 None if cut_off && column + 1 == self.record.len() => {
                     return Ok(self.lost_tail(start, health, "its last cell is no number"));
                 }
@@ -222,7 +233,7 @@ impl CsvReader {
         let time_ns = match self.time(cell) {
             Some(time_ns) => time_ns,
             None if cell.is_empty()
-                || parse_cell(cell, self.comma_is_decimal).is_some_and(f64::is_nan) =>
+                || self.dialect.number(cell).flatten().is_some_and(f64::is_nan) =>
             {
                 health.rows_without_time += 1;
                 return Ok(true);
@@ -249,7 +260,7 @@ impl CsvReader {
     fn time(&self, cell: &[u8]) -> Option<i64> {
         let exponent = self.columns.time_exponent;
         parse_ns(cell, exponent).or_else(|| {
-            if !self.comma_is_decimal {
+            if !self.dialect.decimal_comma {
                 return None;
             }
             let text = std::str::from_utf8(cell).ok()?.replacen(',', ".", 1);
@@ -269,17 +280,27 @@ impl CsvReader {
 
     fn bad_cell(&self, column: usize, what: &str) -> LogError {
         let cell = self.record.get(column).unwrap_or(b"");
-        let line = self.record.position().map_or(0, |position| position.line());
-        LogError::Content {
-            file: self.file.clone(),
-            place: Place::Cell {
-                line,
-                column: self.names.get(column).cloned().unwrap_or_default(),
-            },
-            reason: format!(
-                "'{}' {what}; empty or nan means not recorded",
-                shorten(&String::from_utf8_lossy(cell), 60)
-            ),
+        let cell = String::from_utf8_lossy(cell);
+        Located::new(&self.file, Fault::WrongType, what)
+            .line(self.record.position().map_or(0, |position| position.line()))
+            .column(self.names.get(column).map_or("", String::as_str))
+            .value(format!("'{}'", shorten(&cell, 60)))
+            .cure("empty or nan means not recorded")
+            .into()
+    }
+}
+
+/// Bytes of a text, and the last of them.
+fn end_of(mut text: impl Read) -> std::io::Result<(u64, u8)> {
+    let mut buffer = vec![0; BUFFER_BYTES];
+    let (mut length, mut last) = (0, b'\n');
+    loop {
+        match text.read(&mut buffer)? {
+            0 => return Ok((length, last)),
+            read => {
+                length += read as u64;
+                last = buffer[read - 1];
+            }
         }
     }
 }
@@ -309,27 +330,6 @@ fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// The delimiter that occurs most often outside quotes; a comma when none does.
-fn delimiter_of(head: &[u8]) -> u8 {
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
-    let mut quoted = false;
-    for &byte in head {
-        if byte == b'"' {
-            quoted = !quoted;
-        }
-        if !quoted && let Some(count) = counts.iter_mut().find(|(known, _)| *known == byte) {
-            count.1 += 1;
-        }
-    }
-    let mut best = counts[0];
-    for count in counts {
-        if count.1 > best.1 {
-            best = count;
-        }
-    }
-    best.0
-}
-
 fn csv_error(file: &str, error: csv::Error) -> LogError {
     let line = error.position().map(csv::Position::line);
     match error.into_kind() {
@@ -344,10 +344,8 @@ fn csv_error(file: &str, error: csv::Error) -> LogError {
             action: "read",
             source,
         },
-        other => LogError::Content {
-            file: file.to_owned(),
-            place: line.map_or(Place::Header, Place::Line),
-            reason: format!("{other:?}"),
-        },
+        other => Located::new(file, Fault::Syntax, format!("{other:?}"))
+            .line(line.unwrap_or(0))
+            .into(),
     }
 }

@@ -4,7 +4,9 @@ use super::cells::{Cell, Table};
 use super::columns::{ColumnUse, Role, roles, split};
 use super::header::{self, Head};
 use super::{TestFile, TestOptions, TestQuantity};
-use crate::error::{LogError, Place, hint, name_list, shorten};
+use crate::error::LogError;
+use sinew_files::names::{hint, list, shorten};
+use sinew_files::{Fault, Located};
 
 /// Headers that name a specimen though their cells may be numbers.
 const SPECIMEN_WORDS: &[&str] = &[
@@ -108,6 +110,11 @@ pub(super) fn take(
     let time = roles
         .iter()
         .find(|role| role.quantity == TestQuantity::Time);
+    let wrong = |problem: &str, line, role: &Role| {
+        Located::new(name, Fault::WrongType, problem)
+            .line(line)
+            .column(&head.headers[role.index])
+    };
     let mut key_open: Option<Vec<String>> = None;
     let (mut first_time, mut last_time) = (f64::NAN, f64::NAN);
     let mut left_out = 0_usize;
@@ -128,28 +135,15 @@ pub(super) fn take(
                     values.push(*seconds);
                 }
                 Cell::Clock(_) => {
-                    return Err(LogError::Content {
-                        file: name.to_owned(),
-                        place: Place::Cell {
-                            line,
-                            column: head.headers[role.index].clone(),
-                        },
-                        reason: format!("a date or a time of day is no {}", role.quantity.name()),
-                    });
+                    let problem = format!("a date or a time of day is no {}", role.quantity.name());
+                    return Err(wrong(&problem, line, role).into());
                 }
                 Cell::Text(_) if last => cut_off = true,
                 Cell::Text(text) => {
-                    return Err(LogError::Content {
-                        file: name.to_owned(),
-                        place: Place::Cell {
-                            line,
-                            column: head.headers[role.index].clone(),
-                        },
-                        reason: format!(
-                            "'{}' is not a number; empty or nan means not recorded",
-                            shorten(text, 60)
-                        ),
-                    });
+                    return Err(wrong("is not a number", line, role)
+                        .value(format!("'{}'", shorten(text, 60)))
+                        .cure("empty or nan means not recorded")
+                        .into());
                 }
             }
         }
@@ -291,11 +285,9 @@ fn name_all(specimens: &mut [Specimen], file: &str, sheet: &str) {
 fn check_roles(roles: &[Role], head: &Head, file: &str) -> Result<(), LogError> {
     let has = |quantity| roles.iter().any(|role| role.quantity == quantity);
     let refuse = |reason: String| {
-        Err(LogError::Content {
-            file: file.to_owned(),
-            place: Place::Header,
-            reason: format!("{reason}; columns are {}", name_list(&head.headers)),
-        })
+        Err(Located::new(file, Fault::MissingKey, reason)
+            .cure(format!("columns are {}", list(&head.headers)))
+            .into())
     };
     if !has(TestQuantity::Time) {
         return refuse("no column is a time; say which, such as time=COLUMN:s".to_owned());
@@ -336,7 +328,7 @@ fn key_columns(
                             file: file.to_owned(),
                             reason: format!(
                                 "no column '{column}'{hint} columns are {}",
-                                name_list(&head.headers)
+                                list(&head.headers)
                             ),
                         }
                     })

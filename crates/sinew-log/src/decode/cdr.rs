@@ -8,27 +8,34 @@
 //! everything the reader does beyond unpacking, joining and watching included.
 
 /// Bytes of the encapsulation header: representation and options.
-pub(super) const ENCAPSULATION: usize = 4;
+pub(crate) const ENCAPSULATION: usize = 4;
 
 /// Why a payload is not the message it should be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum CdrError {
+pub enum DecodeError {
     /// Neither plain big- nor little-endian CDR.
     Representation(u8),
     /// The payload ends before the value does.
-    Short { at: usize, wanted: u64 },
+    Short {
+        /// Where it ends.
+        at: usize,
+        /// Bytes announced beyond.
+        wanted: u64,
+    },
 }
 
-impl std::fmt::Display for CdrError {
+impl std::error::Error for DecodeError {}
+
+impl std::fmt::Display for DecodeError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            CdrError::Representation(kind) => {
+            DecodeError::Representation(kind) => {
                 write!(
                     f,
                     "CDR representation {kind:#04x}, plain CDR (0 or 1) is read"
                 )
             }
-            CdrError::Short { at, wanted } => {
+            DecodeError::Short { at, wanted } => {
                 write!(
                     f,
                     "payload ends at byte {at}, where {wanted} bytes more are announced"
@@ -40,16 +47,16 @@ impl std::fmt::Display for CdrError {
 
 /// A place in a payload. Alignment counts from the end of the encapsulation header.
 #[derive(Clone)]
-pub(super) struct Cdr<'a> {
+pub(crate) struct Cdr<'a> {
     data: &'a [u8],
     at: usize,
     big_endian: bool,
 }
 
 impl<'a> Cdr<'a> {
-    pub(super) fn new(data: &'a [u8]) -> Result<Self, CdrError> {
+    pub(crate) fn new(data: &'a [u8]) -> Result<Self, DecodeError> {
         let Some(head) = data.first_chunk::<ENCAPSULATION>() else {
-            return Err(CdrError::Short {
+            return Err(DecodeError::Short {
                 at: data.len(),
                 wanted: ENCAPSULATION as u64,
             });
@@ -57,8 +64,8 @@ impl<'a> Cdr<'a> {
         let big_endian = match (head[0], head[1]) {
             (0, 0) => true,
             (0, 1) => false,
-            (0, kind) => return Err(CdrError::Representation(kind)),
-            (kind, _) => return Err(CdrError::Representation(kind)),
+            (0, kind) => return Err(DecodeError::Representation(kind)),
+            (kind, _) => return Err(DecodeError::Representation(kind)),
         };
         Ok(Cdr {
             data,
@@ -67,15 +74,15 @@ impl<'a> Cdr<'a> {
         })
     }
 
-    pub(super) fn is_big_endian(&self) -> bool {
+    pub(crate) fn is_big_endian(&self) -> bool {
         self.big_endian
     }
 
-    pub(super) fn at(&self) -> usize {
+    pub(crate) fn at(&self) -> usize {
         self.at
     }
 
-    fn take(&mut self, bytes: u64) -> Result<&'a [u8], CdrError> {
+    fn take(&mut self, bytes: u64) -> Result<&'a [u8], DecodeError> {
         let rest = &self.data[self.at..];
         let wanted = usize::try_from(bytes).ok().filter(|n| *n <= rest.len());
         match wanted {
@@ -83,14 +90,14 @@ impl<'a> Cdr<'a> {
                 self.at += wanted;
                 Ok(&rest[..wanted])
             }
-            None => Err(CdrError::Short {
+            None => Err(DecodeError::Short {
                 at: self.data.len(),
                 wanted: bytes - rest.len() as u64,
             }),
         }
     }
 
-    fn align(&mut self, to: usize) -> Result<(), CdrError> {
+    fn align(&mut self, to: usize) -> Result<(), DecodeError> {
         let past = (self.at - ENCAPSULATION) % to;
         if past != 0 {
             self.take((to - past) as u64)?;
@@ -98,21 +105,21 @@ impl<'a> Cdr<'a> {
         Ok(())
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, CdrError> {
+    pub(crate) fn u32(&mut self) -> Result<u32, DecodeError> {
         self.align(4)?;
         let bytes = self.take(4)?;
         Ok(read_u32(bytes, self.big_endian))
     }
 
     /// A string without its closing zero, as bytes.
-    pub(super) fn string(&mut self) -> Result<&'a [u8], CdrError> {
+    pub(crate) fn string(&mut self) -> Result<&'a [u8], DecodeError> {
         let length = self.u32()?;
         let bytes = self.take(u64::from(length))?;
         Ok(bytes.strip_suffix(&[0]).unwrap_or(bytes))
     }
 
     /// Offset and count of a sequence of doubles; the cursor is after them.
-    pub(super) fn doubles(&mut self) -> Result<(usize, usize), CdrError> {
+    pub(crate) fn doubles(&mut self) -> Result<(usize, usize), DecodeError> {
         let count = self.u32()?;
         if count > 0 {
             self.align(8)?;
@@ -136,7 +143,7 @@ fn read_u32(bytes: &[u8], big_endian: bool) -> u32 {
 ///
 /// `None`: not plain CDR, or too short. Seconds are signed in ROS 2.
 #[inline]
-pub(super) fn stamp_ns(data: &[u8]) -> Option<i64> {
+pub fn stamp_ns(data: &[u8]) -> Option<i64> {
     let head = data.first_chunk::<12>()?;
     let seconds = [head[4], head[5], head[6], head[7]];
     let nanos = [head[8], head[9], head[10], head[11]];

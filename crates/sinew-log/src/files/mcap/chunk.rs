@@ -66,7 +66,7 @@ impl Unpacker {
             other => {
                 return Err(format!(
                     "unknown compression '{}': zstd, lz4 and none are read",
-                    crate::error::shorten(other, 40)
+                    sinew_files::names::shorten(other, 40)
                 ));
             }
         }

@@ -3,8 +3,9 @@
 mod columns;
 mod csv_read;
 mod decimal;
+#[cfg(feature = "parquet")]
 mod parquet_read;
 
 pub(crate) use csv_read::CsvReader;
-pub(crate) use decimal::parse_cell;
+#[cfg(feature = "parquet")]
 pub(crate) use parquet_read::ParquetReader;

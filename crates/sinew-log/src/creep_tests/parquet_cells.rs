@@ -5,6 +5,8 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
+use sinew_files::csv::Dialect;
+
 use super::cells::{Cell, Table};
 use crate::error::LogError;
 
@@ -65,12 +67,6 @@ fn cell(field: &Field) -> Cell {
         Field::TimeMicros(value) => Cell::Clock(*value as f64 * 1e-6),
         Field::Str(text) => Cell::Text(text.clone()),
         // Decimals and short floats come as text that is a number.
-        other => {
-            let text = other.to_string();
-            match crate::table::parse_cell(text.as_bytes(), false) {
-                Some(value) => Cell::Number(value),
-                None => Cell::Text(text),
-            }
-        }
+        other => Cell::of_text(&other.to_string(), Dialect::of_header(b"")),
     }
 }

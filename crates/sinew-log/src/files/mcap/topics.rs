@@ -1,11 +1,13 @@
 //! Which topic is what, and which joints the recording holds.
 
-use super::message::{Field, Kind};
 use super::scan::{Contents, Fields, Topic};
-use crate::error::{LogError, name_list, nearest};
+use crate::decode::{Field, MessageKind};
+use crate::error::LogError;
 use crate::frame::{Channels, Quantities, Quantity};
-use crate::mapping::{JointMap, Mapping};
-use crate::options::{JointEffort, OpenOptions};
+use crate::mapping::{JointEffort, JointMap, Mapping};
+use crate::options::OpenOptions;
+use sinew_files::names::{list, nearest};
+use sinew_files::{Fault, Located};
 
 /// Topic of the joint side unless told otherwise.
 const JOINT_TOPIC: &str = "/joint_states";
@@ -62,7 +64,7 @@ impl Names {
 }
 
 /// In an MCAP recording a term converts a field; it names no column.
-pub(super) fn check_mapping(mapping: &Mapping) -> Result<(), LogError> {
+pub(super) fn check_mapping(mapping: &Mapping) -> Result<(), Located> {
     for source in mapping
         .joints
         .iter()
@@ -70,14 +72,13 @@ pub(super) fn check_mapping(mapping: &Mapping) -> Result<(), LogError> {
     {
         for term in &source.terms {
             if let Some(column) = &term.column {
-                return Err(LogError::Mapping {
-                    file: mapping.file.clone(),
-                    line: Some(term.line),
-                    reason: format!(
-                        "column '{column}': an MCAP recording has topics, not columns; \
-                         leave column and sum out, the term then converts the topic's own value"
-                    ),
-                });
+                let problem = "an MCAP recording has topics, not columns";
+                return Err(Located::new(&mapping.file, Fault::NotAllowed, problem)
+                    .line(term.line)
+                    .column(column)
+                    .cure(
+                        "leave column and sum out, the term then converts the topic's own value",
+                    ));
             }
         }
     }
@@ -114,11 +115,11 @@ pub(super) fn choose(
         .or_else(|| mapped.and_then(|m| m.joint_state_topic.clone()));
 
     let topics: Vec<&Topic> = contents.topics.values().collect();
-    let of_kind = |kind: Kind| -> Vec<&Topic> {
+    let of_kind = |kind: MessageKind| -> Vec<&Topic> {
         topics
             .iter()
             .copied()
-            .filter(|topic| Kind::of_schema(&topic.schema) == Some(kind))
+            .filter(|topic| MessageKind::of_schema(&topic.schema) == Some(kind))
             .collect()
     };
     let all_names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
@@ -132,15 +133,17 @@ pub(super) fn choose(
             .unwrap_or_default();
         request(format!(
             "no topic '{wanted}'{hint} topics are {}",
-            name_list(&all_names)
+            list(&all_names)
         ))
     };
 
-    let states = of_kind(Kind::JointState);
+    let states = of_kind(MessageKind::JointState);
     let joint = match &joint_wish {
         Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
             None => return Err(missing(wanted)),
-            Some(topic) if Kind::of_schema(&topic.schema) != Some(Kind::JointState) => {
+            Some(topic)
+                if MessageKind::of_schema(&topic.schema) != Some(MessageKind::JointState) =>
+            {
                 return Err(request(format!(
                     "topic '{wanted}' holds '{}'; the joint side is sensor_msgs/msg/JointState",
                     topic.schema
@@ -175,7 +178,7 @@ pub(super) fn choose(
                             file: file.to_owned(),
                             reason: format!(
                                 "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
-                                name_list(&all_names)
+                                list(&all_names)
                             ),
                         });
                     }
@@ -183,7 +186,7 @@ pub(super) fn choose(
                         let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
                         return Err(request(format!(
                             "several topics could be the joint side: {}; choose one as joint_state_topic",
-                            name_list(&names)
+                            list(&names)
                         )));
                     }
                 },
@@ -200,7 +203,7 @@ pub(super) fn choose(
     let motor = match &motor_wish {
         Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
             None => return Err(missing(wanted)),
-            Some(topic) if Kind::of_schema(&topic.schema).is_none() => {
+            Some(topic) if MessageKind::of_schema(&topic.schema).is_none() => {
                 return Err(request(format!(
                     "topic '{wanted}' holds '{}'; the motor side is control_msgs/msg/DynamicJointState or sensor_msgs/msg/JointState",
                     topic.schema
@@ -209,7 +212,7 @@ pub(super) fn choose(
             Some(topic) => Some(*topic),
         },
         None => {
-            let dynamic = of_kind(Kind::DynamicJointState);
+            let dynamic = of_kind(MessageKind::DynamicJointState);
             dynamic
                 .iter()
                 .copied()
@@ -310,7 +313,7 @@ pub(super) fn joints_of(
                     reason: format!(
                         "the mapping {} names the joint '{wanted}', which is not recorded{hint} joints are {}",
                         mapping.file,
-                        name_list(&recorded)
+                        list(&recorded)
                     ),
                 });
             }

@@ -41,8 +41,9 @@ pub(crate) struct SortCounts {
     pub(crate) clock_jumps: u64,
 }
 
+/// Samples of one stream in the order of their stamps, within a window.
 #[derive(Debug)]
-pub(crate) struct Sorter {
+pub struct Sorter {
     width: usize,
     window_ns: i64,
     slot_limit: usize,
@@ -59,7 +60,8 @@ pub(crate) struct Sorter {
 }
 
 impl Sorter {
-    pub(crate) fn new(width: usize, window_ns: i64) -> Self {
+    /// A stream of rows of `width` values.
+    pub fn new(width: usize, window_ns: i64) -> Self {
         let slot_limit = (BYTES_LIMIT / (width * 8 + 64)).clamp(16, SLOT_LIMIT);
         Sorter {
             width,
@@ -109,7 +111,7 @@ impl Sorter {
 
     /// Takes a sample in; `fill` writes it over a row of "absent".
     #[inline]
-    pub(crate) fn insert(&mut self, time_ns: i64, fill: impl FnOnce(&mut [f64])) {
+    pub fn insert(&mut self, time_ns: i64, fill: impl FnOnce(&mut [f64])) {
         let newest = match self.newest_ns {
             None => {
                 return self.append(time_ns, fill);

@@ -11,12 +11,12 @@ use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReade
 
 use super::columns::Columns;
 use super::decimal::float_ns;
+use crate::assemble::Joiner;
 use crate::error::LogError;
+use crate::files::read_seek::ReadSeek;
 use crate::frame::{ABSENT, BLOCKS, is_absent};
 use crate::health::Health;
-use crate::join::Joiner;
 use crate::options::OpenOptions;
-use crate::recording::ReadSeek;
 
 /// Rows decoded at a time.
 const BATCH_ROWS: usize = 1024;

@@ -27,15 +27,18 @@ const SLOPE_SPAN_RAD: f64 = 0.05;
 
 /// How one signal becomes SI: `si = scale · raw + offset`, with its period in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Signal {
-    pub(crate) scale: f64,
-    pub(crate) offset: f64,
+pub struct Signal {
+    /// Factor.
+    pub scale: f64,
+    /// In SI, added last.
+    pub offset: f64,
     /// `None`: never unwrapped.
-    pub(crate) period: Option<f64>,
+    pub period: Option<f64>,
 }
 
 impl Signal {
-    pub(crate) fn si(quantity: Quantity) -> Self {
+    /// A signal that is recorded in SI.
+    pub fn si(quantity: Quantity) -> Self {
         Signal {
             scale: 1.0,
             offset: 0.0,
@@ -58,8 +61,9 @@ struct Slope {
     q_theta: f64,
 }
 
+/// Unwraps, converts and watches the signals; one frame after the other.
 #[derive(Debug)]
-pub(crate) struct Conditioner {
+pub struct Conditioner {
     joints: Vec<String>,
     n: usize,
     gap_ns: i64,
@@ -86,7 +90,7 @@ pub(crate) struct Conditioner {
 
 impl Conditioner {
     /// `signals`: six blocks of as many entries as there are joints.
-    pub(crate) fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
+    pub fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
         let n = joints.len();
         let identity = signals.iter().all(|s| s.scale == 1.0 && s.offset == 0.0);
         let half_period = signals[..2 * n]

@@ -4,17 +4,17 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::error::{LogError, name_list, nearest};
+use super::mcap::McapReader;
+use super::read_seek::ReadSeek;
+use super::table::CsvReader;
+#[cfg(feature = "parquet")]
+use super::table::ParquetReader;
+use crate::assemble::Joiner;
+use crate::error::LogError;
 use crate::frame::{Channels, Frame};
 use crate::health::Health;
-use crate::join::Joiner;
-use crate::mcap_read::McapReader;
 use crate::options::OpenOptions;
-use crate::table::{CsvReader, ParquetReader};
-
-/// Something to read a recording from: a file, or bytes in memory.
-pub trait ReadSeek: Read + Seek + Send {}
-impl<T: Read + Seek + Send> ReadSeek for T {}
+use sinew_files::names::{list, nearest};
 
 /// The format of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +39,7 @@ pub struct Progress {
 enum Backend {
     Mcap(Box<McapReader>),
     Csv(Box<CsvReader>),
+    #[cfg(feature = "parquet")]
     Parquet(Box<ParquetReader>),
 }
 
@@ -161,6 +162,12 @@ impl Recording {
         let mut backend = if magic == mcap::MAGIC {
             Backend::Mcap(Box::new(McapReader::open(reader, name, options)?))
         } else if magic.starts_with(b"PAR1") {
+            #[cfg(not(feature = "parquet"))]
+            return Err(refuse(
+                "it is a Parquet file, and this program is built without them (cargo feature parquet)"
+                    .to_owned(),
+            ));
+            #[cfg(feature = "parquet")]
             Backend::Parquet(Box::new(ParquetReader::open(reader, name, options)?))
         } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
             return Err(refuse(
@@ -178,6 +185,7 @@ impl Recording {
         let (joints, channels) = match &mut backend {
             Backend::Mcap(reader) => (reader.joints.clone(), reader.channels.clone()),
             Backend::Csv(reader) => reader.columns().found(),
+            #[cfg(feature = "parquet")]
             Backend::Parquet(reader) => reader.columns().found(),
         };
         let joiner = backend.joiner(&joints, options);
@@ -201,6 +209,7 @@ impl Recording {
         match self.backend {
             Backend::Mcap(_) => Format::Mcap,
             Backend::Csv(_) => Format::Csv,
+            #[cfg(feature = "parquet")]
             Backend::Parquet(_) => Format::Parquet,
         }
     }
@@ -222,7 +231,7 @@ impl Recording {
     pub fn robot_description(&self) -> Option<&str> {
         match &self.backend {
             Backend::Mcap(reader) => reader.robot_description.as_deref(),
-            Backend::Csv(_) | Backend::Parquet(_) => None,
+            _ => None,
         }
     }
 
@@ -252,7 +261,7 @@ impl Recording {
                     .unwrap_or_default();
                 return Err(request(format!(
                     "no joint '{joint}'{hint} joints are {}",
-                    name_list(&self.found.0)
+                    list(&self.found.0)
                 )));
             };
             if joints[..place].contains(joint) {
@@ -265,6 +274,7 @@ impl Recording {
         match &mut self.backend {
             Backend::Mcap(reader) => reader.select(&self.joints),
             Backend::Csv(reader) => reader.select(&self.joints),
+            #[cfg(feature = "parquet")]
             Backend::Parquet(reader) => reader.select(&self.joints),
         }
         self.joiner = self.backend.joiner(&self.joints, &self.options);
@@ -286,6 +296,7 @@ impl Recording {
             let more = match &mut self.backend {
                 Backend::Mcap(reader) => reader.pull(&mut self.joiner, &mut self.health),
                 Backend::Csv(reader) => reader.pull(&mut self.joiner, &mut self.health),
+                #[cfg(feature = "parquet")]
                 Backend::Parquet(reader) => reader.pull(&mut self.joiner, &mut self.health),
             };
             match more {
@@ -321,6 +332,7 @@ impl Recording {
         let (bytes_done, bytes_total) = match &self.backend {
             Backend::Mcap(reader) => (reader.bytes_done(), reader.bytes_total()),
             Backend::Csv(reader) => (reader.bytes_done(), reader.bytes_total()),
+            #[cfg(feature = "parquet")]
             Backend::Parquet(reader) => (reader.bytes_done(), reader.bytes_total()),
         };
         Progress {
@@ -335,6 +347,7 @@ impl Backend {
         match self {
             Backend::Mcap(reader) => reader.joiner(joints, options),
             Backend::Csv(reader) => reader.columns().joiner(joints, options),
+            #[cfg(feature = "parquet")]
             Backend::Parquet(reader) => reader.columns().joiner(joints, options),
         }
     }
@@ -391,9 +404,4 @@ fn known_stranger(magic: &[u8]) -> Option<&'static str> {
         .into_iter()
         .find(|(start, _)| magic.starts_with(start))
         .map(|(_, what)| what)
-}
-
-/// Seconds to nanoseconds, saturating.
-pub(crate) fn to_ns(seconds: f64) -> i64 {
-    (seconds * 1e9).round() as i64
 }

@@ -1,11 +1,13 @@
 //! Which column is which quantity of which joint.
 
-use crate::error::{LogError, Place, hint, name_list};
+use crate::assemble::{Conditioner, Joiner, Signal};
+use crate::error::LogError;
 use crate::frame::{ABSENT, BLOCKS, Channels, Quantities, Quantity};
-use crate::join::{Conditioner, Joiner, Signal};
 use crate::mapping::{Mapping, Source, Wrap};
 use crate::options::OpenOptions;
-use crate::recording::to_ns;
+use crate::options::to_ns;
+use sinew_files::names::{hint, list};
+use sinew_files::{Fault, Located};
 
 /// Most columns a table may have.
 pub(crate) const COLUMN_LIMIT: usize = 65_536;
@@ -68,11 +70,7 @@ impl Columns {
         options: &OpenOptions,
         file: &str,
     ) -> Result<Self, LogError> {
-        let header = |reason: String| LogError::Content {
-            file: file.to_owned(),
-            place: Place::Header,
-            reason,
-        };
+        let header = |reason: String| LogError::from(Located::new(file, Fault::NotAllowed, reason));
         if names.len() > COLUMN_LIMIT {
             return Err(header(format!(
                 "{} columns, at most {COLUMN_LIMIT} are read",
@@ -84,7 +82,7 @@ impl Columns {
             if !seen.insert(name.as_str()) {
                 return Err(header(format!(
                     "column '{}' is there twice; remove or rename one",
-                    crate::error::shorten(name, 80)
+                    sinew_files::names::shorten(name, 80)
                 )));
             }
         }
@@ -111,7 +109,7 @@ impl Columns {
                 file: file.to_owned(),
                 reason: format!(
                     "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns; columns are {}",
-                    name_list(names)
+                    list(names)
                 ),
             });
         }
@@ -316,10 +314,8 @@ fn addends_of(
         .terms
         .iter()
         .map(|term| {
-            let error = |reason: String| LogError::Mapping {
-                file: mapping.file.clone(),
-                line: Some(term.line),
-                reason,
+            let error = |reason: String| {
+                Located::new(&mapping.file, Fault::UnknownName, reason).line(term.line)
             };
             let wanted = term.column.as_ref().ok_or_else(|| {
                 error(format!(
@@ -333,7 +329,7 @@ fn addends_of(
                     let hint = hint(wanted, names);
                     error(format!(
                         "no column '{wanted}' in {file}{hint} columns are {}",
-                        name_list(names)
+                        list(names)
                     ))
                 })?;
             Ok(Addend {
@@ -369,7 +365,7 @@ fn time_of(
                 file: file.to_owned(),
                 reason: format!(
                     "no time column '{wanted}'{hint} columns are {}",
-                    name_list(names)
+                    list(names)
                 ),
             }
         });
@@ -387,7 +383,7 @@ fn time_of(
             file: file.to_owned(),
             reason: format!(
                 "no time column: time_s or time_ns, or [time] column in a mapping; columns are {}",
-                name_list(names)
+                list(names)
             ),
         })
 }

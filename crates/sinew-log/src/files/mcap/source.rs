@@ -2,7 +2,7 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use crate::recording::ReadSeek;
+use crate::files::read_seek::ReadSeek;
 
 /// One read of the operating system, bytes.
 const READ_BYTES: usize = 256 << 10;

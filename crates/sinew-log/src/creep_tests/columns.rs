@@ -2,7 +2,9 @@
 
 use super::unit::{self, Unit};
 use super::{ColumnChoice, TestQuantity};
-use crate::error::{LogError, Place, hint, name_list};
+use crate::error::LogError;
+use sinew_files::names::{hint, list};
+use sinew_files::{Fault, Located};
 
 /// Which column was taken for what.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,11 +153,7 @@ pub(super) fn roles(
     file: &str,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Role>, LogError> {
-    let refuse = |reason: String| LogError::Content {
-        file: file.to_owned(),
-        place: Place::Header,
-        reason,
-    };
+    let refuse = |reason: String| LogError::from(Located::new(file, Fault::NotAllowed, reason));
     let mut roles: Vec<Role> = Vec::new();
     for choice in choices {
         let index = headers
@@ -174,7 +172,7 @@ pub(super) fn roles(
                     reason: format!(
                         "no column '{}'{hint} columns are {}",
                         choice.column,
-                        name_list(headers)
+                        list(headers)
                     ),
                 }
             })?;

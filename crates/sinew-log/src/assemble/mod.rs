@@ -7,11 +7,12 @@
 mod condition;
 mod sorter;
 
-use crate::frame::{ABSENT, BLOCKS, Frame, Quantity, is_absent};
+use crate::frame::{BLOCKS, Frame, Quantity, is_absent};
 use crate::health::{EventKind, Health};
 
-pub(crate) use condition::{Conditioner, Signal};
-pub(crate) use sorter::Sorter;
+pub use crate::frame::ABSENT;
+pub use condition::{Conditioner, Signal};
+pub use sorter::Sorter;
 use sorter::{Key, has_reached};
 
 /// A joint-side sample waits for a stalled side stream at most this many windows.
@@ -19,8 +20,9 @@ const PATIENCE_WINDOWS: i64 = 4;
 
 /// A stream looked up at the instants of the primary one.
 #[derive(Debug)]
-pub(crate) struct Side {
-    pub(crate) sorter: Sorter,
+pub struct Side {
+    /// Its samples.
+    pub sorter: Sorter,
     /// The quantity of each block of `n` values in its rows.
     blocks: Vec<Quantity>,
     /// Columns that some message held.
@@ -31,13 +33,15 @@ pub(crate) struct Side {
 
 /// Sorts, joins and conditions; hands out one frame at a time.
 #[derive(Debug)]
-pub(crate) struct Joiner {
+pub struct Joiner {
     n: usize,
     window_ns: i64,
     interpolate_ns: i64,
-    pub(crate) primary: Sorter,
+    /// Samples of the joint side, or rows of a table.
+    pub primary: Sorter,
     primary_blocks: Vec<Quantity>,
-    pub(crate) sides: Vec<Side>,
+    /// The streams looked up, in the order given.
+    pub sides: Vec<Side>,
     raw: Vec<f64>,
     conditioner: Conditioner,
     frame: Frame,
@@ -46,7 +50,13 @@ pub(crate) struct Joiner {
 }
 
 impl Joiner {
-    pub(crate) fn new(
+    /// A joiner of `n` joints.
+    ///
+    /// * `primary_blocks`: the quantity of each block of `n` values in a row of the primary stream;
+    ///   `side_blocks`: the same of each side stream.
+    /// * `window_ns`: samples late by at most this much are sorted in.
+    /// * `interpolate_ns`: how far a neighbour may lie.
+    pub fn new(
         n: usize,
         primary_blocks: &[Quantity],
         side_blocks: &[&[Quantity]],
@@ -78,7 +88,7 @@ impl Joiner {
     }
 
     /// Nothing more will come: everything held may leave.
-    pub(crate) fn end(&mut self) {
+    pub fn end(&mut self) {
         self.primary.drop_behind();
         for side in &mut self.sides {
             side.sorter.drop_behind();
@@ -87,13 +97,13 @@ impl Joiner {
     }
 
     /// The next sample comes after a damaged part of the file.
-    pub(crate) fn mark_damage(&mut self) {
+    pub fn mark_damage(&mut self) {
         self.primary.mark_damage();
     }
 
     /// Whether the oldest joint-side sample may become a frame now.
     #[inline]
-    pub(crate) fn is_ready(&self) -> bool {
+    pub fn is_ready(&self) -> bool {
         let Some(front) = self.primary.front() else {
             return false;
         };
@@ -118,7 +128,7 @@ impl Joiner {
     }
 
     /// Makes the frame of the oldest joint-side sample. Call only when [`Self::is_ready`].
-    pub(crate) fn compose(&mut self, health: &mut Health) -> &Frame {
+    pub fn compose(&mut self, health: &mut Health) -> &Frame {
         let n = self.n;
         let (key, after_damage) = match self.primary.front() {
             None => return &self.frame,
@@ -161,7 +171,7 @@ impl Joiner {
     }
 
     /// Adds what the sorters and the conditioner counted.
-    pub(crate) fn finish(&mut self, health: &mut Health) {
+    pub fn finish(&mut self, health: &mut Health) {
         let mut counts = self.primary.counts;
         for side in &self.sides {
             counts.late += side.sorter.counts.late;
@@ -315,7 +325,7 @@ impl Side {
     }
 
     /// From now on a value of this column may be looked for in neighbouring samples.
-    pub(crate) fn note_column(&mut self, column: usize) {
+    pub fn note_column(&mut self, column: usize) {
         if let Some(seen) = self.seen.get_mut(column) {
             *seen = true;
         }

@@ -1,6 +1,4 @@
-//! Numbers as text: exact times, and cells.
-
-use crate::frame::ABSENT;
+//! Numbers as text: exact times.
 
 /// Nanoseconds of a decimal number times a power of ten, rounded half away from zero.
 ///
@@ -76,30 +74,6 @@ pub(crate) fn float_ns(value: f64, exponent: i32) -> Option<i64> {
     i64::try_from((whole as i128).checked_mul(factor)? + fraction as i128).ok()
 }
 
-/// A cell: absent when empty, `None` when it is no number.
-///
-/// Accepts what writers write: `nan`, `inf`, `1e-3`; and a decimal comma where
-/// the comma does not separate cells.
-pub(crate) fn parse_cell(cell: &[u8], comma_is_decimal: bool) -> Option<f64> {
-    let cell = cell.trim_ascii();
-    if cell.is_empty() {
-        return Some(ABSENT);
-    }
-    let text = std::str::from_utf8(cell).ok()?;
-    if let Ok(value) = text.parse::<f64>() {
-        return Some(value);
-    }
-    if comma_is_decimal && text.matches(',').count() == 1 && !text.contains('.') {
-        return text.replace(',', ".").parse().ok();
-    }
-    // Words for "nothing was measured" in common exports.
-    matches!(
-        text.to_ascii_lowercase().as_str(),
-        "na" | "n/a" | "null" | "none" | "-nan" | "nan(ind)" | "-nan(ind)"
-    )
-    .then_some(f64::NAN)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,18 +122,5 @@ mod tests {
         );
         assert_eq!(float_ns(f64::NAN, 9), None);
         assert_eq!(float_ns(1e300, 9), None);
-    }
-
-    #[test]
-    fn cells_are_numbers_nothing_or_refused() {
-        assert!(crate::frame::is_absent(parse_cell(b"  ", false).unwrap()));
-        assert_eq!(parse_cell(b" 1.5e-3 ", false), Some(1.5e-3));
-        assert_eq!(parse_cell(b"1,5", true), Some(1.5));
-        assert_eq!(parse_cell(b"1,5", false), None);
-        assert_eq!(parse_cell(b"1,500,000", true), None);
-        assert!(parse_cell(b"NaN", false).unwrap().is_nan());
-        assert_eq!(parse_cell(b"-inf", false), Some(f64::NEG_INFINITY));
-        assert_eq!(parse_cell(b"error", false), None);
-        assert_eq!(parse_cell(b"\xff", false), None);
     }
 }

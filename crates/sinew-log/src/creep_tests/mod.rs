@@ -14,9 +14,11 @@ mod cells;
 mod columns;
 mod csv_cells;
 mod header;
+#[cfg(feature = "parquet")]
 mod parquet_cells;
 mod specimens;
 mod unit;
+#[cfg(feature = "sheets")]
 mod xlsx_cells;
 
 use std::path::Path;
@@ -239,8 +241,18 @@ pub fn read_test_bytes(
         return Err(refuse("the file is empty"));
     }
     let (format, tables) = if bytes.starts_with(b"PAR1") {
+        #[cfg(not(feature = "parquet"))]
+        return Err(refuse(
+            "it is a Parquet file, and this program is built without them (cargo feature parquet)",
+        ));
+        #[cfg(feature = "parquet")]
         (TestFormat::Parquet, parquet_cells::read(bytes, name)?)
     } else if bytes.starts_with(b"PK\x03\x04") {
+        #[cfg(not(feature = "sheets"))]
+        return Err(refuse(
+            "it is a workbook, and this program is built without them (cargo feature sheets); save it as CSV",
+        ));
+        #[cfg(feature = "sheets")]
         (
             TestFormat::Xlsx,
             xlsx_cells::read(bytes, name, options.sheet.as_deref())?,

@@ -1,24 +1,23 @@
 //! MCAP as ROS 2 writes it: joint side, motor side and external torque as samples.
 
-mod cdr;
 mod chunk;
 mod container;
-mod message;
 mod scan;
 mod source;
 mod topics;
 
 use std::collections::HashMap;
 
+use crate::assemble::{Conditioner, Joiner, Signal};
+use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
 use crate::error::LogError;
+use crate::files::read_seek::ReadSeek;
 use crate::frame::{Channels, Quantity};
 use crate::health::{Health, UNKNOWN_LIMIT};
-use crate::join::{Conditioner, Joiner, Signal};
-use crate::mapping::{JointMap, Mapping, Wrap};
-use crate::options::{JointEffort, OpenOptions};
-use crate::recording::{ReadSeek, to_ns};
+use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
+use crate::options::OpenOptions;
+use crate::options::to_ns;
 use container::{Container, Item};
-use message::{Entry, Kind, Layout, parse};
 use source::Source;
 use topics::{Names, Role, check_mapping, choose, joints_of};
 
@@ -28,7 +27,7 @@ const LAYOUTS_KEPT: usize = 4;
 #[derive(Debug)]
 struct Stream {
     role: Role,
-    kind: Kind,
+    kind: MessageKind,
     /// Most recently used first.
     layouts: Vec<Layout>,
 }
@@ -54,7 +53,7 @@ pub(crate) struct McapReader {
     schemas: HashMap<u16, String>,
     streams: Vec<Option<Stream>>,
     /// Channels known from the start: a damaged chunk may hold their definition.
-    announced: Vec<(u16, String, Kind)>,
+    announced: Vec<(u16, String, MessageKind)>,
     selection: Selection,
     joint_blocks: Vec<Quantity>,
     motor_blocks: Vec<Quantity>,
@@ -107,7 +106,11 @@ impl McapReader {
                 .topics
                 .iter()
                 .filter_map(|(id, topic)| {
-                    Some((*id, topic.name.clone(), Kind::of_schema(&topic.schema)?))
+                    Some((
+                        *id,
+                        topic.name.clone(),
+                        MessageKind::of_schema(&topic.schema)?,
+                    ))
                 })
                 .collect(),
             selection: Selection::default(),
@@ -230,14 +233,14 @@ impl McapReader {
         let kind = self
             .schemas
             .get(&channel.schema_id)
-            .and_then(|schema| Kind::of_schema(schema));
+            .and_then(|schema| MessageKind::of_schema(schema));
         if let Some(kind) = kind {
             self.stream(channel.id, &channel.topic, kind);
         }
     }
 
     /// From now on messages of the channel are read, if its topic has a role.
-    fn stream(&mut self, id: u16, topic: &str, kind: Kind) {
+    fn stream(&mut self, id: u16, topic: &str, kind: MessageKind) {
         let role = if topic == self.names.joint_topic {
             Role::Joint
         } else if Some(topic) == self.names.motor_topic.as_deref() {
@@ -320,7 +323,7 @@ impl McapReader {
         health.short_messages += u64::from(layout.short);
         if !layout.is_empty() {
             // A zero stamp is what a node without a clock writes.
-            let stamp = cdr::stamp_ns(data).unwrap_or(0);
+            let stamp = stamp_ns(data).unwrap_or(0);
             let time_ns = if stamp == 0 {
                 i64::try_from(log_time_ns).unwrap_or(i64::MAX)
             } else {
@@ -353,7 +356,7 @@ fn note_unknown(names: &[&[u8]], known: &[Vec<u8>], health: &mut Health) {
             return;
         }
         if !known.iter().any(|known| known == name) {
-            let name = crate::error::shorten(&String::from_utf8_lossy(name), 80);
+            let name = sinew_files::names::shorten(&String::from_utf8_lossy(name), 80);
             if !health.unknown_joints.contains(&name) {
                 health.unknown_joints.push(name);
             }

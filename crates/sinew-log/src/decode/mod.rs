@@ -1,0 +1,17 @@
+//! From bytes to messages, without a file or a clock: what a payload names and where its values lie.
+//!
+//! ```
+//! use sinew_log::decode::{DecodeError, MessageKind, parse};
+//!
+//! let kind = MessageKind::of_schema("sensor_msgs/msg/JointState").expect("a type that is read");
+//! // Cut off within the header.
+//! let error = parse(kind, &[0, 1, 0, 0]).unwrap_err();
+//! assert!(matches!(error, DecodeError::Short { .. }));
+//! ```
+
+mod cdr;
+mod message;
+
+pub(crate) use cdr::Cdr;
+pub use cdr::{DecodeError, stamp_ns};
+pub use message::{Entry, Field, Layout, MessageKind, Parsed, parse};

@@ -1,0 +1,15 @@
+//! Every test of the reader, in one binary.
+
+mod ahead;
+mod creep_tests;
+mod creep_tests_of_others;
+mod damage;
+mod independent;
+mod joining;
+mod mapping;
+mod messages;
+mod parquet;
+mod roundtrip;
+mod shared;
+mod support;
+mod tables;
