@@ -25,6 +25,35 @@ fn root(pivot: f64) -> Option<f64> {
     (pivot > 0.0 && pivot.is_finite()).then(|| libm::sqrt(pivot))
 }
 
+/// Factorises a covariance that may be singular, `A = L Lᵀ`, lower triangle to `l`; both `n × n`,
+/// row-major. Sums run one term after the other.
+///
+/// * `pivot`: root of what is left on the diagonal, or `None` where that is no covariance. Below a pivot
+///   of 0 the factor is 0.
+///
+/// Returns the row that `pivot` refused.
+pub(crate) fn factorise_singular(
+    a: &[f64],
+    l: &mut [f64],
+    n: usize,
+    pivot: impl Fn(f64) -> Option<f64>,
+) -> Result<(), usize> {
+    for i in 0..n {
+        for k in 0..=i {
+            let sum: f64 = (0..k).map(|m| l[i * n + m] * l[k * n + m]).sum();
+            let left = a[i * n + k] - sum;
+            l[i * n + k] = if i == k {
+                pivot(left).ok_or(i)?
+            } else if l[k * n + k] > 0.0 {
+                left / l[k * n + k]
+            } else {
+                0.0
+            };
+        }
+    }
+    Ok(())
+}
+
 /// A Cholesky factor by tiles: what a large matrix is worth room for.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor {

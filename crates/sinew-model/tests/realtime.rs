@@ -6,6 +6,7 @@
 // A global allocator is an unsafe trait; this one only counts and hands on to the system's.
 #![allow(unsafe_code)]
 
+use sinew_model::Gaussian;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace, urdf};
 use sinew_model::correction::{
@@ -276,7 +277,7 @@ fn corrections_and_contacts_allocate_nothing() {
         for k in 0..STEPS {
             motion(k, &mut q, &mut dq);
             // The offset is followed while the robot runs.
-            let stretched = JointCorrection::offset(1e-5 * k as f64, 1e-4);
+            let stretched = JointCorrection::offset(Gaussian::new(1e-5 * k as f64, 1e-4));
             set_point.set(0, &stretched).unwrap();
             observer.set(0, &stretched).unwrap();
             set_point.hold(&q, Some(&push)).unwrap();

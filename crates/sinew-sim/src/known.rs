@@ -2,6 +2,7 @@
 
 use super::error::SimulateError;
 use super::scenario::{KnownOffset, Scenario, Stream, rng};
+use sinew_model::Gaussian;
 use sinew_model::correction::JointCorrection;
 use sinew_model::robot::Robot;
 
@@ -35,14 +36,15 @@ impl Known {
         let cubic = c.spring_cubic_per_rad2.sample(names, &zero, &mut rng);
         let joints = (0..n)
             .map(|i| JointCorrection {
-                delta_e: match c.offset {
-                    KnownOffset::Nothing => 0.0,
-                    KnownOffset::True => error[i],
-                    KnownOffset::Stated => stated[i] + error[i],
+                delta_e_rad: Gaussian {
+                    mean: match c.offset {
+                        KnownOffset::Nothing => 0.0,
+                        KnownOffset::True => error[i],
+                        KnownOffset::Stated => stated[i] + error[i],
+                    },
+                    deviation: deviation[i],
                 },
-                delta_e_deviation: deviation[i],
-                stiffness_factor: stiffness[i],
-                stiffness_deviation: stiffness_deviation[i],
+                stiffness_factor: Gaussian::new(stiffness[i], stiffness_deviation[i]),
                 cubic_per_rad2: cubic[i],
             })
             .collect();
@@ -66,7 +68,7 @@ impl Known {
     pub(crate) fn of_joint(&self, i: usize, true_offset: f64) -> JointCorrection {
         let mut known = self.joints[i];
         if self.follows_truth() {
-            known.delta_e += true_offset;
+            known.delta_e_rad.mean += true_offset;
         }
         known
     }

@@ -2,9 +2,9 @@
 
 use super::error::CorrectionError;
 use super::spring::Spring;
-use crate::StepError;
 use crate::error::is_input;
 use crate::transmission::Transmission;
+use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
 
 /// What is known of a transmission beyond its description, with how well it is known.
@@ -13,13 +13,9 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointCorrection {
     /// Offset `delta_e`, rad.
-    pub delta_e: f64,
-    /// Its standard deviation, rad: half of a 95 % interval divided by 1.96.
-    pub delta_e_deviation: f64,
+    pub delta_e_rad: Gaussian,
     /// Stiffness over the description's.
-    pub stiffness_factor: f64,
-    /// Standard deviation of that factor.
-    pub stiffness_deviation: f64,
+    pub stiffness_factor: Gaussian,
     /// Stiffening `c`, 1/rad².
     pub cubic_per_rad2: f64,
 }
@@ -27,21 +23,18 @@ pub struct JointCorrection {
 impl Default for JointCorrection {
     fn default() -> Self {
         Self {
-            delta_e: 0.0,
-            delta_e_deviation: 0.0,
-            stiffness_factor: 1.0,
-            stiffness_deviation: 0.0,
+            delta_e_rad: Gaussian::new(0.0, 0.0),
+            stiffness_factor: Gaussian::new(1.0, 0.0),
             cubic_per_rad2: 0.0,
         }
     }
 }
 
 impl JointCorrection {
-    /// An offset and its standard deviation, everything else as described.
-    pub fn offset(delta_e: f64, delta_e_deviation: f64) -> Self {
+    /// An offset, everything else as described.
+    pub fn offset(delta_e_rad: Gaussian) -> Self {
         Self {
-            delta_e,
-            delta_e_deviation,
+            delta_e_rad,
             ..Self::default()
         }
     }
@@ -64,17 +57,18 @@ impl Corrected {
         described_nm_per_rad: f64,
         c: &JointCorrection,
     ) -> Result<Self, CorrectionError> {
-        if !(c.delta_e.abs() <= 1e6) {
+        let (offset, factor) = (c.delta_e_rad, c.stiffness_factor);
+        if !(offset.mean.abs() <= 1e6) {
             return Err(CorrectionError::Offset {
                 joint,
-                delta_e: c.delta_e,
+                delta_e: offset.mean,
             });
         }
         for (what, value) in [
-            ("standard deviation of the offset", c.delta_e_deviation),
+            ("standard deviation of the offset", offset.deviation),
             (
                 "standard deviation of the stiffness factor",
-                c.stiffness_deviation,
+                factor.deviation,
             ),
         ] {
             if !(0.0..=1e6).contains(&value) {
@@ -86,13 +80,13 @@ impl Corrected {
                 });
             }
         }
-        let spring = Spring::new(described_nm_per_rad * c.stiffness_factor, c.cubic_per_rad2)
+        let spring = Spring::new(described_nm_per_rad * factor.mean, c.cubic_per_rad2)
             .map_err(|e| e.of_joint(joint))?;
         Ok(Self {
             spring,
-            delta_e: c.delta_e,
-            delta_e_deviation: c.delta_e_deviation,
-            stiffness_deviation: c.stiffness_deviation / c.stiffness_factor,
+            delta_e: offset.mean,
+            delta_e_deviation: offset.deviation,
+            stiffness_deviation: factor.deviation / factor.mean,
             described_nm_per_rad,
         })
     }

@@ -6,6 +6,9 @@ use alloc::vec::Vec;
 
 /// What changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ChangeKind {
     /// Offset of a joint: a slip of rope or encoder, a re-tensioning.
     Offset(usize),
@@ -36,6 +39,8 @@ impl ChangeKind {
 
 /// A change from a time to the end of the recording; changes of the same thing add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChangePoint {
     /// What changes.
     pub kind: ChangeKind,
@@ -53,6 +58,8 @@ impl ChangePoint {
 
 /// Which changes a search looks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SearchScope {
     /// Slips and failed strands.
     pub offsets: bool,

@@ -19,6 +19,8 @@ pub struct StiffnessChange {
 
 /// Posterior of a change found within a recording: whether it happened, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChangePosterior {
     /// The change at the time the blocks, which lag, show it.
     pub change: ChangePoint,

@@ -17,6 +17,8 @@ const DURATION_MAX_S: f64 = 1e10;
 
 /// Tension and temperature of one stretch of rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RopeLoad {
     /// Tension, N, at least 0.
     pub tension_n: f64,

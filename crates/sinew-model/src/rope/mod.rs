@@ -23,8 +23,8 @@
 //!    └────────────────── t
 //! ```
 //!
-//! Every part is solved *exactly* over a stretch of constant tension and temperature ([`Law::hold`]),
-//! so the length of a step does not matter; over a stretch where both are linear
+//! Every part is solved *exactly* over a segment of constant tension and temperature ([`Law::hold`]),
+//! so the length of a step does not matter; over a segment where both are linear
 //! ([`Law::ramp`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends

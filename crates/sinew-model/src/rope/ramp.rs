@@ -1,4 +1,4 @@
-//! One stretch of history over which tension and temperature change linearly.
+//! A segment of time over which tension and temperature change linearly.
 
 use super::factors::{Heat, closed, delayed_fractions};
 use super::law::{RETRACTION_FULL_K, RETRACTION_START_K, check_duration};

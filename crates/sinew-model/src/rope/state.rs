@@ -51,6 +51,8 @@ impl State {
 
 /// Strain and what it is made of, % of the unloaded, new rope.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Strain {
     /// At once under tension: `100 λ/k + e_t (1 − exp(−λ/λ_t))`.
     pub elastic_percent: f64,

@@ -5,6 +5,7 @@ use super::component::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, entry};
 use super::gauss::LogSum;
 use super::prior::Prior;
 use super::tracker::Trend;
+use crate::cholesky;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -110,21 +111,12 @@ const DRAWN: usize = 5;
 
 /// A state of a filter with an amplitude above 0.
 fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] {
-    // Lower Cholesky factor; a state that is known exactly has a column of zeros.
-    let mut l = [[0.0; DRAWN]; DRAWN];
-    for i in 0..DRAWN {
-        for k in 0..=i {
-            let dot: f64 = (0..k).map(|m| l[i][m] * l[k][m]).sum();
-            let rest = component.covariance[entry(i, k)] - dot;
-            l[i][k] = if i == k {
-                libm::sqrt(rest.max(0.0))
-            } else if l[k][k] > 0.0 {
-                rest / l[k][k]
-            } else {
-                0.0
-            };
-        }
-    }
+    let covariance: [f64; DRAWN * DRAWN] =
+        core::array::from_fn(|at| component.covariance[entry(at / DRAWN, at % DRAWN)]);
+    let mut l = [0.0; DRAWN * DRAWN];
+    // A state that is known exactly has a column of zeros: nothing is refused.
+    let pivot = |left: f64| Some(libm::sqrt(left.max(0.0)));
+    let _ = cholesky::factorise_singular(&covariance, &mut l, DRAWN, pivot);
     // Of a filter whose amplitude is hardly ever above 0 few paths are drawn, if any.
     const TRIES: usize = 64;
     let mean: [f64; DRAWN] = core::array::from_fn(|i| component.mean[i]);
@@ -133,7 +125,7 @@ fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] 
         let z: [f64; DRAWN] = core::array::from_fn(|_| normal());
         x = mean;
         for i in 0..DRAWN {
-            x[i] += (0..=i).map(|k| l[i][k] * z[k]).sum::<f64>();
+            x[i] += (0..=i).map(|k| l[i * DRAWN + k] * z[k]).sum::<f64>();
         }
         if x[AMPLITUDE] > 0.0 {
             return x;

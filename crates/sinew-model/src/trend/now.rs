@@ -7,6 +7,8 @@ use crate::Gaussian;
 
 /// Where the tendon stands after the last entry, over all filters.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendNow {
     /// True offset at the reference temperature since the last tensioning, rad.
     pub offset_rad: Gaussian,

@@ -4,6 +4,8 @@ use crate::Gaussian;
 
 /// What one session said.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Record {
     /// When, s since tensioning.
     pub time_s: f64,
@@ -37,6 +39,8 @@ pub enum TrendEntry {
 
 /// A sudden change that was confirmed, or a re-tensioning that was stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Event {
     /// Time of the first record after it (or the stated time), s.
     pub time_s: f64,
@@ -54,6 +58,8 @@ pub struct Event {
 
 /// What adding a record showed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Added {
     /// Probability that the level jumped within the last records and isn't confirmed yet.
     pub jump_probability: f64,
@@ -67,6 +73,8 @@ pub struct Added {
 
 /// Rates and sizes the detector reckons with.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrendConfig {
     /// Sessions within which jumps are looked for.
     pub window: usize,

@@ -1,6 +1,7 @@
 //! External torque, its threshold and contacts: closed forms, identities, refusals.
 
 use crate::spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
+use sinew_model::Gaussian;
 use sinew_model::StepError;
 use sinew_model::arm::Arm;
 use sinew_model::correction::{
@@ -75,7 +76,7 @@ fn the_external_torque_is_the_applied_one_with_the_lag_stated() {
 fn at_steady_state_the_external_torque_is_exactly_the_applied_one() {
     let arm = pendulum();
     let t = vec![Some(Transmission::spring(K))];
-    let c = [JointCorrection::offset(0.01, 0.0)];
+    let c = [JointCorrection::offset(Gaussian::new(0.01, 0.0))];
     for config in [RECORDED, ExternalTorqueConfig::default()] {
         let mut observer = observer(&arm, &t, &c, config);
         let (q, push) = (0.8f64, 0.35);
@@ -121,7 +122,7 @@ fn an_uncorrected_offset_is_a_contact_of_minus_k_delta_e() {
     let t = springs(n);
     let offset = |i: usize| 0.002 * (i as f64 + 1.0);
     let c: Vec<_> = (0..n)
-        .map(|i| JointCorrection::offset(offset(i), 0.0))
+        .map(|i| JointCorrection::offset(Gaussian::new(offset(i), 0.0)))
         .collect();
     let none = vec![JointCorrection::default(); n];
     for config in [RECORDED, ExternalTorqueConfig::default()] {
@@ -158,7 +159,7 @@ fn contact_and_stretch_read_the_same_residual() {
     let n = arm.dof();
     let t = springs(n);
     let c: Vec<_> = (0..n)
-        .map(|i| JointCorrection::offset(0.003 * i as f64, 0.0))
+        .map(|i| JointCorrection::offset(Gaussian::new(0.003 * i as f64, 0.0)))
         .collect();
     let velocity = VelocityFilter::StateVariable {
         cutoff_rad_per_s: 40.0,
@@ -199,8 +200,8 @@ fn the_threshold_is_what_is_unsure() {
     spring.joint_friction.coulomb_nm = 0.05;
     let t = vec![Some(spring)];
     let c = [JointCorrection {
-        delta_e_deviation: 0.0005,
-        stiffness_deviation: 0.03,
+        delta_e_rad: Gaussian::new(0.0, 0.0005),
+        stiffness_factor: Gaussian::new(1.0, 0.03),
         cubic_per_rad2: 2.0,
         ..JointCorrection::default()
     }];
@@ -225,7 +226,7 @@ fn the_threshold_is_what_is_unsure() {
     assert!((found - (4.0 * sigma + 0.05)).abs() < 1e-12, "{found}");
     // A changed offset moves the estimate, its deviation the threshold.
     observer
-        .set(0, &JointCorrection::offset(0.01, 0.0))
+        .set(0, &JointCorrection::offset(Gaussian::new(0.01, 0.0)))
         .unwrap();
     observer.step(1e-3, &[q], &[q + x], Some(&[0.0])).unwrap();
     assert!(observer.threshold()[0] < found);

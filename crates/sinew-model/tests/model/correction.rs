@@ -1,6 +1,7 @@
 //! Corrected torque and set-points: closed forms, identities, refusals.
 
 use crate::spring_arms::{K, MGL, branching, known, motion, pendulum, springs};
+use sinew_model::Gaussian;
 use sinew_model::StepError;
 use sinew_model::arm::{ArmWorkspace, BodyInertia};
 use sinew_model::correction::{Correction, CorrectionError, JointCorrection, SetPoint, Spring};
@@ -63,7 +64,12 @@ fn a_softening_spring_refuses_what_it_cannot_carry() {
 fn the_set_point_of_a_pendulum_is_the_closed_form() {
     let arm = pendulum();
     let t = vec![Some(Transmission::spring(K))];
-    let mut set = SetPoint::new(&arm, &t, &[JointCorrection::offset(0.01, 0.0)]).unwrap();
+    let mut set = SetPoint::new(
+        &arm,
+        &t,
+        &[JointCorrection::offset(Gaussian::new(0.01, 0.0))],
+    )
+    .unwrap();
     for k in -10..=10 {
         let q = 0.3 * f64::from(k);
         let by_hand = q + MGL * q.sin() / K + 0.01;
@@ -143,11 +149,11 @@ fn bad_configurations_name_the_joint_and_the_value() {
         change(&mut c[4]);
         Correction::new(&t, &c).unwrap_err().to_string()
     };
-    let message = with(&|c| c.delta_e = f64::NAN);
+    let message = with(&|c| c.delta_e_rad.mean = f64::NAN);
     assert!(message.contains("joint 4 is NaN rad"), "{message}");
-    let message = with(&|c| c.delta_e_deviation = -1.0);
+    let message = with(&|c| c.delta_e_rad.deviation = -1.0);
     assert!(message.contains("offset of joint 4 is -1"), "{message}");
-    let message = with(&|c| c.stiffness_factor = 0.0);
+    let message = with(&|c| c.stiffness_factor.mean = 0.0);
     assert!(message.contains("joint 4 is 0 N·m/rad"), "{message}");
     let message = with(&|c| c.cubic_per_rad2 = f64::INFINITY);
     assert!(message.contains("joint 4 is inf 1/rad²"), "{message}");
@@ -162,7 +168,7 @@ fn bad_configurations_name_the_joint_and_the_value() {
     );
     let mut correction = Correction::new(&t, &known(n)).unwrap();
     let before = correction.clone();
-    let bad = JointCorrection::offset(f64::INFINITY, 0.0);
+    let bad = JointCorrection::offset(Gaussian::new(f64::INFINITY, 0.0));
     assert!(correction.set(1, &bad).is_err());
     assert_eq!(
         correction.set(n, &JointCorrection::default()),
@@ -172,7 +178,7 @@ fn bad_configurations_name_the_joint_and_the_value() {
     // Factors refer to the description, however often they are set.
     for _ in 0..2 {
         let half = JointCorrection {
-            stiffness_factor: 0.5,
+            stiffness_factor: Gaussian::new(0.5, 0.0),
             ..JointCorrection::default()
         };
         correction.set(0, &half).unwrap();

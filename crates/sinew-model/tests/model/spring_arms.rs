@@ -1,5 +1,6 @@
 //! A pendulum and a tree on springs.
 
+use sinew_model::Gaussian;
 use sinew_model::arm::{Arm, urdf};
 use sinew_model::correction::JointCorrection;
 use sinew_model::transmission::Transmission;
@@ -44,8 +45,8 @@ pub(crate) fn springs(n: usize) -> Vec<Option<Transmission>> {
 pub(crate) fn known(n: usize) -> Vec<JointCorrection> {
     (0..n)
         .map(|i| JointCorrection {
-            delta_e: 0.004 * (i as f64 - 2.0),
-            stiffness_factor: 0.9 + 0.05 * i as f64,
+            delta_e_rad: Gaussian::new(0.004 * (i as f64 - 2.0), 0.0),
+            stiffness_factor: Gaussian::new(0.9 + 0.05 * i as f64, 0.0),
             cubic_per_rad2: 0.7 * i as f64,
             ..JointCorrection::default()
         })

@@ -8,6 +8,7 @@ use super::solution::Solution;
 use crate::offset::change::ChangePoint;
 use crate::offset::equations::equation::{Equations, Side};
 use crate::offset::equations::linearise::Content;
+use crate::offset::equations::robust::redescending_weight;
 use crate::offset::error::MapError;
 use crate::offset::estimate::{Convergence, MapEstimate};
 use alloc::vec::Vec;
@@ -161,12 +162,11 @@ fn sum(problem: &Problem<'_>, at: &MapEstimate, step: &Step, part: &mut Part) {
         [step.gradient, step.information].map(|s| s.every(problem.blocks.len()));
     for b in part.blocks.clone().step_by(every) {
         problem.equations(at, b, Content::Rows, &mut part.equations);
-        let w = step.scale * step.scale;
-        let w = w / (w + chi(&part.equations, at));
-        part.weights[b - part.blocks.start] = w * w;
-        let counts = step.is_wide() || w * w > OUTLIER_WEIGHT;
+        let weight = redescending_weight(chi(&part.equations, at), step.scale);
+        part.weights[b - part.blocks.start] = weight;
+        let counts = step.is_wide() || weight > OUTLIER_WEIGHT;
         part.residuals.keep(b, &part.equations, counts);
-        let information = |e: &_| w * w * problem.information_of(e, at, b);
+        let information = |e: &_| weight * problem.information_of(e, at, b);
         part.normal
             .add_gradient(&part.equations, |e| every as f64 * information(e));
         if b % informing == 0 {

@@ -4,6 +4,7 @@ use crate::cholesky::{self, Factor};
 use crate::offset::block::Block;
 use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::gram::Gram;
+use crate::offset::equations::robust::DEVIATION_PER_MEDIAN;
 use crate::offset::error::MapError;
 use crate::offset::layout::Layout;
 use crate::statistics::upper_median;
@@ -148,10 +149,10 @@ impl Residuals {
         own.filter(|r| r.is_finite()).map(|r| r.abs())
     }
 
-    /// 1.4826 times the median size, of all parts.
+    /// Noise by the median size, of all parts.
     pub(super) fn noise<'a>(parts: impl Iterator<Item = &'a Self>, i: usize, side: Side) -> f64 {
         let mut sizes: Vec<f64> = parts.flat_map(|p| p.sizes(i, side)).collect();
-        1.4826 * upper_median(&mut sizes).unwrap_or(0.0)
+        DEVIATION_PER_MEDIAN * upper_median(&mut sizes).unwrap_or(0.0)
     }
 }
 

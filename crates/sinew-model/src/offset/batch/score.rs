@@ -5,6 +5,7 @@ use crate::cholesky::{self, Factor};
 use crate::offset::change::ChangeKind;
 use crate::offset::equations::equation::{Equations, Side};
 use crate::offset::equations::linearise::Content;
+use crate::offset::equations::robust::redescending_weight;
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use alloc::vec::Vec;
@@ -24,8 +25,7 @@ impl Weighing {
             Self::Huber => (4.0 / libm::sqrt(chi)).min(1.0),
             Self::Redescending => {
                 const SCALE: f64 = 25.0;
-                let w = SCALE * SCALE / (SCALE * SCALE + chi);
-                w * w
+                redescending_weight(chi, SCALE)
             }
         }
     }

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! so that link and motor row of a block share all but the first. What a change adds to an entry has
-//! that entry's column from its moment on: it gets the same sums, of the blocks since then.
+//! that entry's column from its time on: it gets the same sums, of the blocks since then.
 
 use super::equation::{Equation, Equations};
 use crate::offset::change::ChangeKind;

@@ -3,7 +3,7 @@
 //! Reading order: `reduced_model` (parameters that blocks can tell apart), `measured` and `payload`
 //! (what a block says whatever the state), `equation` (rows over the state), `linearise` (rows
 //! around a state), `gram` (sums of products of rows), `estimation_model` (the prior, and noise and
-//! lag of blocks).
+//! lag of blocks), `robust`.
 
 pub(crate) mod equation;
 pub(crate) mod estimation_model;
@@ -12,3 +12,4 @@ pub(crate) mod linearise;
 pub(crate) mod measured;
 mod payload;
 pub(crate) mod reduced_model;
+pub(crate) mod robust;

@@ -6,6 +6,7 @@ use crate::offset::belief::Belief;
 use crate::offset::block::{Block, copy};
 use crate::offset::equations::equation::{Equation, Side};
 use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::equations::robust::redescending_weight;
 use alloc::vec::Vec;
 
 /// Belief, noise, and how well the blocks have agreed with it.
@@ -56,12 +57,6 @@ const FALL: f64 = 10.0;
 const INNOVATION_MAX: f64 = 5.0;
 /// Blocks, of those that tell something new, a joint's strain goes back over.
 const INNOVATION_MEMORY: f64 = 40.0;
-
-/// Weight of a block whose mean normalised square residual is `chi`.
-fn redescending_weight(chi: f64, scale: f64) -> f64 {
-    let w = scale * scale / (scale * scale + chi);
-    w * w
-}
 
 /// Whether information is worth changing.
 fn differs(now: f64, before: f64) -> bool {

@@ -1,6 +1,7 @@
 //! Robust noise of equations by medians, without an allocation.
 
 use crate::offset::equations::equation::{Equation, Side};
+use crate::offset::equations::robust::DEVIATION_PER_MEDIAN;
 use alloc::vec::Vec;
 
 /// ResidualSizes of the residuals of a pass, smallest first: their median is the noise.
@@ -52,7 +53,7 @@ impl ResidualSizes {
         }
     }
 
-    /// 1.4826 times the median size; `None` of too few.
+    /// Noise by the median size; `None` of too few.
     pub(super) fn noise(&self, joint: usize, side: Side) -> Option<f64> {
         const FEW: usize = 10;
         let [link, motor] = &self.of;
@@ -61,6 +62,6 @@ impl ResidualSizes {
             Side::Motor => motor.get(joint),
         }?;
         let median = *sorted.sizes.get(sorted.count / 2)?;
-        (sorted.count >= FEW && median.is_finite()).then_some(1.4826 * median)
+        (sorted.count >= FEW && median.is_finite()).then_some(DEVIATION_PER_MEDIAN * median)
     }
 }

@@ -30,6 +30,7 @@
 mod parse;
 
 use super::{Parameter, Parameters, Polymer};
+use crate::cholesky;
 use crate::gaussian::QUANTILE_975;
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -131,7 +132,12 @@ impl Correlation {
         if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
             return None;
         }
-        let cholesky = cholesky(&matrix)?;
+        let flat: Vec<f64> = matrix.iter().flatten().copied().collect();
+        let mut factor = alloc::vec![0.0; n * n];
+        // A matrix rounded to some digits may miss 0 by as much.
+        let pivot = |left: f64| (left > -1e-6).then(|| libm::sqrt(left.max(1e-12)));
+        cholesky::factorise_singular(&flat, &mut factor, n, pivot).ok()?;
+        let cholesky = factor.chunks(n.max(1)).map(<[f64]>::to_vec).collect();
         Some(Self {
             parameters,
             matrix,
@@ -315,25 +321,4 @@ fn inline(value: &Value) -> String {
         let _ = write!(out, ", date = {}", quoted(date));
     }
     out + " }"
-}
-
-fn cholesky(m: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
-    let n = m.len();
-    let mut l = alloc::vec![alloc::vec![0.0; n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let sum: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-            let rest = m[i][j] - sum;
-            if i == j {
-                // A matrix rounded to some digits may miss 0 by as much.
-                if rest.is_nan() || rest <= -1e-6 {
-                    return None;
-                }
-                l[i][i] = libm::sqrt(rest.max(1e-12));
-            } else {
-                l[i][j] = rest / l[j][j];
-            }
-        }
-    }
-    Some(l)
 }
