@@ -10,6 +10,7 @@
 
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Baseline, WatchOptions};
+use sinew_estimate::feeder::{Feeder, FeederOptions};
 use sinew_estimate::robot_dir;
 use sinew_log::OpenOptions;
 use sinew_model::Gaussian;
@@ -17,8 +18,6 @@ use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use std::error::Error;
 use std::path::Path;
 
-/// A pause after which the filters start anew, s.
-const GAP_S: f64 = 0.5;
 /// Between two lines, s.
 const SAY_S: f64 = 10.0;
 
@@ -45,10 +44,10 @@ fn run() -> Result<(), Box<dyn Error>> {
     let names: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
     recording.select(&names)?;
     let baseline = Baseline::read(Path::new(file))?;
-    let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
     let mut offsets = absolute::live(&robot, (&baseline, file), &WatchOptions::default())?;
 
-    let mut theta = vec![0.0; names.len()];
     let mut first_ns = None;
     let mut last_ns = None;
     let mut say_s = SAY_S;
@@ -57,20 +56,11 @@ fn run() -> Result<(), Box<dyn Error>> {
         if t < from_s {
             continue;
         }
-        let dt_s = last_ns.map_or(0.0, |last: i64| (frame.time_ns - last) as f64 * 1e-9);
         last_ns = Some(frame.time_ns);
-        if dt_s > GAP_S {
-            features.reset();
-        }
 
-        // Sample. A rigid joint's motor doesn't matter; one that isn't finite changes nothing.
-        for (i, to) in theta.iter_mut().enumerate() {
-            let elastic = robot.transmissions[i].is_some();
-            *to = if elastic { frame.theta[i] } else { frame.q[i] };
-        }
-        let (torque, celsius) = (&frame.tau_m, frame.temperature_c);
-        if let Ok(true) = features.step(dt_s, &frame.q, &theta, torque, celsius) {
-            let _weight = offsets.step(features.block())?;
+        // Sample. What can't be used is refused, with a reason, and changes nothing.
+        if feeder.frame(frame).output() == Some(true) {
+            let _weight = offsets.step(feeder.observer().block())?;
         }
 
         // Output.

@@ -3,6 +3,7 @@
 pub mod absolute;
 pub mod estimate;
 pub mod executor;
+pub mod feeder;
 pub mod robot_dir;
 pub mod strand_duty;
 pub mod trend;

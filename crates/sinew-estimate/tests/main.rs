@@ -4,6 +4,7 @@ mod absolute;
 mod absolute_events;
 mod bad_input;
 mod baseline_merge;
+mod feeder;
 mod live;
 mod motor_current;
 mod offset_map;

@@ -13,7 +13,8 @@ use crate::support;
 
 use sinew_estimate::absolute;
 use sinew_estimate::absolute::{Absolute, Baseline, Payload, WatchOptions, Window};
-use sinew_estimate::estimate::{Injection, Request};
+use sinew_estimate::estimate::Request;
+use sinew_estimate::feeder::Injection;
 use sinew_log::Mapping;
 use std::path::Path;
 use support::{repository, shared};

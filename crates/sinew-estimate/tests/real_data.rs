@@ -7,7 +7,8 @@
 use crate::support;
 
 use sinew_estimate::estimate;
-use sinew_estimate::estimate::{Estimate, Injection, Request};
+use sinew_estimate::estimate::{Estimate, Request};
+use sinew_estimate::feeder::Injection;
 use sinew_log::Mapping;
 use support::{repository, shared};
 

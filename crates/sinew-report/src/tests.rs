@@ -1,5 +1,6 @@
 use super::*;
 use sinew_estimate::estimate::*;
+use sinew_estimate::feeder::Injection;
 use sinew_figure::{Block, Page, Sentence};
 
 /// An estimate of two joints and a refused one, made up.

@@ -1,7 +1,7 @@
 //! Values of options, refused with their unit where they can't be.
 
 use clap::{Args, ValueEnum};
-use sinew_estimate::estimate::Injection;
+use sinew_estimate::feeder::Injection;
 use sinew_log::{JointEffort, LogError, Mapping, OpenOptions};
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use std::path::PathBuf;

@@ -1,7 +1,8 @@
 //! A recording as blocks of features.
 
 use super::jumps::Jumps;
-use crate::estimate::{EstimateError, Injection, Opened, Progress, Request};
+use crate::estimate::{EstimateError, Opened, Progress, Request};
+use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
 use crate::robot_dir::LoadedRobot;
 use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver, MapError};
@@ -92,32 +93,25 @@ impl Recorded {
 /// Turns frames into blocks of features, from a file, a simulation or a live source.
 #[derive(Debug, Clone)]
 pub struct Recorder {
-    features: FeatureObserver,
-    elastic: Vec<bool>,
-    theta: Vec<f64>,
+    feeder: Feeder<FeatureObserver>,
     block_s: f64,
-    gap_ns: i64,
-    last_ns: Option<i64>,
-    segment: u32,
     first_s: Option<f64>,
-    /// Offsets to add: joint, from this time of the recording on, rad.
-    injections: Vec<(usize, f64, f64)>,
     out: Recorded,
 }
 
 impl Recorder {
-    /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew.
+    /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew. A block joins
+    /// all joints: a frame that lacks one's position is left out.
     pub fn new(robot: &Robot, config: &FeatureConfig, gap_s: f64) -> Self {
+        let features = FeatureObserver::new(&robot.arm, *config);
+        let options = FeederOptions {
+            gap_s,
+            ..FeederOptions::default()
+        };
         Self {
-            features: FeatureObserver::new(&robot.arm, *config),
-            elastic: robot.transmissions.iter().map(Option::is_some).collect(),
-            theta: vec![0.0; robot.arm.dof()],
+            feeder: Feeder::new(features, &robot.transmissions, options),
             block_s: config.block_s,
-            gap_ns: (gap_s * 1e9) as i64,
-            last_ns: None,
-            segment: 0,
             first_s: None,
-            injections: Vec::new(),
             out: Recorded {
                 elastic: (0..robot.arm.dof())
                     .filter(|&i| robot.transmissions[i].is_some())
@@ -132,14 +126,7 @@ impl Recorder {
     /// doesn't have are left out.
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
-        self.injections = injections
-            .iter()
-            .filter_map(|i| {
-                let joint = robot.arm.joint_index(&i.joint)?;
-                let from_s = i.from_s.unwrap_or(f64::NEG_INFINITY);
-                Some((joint, from_s, i.offset_rad))
-            })
-            .collect();
+        self.feeder = self.feeder.with_injections(&robot.arm, injections);
         self
     }
 
@@ -147,44 +134,20 @@ impl Recorder {
     pub fn push(&mut self, frame: &Frame, time_s: f64) {
         let first_s = *self.first_s.get_or_insert_with(|| {
             self.out.start_time_ns = frame.time_ns;
+            let since_start_ns = (time_s * 1e9).round() as i64;
+            self.feeder.set_start(frame.time_ns - since_start_ns);
             time_s
         });
         self.out.end_time_ns = frame.time_ns;
         self.out.duration_s = time_s - first_s;
-        // A rigid joint's motor doesn't matter; it may be missing.
-        for (i, slot) in self.theta.iter_mut().enumerate() {
-            *slot = if self.elastic[i] {
-                frame.theta[i]
-            } else {
-                frame.q[i]
-            };
-        }
-        for &(joint, from_s, offset_rad) in &self.injections {
-            if time_s >= from_s {
-                self.theta[joint] += offset_rad;
-            }
-        }
-        if frame.q.iter().chain(&self.theta).any(|x| !x.is_finite()) {
+        let fed = self.feeder.frame(frame);
+        if let Fed::Refused(Refusal::JointPosition | Refusal::MotorPosition) = fed {
             self.out.frames_missing += 1;
             return;
         }
-        self.out.jumps.push(time_s, &self.theta, &frame.q);
-        let gap = self
-            .last_ns
-            .is_some_and(|l| frame.time_ns - l > self.gap_ns);
-        if frame.segment != self.segment || gap {
-            self.features.reset();
-            self.segment = frame.segment;
-        }
-        let dt = self
-            .last_ns
-            .map_or(0.0, |l| (frame.time_ns - l) as f64 * 1e-9);
-        self.last_ns = Some(frame.time_ns);
-        let complete =
-            self.features
-                .step(dt, &frame.q, &self.theta, &frame.tau_m, frame.temperature_c);
-        if matches!(complete, Ok(true)) {
-            let mut block = self.features.block().clone();
+        self.out.jumps.push(time_s, self.feeder.theta(), &frame.q);
+        if fed.output() == Some(true) {
+            let mut block = self.feeder.observer().block().clone();
             // On the recording's clock, gaps and all.
             block.time_s = time_s - 0.5 * self.block_s;
             self.out.blocks.push(block);

@@ -31,8 +31,7 @@ mod tally;
 pub(crate) use pass::{Opened, Pass};
 pub use request::{EstimateError, Progress, Request};
 pub use result::{
-    Basis, Difference, Estimate, Injection, JointEstimate, Loss, RecordingInfo, RobotInfo, Series,
-    Settings,
+    Basis, Difference, Estimate, JointEstimate, Loss, RecordingInfo, RobotInfo, Series, Settings,
 };
 pub use run::run;
 pub(crate) use run::{compare, reference};

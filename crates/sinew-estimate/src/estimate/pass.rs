@@ -116,9 +116,9 @@ impl<'a> Pass<'a> {
             .collect();
         let observer = OffsetObserver::new(&loaded.robot.arm, &transmissions, config)?;
         let replay = Replay::new(
+            &loaded.robot.arm,
             observer,
             &transmissions,
-            names,
             &request.injections,
             request.use_tau_ext,
             request.open.gap_s,

@@ -1,6 +1,6 @@
 //! What is asked of an estimate, and why it can be refused.
 
-use super::result::Injection;
+use crate::feeder::Injection;
 use crate::robot_dir::RobotDirError;
 use sinew_files::OutputError;
 use sinew_log::{LogError, OpenOptions};

@@ -1,5 +1,6 @@
 //! What an estimate says, as data: the table, the JSON and the report are made from this alone.
 
+use crate::feeder::Injection;
 use serde::Serialize;
 
 /// The estimate of one recording.
@@ -72,17 +73,6 @@ pub struct Settings {
     pub injected: Vec<Injection>,
     /// Recording the estimate is compared with.
     pub reference: Option<String>,
-}
-
-/// The paper's artificial offset.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Injection {
-    /// Joint it was added to.
-    pub joint: String,
-    /// Offset, rad.
-    pub offset_rad: f64,
-    /// From this time of the recording on, s; `None` from the start.
-    pub from_s: Option<f64>,
 }
 
 /// Frames that gave no estimate, and why.

@@ -1,13 +1,13 @@
 //! The paper's method beside: eq. (5)–(7) with the mean over a session.
 
+use sinew_estimate::feeder::{Feeder, FeederOptions};
 use sinew_log::Frame;
-use sinew_model::offset::{Comparison, OffsetConfig, OffsetConfigError, OffsetObserver, Sample};
+use sinew_model::offset::{Comparison, OffsetConfig, OffsetConfigError, OffsetObserver};
 use sinew_model::robot::Robot;
 
 /// Means of the paper's estimate over sessions.
 pub(super) struct PaperMeans {
-    observer: OffsetObserver,
-    last_ns: Option<i64>,
+    feeder: Feeder<OffsetObserver>,
     /// Per session and joint: sum and count.
     sums: Vec<Vec<(f64, u32)>>,
 }
@@ -22,29 +22,23 @@ impl PaperMeans {
             comparison,
             ..OffsetConfig::default()
         };
+        let observer = OffsetObserver::new(&robot.arm, &robot.transmissions, config)?;
+        let options = FeederOptions::default();
         Ok(Self {
-            observer: OffsetObserver::new(&robot.arm, &robot.transmissions, config)?,
-            last_ns: None,
+            feeder: Feeder::new(observer, &robot.transmissions, options),
             sums: vec![vec![(0.0, 0); robot.arm.dof()]; sessions],
         })
     }
 
     /// Takes a frame of a session; what was before is over once the filters have settled.
     pub(super) fn push(&mut self, frame: &Frame, session: usize) {
-        let dt = self
-            .last_ns
-            .map_or(0.0, |l| (frame.time_ns - l) as f64 * 1e-9);
-        self.last_ns = Some(frame.time_ns);
-        let sample = Sample {
-            q: &frame.q,
-            theta_measured: &frame.theta,
-            ..Sample::default()
-        };
+        let fed = self.feeder.frame(frame);
+        let observer = self.feeder.observer();
         // A frame that can't be used is left out, like in a recording.
-        if self.observer.step(dt, &sample).is_err() || !self.observer.is_settled() {
+        if fed.output().is_none() || !observer.is_settled() {
             return;
         }
-        for ((sum, count), delta_e) in self.sums[session].iter_mut().zip(self.observer.delta_e()) {
+        for ((sum, count), delta_e) in self.sums[session].iter_mut().zip(observer.delta_e()) {
             if delta_e.is_finite() {
                 *sum += delta_e;
                 *count += 1;

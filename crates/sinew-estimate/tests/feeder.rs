@@ -1,0 +1,152 @@
+//! From frames to an observer: what is refused leaves no trace, a segment starts anew.
+
+use crate::support::biorob_like;
+
+use sinew_estimate::absolute::Recorder;
+use sinew_estimate::feeder::{Fed, Feeder, FeederOptions, Refusal};
+use sinew_log::Frame;
+use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
+use sinew_model::robot::Robot;
+
+/// Sixteen seconds of a swinging arm at 250 Hz.
+fn swing(robot: &Robot) -> Vec<Frame> {
+    let n = robot.arm.dof();
+    let frame = |k: u32| {
+        let t = f64::from(k) / 250.0;
+        let mut frame = Frame::new(n);
+        frame.time_ns = i64::from(k) * 4_000_000;
+        for i in 0..n {
+            let phase = 1.3 * t + i as f64;
+            frame.q[i] = 0.5 * phase.sin();
+            frame.theta[i] = frame.q[i] + 0.02 * phase.cos();
+        }
+        frame
+    };
+    (0..4000).map(frame).collect()
+}
+
+fn recorded(robot: &Robot, frames: &[Frame]) -> Vec<Block> {
+    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    for frame in frames {
+        recorder.push(frame, frame.time_ns as f64 * 1e-9);
+    }
+    recorder.finish().blocks
+}
+
+/// As `examples/live_offsets.rs` takes its samples.
+fn live(robot: &Robot, frames: &[Frame]) -> Vec<Block> {
+    let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
+    let mut blocks = Vec::new();
+    for frame in frames {
+        if feeder.frame(frame).output() == Some(true) {
+            blocks.push(feeder.observer().block().clone());
+        }
+    }
+    blocks
+}
+
+/// Blocks are the same to the last bit; time of day aside, NaN is NaN.
+fn assert_same(a: &[Block], b: &[Block]) {
+    assert!(
+        a.len() > 10 && a.len() == b.len(),
+        "{} {}",
+        a.len(),
+        b.len()
+    );
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        assert_eq!(
+            format!("{:?}", (&a.q, &a.y)),
+            format!("{:?}", (&b.q, &b.y)),
+            "block {k}"
+        );
+    }
+}
+
+type Blocks = fn(&Robot, &[Frame]) -> Vec<Block>;
+
+/// Every fiftieth frame can't be used: the next one's step is the time since the last that could.
+#[test]
+fn a_refused_sample_leaves_no_trace() {
+    let robot = biorob_like();
+    let clean = swing(&robot);
+    for bad in [1e70, f64::NAN] {
+        let mut frames = clean.clone();
+        let refused = |k: usize| k % 50 == 49;
+        for (k, frame) in frames.iter_mut().enumerate() {
+            if refused(k) {
+                frame.q[1] = bad;
+            }
+        }
+        let left: Vec<Frame> = (0..clean.len())
+            .filter(|k| !refused(*k))
+            .map(|k| clean[k].clone())
+            .collect();
+        for (name, blocks) in [("recorder", recorded as Blocks), ("live", live)] {
+            println!("{name}, {bad}");
+            assert_same(&blocks(&robot, &frames), &blocks(&robot, &left));
+        }
+    }
+}
+
+/// After a short pause that the recording calls a new segment the arm stands elsewhere.
+#[test]
+fn a_new_segment_starts_the_filters_anew() {
+    let robot = biorob_like();
+    let mut frames = swing(&robot);
+    for frame in &mut frames[2000..] {
+        frame.segment = 1;
+        frame.time_ns += 300_000_000;
+        frame
+            .q
+            .iter_mut()
+            .chain(&mut frame.theta)
+            .for_each(|x| *x += 0.4);
+    }
+    let first = recorded(&robot, &frames[..2000]).len();
+    let alone = recorded(&robot, &frames[2000..]);
+    for (name, blocks) in [("recorder", recorded as Blocks), ("live", live)] {
+        println!("{name}");
+        let blocks = blocks(&robot, &frames);
+        assert_eq!(blocks.len(), first + alone.len());
+        for (a, b) in blocks[first..].iter().zip(&alone) {
+            // The clock of blocks goes on: sums of steps round otherwise.
+            let pairs = a.y.iter().zip(&b.y);
+            assert!(
+                pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
+
+/// What a caller is told of a frame.
+#[test]
+fn a_frame_is_taken_refused_with_a_reason_or_a_start() {
+    let robot = biorob_like();
+    let mut frames = swing(&robot);
+    frames.truncate(9);
+    frames[2].q[0] = f64::NAN;
+    frames[3].theta[1] = f64::INFINITY;
+    frames[4].q[0] = 1e70;
+    frames[5].time_ns = frames[1].time_ns;
+    frames[7].segment = 1;
+    frames[8].segment = 1;
+    frames[8].time_ns += 600_000_000;
+    let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
+    let fed: Vec<Fed<bool>> = frames.iter().map(|frame| feeder.frame(frame)).collect();
+    let expected = [
+        Fed::Restarted(false),
+        Fed::Taken(false),
+        Fed::Refused(Refusal::JointPosition),
+        Fed::Refused(Refusal::MotorPosition),
+        Fed::Refused(Refusal::Range),
+        Fed::Refused(Refusal::TimeStep),
+        Fed::Taken(false),
+        Fed::Restarted(false),
+        Fed::Restarted(false),
+    ];
+    assert_eq!(fed, expected);
+    assert_eq!(feeder.segments(), 2);
+}
