@@ -19,6 +19,7 @@ mod executor;
 mod features;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod joint_signals;
 mod layout;
 mod mixture;
 mod observer;

@@ -203,7 +203,6 @@ fn the_threshold_is_what_is_unsure() {
         delta_e_rad: Gaussian::new(0.0, 0.0005),
         stiffness_factor: Gaussian::new(1.0, 0.03),
         cubic_per_rad2: 2.0,
-        ..JointCorrection::default()
     }];
     let tolerances = ContactTolerances {
         sigmas: 4.0,

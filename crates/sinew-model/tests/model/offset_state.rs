@@ -371,7 +371,7 @@ fn tolerances_come_from_the_robot_file() {
     for (text, said) in [
         (
             "[tolerances]\nstiffness = 5.0\n",
-            "unknown key tolerances.stiffness",
+            "tolerances: unknown key 'stiffness'",
         ),
         (
             "[tolerances]\nmass_percent = -1.0\n",

@@ -119,5 +119,5 @@ fn urdf_errors_carry_the_file() {
     let file = RobotFile::parse(TOML, "robot.toml").unwrap();
     assert_eq!(file.urdf(), Some("biorob-like.urdf"));
     let error = file.build("<robot").unwrap_err().to_string();
-    assert!(error.starts_with("biorob-like.urdf: "), "{error}");
+    assert!(error.starts_with("biorob-like.urdf, line 1: "), "{error}");
 }

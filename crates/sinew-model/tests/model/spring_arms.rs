@@ -48,7 +48,6 @@ pub(crate) fn known(n: usize) -> Vec<JointCorrection> {
             delta_e_rad: Gaussian::new(0.004 * (i as f64 - 2.0), 0.0),
             stiffness_factor: Gaussian::new(0.9 + 0.05 * i as f64, 0.0),
             cubic_per_rad2: 0.7 * i as f64,
-            ..JointCorrection::default()
         })
         .collect()
 }

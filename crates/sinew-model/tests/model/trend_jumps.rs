@@ -125,7 +125,7 @@ fn a_tensioning_is_told_from_a_jump_stated_or_not() {
     assert_eq!(stated.events().len(), 1, "{:?}", stated.events());
     // The rope is as long as before, and longer since; the offset has fallen by 5 mrad.
     for trend in [&trend, &stated] {
-        let paths = Paths::draw(&trend, &[trend.time_s()], 400, &mut || random.normal());
+        let paths = Paths::draw(trend, &[trend.time_s()], 400, &mut || random.normal());
         let mean = |rows: &[Vec<f64>]| rows.iter().map(|r| r[0]).sum::<f64>() / 400.0;
         let (offset, whole) = (mean(&paths.offset_rad), mean(&paths.whole_rad));
         let true_whole = 1e-3 * (24.0_f64 * 45.0).ln();

@@ -185,8 +185,8 @@ mod tests {
             kind: ChangeKind::Offset(0),
             at_s: problem.start_of(b),
         };
-        let there = solve(&problem, &[slip]).unwrap();
-        let moved = at_best_time(&problem, &there, 0, |at_s| {
+        let there = solve(problem, &[slip]).unwrap();
+        let moved = at_best_time(problem, &there, 0, |at_s| {
             problem.is_possible(slip.kind, at_s, SCOPE)
         });
         moved.unwrap().unwrap_or(there)

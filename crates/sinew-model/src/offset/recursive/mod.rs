@@ -1,9 +1,10 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 //!
 //! Reading order: this file, `filter` (one filter over blocks), `workspace` (what its step computes
-//! with), `robust_noise`, `stiffness` (the average over lost stiffness).
+//! with), `ring` (the last blocks), `robust_noise`, `stiffness` (the average over lost stiffness).
 
 mod filter;
+mod ring;
 mod robust_noise;
 mod stiffness;
 mod workspace;
@@ -17,6 +18,7 @@ use super::parameter::JointParameter;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
 use filter::Filter;
+use ring::{BlockRing, KEPT, SEGMENT};
 use stiffness::StiffnessAverage;
 use workspace::Workspace;
 
@@ -78,24 +80,11 @@ pub struct RecursiveOffsets {
     challenger: Filter,
     stage: Stage,
     work: Workspace,
-    /// Pose the arm stands at, and for how many blocks.
-    pose: Vec<f64>,
-    stood: f64,
-    /// The last [`KEPT`] blocks, a ring.
-    kept: Vec<Kept>,
-    /// Blocks taken.
-    taken: usize,
+    ring: BlockRing,
     /// Whether the second filter has been over the first blocks.
     opened: bool,
     /// The block the second filter began with.
     from: usize,
-}
-
-/// A block, and the share of its information that counts; 0: none of it goes in.
-#[derive(Debug, Clone)]
-struct Kept {
-    block: Block,
-    share: f64,
 }
 
 /// What the second filter does.
@@ -117,10 +106,6 @@ enum Stage {
     Tracking,
 }
 
-/// The most blocks the second filter goes over.
-const SEGMENT: usize = 75;
-/// Blocks kept: what the second filter goes over and what comes meanwhile.
-const KEPT: usize = 2 * SEGMENT;
 /// Blocks after which one is weighed again.
 const AGAIN: [usize; 2] = [SEGMENT, KEPT - 1];
 /// Scales of the weight, in standard deviations, with which the second filter goes over its
@@ -153,10 +138,6 @@ impl RecursiveOffsets {
             (0..n).map(|i| 3.0 * model.motor_floor(i)).collect(),
         ];
         let filter = Filter::new(&start, &start_noise, KEPT);
-        let empty = Kept {
-            block: Block::zero(n, layout.bodies),
-            share: 0.0,
-        };
         Ok(Self {
             challenger: filter.clone(),
             incumbent: filter,
@@ -166,10 +147,7 @@ impl RecursiveOffsets {
             stiffness,
             start_noise,
             work: Workspace::new(layout),
-            pose: alloc::vec![f64::NAN; n],
-            stood: 0.0,
-            kept: alloc::vec![empty; KEPT],
-            taken: 0,
+            ring: BlockRing::new(layout),
             opened: false,
             from: 0,
             model,
@@ -204,25 +182,12 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn step(&mut self, block: &Block) -> Result<f64, StepError> {
-        let slot = self.taken % KEPT;
-        if !self.kept.get(slot).is_some_and(|k| k.block.fits(block)) {
-            return Err(StepError::Length);
-        }
-        if !block.is_finite() {
-            return Err(StepError::NotFinite);
-        }
-        let share = self.share_of_pose(block);
-        if let Some(kept) = self.kept.get_mut(slot) {
-            kept.block.copy_from(block);
-            kept.share = share;
-        }
-        let number = self.taken;
-        self.taken += 1;
+        let number = self.ring.push(block, self.model.inflation)?;
         take(
             &mut self.incumbent,
             &self.model,
             &mut self.work,
-            &self.kept,
+            &self.ring,
             number,
         );
         self.advance_challenger();
@@ -236,9 +201,9 @@ impl RecursiveOffsets {
         const AT_ONCE: usize = 10;
         match self.stage {
             Stage::Idle => {
-                if self.taken == SEGMENT {
+                if self.ring.taken() == SEGMENT {
                     self.begin_replay();
-                } else if self.taken > SEGMENT && self.incumbent.is_inconsistent() {
+                } else if self.ring.taken() > SEGMENT && self.incumbent.is_inconsistent() {
                     self.await_segment();
                 }
             }
@@ -249,7 +214,7 @@ impl RecursiveOffsets {
                 self.stage = Stage::Idle;
             }
             Stage::Waiting { until } => {
-                if self.taken >= until {
+                if self.ring.taken() >= until {
                     self.begin_replay();
                 }
             }
@@ -259,15 +224,20 @@ impl RecursiveOffsets {
                 }
             }
             Stage::Tracking => {
-                let number = self.taken - 1;
+                let number = self.ring.taken() - 1;
                 take(
                     &mut self.challenger,
                     &self.model,
                     &mut self.work,
-                    &self.kept,
+                    &self.ring,
                     number,
                 );
-                if self.taken.saturating_sub(self.from).is_multiple_of(AT_ONCE) {
+                if self
+                    .ring
+                    .taken()
+                    .saturating_sub(self.from)
+                    .is_multiple_of(AT_ONCE)
+                {
                     self.compare();
                 }
                 // It began with blocks from before what it should explain.
@@ -283,17 +253,17 @@ impl RecursiveOffsets {
         /// Blocks from after it.
         const AFTER: usize = 50;
         self.stage = Stage::Waiting {
-            until: self.taken + AFTER,
+            until: self.ring.taken() + AFTER,
         };
     }
 
     /// The second filter begins with the last blocks.
     fn begin_replay(&mut self) {
         self.challenger.restart(&self.start, &self.start_noise);
-        self.from = self.taken.saturating_sub(SEGMENT);
+        self.from = self.ring.taken().saturating_sub(SEGMENT);
         self.stage = Stage::Replaying {
             pass: 0,
-            to: self.taken,
+            to: self.ring.taken(),
             at: self.from,
         };
     }
@@ -303,12 +273,11 @@ impl RecursiveOffsets {
         let Stage::Replaying { to, pass, at } = self.stage else {
             return;
         };
-        let Some(kept) = self.kept.get(at % KEPT) else {
+        let Some((slot, kept)) = self.ring.get(at) else {
             return;
         };
         let (mut pass, mut at) = (pass, at);
         if let Some(&scale) = SCALES.get(pass) {
-            let slot = at % KEPT;
             self.challenger.update_in_pass(
                 &self.model,
                 &mut self.work,
@@ -332,13 +301,13 @@ impl RecursiveOffsets {
                 &mut self.challenger,
                 &self.model,
                 &mut self.work,
-                &self.kept,
+                &self.ring,
                 at,
             );
             at += 1;
         }
         self.stage = Stage::Replaying { to, pass, at };
-        if pass == SCALES.len() && at >= self.taken {
+        if pass == SCALES.len() && at >= self.ring.taken() {
             self.stage = Stage::Tracking;
             self.compare();
         }
@@ -352,9 +321,9 @@ impl RecursiveOffsets {
         /// From so many blocks that told something new: two or three stands say little of an arm.
         const ENOUGH: f64 = 15.0;
         let opening = self.from == 0;
-        let seen = self.taken.saturating_sub(KEPT).max(self.from)..self.taken;
-        let blocks = seen.filter_map(|number| self.kept.get(number % KEPT));
-        let blocks = blocks.map(|k| (&k.block, k.share));
+        let seen = self.ring.taken().saturating_sub(KEPT).max(self.from)..self.ring.taken();
+        let blocks = seen.filter_map(|number| self.ring.get(number));
+        let blocks = blocks.map(|(_, k)| (&k.block, k.share));
         let news: f64 = blocks.clone().map(|(_, share)| share).sum();
         let fit = news * self.model.inflation > ENOUGH && self.challenger.is_consistent();
         let margin = if opening { 0.0 } else { BETTER };
@@ -368,29 +337,6 @@ impl RecursiveOffsets {
         self.opened |= opening;
         if better || opening || self.incumbent.is_consistent() {
             self.stage = Stage::Idle;
-        }
-    }
-
-    /// How much of a block's information counts: the blocks of a stand share that of one.
-    fn share_of_pose(&mut self, block: &Block) -> f64 {
-        const STAND_RAD: f64 = 0.01;
-        let moved = self
-            .pose
-            .iter()
-            .zip(&block.q)
-            .any(|(a, b)| !((a - b).abs() <= STAND_RAD));
-        if moved {
-            for (pose, q) in self.pose.iter_mut().zip(&block.q) {
-                *pose = *q;
-            }
-            self.stood = 0.0;
-        }
-        self.stood += 1.0;
-        let inflation = self.model.inflation;
-        if self.stood <= inflation {
-            1.0 / inflation
-        } else {
-            0.0
         }
     }
 
@@ -471,19 +417,15 @@ fn take(
     filter: &mut Filter,
     model: &EstimationModel,
     work: &mut Workspace,
-    kept: &[Kept],
+    ring: &BlockRing,
     number: usize,
 ) {
     for age in AGAIN {
-        if let Some(before) = number.checked_sub(age) {
-            let slot = before % KEPT;
-            if let Some(old) = kept.get(slot) {
-                filter.reweight(model, work, &old.block, slot);
-            }
+        if let Some((slot, old)) = number.checked_sub(age).and_then(|before| ring.get(before)) {
+            filter.reweight(model, work, &old.block, slot);
         }
     }
-    let slot = number % KEPT;
-    if let Some(new) = kept.get(slot) {
+    if let Some((slot, new)) = ring.get(number) {
         filter.update(model, work, (&new.block, new.share), slot);
     }
 }

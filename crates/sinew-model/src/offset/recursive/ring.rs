@@ -1,0 +1,96 @@
+//! The last blocks, by their number.
+
+use crate::StepError;
+use crate::offset::block::Block;
+use crate::offset::layout::Layout;
+use alloc::vec::Vec;
+
+/// The most blocks the second filter goes over.
+pub(super) const SEGMENT: usize = 75;
+/// Blocks kept: what the second filter goes over and what comes meanwhile.
+pub(super) const KEPT: usize = 2 * SEGMENT;
+/// A block, and the share of its information that counts; 0: none of it goes in.
+#[derive(Debug, Clone)]
+pub(super) struct KeptBlock {
+    pub(super) block: Block,
+    pub(super) share: f64,
+}
+
+/// The last [`KEPT`] blocks. Block `number` has the slot `number % KEPT`.
+#[derive(Debug, Clone)]
+pub(super) struct BlockRing {
+    blocks: Vec<KeptBlock>,
+    /// Blocks taken.
+    taken: usize,
+    /// Pose the arm stands at, and for how many blocks.
+    pose: Vec<f64>,
+    stood: f64,
+}
+
+impl BlockRing {
+    /// Room for blocks of a model; allocates here only.
+    pub(super) fn new(layout: Layout) -> Self {
+        let empty = KeptBlock {
+            block: Block::zero(layout.joints, layout.bodies),
+            share: 0.0,
+        };
+        Self {
+            blocks: alloc::vec![empty; KEPT],
+            taken: 0,
+            pose: alloc::vec![f64::NAN; layout.joints],
+            stood: 0.0,
+        }
+    }
+
+    /// Blocks taken.
+    pub(super) fn taken(&self) -> usize {
+        self.taken
+    }
+
+    /// Slot of a block, and the block.
+    pub(super) fn get(&self, number: usize) -> Option<(usize, &KeptBlock)> {
+        let slot = number % KEPT;
+        Some((slot, self.blocks.get(slot)?))
+    }
+
+    /// Takes a block of an arm whose noise is correlated over `inflation` blocks; returns its number.
+    pub(super) fn push(&mut self, block: &Block, inflation: f64) -> Result<usize, StepError> {
+        let number = self.taken;
+        let slot = number % KEPT;
+        if !self.blocks.get(slot).is_some_and(|k| k.block.fits(block)) {
+            return Err(StepError::Length);
+        }
+        if !block.is_finite() {
+            return Err(StepError::NotFinite);
+        }
+        let share = self.share_of_pose(block, inflation);
+        if let Some(kept) = self.blocks.get_mut(slot) {
+            kept.block.copy_from(block);
+            kept.share = share;
+        }
+        self.taken += 1;
+        Ok(number)
+    }
+
+    /// How much of a block's information counts: the blocks of a stand share that of one.
+    fn share_of_pose(&mut self, block: &Block, inflation: f64) -> f64 {
+        const STAND_RAD: f64 = 0.01;
+        let moved = self
+            .pose
+            .iter()
+            .zip(&block.q)
+            .any(|(a, b)| !((a - b).abs() <= STAND_RAD));
+        if moved {
+            for (pose, q) in self.pose.iter_mut().zip(&block.q) {
+                *pose = *q;
+            }
+            self.stood = 0.0;
+        }
+        self.stood += 1.0;
+        if self.stood <= inflation {
+            1.0 / inflation
+        } else {
+            0.0
+        }
+    }
+}
