@@ -1,21 +1,16 @@
 //! What a creep test says without any law but a straight line: readings, moduli, slope,
 //! saturation, recovery.
 
-use super::CreepError;
 use super::curve::Curve;
-use super::fit::{FitOptions, fit};
+use super::error::{CreepError, Unusable};
+use super::fit::fit;
 use super::law::Law;
-use super::record::{Prepared, Stage};
+use super::options::FitOptions;
+use super::record::{Fault, Prepared, Stage, StrainZero};
 use super::scan::median;
-
-/// A time of [`ISO_READINGS_S`] as the standard writes it: `3 min`, `50 h`.
-pub fn reading_time(time_s: f64) -> String {
-    if time_s < 3600.0 {
-        format!("{:.0} min", time_s / 60.0)
-    } else {
-        format!("{:.0} h", time_s / 3600.0)
-    }
-}
+use super::span::Span;
+use serde::{Deserialize, Serialize};
+use sinew_model::Bounded;
 
 /// Readings ISO 899-1 asks for, s: 1, 3, 6, 12, 30 min, 1, 2, 5, 10, 20, 50 … h.
 pub const ISO_READINGS_S: [f64; 15] = [
@@ -35,6 +30,8 @@ pub const ISO_READINGS_S: [f64; 15] = [
     1_800_000.0,
     3_600_000.0,
 ];
+/// One per second in %/h, the unit of the paper's slopes.
+pub const PERCENT_PER_H: f64 = 360_000.0;
 /// Where the paper begins its straight line: 20 min.
 pub const SLOPE_FROM_S: f64 = 1200.0;
 
@@ -60,78 +57,91 @@ impl Default for AnalyzeOptions {
 }
 
 /// One reading of ISO 899-1.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reading {
     /// Time under the whole load, s.
     pub time_s: f64,
-    /// Strain from the zero, %.
-    pub strain_percent: f64,
-    /// Tensile creep modulus F/(A ε), MPa; `None` without a cross-section.
-    pub modulus_mpa: Option<f64>,
+    /// Strain from the zero, m/m.
+    pub strain_ratio: f64,
+    /// Tensile creep modulus F/(A ε), Pa; `None` without a cross-section.
+    pub modulus_pa: Option<f64>,
 }
 
-/// A value with its interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Interval {
-    /// Value.
-    pub value: f64,
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
+/// Why a record has no slope.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum NoSlope {
+    /// Too few readings late enough.
+    TooFewReadings {
+        /// Readings there are.
+        readings: usize,
+        /// From when on, s after the load.
+        from_s: f64,
+        /// Readings needed.
+        needed: usize,
+    },
+    /// The straight line couldn't be fitted.
+    NotFitted {
+        /// Why.
+        reason: CreepError,
+    },
 }
 
 /// After the load fell.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Recovery {
-    /// Load before and after, N.
+    /// Load before, N.
     pub force_before_n: f64,
     /// Load after, N.
     pub force_after_n: f64,
-    /// Strain at the end under the higher load, %.
-    pub strain_before_percent: f64,
-    /// Strain that went with the load, %.
-    pub at_once_percent: f64,
-    /// Strain that went later, within the record, %.
-    pub delayed_percent: f64,
-    /// Strain at the end of the stage, %: what is left, residual where the load is gone.
-    pub residual_percent: f64,
+    /// Strain at the end under the higher load, m/m.
+    pub before_strain_ratio: f64,
+    /// Strain that went with the load, m/m.
+    pub at_once_strain_ratio: f64,
+    /// Strain that went later, within the record, m/m.
+    pub delayed_strain_ratio: f64,
+    /// Strain at the end of the stage, m/m: what is left, residual where the load is gone.
+    pub residual_strain_ratio: f64,
     /// Length of the stage, s.
     pub duration_s: f64,
 }
 
 /// What one specimen's record says.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analysis {
     /// Specimen.
     pub name: String,
+    /// Group of repeats it belongs to.
+    pub group: Option<String>,
     /// Load of the first stage, N.
     pub force_n: Option<f64>,
     /// Load before, N.
     pub preload_n: Option<f64>,
-    /// Stress of the first stage, MPa.
-    pub stress_mpa: Option<f64>,
-    /// Mean temperature, °C.
-    pub temperature_c: Option<f64>,
-    /// Mean humidity, %.
-    pub humidity_percent: Option<f64>,
-    /// Mean, lowest and highest humidity or moisture, %.
-    pub humidity_range_percent: Option<(f64, f64, f64)>,
+    /// Stress of the first stage, Pa.
+    pub stress_pa: Option<f64>,
+    /// Temperature, °C.
+    pub temperature_c: Option<Span>,
+    /// Relative humidity or moisture as recorded, %.
+    pub humidity_percent: Option<Span>,
     /// Length of the first stage, s.
     pub duration_s: f64,
     /// What was taken for strain zero.
-    pub zero: String,
+    pub zero: StrainZero,
     /// Readings at the times of ISO 899-1 that the first stage reaches.
     pub readings: Vec<Reading>,
-    /// Strain at the end of the first stage, %.
-    pub end_percent: f64,
-    /// Rise from one minute (or the first reading after it) to the end, %.
-    pub creep_percent: f64,
+    /// Strain at the end of the first stage, m/m.
+    pub end_strain_ratio: f64,
+    /// Rise from one minute (or the first reading after it) to the end, m/m.
+    pub creep_strain_ratio: f64,
     /// The paper's `m_E`: slope of a straight line from [`AnalyzeOptions::slope_from_s`] on,
-    /// %/h; with an interval that knows that neighbouring residuals are alike.
-    pub slope_percent_per_h: Option<Interval>,
+    /// 1/s; its interval knows that neighbouring residuals are alike.
+    pub slope_per_s: Option<Bounded>,
     /// Why there is no slope.
-    pub no_slope: Option<String>,
+    pub no_slope: Option<NoSlope>,
     /// Time after which less than a twentieth of the creep is still to come within the record, s.
     pub saturation_s: Option<f64>,
     /// Whether, at the slope found, another such duration would add less than a tenth of the
@@ -140,7 +150,7 @@ pub struct Analysis {
     /// Falls of the load.
     pub recovery: Vec<Recovery>,
     /// Oddities.
-    pub faults: Vec<super::record::Fault>,
+    pub faults: Vec<Fault>,
 }
 
 /// Analyses a prepared specimen.
@@ -148,19 +158,18 @@ pub struct Analysis {
 /// # Errors
 /// [`CreepError::Specimen`] when the first stage holds no reading.
 pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis, CreepError> {
-    let refuse = |reason: &str| CreepError::Specimen {
+    let refuse = |reason: Unusable| CreepError::Specimen {
         specimen: prepared.name.clone(),
-        reason: reason.to_owned(),
+        reason,
     };
     let first = *prepared
         .stages
         .first()
-        .ok_or_else(|| refuse("no stage under load"))?;
+        .ok_or_else(|| refuse(Unusable::NoStage))?;
     let stage = Part::of(&prepared.curve, &first);
     if stage.time_s.is_empty() {
-        return Err(refuse("no reading under load"));
+        return Err(refuse(Unusable::NoReading));
     }
-    let stress_mpa = prepared.stress_pa.map(|s| s * 1e-6);
     let duration_s = first.end_s - first.start_s;
     let readings: Vec<Reading> = ISO_READINGS_S
         .iter()
@@ -169,8 +178,11 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
             let strain = stage.at(t)?;
             Some(Reading {
                 time_s: t,
-                strain_percent: 100.0 * strain,
-                modulus_mpa: stress_mpa.filter(|_| strain > 0.0).map(|s| s / strain),
+                strain_ratio: strain,
+                modulus_pa: prepared
+                    .stress_pa
+                    .filter(|_| strain > 0.0)
+                    .map(|s| s / strain),
             })
         })
         .collect();
@@ -179,8 +191,8 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
         .at(60.0_f64.min(duration_s))
         .unwrap_or(stage.strain[0]);
     let creep = end - start;
-    let (slope, no_slope) = match slope(&stage, options) {
-        Ok(interval) => (Some(interval), None),
+    let (slope_percent_per_h, no_slope) = match slope(&stage, options) {
+        Ok(slope) => (Some(slope), None),
         Err(reason) => (None, Some(reason)),
     };
     let saturation_s = (creep > 0.0)
@@ -191,7 +203,7 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
             stage.time_s.get(after).copied()
         })
         .flatten();
-    let saturated = slope
+    let saturated = slope_percent_per_h
         .filter(|_| creep > 0.0)
         .map(|s| s.value * duration_s / 3600.0 < 0.1 * 100.0 * creep);
     let recovery = prepared
@@ -210,28 +222,32 @@ pub fn analyze(prepared: &Prepared, options: &AnalyzeOptions) -> Result<Analysis
             Some(Recovery {
                 force_before_n: pair[0].force_n,
                 force_after_n: pair[1].force_n,
-                strain_before_percent: 100.0 * high,
-                at_once_percent: 100.0 * (high - low),
-                delayed_percent: 100.0 * (low - after.end()),
-                residual_percent: 100.0 * after.end(),
+                before_strain_ratio: high,
+                at_once_strain_ratio: high - low,
+                delayed_strain_ratio: low - after.end(),
+                residual_strain_ratio: after.end(),
                 duration_s: pair[1].end_s - pair[1].start_s,
             })
         })
         .collect();
     Ok(Analysis {
         name: prepared.name.clone(),
+        group: prepared.group.clone(),
         force_n: prepared.force_n,
         preload_n: prepared.preload_n,
-        stress_mpa,
-        temperature_c: prepared.temperature_c.map(|t| t.0),
-        humidity_percent: prepared.humidity_percent.map(|h| h.0),
-        humidity_range_percent: prepared.humidity_percent,
+        stress_pa: prepared.stress_pa,
+        temperature_c: prepared.temperature_c,
+        humidity_percent: prepared.humidity_percent,
         duration_s,
-        zero: prepared.zero.clone(),
+        zero: prepared.zero,
         readings,
-        end_percent: 100.0 * end,
-        creep_percent: 100.0 * creep,
-        slope_percent_per_h: slope,
+        end_strain_ratio: end,
+        creep_strain_ratio: creep,
+        slope_per_s: slope_percent_per_h.map(|s| Bounded {
+            value: s.value / PERCENT_PER_H,
+            low: s.low / PERCENT_PER_H,
+            high: s.high / PERCENT_PER_H,
+        }),
         no_slope,
         saturation_s,
         saturated,
@@ -293,103 +309,35 @@ impl Part {
     }
 }
 
-fn slope(stage: &Part, options: &AnalyzeOptions) -> Result<Interval, String> {
+/// Slope of the late readings, %/h.
+fn slope(stage: &Part, options: &AnalyzeOptions) -> Result<Bounded, NoSlope> {
+    /// Readings a slope with an interval needs.
+    const NEEDED: usize = 8;
     let from = stage.time_s.partition_point(|t| *t < options.slope_from_s);
     let late = &stage.time_s[from..];
-    if late.len() < 8 {
-        return Err(format!(
-            "{} readings after {:.0} min; a slope with an interval needs 8",
-            late.len(),
-            options.slope_from_s / 60.0
-        ));
+    if late.len() < NEEDED {
+        return Err(NoSlope::TooFewReadings {
+            readings: late.len(),
+            from_s: options.slope_from_s,
+            needed: NEEDED,
+        });
     }
     let curve = Curve::constant_load(
         "",
         late.iter().map(|t| t - late[0]).collect(),
         stage.strain[from..].to_vec(),
     );
-    let fit = fit(
-        Law::Line,
-        &[curve],
-        &FitOptions {
-            level: options.level,
-            seed: options.seed,
-            ..FitOptions::default()
-        },
-    )
-    .map_err(|error| error.to_string())?;
-    fit.parameter("s")
-        .map(|s| Interval {
-            value: s.value,
-            low: s.low,
-            high: s.high,
-        })
-        .ok_or_else(|| "no slope".to_owned())
-}
-
-/// Mean and scatter of repeats.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Scatter {
-    /// Group.
-    pub group: String,
-    /// Specimens.
-    pub specimens: usize,
-    /// Mean strain at the end, %.
-    pub end_percent: f64,
-    /// Standard deviation between specimens, %; `None` for one.
-    pub end_deviation_percent: Option<f64>,
-    /// Mean slope, %/h.
-    pub slope_percent_per_h: Option<f64>,
-    /// Standard deviation of the slope between specimens, %/h.
-    pub slope_deviation: Option<f64>,
-    /// Specimens whose end stands more than 3.5 robust deviations apart from their group.
-    pub apart: Vec<String>,
-}
-
-/// Scatter of the specimens of each group, in the order of their first appearance.
-pub fn scatter(analyses: &[(String, &Analysis)]) -> Vec<Scatter> {
-    /// Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993.
-    const APART: f64 = 3.5;
-    let mut groups: Vec<(&str, Vec<&Analysis>)> = Vec::new();
-    for (group, analysis) in analyses {
-        match groups.iter_mut().find(|(name, _)| name == group) {
-            Some((_, members)) => members.push(analysis),
-            None => groups.push((group, vec![analysis])),
-        }
-    }
-    let moments = |values: &[f64]| {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let deviation = (values.len() > 1)
-            .then(|| (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt());
-        (mean, deviation)
+    let options = FitOptions {
+        level: options.level,
+        seed: options.seed,
+        ..FitOptions::default()
     };
-    groups
-        .into_iter()
-        .map(|(group, members)| {
-            let ends: Vec<f64> = members.iter().map(|a| a.end_percent).collect();
-            let slopes: Vec<f64> = members
-                .iter()
-                .filter_map(|a| a.slope_percent_per_h.map(|s| s.value))
-                .collect();
-            let (end_percent, end_deviation_percent) = moments(&ends);
-            let centre = median(&ends);
-            let distance: Vec<f64> = ends.iter().map(|e| (e - centre).abs()).collect();
-            let robust = 1.482_6 * median(&distance);
-            Scatter {
-                group: group.to_owned(),
-                specimens: members.len(),
-                end_percent,
-                end_deviation_percent,
-                slope_percent_per_h: (!slopes.is_empty()).then(|| moments(&slopes).0),
-                slope_deviation: moments(&slopes).1.filter(|_| !slopes.is_empty()),
-                apart: members
-                    .iter()
-                    .zip(&distance)
-                    .filter(|(_, d)| members.len() >= 5 && robust > 0.0 && **d > APART * robust)
-                    .map(|(a, _)| a.name.clone())
-                    .collect(),
-            }
-        })
-        .collect()
+    let fit = fit(Law::Line, &[curve], &options).map_err(|reason| NoSlope::NotFitted { reason })?;
+    // The terms of a law come before its strain zeros.
+    let s = &fit.parameters[0];
+    Ok(Bounded {
+        value: s.value,
+        low: s.low,
+        high: s.high,
+    })
 }

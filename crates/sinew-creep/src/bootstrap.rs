@@ -4,62 +4,68 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::fit::{Draw, Fit, IntervalKind, Search};
+use super::draw::Draw;
 use super::model::Model;
 use super::noise::Noise;
+use super::options::IntervalKind;
+use super::parameter::Parameter;
+use super::search::Search;
 use super::solver::{LeastSquares, TrustRegion};
 use super::student::{normal_quantile, normal_share};
 use sinew_model::statistics::quantile;
 
-impl Fit {
-    /// Replaces the parameters' intervals by bias-corrected quantiles of `count` replicates:
-    /// the fitted strain with new noise of the fitted size, slow share and memory, fitted again
-    /// from the best place.
-    ///
-    /// # Source
-    /// B. Efron, R. Tibshirani: *An Introduction to the Bootstrap*, 1993, chapters 6 and 14.
-    pub(super) fn bootstrap(&mut self, count: usize, seed: u64) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xb007);
-        let best = self.numbers(&self.best);
-        let fitted: Vec<Vec<f64>> = (0..self.model.curves.len())
-            .map(|c| self.strain(c, &self.model.curves[c].time_s))
-            .collect();
-        let mut replicates: Vec<Vec<f64>> = Vec::with_capacity(count);
-        let solver = TrustRegion { steps: 40 };
-        for _ in 0..count {
-            let model = self.replicate(&fitted, &mut random);
-            let minimum = solver.minimum(&Search(&model), &self.best.places);
-            if minimum.cost.is_finite() {
-                replicates.push(self.numbers(&Draw::at(&model, &minimum.x)));
-            }
-        }
-        let tail = 0.5 * (1.0 - self.level);
-        for (i, parameter) in self.parameters.iter_mut().enumerate() {
-            let mut values: Vec<f64> = replicates.iter().map(|r| r[i]).collect();
-            values.sort_by(f64::total_cmp);
-            let n = values.len() as f64;
-            let below = values.partition_point(|v| *v < best[i]) as f64;
-            // Half a replicate keeps a parameter that always ends at its bound finite.
-            let bias = normal_quantile(((below + 0.5) / (n + 1.0)).clamp(0.01, 0.99));
-            let at = |p: f64| quantile(&values, normal_share(2.0 * bias + normal_quantile(p)));
-            parameter.low = at(tail);
-            parameter.high = at(1.0 - tail);
-            parameter.interval = IntervalKind::Bootstrap;
+/// Replaces intervals by bias-corrected quantiles of `count` replicates: the fitted strain with new
+/// noise of the fitted size, slow share and memory, fitted again from the best point.
+///
+/// # Source
+/// B. Efron, R. Tibshirani: *An Introduction to the Bootstrap*, 1993, chapters 6 and 14.
+pub(super) fn intervals(
+    parameters: &mut [Parameter],
+    model: &Model,
+    best: &Draw,
+    tail: f64,
+    count: usize,
+    seed: u64,
+) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xb007);
+    let numbers = best.numbers(model);
+    let fitted: Vec<Vec<f64>> = (0..model.curves.len())
+        .map(|c| best.strain(model, c, &model.curves[c].time_s))
+        .collect();
+    let mut replicates: Vec<Vec<f64>> = Vec::with_capacity(count);
+    let solver = TrustRegion { steps: 40 };
+    for _ in 0..count {
+        let replicate = replicate(model, best, &fitted, &mut random);
+        let minimum = solver.minimum(&Search(&replicate), &best.unit);
+        if minimum.cost.is_finite() {
+            replicates.push(Draw::at(&replicate, &minimum.x).numbers(model));
         }
     }
+    for (i, parameter) in parameters.iter_mut().enumerate() {
+        let mut values: Vec<f64> = replicates.iter().map(|r| r[i]).collect();
+        values.sort_by(f64::total_cmp);
+        let n = values.len() as f64;
+        let below = values.partition_point(|v| *v < numbers[i]) as f64;
+        // Half a replicate keeps a parameter that always ends at its bound finite.
+        let bias = normal_quantile(((below + 0.5) / (n + 1.0)).clamp(0.01, 0.99));
+        let at = |p: f64| quantile(&values, normal_share(2.0 * bias + normal_quantile(p)));
+        parameter.low = at(tail);
+        parameter.high = at(1.0 - tail);
+        parameter.interval = IntervalKind::Bootstrap;
+    }
+}
 
-    fn replicate(&self, fitted: &[Vec<f64>], random: &mut ChaCha8Rng) -> Model {
-        let mut model = self.model.clone();
-        let sigma = self.best.sigma * model.scale;
-        let clocks = model.clocks.clone();
-        for ((curve, fitted), clock) in model.curves.iter_mut().zip(fitted).zip(clocks) {
-            let errors = errors(&clock, &curve.count, self.best.noise, random);
-            for ((strain, fitted), error) in curve.strain.iter_mut().zip(fitted).zip(errors) {
-                *strain = fitted + sigma * error;
-            }
+fn replicate(model: &Model, best: &Draw, fitted: &[Vec<f64>], random: &mut ChaCha8Rng) -> Model {
+    let mut model = model.clone();
+    let sigma = best.sigma * model.scale;
+    let clocks = model.clocks.clone();
+    for ((curve, fitted), clock) in model.curves.iter_mut().zip(fitted).zip(clocks) {
+        let errors = errors(&clock, &curve.count, best.noise, random);
+        for ((strain, fitted), error) in curve.strain.iter_mut().zip(fitted).zip(errors) {
+            *strain = fitted + sigma * error;
         }
-        model
     }
+    model
 }
 
 /// Noise of unit size at rising readings of the clock: slow and own.

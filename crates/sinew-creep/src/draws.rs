@@ -4,42 +4,42 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
-use super::fit::Draw;
+use super::draw::Draw;
 use super::model::Model;
 use super::sample::{Around, Plan, ensemble};
 
 /// Draws by an ensemble that starts around `centre`; coefficients and the size of the noise from
 /// their own distributions given the rest.
 pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
-    /// Draws of coefficients for each place of the ensemble.
-    const PER_PLACE: usize = 3;
+    /// Draws of coefficients for each point of the ensemble.
+    const PER_POINT: usize = 3;
     /// Draws of a law without nonlinear parameters.
     const ALL_LINEAR: usize = 2000;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let places = ensemble(
+    let points = ensemble(
         &|x| model.log_restricted(x),
         &around(model, centre),
         Plan::of(centre.len()),
         &mut random,
     );
-    let per_place = if centre.is_empty() {
+    let per_point = if centre.is_empty() {
         ALL_LINEAR
     } else {
-        PER_PLACE
+        PER_POINT
     };
     let free = model.readings.saturating_sub(model.coefficients()).max(1);
     let Ok(chi) = ChiSquared::new(free as f64) else {
         return Vec::new();
     };
-    let mut draws = Vec::with_capacity(places.len() * per_place);
-    for place in places {
-        let point = model.solve(&place, false);
-        for _ in 0..per_place {
+    let mut draws = Vec::with_capacity(points.len() * per_point);
+    for unit in points {
+        let point = model.solve(&unit, false);
+        for _ in 0..per_point {
             let spread: f64 = chi.sample(&mut random);
             let sigma = (point.squares / spread.max(f64::MIN_POSITIVE)).sqrt();
             draws.push(Draw {
-                values: model.values(&place),
-                places: place.clone(),
+                values: model.values(&unit),
+                unit: unit.clone(),
                 noise: point.noise,
                 sigma,
                 beta: point
@@ -51,7 +51,7 @@ pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
             });
         }
     }
-    // Order must not tell the walker: forecasts take stretches of the list.
+    // Order must not depend on the walker: forecasts take parts of the list.
     for i in (1..draws.len()).rev() {
         let j = random.random_range(0..=i);
         draws.swap(i, j);
@@ -59,7 +59,7 @@ pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
     draws
 }
 
-/// What the curvature of the squares at the optimum says about the places: where walkers start.
+/// Where walkers start: by the curvature of the squares at the optimum.
 fn around(model: &Model, centre: &[f64]) -> Around {
     /// Step of the differences.
     const STEP: f64 = 1e-4;

@@ -1,83 +1,29 @@
 //! Fitting a law: search from several starts, then draws for the intervals.
 
-use super::CreepError;
+use super::bootstrap;
 use super::curve::Curve;
+use super::draw::Draw;
 use super::draws::draw;
+use super::error::CreepError;
 use super::law::Law;
-use super::model::{Model, NoiseKind, Share};
+use super::model::Model;
 use super::noise::Noise;
-use super::parameter::Parameter;
-use super::rope_law::{Held, RopeBase};
-use super::solver::{LeastSquares, Residuals, TrustRegion};
+use super::options::{FitOptions, IntervalKind};
+use super::parameter::{Parameter, parameters};
+use super::profile;
+use super::rope_base::FixedParameter;
+use super::search::Search;
+use super::solver::{Ending, LeastSquares, TrustRegion};
 use super::starts::starts;
 
-/// How to fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FitOptions {
-    /// What specimens have in common.
-    pub share: Share,
-    /// What is assumed of the readings' errors.
-    pub noise: NoiseKind,
-    /// Level of the intervals, such as 0.95.
-    pub level: f64,
-    /// Whether draws for intervals and forecasts are made; the search alone is much faster.
-    pub intervals: bool,
-    /// How the intervals of the parameters are made; forecasts always rest on draws.
-    pub kind: IntervalKind,
-    /// Seed of the draws; the same seed gives the same numbers.
-    pub seed: u64,
-    /// The rope that [`Law::Rope`] starts from.
-    pub rope: Option<std::sync::Arc<RopeBase>>,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            share: Share::All,
-            noise: NoiseKind::Correlated,
-            level: 0.95,
-            intervals: true,
-            kind: IntervalKind::Draws,
-            seed: 1,
-            rope: None,
-        }
-    }
-}
-
-/// How an interval is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum IntervalKind {
-    /// Quantiles of draws from what the readings leave open (flat within the searched ranges).
-    #[default]
-    Draws,
-    /// Profile likelihood: all else fitted anew at every value, F-distributed.
-    Profile,
-    /// Parametric bootstrap: readings made anew with the fitted noise, slow part included,
-    /// and fitted again; bias-corrected quantiles.
-    Bootstrap,
-}
-
-impl IntervalKind {
-    /// Name in options and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            IntervalKind::Draws => "draws",
-            IntervalKind::Profile => "profile likelihood",
-            IntervalKind::Bootstrap => "parametric bootstrap",
-        }
-    }
-}
-
 /// A law fitted to one or several curves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
     /// The law.
     pub law: Law,
-    /// Parameters.
-    pub parameters: Vec<Parameter>,
-    /// Covariance of [`Self::parameters`] from the draws, in their units; empty without draws.
-    pub covariance: Vec<Vec<f64>>,
+    /// Akaike weight among the laws fitted to the same readings; 1 for a law fitted alone.
+    pub weight: f64,
     /// Readings (or means of readings) used.
     pub readings: usize,
     /// Numbers fitted, those of the noise among them.
@@ -88,62 +34,41 @@ pub struct Fit {
     pub aicc: f64,
     /// Schwarz's criterion; smaller is better.
     pub bic: f64,
-    /// Standard deviation of a reading, strain in %.
-    pub residual_percent: f64,
+    /// Standard deviation of a reading's strain, m/m.
+    pub residual_strain_ratio: f64,
     /// Noise of largest likelihood.
     pub noise: Noise,
-    /// Whether the best search ended by its own criterion.
-    pub converged: bool,
+    /// How the best search ended.
+    pub ending: Ending,
     /// Starts searched from.
     pub starts: usize,
+    /// Parameters, each with its own unit.
+    pub parameters: Vec<Parameter>,
+    /// Covariance of [`Self::parameters`] from the draws, in their units; empty without draws.
+    pub covariance: Vec<Vec<f64>>,
     /// Parameters of [`Law::Rope`] that the record can't tell, taken from the base rope.
-    pub held: Vec<Held>,
+    pub fixed: Vec<FixedParameter>,
+    #[serde(skip)]
     pub(super) model: Model,
+    #[serde(skip)]
     pub(super) best: Draw,
+    #[serde(skip)]
     pub(super) draws: Vec<Draw>,
+    #[serde(skip)]
     pub(super) level: f64,
+    #[serde(skip)]
     pub(super) seed: u64,
 }
 
-/// One set of all parameters.
-#[derive(Debug, Clone)]
-pub(super) struct Draw {
-    pub(super) values: Vec<f64>,
-    pub(super) places: Vec<f64>,
-    pub(super) noise: Noise,
-    pub(super) sigma: f64,
-    /// Coefficients of every block, strain over the model's scale.
-    pub(super) beta: Vec<Vec<f64>>,
-}
-
-impl Draw {
-    /// The largest likelihood's own numbers at places of the nonlinear parameters.
-    pub(super) fn at(model: &Model, places: &[f64]) -> Draw {
-        let point = model.solve(places, false);
-        Draw {
-            values: model.values(places),
-            places: places.to_vec(),
-            noise: point.noise,
-            sigma: (point.squares / model.freedom()).sqrt(),
-            beta: point.solutions.iter().map(|s| s.beta.clone()).collect(),
-        }
-    }
-}
-
-/// The search over the nonlinear parameters.
-pub(super) struct Search<'a>(pub(super) &'a Model);
-
-impl Residuals for Search<'_> {
-    fn parameters(&self) -> usize {
-        self.0.dimension()
+impl Fit {
+    /// A parameter by its name.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|p| p.name == name)
     }
 
-    fn residuals(&self, x: &[f64]) -> Vec<f64> {
-        self.0.likelihood_residuals(x, None)
-    }
-
-    fn slopes(&self, x: &[f64]) -> Vec<f64> {
-        self.0.likelihood_slopes(x)
+    /// Strain of the largest likelihood, m/m, of the curve with index `curve`, at rising times.
+    pub fn strain(&self, curve: usize, time_s: &[f64]) -> Vec<f64> {
+        self.best.strain(&self.model, curve, time_s)
     }
 }
 
@@ -160,7 +85,9 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     for curve in &curves {
         let (low, high) = extremes(&curve.strain);
         if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
-            return Err(CreepError::Flat(curve.name.clone()));
+            return Err(CreepError::Flat {
+                specimen: curve.name.clone(),
+            });
         }
     }
     let model = Model::new(law, curves, options)?;
@@ -168,7 +95,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     // AICc divides by n − k − 1.
     if model.readings < fitted + 2 {
         return Err(CreepError::TooFew {
-            law: law.name(),
+            law,
             readings: model.readings,
             needed: fitted + 2,
         });
@@ -180,7 +107,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         .map(|start| solver.minimum(&Search(&model), start))
         .filter(|m| m.cost.is_finite())
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .ok_or(CreepError::NotFinite(law.name()))?;
+        .ok_or(CreepError::NotFinite { law })?;
 
     let point = model.solve(&minimum.x, false);
     // Strain zeros that the rope law explains and other laws leave to ε₀ are readings that those
@@ -208,33 +135,43 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     } else {
         Vec::new()
     };
-    let mut fit = Fit {
+    let (mut parameters, covariance) = parameters(&model, &best, &draws, options.level);
+    match options.kind {
+        IntervalKind::Draws => {}
+        IntervalKind::Profile => profile::intervals(&mut parameters, &model, &best, options.level),
+        IntervalKind::Bootstrap => {
+            let tail = 0.5 * (1.0 - options.level);
+            bootstrap::intervals(
+                &mut parameters,
+                &model,
+                &best,
+                tail,
+                BOOTSTRAP,
+                options.seed,
+            );
+        }
+    }
+    Ok(Fit {
         law,
-        parameters: Vec::new(),
-        covariance: Vec::new(),
+        weight: 1.0,
         readings: model.readings,
         fitted,
         log_likelihood,
         aicc: -2.0 * log_likelihood + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0),
         bic: -2.0 * log_likelihood + k * n.ln(),
-        residual_percent: 100.0 * best.sigma * model.scale,
+        residual_strain_ratio: best.sigma * model.scale,
         noise: point.noise,
-        converged: minimum.converged,
+        ending: minimum.ending,
         starts: starts.len(),
-        held: model.rope.as_ref().map_or(Vec::new(), |r| r.held.clone()),
+        parameters,
+        covariance,
+        fixed: model.rope.as_ref().map_or(Vec::new(), |r| r.fixed.clone()),
         model,
         best,
         draws,
         level: options.level,
         seed: options.seed,
-    };
-    fit.tell_parameters();
-    match options.kind {
-        IntervalKind::Draws => {}
-        IntervalKind::Profile => fit.profile(),
-        IntervalKind::Bootstrap => fit.bootstrap(BOOTSTRAP, options.seed),
-    }
-    Ok(fit)
+    })
 }
 
 fn extremes(values: &[f64]) -> (f64, f64) {

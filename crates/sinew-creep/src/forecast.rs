@@ -4,85 +4,56 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::fit::{Draw, Fit};
+use super::fit::Fit;
 use super::noise::Filter;
 use sinew_model::statistics::quantile;
 
 /// Strain at given times, m/m.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forecast {
     /// Times, s.
     pub time_s: Vec<f64>,
     /// Median of the law's strain.
-    pub strain: Vec<f64>,
+    pub strain_ratio: Vec<f64>,
     /// Lower end of the interval of the law's strain.
-    pub low: Vec<f64>,
+    pub low_strain_ratio: Vec<f64>,
     /// Upper end.
-    pub high: Vec<f64>,
+    pub high_strain_ratio: Vec<f64>,
     /// Lower end of the interval in which a reading lies: law, slow part and reading error.
-    pub reading_low: Vec<f64>,
+    pub reading_low_strain_ratio: Vec<f64>,
     /// Upper end.
-    pub reading_high: Vec<f64>,
+    pub reading_high_strain_ratio: Vec<f64>,
 }
 
 /// Draws of strain at times: of the law, and of a reading.
-pub(super) struct Paths {
-    pub(super) law: Vec<Vec<f64>>,
-    pub(super) reading: Vec<Vec<f64>>,
+struct Paths {
+    law: Vec<Vec<f64>>,
+    reading: Vec<Vec<f64>>,
 }
 
-impl Fit {
-    /// Strain of the largest likelihood, m/m, of the curve with index `curve`, at rising times.
-    pub fn strain(&self, curve: usize, time_s: &[f64]) -> Vec<f64> {
-        self.strain_of(&self.best, curve, time_s)
-    }
-
-    fn strain_of(&self, draw: &Draw, curve: usize, time_s: &[f64]) -> Vec<f64> {
-        let Some((block, place)) = self.model.blocks.iter().enumerate().find_map(|(b, block)| {
-            let place = block.members.iter().position(|m| *m == curve)?;
-            Some((b, place))
-        }) else {
-            return vec![f64::NAN; time_s.len()];
-        };
-        let beta = &draw.beta[block];
-        let shared = beta.len() - self.model.blocks[block].members.len();
-        let member = &self.model.curves[curve];
-        let (rows, offset) = self.model.rows(&draw.values, member, time_s, shared);
-        (0..time_s.len())
-            .map(|i| {
-                let row = &rows[i * shared..(i + 1) * shared];
-                let sum: f64 = row.iter().zip(beta).map(|(r, b)| r * b).sum();
-                (sum + beta[shared + place]) * self.model.scale
-                    + offset.as_ref().map_or(0.0, |o| o[i])
-            })
-            .collect()
-    }
-
-    /// Strain of the curve with index `curve` at rising times after its last reading.
-    pub fn forecast(&self, curve: usize, time_s: &[f64]) -> Forecast {
-        let paths = self.paths(curve, time_s);
-        Forecast::from_paths(time_s, &paths, self.level)
-    }
-
-    pub(super) fn paths(&self, curve: usize, time_s: &[f64]) -> Paths {
-        let mut random = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5eed);
-        let member = &self.model.curves[curve];
-        let clock = |t: f64| self.model.clock.at(member, t);
+impl Paths {
+    /// Paths of the curve with index `curve` at rising times after its last reading.
+    fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Paths {
+        let model = &fit.model;
+        let mut random = ChaCha8Rng::seed_from_u64(fit.seed ^ 0x5eed);
+        let member = &model.curves[curve];
+        let clock = |t: f64| model.clock.at(member, t);
         let end = clock(member.time_s.last().copied().unwrap_or(0.0));
         let mut filter = Filter::default();
         let mut paths = Paths {
-            law: Vec::with_capacity(self.draws.len()),
-            reading: Vec::with_capacity(self.draws.len()),
+            law: Vec::with_capacity(fit.draws.len()),
+            reading: Vec::with_capacity(fit.draws.len()),
         };
-        for draw in &self.draws {
-            let law = self.strain_of(draw, curve, time_s);
+        for draw in &fit.draws {
+            let law = draw.strain(model, curve, time_s);
             // The slow part where the record ends, given this draw's law.
-            filter.prepare(&self.model.clocks[curve], &member.count, draw.noise);
-            let mut left: Vec<f64> = self
-                .strain_of(draw, curve, &member.time_s)
+            filter.prepare(&model.clocks[curve], &member.count, draw.noise);
+            let mut left: Vec<f64> = draw
+                .strain(model, curve, &member.time_s)
                 .iter()
                 .zip(&member.strain)
-                .map(|(fitted, seen)| (seen - fitted) / self.model.scale)
+                .map(|(fitted, seen)| (seen - fitted) / model.scale)
                 .collect();
             let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
             let mut slow =
@@ -99,7 +70,7 @@ impl Fit {
                     slow = decay * slow
                         + draw.sigma * (share * (1.0 - decay * decay)).sqrt() * normal();
                     let own = draw.sigma * (1.0 - share).sqrt() * normal();
-                    law + (slow + own) * self.model.scale
+                    law + (slow + own) * model.scale
                 })
                 .collect();
             paths.law.push(law);
@@ -110,15 +81,20 @@ impl Fit {
 }
 
 impl Forecast {
+    /// Strain of the curve with index `curve` at rising times after its last reading, by one law.
+    pub fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Forecast {
+        Forecast::from_paths(time_s, &Paths::of(fit, curve, time_s), fit.level)
+    }
+
     /// The same with both intervals `factor` times as wide on either side.
     #[must_use]
     pub fn widened(mut self, factor: f64) -> Forecast {
-        for (i, &middle) in self.strain.iter().enumerate() {
+        for (i, &middle) in self.strain_ratio.iter().enumerate() {
             for end in [
-                &mut self.low[i],
-                &mut self.high[i],
-                &mut self.reading_low[i],
-                &mut self.reading_high[i],
+                &mut self.low_strain_ratio[i],
+                &mut self.high_strain_ratio[i],
+                &mut self.reading_low_strain_ratio[i],
+                &mut self.reading_high_strain_ratio[i],
             ] {
                 *end = middle + factor * (*end - middle);
             }
@@ -126,7 +102,7 @@ impl Forecast {
         self
     }
 
-    pub(super) fn from_paths(time_s: &[f64], paths: &Paths, level: f64) -> Forecast {
+    fn from_paths(time_s: &[f64], paths: &Paths, level: f64) -> Forecast {
         let tail = 0.5 * (1.0 - level);
         let at = |list: &[Vec<f64>], i: usize| {
             let mut values: Vec<f64> = list.iter().map(|p| p[i]).collect();
@@ -135,20 +111,24 @@ impl Forecast {
         };
         let mut forecast = Forecast {
             time_s: time_s.to_vec(),
-            strain: Vec::new(),
-            low: Vec::new(),
-            high: Vec::new(),
-            reading_low: Vec::new(),
-            reading_high: Vec::new(),
+            strain_ratio: Vec::new(),
+            low_strain_ratio: Vec::new(),
+            high_strain_ratio: Vec::new(),
+            reading_low_strain_ratio: Vec::new(),
+            reading_high_strain_ratio: Vec::new(),
         };
         for i in 0..time_s.len() {
             let law = at(&paths.law, i);
             let reading = at(&paths.reading, i);
-            forecast.strain.push(quantile(&law, 0.5));
-            forecast.low.push(quantile(&law, tail));
-            forecast.high.push(quantile(&law, 1.0 - tail));
-            forecast.reading_low.push(quantile(&reading, tail));
-            forecast.reading_high.push(quantile(&reading, 1.0 - tail));
+            forecast.strain_ratio.push(quantile(&law, 0.5));
+            forecast.low_strain_ratio.push(quantile(&law, tail));
+            forecast.high_strain_ratio.push(quantile(&law, 1.0 - tail));
+            forecast
+                .reading_low_strain_ratio
+                .push(quantile(&reading, tail));
+            forecast
+                .reading_high_strain_ratio
+                .push(quantile(&reading, 1.0 - tail));
         }
         forecast
     }
@@ -180,7 +160,7 @@ pub fn combined_forecast(fits: &[Fit], curve: usize, time_s: &[f64]) -> Forecast
         if take == 0 {
             continue;
         }
-        let own = fit.paths(curve, time_s);
+        let own = Paths::of(fit, curve, time_s);
         paths.law.extend(own.law.into_iter().take(take));
         paths.reading.extend(own.reading.into_iter().take(take));
     }

@@ -5,13 +5,12 @@
 //! `ε(t) = ε₀ + Σ_k [f(F_k) − f(F_{k−1})] (J₀ + Σ_j c_j φ_j((t − t_k) a_T))`
 //! (Boltzmann's superposition; `f(F) = (F/F_ref)^p`, `a_T` the temperature's shift of time).
 
-use super::CreepError;
-
 /// Reference time of amplitudes that need one: one hour.
 pub const REFERENCE_S: f64 = 3600.0;
 
 /// A law of creep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
     /// `b ln(1 + t/τ)`: every decade of time adds the same.
@@ -48,16 +47,16 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The value at a place between 0 and 1.
-    pub fn value(&self, place: f64) -> f64 {
+    /// The value at a coordinate between 0 and 1.
+    pub fn value(&self, unit: f64) -> f64 {
         if self.logarithmic {
-            (self.lower.ln() + place * (self.upper / self.lower).ln()).exp()
+            (self.lower.ln() + unit * (self.upper / self.lower).ln()).exp()
         } else {
-            self.lower + place * (self.upper - self.lower)
+            self.lower + unit * (self.upper - self.lower)
         }
     }
 
-    /// Derivative of [`Self::value`] with the place, at a value.
+    /// Derivative of [`Self::value`] with the coordinate, at a value.
     pub fn slope(&self, value: f64) -> f64 {
         if self.logarithmic {
             value * (self.upper / self.lower).ln()
@@ -66,14 +65,14 @@ impl Shape {
         }
     }
 
-    /// The place of a value, within 0 and 1.
-    pub fn place(&self, value: f64) -> f64 {
-        let place = if self.logarithmic {
+    /// The coordinate of a value, within 0 and 1.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let unit = if self.logarithmic {
             (value / self.lower).ln() / (self.upper / self.lower).ln()
         } else {
             (value - self.lower) / (self.upper - self.lower)
         };
-        place.clamp(0.0, 1.0)
+        unit.clamp(0.0, 1.0)
     }
 }
 
@@ -265,20 +264,23 @@ impl Law {
     }
 }
 
-impl std::str::FromStr for Law {
-    type Err = CreepError;
+/// A name that no law has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("unknown law '{name}'; known are {}, rope", Law::ALL.map(Law::name).join(", "))]
+pub struct UnknownLaw {
+    name: String,
+}
 
-    fn from_str(text: &str) -> Result<Self, CreepError> {
+impl std::str::FromStr for Law {
+    type Err = UnknownLaw;
+
+    fn from_str(text: &str) -> Result<Self, UnknownLaw> {
         Law::ALL
             .into_iter()
             .chain([Law::Rope])
             .find(|law| law.name() == text)
-            .ok_or_else(|| {
-                let known: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
-                CreepError::Request(format!(
-                    "unknown law '{text}'; known are {}, rope",
-                    known.join(", ")
-                ))
+            .ok_or_else(|| UnknownLaw {
+                name: text.to_owned(),
             })
     }
 }

@@ -1,11 +1,16 @@
 //! Creep tests: from readings to numbers somebody can design with.
+//!
+//! Requests in, typed results in SI out; words, tables and plots are made elsewhere. In the order
+//! of the work: [`read_specimens`], [`analyze_tests`], then [`fit_tests`], [`withhold_tests`] or
+//! [`compare`]; [`shift`] needs specimens only. The steps for one specimen are [`prepare`],
+//! [`analyze`] and [`fit`].
 
 mod analyze;
 mod bootstrap;
 mod curve;
+mod draw;
 mod draws;
 mod error;
-mod evaluate;
 mod fit;
 mod forecast;
 mod isochronous;
@@ -13,49 +18,60 @@ mod law;
 mod linear;
 mod model;
 mod noise;
+mod options;
 mod outlook;
-mod page;
-mod page_tables;
 mod parallel;
 mod parameter;
-mod picture;
 mod profile;
 mod rank;
 mod record;
-mod records;
+mod rope_base;
 mod rope_entry;
 mod rope_law;
 mod rope_walk;
 mod sample;
 mod scan;
-mod slopes;
+mod scatter;
+mod search;
 mod solver;
+mod source;
+mod span;
 mod starts;
 mod student;
 mod superposition;
+mod tests_analyzed;
+mod tests_compared;
+mod tests_fitted;
 mod withhold;
 
 pub use analyze::{
-    Analysis, AnalyzeOptions, ISO_READINGS_S, Interval, Reading, Recovery, SLOPE_FROM_S, Scatter,
-    analyze, reading_time, scatter,
+    Analysis, AnalyzeOptions, ISO_READINGS_S, NoSlope, PERCENT_PER_H, Reading, Recovery,
+    SLOPE_FROM_S, analyze,
 };
 pub use curve::{Curve, Tension};
-pub use error::CreepError;
-pub use fit::{Fit, FitOptions, IntervalKind, fit};
+pub use error::{CreepError, Failure, NoEntry, Unusable};
+pub use fit::{Fit, fit};
 pub use forecast::{Forecast, akaike_weights, combined_forecast};
-pub use isochronous::{Isochrone, isochrones, isochronous_figure};
-pub use law::{Law, REFERENCE_S, Shape, Term};
-pub use model::{NoiseKind, REFERENCE_K, Share};
+pub use isochronous::{Isochrone, IsochronePoint, LoadQuantity, isochrones};
+pub use law::{Law, REFERENCE_S, Shape, Term, UnknownLaw};
+pub use model::REFERENCE_K;
 pub use noise::{Noise, SHARE_MAX};
+pub use options::{FitOptions, IntervalKind, NoiseKind, Share};
 pub use outlook::{Outlook, PRIOR_FREEDOM};
-pub use page::{Conditions, Contents, Source, page};
 pub use parallel::each;
-pub use parameter::Parameter;
-pub use picture::{Plotted, figure};
+pub use parameter::{NotIdentifiable, Parameter};
 pub use rank::{Rank, SCATTER_GUESS, ScatterSource, rank};
-pub use record::{Fault, FaultKind, PrepareOptions, Prepared, Stage, prepare};
-pub use rope_entry::{Provenance, rope_entry};
-pub use rope_law::{Held, RopeBase};
-pub use solver::{LeastSquares, Minimum, Residuals, TrustRegion};
-pub use superposition::{Isotherm, Shift, Superposition, superpose};
-pub use withhold::{Coverage, Withheld, withhold, withhold_all};
+pub use record::{Fault, PrepareOptions, Prepared, Stage, StrainZero, prepare};
+pub use rope_base::{FixedParameter, RopeBase, WhyFixed};
+pub use rope_entry::{EntrySource, rope_entry};
+pub use scatter::{Scatter, scatter};
+pub use solver::{Ending, LeastSquares, Minimum, Residuals, Termination, TrustRegion};
+pub use source::{Conditions, Source, SourceColumn, read_specimens};
+pub use span::Span;
+pub use superposition::{Arrhenius, Isotherm, Shift, Superposition, Wlf, superpose};
+pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, Tests, analyze_tests};
+pub use tests_compared::{CompareReport, ShiftReport, compare, shift};
+pub use tests_fitted::{
+    FitReport, FitRequest, FitSet, FitStep, Joint, WithheldReport, fit_tests, withhold_tests,
+};
+pub use withhold::{Coverage, Forecaster, Withheld, withhold, withhold_all};

@@ -11,7 +11,8 @@ use super::curve::Curve;
 use super::law::Law;
 
 /// Parameters of the noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
     /// Share of the slow part in the variance of a single reading, 0 to [`SHARE_MAX`].
     pub share: f64,

@@ -11,11 +11,12 @@
 //! the quantile of Student's distribution for a scale known from `K` rehearsals and a prior of
 //! [`PRIOR_FREEDOM`] degrees of freedom that trusts the law's own `σ`.
 
-use super::CreepError;
 use super::curve::Curve;
-use super::fit::{Fit, FitOptions, fit};
+use super::error::CreepError;
+use super::fit::{Fit, fit};
 use super::forecast::{Forecast, combined_forecast};
 use super::law::Law;
+use super::options::FitOptions;
 use super::student::{normal_quantile, student_quantile};
 
 /// Degrees of freedom of the trust in a law's own interval, ν₀: a choice of ours; how often
@@ -62,16 +63,16 @@ impl Outlook {
             .map(|law| (*law, fit(*law, curves, options)))
             .collect();
         let fits: Vec<Fit> = results.iter().filter_map(|r| r.1.clone().ok()).collect();
-        let mut told = Outlook::of(&fits, curves, index, options, time_s);
-        let mut forecasts = std::mem::take(&mut told.laws).into_iter();
-        told.laws = results
+        let mut outlook = Outlook::of(&fits, curves, index, options, time_s);
+        let mut forecasts = std::mem::take(&mut outlook.laws).into_iter();
+        outlook.laws = results
             .into_iter()
             .filter_map(|(law, result)| match result {
                 Ok(_) => forecasts.next(),
                 Err(error) => Some((law, Err(error))),
             })
             .collect();
-        told
+        outlook
     }
 
     /// The same for laws that are fitted already.
@@ -95,7 +96,12 @@ impl Outlook {
         Outlook {
             laws: fits
                 .iter()
-                .map(|f| (f.law, Ok(f.forecast(index, time_s).widened(of_law(f.law)))))
+                .map(|f| {
+                    (
+                        f.law,
+                        Ok(Forecast::of(f, index, time_s).widened(of_law(f.law))),
+                    )
+                })
                 .collect(),
             combined: (!fits.is_empty())
                 .then(|| combined_forecast(fits, index, time_s).widened(widened)),
@@ -161,7 +167,7 @@ fn rehearse(
         missed.push(Missed {
             laws: fits
                 .iter()
-                .map(|f| (f.law, judge(&f.forecast(own, &hidden.time_s))))
+                .map(|f| (f.law, judge(&Forecast::of(f, own, &hidden.time_s))))
                 .collect(),
             combined: (!fits.is_empty())
                 .then(|| judge(&combined_forecast(&fits, own, &hidden.time_s))),
@@ -174,11 +180,11 @@ fn rehearse(
 fn mean_square(forecast: &Forecast, strain: &[f64], level: f64) -> f64 {
     let quantile = normal_quantile(0.5 + 0.5 * level);
     let square = |(i, truth): (usize, &f64)| {
-        let apart = truth - forecast.strain[i];
+        let apart = truth - forecast.strain_ratio[i];
         let side = if apart > 0.0 {
-            forecast.reading_high[i] - forecast.strain[i]
+            forecast.reading_high_strain_ratio[i] - forecast.strain_ratio[i]
         } else {
-            forecast.strain[i] - forecast.reading_low[i]
+            forecast.strain_ratio[i] - forecast.reading_low_strain_ratio[i]
         };
         (quantile * apart / side.max(f64::MIN_POSITIVE)).powi(2)
     };

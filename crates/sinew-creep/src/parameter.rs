@@ -1,11 +1,15 @@
 //! A fitted law's numbers with their intervals, and which of them the record doesn't tell.
 
-use super::fit::{Draw, Fit, IntervalKind};
+use super::draw::Draw;
 use super::law::Shape;
+use super::model::Model;
+use super::options::IntervalKind;
+use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
-/// A fitted parameter.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+/// A fitted parameter. Its numbers are in the unit beside them, as laboratories write the laws.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameter {
     /// Symbol.
     pub name: String,
@@ -23,154 +27,160 @@ pub struct Parameter {
     pub high: f64,
     /// How the interval was made.
     pub interval: IntervalKind,
-    /// Why the record doesn't tell this parameter, where it doesn't.
-    pub not_identifiable: Option<String>,
+    /// What the record leaves open, where it doesn't tell this parameter.
+    pub not_identifiable: Option<NotIdentifiable>,
 }
 
-impl Fit {
-    /// Numbers of a draw in the order and units of [`Self::parameters`].
-    pub(super) fn numbers(&self, draw: &Draw) -> Vec<f64> {
-        let mut numbers = draw.values.clone();
-        for beta in &draw.beta {
-            for (j, b) in beta.iter().enumerate() {
-                numbers.push(self.model.number(j, *b));
-            }
-        }
-        numbers
-    }
+/// What fits the record as well as the fitted value, in the parameter's unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum NotIdentifiable {
+    /// Anything between, which is most of what was searched.
+    Anything {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// Anything below.
+    Below {
+        /// Upper end.
+        high: f64,
+    },
+    /// Anything above.
+    Above {
+        /// Lower end.
+        low: f64,
+    },
+}
 
-    pub(super) fn tell_parameters(&mut self) {
-        let terms = &self.model.terms;
-        let mut names: Vec<(String, String, Option<String>, bool)> = self
-            .model
-            .shapes
-            .iter()
-            .map(|s| (s.name.to_owned(), s.unit.to_owned(), None, false))
-            .collect();
-        for block in &self.model.blocks {
-            let name = |m: usize| Some(self.model.curves[m].name.clone());
-            let owner = match block.members.as_slice() {
-                [only] if self.model.blocks.len() > 1 => name(*only),
-                _ => None,
-            };
-            for t in terms {
-                names.push((
-                    t.name.to_owned(),
-                    t.unit.to_owned(),
-                    owner.clone(),
-                    t.positive,
-                ));
-            }
-            if block.elastic {
-                names.push(("J_0".to_owned(), "%".to_owned(), owner.clone(), true));
-            }
-            for &m in &block.members {
-                let single = self.model.curves.len() == 1;
-                let of = if single { None } else { name(m) };
-                names.push(("epsilon_0".to_owned(), "%".to_owned(), of, false));
-            }
+/// Name, unit, owner and sign of a number of a draw.
+struct Label {
+    name: &'static str,
+    unit: &'static str,
+    specimen: Option<String>,
+    positive: bool,
+}
+
+/// Labels in the order of [`Draw::numbers`].
+fn labels(model: &Model) -> Vec<Label> {
+    let mut labels: Vec<Label> = Vec::new();
+    let mut label = |name, unit, specimen: &Option<String>, positive| {
+        labels.push(Label {
+            name,
+            unit,
+            specimen: specimen.clone(),
+            positive,
+        });
+    };
+    for s in &model.shapes {
+        label(s.name, s.unit, &None, false);
+    }
+    for block in &model.blocks {
+        let name = |m: usize| Some(model.curves[m].name.clone());
+        let owner = match block.members.as_slice() {
+            [only] if model.blocks.len() > 1 => name(*only),
+            _ => None,
+        };
+        for t in &model.terms {
+            label(t.name, t.unit, &owner, t.positive);
         }
-        let best = self.numbers(&self.best);
-        let drawn: Vec<Vec<f64>> = self.draws.iter().map(|d| self.numbers(d)).collect();
-        let count = drawn.len() as f64;
-        let mean: Vec<f64> = (0..best.len())
-            .map(|i| drawn.iter().map(|d| d[i]).sum::<f64>() / count)
-            .collect();
-        if !drawn.is_empty() {
-            self.covariance = (0..best.len())
-                .map(|i| {
-                    (0..best.len())
-                        .map(|j| {
-                            drawn
-                                .iter()
-                                .map(|d| (d[i] - mean[i]) * (d[j] - mean[j]))
-                                .sum::<f64>()
-                                / (count - 1.0)
-                        })
-                        .collect()
-                })
-                .collect();
+        if block.elastic {
+            label("J_0", "%", &owner, true);
         }
-        self.parameters = names
-            .into_iter()
-            .enumerate()
-            .map(|(i, (name, unit, specimen, positive))| {
-                let mut values: Vec<f64> = drawn.iter().map(|d| d[i]).collect();
+        for &m in &block.members {
+            let single = model.curves.len() == 1;
+            let of = if single { None } else { name(m) };
+            label("epsilon_0", "%", &of, false);
+        }
+    }
+    labels
+}
+
+/// Parameters with quantiles of the draws as intervals, and their covariance.
+pub(super) fn parameters(
+    model: &Model,
+    best: &Draw,
+    draws: &[Draw],
+    level: f64,
+) -> (Vec<Parameter>, Vec<Vec<f64>>) {
+    let best = best.numbers(model);
+    let drawn: Vec<Vec<f64>> = draws.iter().map(|d| d.numbers(model)).collect();
+    let count = drawn.len() as f64;
+    let mean: Vec<f64> = (0..best.len())
+        .map(|i| drawn.iter().map(|d| d[i]).sum::<f64>() / count)
+        .collect();
+    let covariance: Vec<Vec<f64>> = if drawn.is_empty() {
+        Vec::new()
+    } else {
+        let between = |i: usize, j: usize| {
+            let products = drawn.iter().map(|d| (d[i] - mean[i]) * (d[j] - mean[j]));
+            products.sum::<f64>() / (count - 1.0)
+        };
+        let row = |i| (0..best.len()).map(|j| between(i, j)).collect();
+        (0..best.len()).map(row).collect()
+    };
+    let tail = 0.5 * (1.0 - level);
+    let parameters = labels(model)
+        .into_iter()
+        .enumerate()
+        .map(|(i, label)| {
+            let ends = |mut values: Vec<f64>| {
                 values.sort_by(f64::total_cmp);
-                let tail = 0.5 * (1.0 - self.level);
-                let (low, high) = (quantile(&values, tail), quantile(&values, 1.0 - tail));
-                let not_identifiable = if drawn.is_empty() {
-                    None
-                } else if let Some(shape) = self.model.shapes.get(i) {
-                    let mut places: Vec<f64> = self.draws.iter().map(|d| d.places[i]).collect();
-                    places.sort_by(f64::total_cmp);
-                    let low = quantile(&places, tail);
-                    let high = quantile(&places, 1.0 - tail);
-                    undecided_shape(shape, low, high)
-                } else {
-                    undecided_amplitude(&name, positive, low, high)
-                };
-                Parameter {
-                    name,
-                    unit,
-                    specimen,
-                    value: best[i],
-                    std_error: self
-                        .covariance
-                        .get(i)
-                        .map_or(f64::NAN, |row| row[i].max(0.0).sqrt()),
-                    low,
-                    high,
-                    interval: IntervalKind::Draws,
-                    not_identifiable,
-                }
-            })
-            .collect();
-    }
-
-    /// A parameter by its name.
-    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
-        self.parameters.iter().find(|p| p.name == name)
-    }
+                (quantile(&values, tail), quantile(&values, 1.0 - tail))
+            };
+            let (low, high) = ends(drawn.iter().map(|d| d[i]).collect());
+            let not_identifiable = if drawn.is_empty() {
+                None
+            } else if let Some(shape) = model.shapes.get(i) {
+                let (low, high) = ends(draws.iter().map(|d| d.unit[i]).collect());
+                undecided_shape(shape, low, high)
+            } else {
+                undecided_amplitude(&label, low, high)
+            };
+            Parameter {
+                name: label.name.to_owned(),
+                unit: label.unit.to_owned(),
+                specimen: label.specimen,
+                value: best[i],
+                std_error: covariance
+                    .get(i)
+                    .map_or(f64::NAN, |row| row[i].max(0.0).sqrt()),
+                low,
+                high,
+                interval: IntervalKind::Draws,
+                not_identifiable,
+            }
+        })
+        .collect();
+    (parameters, covariance)
 }
 
 /// An interval that fills most of what was searched, or ends at a bound, is no answer.
-fn undecided_shape(shape: &Shape, low: f64, high: f64) -> Option<String> {
+fn undecided_shape(shape: &Shape, low: f64, high: f64) -> Option<NotIdentifiable> {
     /// An end this close to a bound (in parts of the searched range) is the bound.
     const AT_BOUND: f64 = 0.03;
     /// An interval this wide says nothing.
     const WIDE: f64 = 0.8;
     let (v_low, v_high) = (shape.value(low), shape.value(high));
     if high - low > WIDE {
-        Some(format!(
-            "anything from {v_low:.2e} to {v_high:.2e} {} fits",
-            shape.unit
-        ))
+        Some(NotIdentifiable::Anything {
+            low: v_low,
+            high: v_high,
+        })
     } else if low < AT_BOUND && high > AT_BOUND {
-        Some(format!("anything below {v_high:.3e} {} fits", shape.unit))
+        Some(NotIdentifiable::Below { high: v_high })
     } else if high > 1.0 - AT_BOUND && low < 1.0 - AT_BOUND {
-        Some(format!("anything above {v_low:.3e} {} fits", shape.unit))
+        Some(NotIdentifiable::Above { low: v_low })
     } else {
         None
     }
 }
 
-/// An amplitude that is nothing or within a factor of thirty is not told.
-fn undecided_amplitude(name: &str, positive: bool, low: f64, high: f64) -> Option<String> {
+/// An amplitude that may be nothing, or is known within a factor of thirty only, is open below.
+fn undecided_amplitude(label: &Label, low: f64, high: f64) -> Option<NotIdentifiable> {
     /// From a thirtieth of the upper end on, zero is as good.
     const FACTOR: f64 = 30.0;
-    (positive && name != "epsilon_0" && high > FACTOR * low)
-        .then(|| format!("anything below {high:.3e} fits"))
-}
-
-/// Standard normal quantiles of the ranks of numbers (van der Waerden's scores).
-pub(super) fn normal_scores(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let mut scores = vec![0.0; values.len()];
-    for (rank, index) in order.into_iter().enumerate() {
-        scores[index] =
-            super::student::normal_quantile((rank as f64 + 1.0) / (values.len() as f64 + 1.0));
-    }
-    scores
+    (label.positive && high > FACTOR * low).then_some(NotIdentifiable::Below { high })
 }

@@ -1,8 +1,11 @@
 //! Intervals by profile likelihood: a value belongs to the interval when all the other numbers,
 //! fitted anew with it kept, make the readings not much less likely.
 
-use super::fit::{Fit, IntervalKind};
+use super::draw::Draw;
 use super::model::{Fixed, Model};
+use super::options::IntervalKind;
+use super::parameter::Parameter;
+use super::search::Search;
 use super::solver::{LeastSquares, Residuals, TrustRegion};
 use super::student::student_quantile;
 
@@ -113,57 +116,53 @@ impl Profile<'_> {
     }
 }
 
-impl Fit {
-    /// Replaces the parameters' intervals by those of the profile likelihood.
-    ///
-    /// `n ln(S(v)/S) ≤ n ln(1 + t²/(n − k))`, the F test of a linear law, `S` the whitened squares
-    /// with the noise fitted along.
-    pub(super) fn profile(&mut self) {
-        let model = &self.model;
-        let search = super::fit::Search(model);
-        let residuals = search.residuals(&self.best.places);
-        let least = 0.5 * residuals.iter().map(|r| r * r).sum::<f64>();
-        let n = model.readings as f64;
-        let t = student_quantile(model.freedom(), self.level);
-        let threshold = n * (t * t / model.freedom()).ln_1p();
-        let mut ends = Vec::new();
-        for index in 0..model.shapes.len() {
-            let mut start = self.best.places.clone();
-            let centre = start.remove(index);
+/// Replaces intervals by those of the profile likelihood.
+///
+/// `n ln(S(v)/S) ≤ n ln(1 + t²/(n − k))`, the F test of a linear law, `S` the whitened squares
+/// with the noise fitted along.
+pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw, level: f64) {
+    let residuals = Search(model).residuals(&best.unit);
+    let least = 0.5 * residuals.iter().map(|r| r * r).sum::<f64>();
+    let n = model.readings as f64;
+    let t = student_quantile(model.freedom(), level);
+    let threshold = n * (t * t / model.freedom()).ln_1p();
+    let mut ends = Vec::new();
+    for index in 0..model.shapes.len() {
+        let mut start = best.unit.clone();
+        let centre = start.remove(index);
+        let profile = Profile {
+            model,
+            kept: Kept::Shape(index),
+            start,
+            least,
+            threshold,
+        };
+        let low = profile.end(centre, -0.05, 0.0);
+        let high = profile.end(centre, 0.05, 1.0);
+        let shape = &model.shapes[index];
+        ends.push((shape.value(low), shape.value(high)));
+    }
+    for (b, block) in model.blocks.iter().enumerate() {
+        for column in 0..block.positive.len() {
             let profile = Profile {
                 model,
-                kept: Kept::Shape(index),
-                start,
+                kept: Kept::Coefficient { block: b, column },
+                start: best.unit.clone(),
                 least,
                 threshold,
             };
-            let low = profile.end(centre, -0.05, 0.0);
-            let high = profile.end(centre, 0.05, 1.0);
-            let shape = &model.shapes[index];
-            ends.push((shape.value(low), shape.value(high)));
+            let centre = best.beta[b][column];
+            let step = (0.1 * centre.abs()).max(1e-3);
+            let bound = if block.positive[column] { 0.0 } else { -1e9 };
+            let low = profile.end(centre, -step, bound);
+            let high = profile.end(centre, step, 1e9);
+            let (a, b) = (model.number(column, low), model.number(column, high));
+            ends.push((a.min(b), a.max(b)));
         }
-        for (b, block) in model.blocks.iter().enumerate() {
-            for column in 0..block.positive.len() {
-                let profile = Profile {
-                    model,
-                    kept: Kept::Coefficient { block: b, column },
-                    start: self.best.places.clone(),
-                    least,
-                    threshold,
-                };
-                let centre = self.best.beta[b][column];
-                let step = (0.1 * centre.abs()).max(1e-3);
-                let bound = if block.positive[column] { 0.0 } else { -1e9 };
-                let low = profile.end(centre, -step, bound);
-                let high = profile.end(centre, step, 1e9);
-                let (a, b) = (model.number(column, low), model.number(column, high));
-                ends.push((a.min(b), a.max(b)));
-            }
-        }
-        for (parameter, (low, high)) in self.parameters.iter_mut().zip(ends) {
-            parameter.low = low;
-            parameter.high = high;
-            parameter.interval = IntervalKind::Profile;
-        }
+    }
+    for (parameter, (low, high)) in parameters.iter_mut().zip(ends) {
+        parameter.low = low;
+        parameter.high = high;
+        parameter.interval = IntervalKind::Profile;
     }
 }

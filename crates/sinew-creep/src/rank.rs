@@ -1,16 +1,19 @@
 //! Ropes in order of their strain, with intervals.
 
-use super::analyze::{Analysis, Interval};
+use super::analyze::Analysis;
 use super::record::Prepared;
 use super::scan::median;
 use super::student::{normal_quantile, student_quantile};
+use serde::{Deserialize, Serialize};
+use sinew_model::Bounded;
 
 /// Scatter between specimens, as a share of the value, that is assumed where no rope of the
 /// comparison has repeats: a starting guess of ours. One specimen can't know it.
 pub const SCATTER_GUESS: f64 = 0.10;
 
 /// Where the scatter between specimens of an interval comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ScatterSource {
     /// The rope's own repeats.
@@ -23,20 +26,9 @@ pub enum ScatterSource {
     StartingGuess,
 }
 
-impl ScatterSource {
-    /// Words for a table.
-    pub fn words(self) -> &'static str {
-        match self {
-            ScatterSource::Repeats => "repeats",
-            ScatterSource::OtherRopes => "other ropes",
-            ScatterSource::Stated => "stated",
-            ScatterSource::StartingGuess => "guess",
-        }
-    }
-}
-
-/// One rope's place.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+/// One rope's rank.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rank {
     /// 1 stretches least. Ropes whose intervals overlap with the one before share its rank.
     pub rank: usize,
@@ -46,24 +38,23 @@ pub struct Rank {
     pub specimens: usize,
     /// Time at which strains are compared, s: the longest that all reach.
     pub at_s: f64,
-    /// Strain then, %, with the interval of the rope's mean.
-    pub strain_percent: Interval,
-    /// Slope, %/h.
-    pub slope_percent_per_h: Option<Interval>,
-    /// Standard deviation between specimens that the intervals rest on, share of the strain.
-    pub scatter: f64,
+    /// Strain then, m/m, with the interval of the rope's mean.
+    pub strain_ratio: Bounded,
+    /// Slope, 1/s.
+    pub slope_per_s: Option<Bounded>,
+    /// Standard deviation between specimens that the intervals rest on, over the strain.
+    pub scatter_share: f64,
     /// Where that comes from.
     pub scatter_source: ScatterSource,
 }
 
-/// Ranks groups; specimens without a group (`all`) each count as a rope.
+/// Ranks groups; where no specimen has a group, each counts as a rope.
 ///
 /// `scatter`: standard deviation between specimens as a share of the value, for ropes with a
 /// single specimen; `None` takes that of the other ropes' repeats, else [`SCATTER_GUESS`].
 pub fn rank(
     prepared: &[Prepared],
     analyses: &[Analysis],
-    groups: &[String],
     level: f64,
     scatter: Option<f64>,
 ) -> Vec<Rank> {
@@ -71,30 +62,30 @@ pub fn rank(
         .iter()
         .map(|a| a.duration_s)
         .fold(f64::INFINITY, f64::min);
-    let single = groups.iter().all(|g| g == "all");
+    let single = analyses.iter().all(|a| a.group.is_none());
     let mut ropes: Vec<(String, Vec<usize>)> = Vec::new();
     for i in 0..analyses.len() {
-        let name = if single {
-            &analyses[i].name
-        } else {
-            &groups[i]
+        let name = match &analyses[i].group {
+            Some(group) => group,
+            None if single => &analyses[i].name,
+            None => "all",
         };
         match ropes.iter_mut().find(|(n, _)| n == name) {
             Some((_, members)) => members.push(i),
-            None => ropes.push((name.clone(), vec![i])),
+            None => ropes.push((name.to_owned(), vec![i])),
         }
     }
-    let strains: Vec<Vec<Interval>> = ropes
+    let strains: Vec<Vec<Bounded>> = ropes
         .iter()
         .map(|(_, members)| {
             let at = |&i: &usize| strain_at(&prepared[i], at_s, level);
             members.iter().map(at).collect()
         })
         .collect();
-    let slopes: Vec<Vec<Interval>> = ropes
+    let slopes: Vec<Vec<Bounded>> = ropes
         .iter()
         .map(|(_, members)| {
-            let of = |&i: &usize| analyses[i].slope_percent_per_h;
+            let of = |&i: &usize| analyses[i].slope_per_s;
             members.iter().filter_map(of).collect()
         })
         .collect();
@@ -103,24 +94,23 @@ pub fn rank(
         .into_iter()
         .enumerate()
         .map(|(i, (name, members))| {
-            let (strain_percent, share, source) = of_strain.pooled(&strains[i], level);
+            let (strain_ratio, scatter_share, scatter_source) =
+                of_strain.pooled(&strains[i], level);
             Rank {
                 rank: 0,
                 name,
                 specimens: members.len(),
                 at_s,
-                strain_percent,
-                slope_percent_per_h: (!slopes[i].is_empty())
-                    .then(|| of_slope.pooled(&slopes[i], level).0),
-                scatter: share,
-                scatter_source: source,
+                strain_ratio,
+                slope_per_s: (!slopes[i].is_empty()).then(|| of_slope.pooled(&slopes[i], level).0),
+                scatter_share,
+                scatter_source,
             }
         })
         .collect();
-    ranks.sort_by(|a, b| a.strain_percent.value.total_cmp(&b.strain_percent.value));
+    ranks.sort_by(|a, b| a.strain_ratio.value.total_cmp(&b.strain_ratio.value));
     for i in 0..ranks.len() {
-        ranks[i].rank = if i > 0 && ranks[i].strain_percent.low <= ranks[i - 1].strain_percent.high
-        {
+        ranks[i].rank = if i > 0 && ranks[i].strain_ratio.low <= ranks[i - 1].strain_ratio.high {
             ranks[i - 1].rank
         } else {
             i + 1
@@ -131,7 +121,7 @@ pub fn rank(
 
 /// Strain at a time: straight line in the logarithm of time through the readings within a third
 /// of a decade before and after, with the scatter about it.
-fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Interval {
+fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Bounded {
     let start = prepared.stages.first().map_or(0.0, |s| s.start_s);
     let end = prepared.stages.first().map_or(f64::INFINITY, |s| s.end_s);
     let reach = 10.0_f64.powf(1.0 / 3.0);
@@ -141,17 +131,13 @@ fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Interval {
         .iter()
         .zip(&prepared.curve.strain)
         .filter(|(t, _)| **t <= end + 1e-9)
-        .map(|(t, e)| (t - start, 100.0 * e))
+        .map(|(t, e)| (t - start, *e))
         .filter(|(t, _)| *t >= at_s / reach && *t <= at_s * reach)
         .map(|(t, e)| ((t / at_s).ln(), e))
         .unzip();
     if x.len() < 3 {
         let value = y.last().copied().unwrap_or(f64::NAN);
-        return Interval {
-            value,
-            low: value,
-            high: value,
-        };
+        return Bounded::even(value, 0.0);
     }
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -166,11 +152,7 @@ fn strain_at(prepared: &Prepared, at_s: f64, level: f64) -> Interval {
         .sum();
     let error = (left / (n - 2.0) * (1.0 / n + mx * mx / xx)).sqrt();
     let half = student_quantile(n - 2.0, level) * error;
-    Interval {
-        value,
-        low: value - half,
-        high: value + half,
-    }
+    Bounded::even(value, half)
 }
 
 /// What is known of the scatter between specimens without asking a rope's own repeats.
@@ -183,7 +165,7 @@ struct Prior {
 }
 
 impl Prior {
-    fn of(ropes: &[Vec<Interval>], stated: Option<f64>) -> Self {
+    fn of(ropes: &[Vec<Bounded>], stated: Option<f64>) -> Self {
         if let Some(share) = stated {
             return Self {
                 share,
@@ -216,7 +198,7 @@ impl Prior {
 
     /// Mean of repeats with Student's interval of their scatter; for a single one the scatter
     /// known otherwise, beside that of its readings.
-    fn pooled(&self, own: &[Interval], level: f64) -> (Interval, f64, ScatterSource) {
+    fn pooled(&self, own: &[Bounded], level: f64) -> (Bounded, f64, ScatterSource) {
         let readings = median(
             &own.iter()
                 .map(|o| 0.5 * (o.high - o.low))
@@ -238,17 +220,12 @@ impl Prior {
             let half = between.max(readings / n.sqrt());
             (half, variance.sqrt() / mean.abs(), ScatterSource::Repeats)
         };
-        let interval = Interval {
-            value: mean,
-            low: mean - half,
-            high: mean + half,
-        };
-        (interval, share, source)
+        (Bounded::even(mean, half), share, source)
     }
 }
 
 /// Mean and variance of the values.
-fn moments(own: &[Interval]) -> (f64, f64) {
+fn moments(own: &[Bounded]) -> (f64, f64) {
     let n = own.len() as f64;
     let mean = own.iter().map(|o| o.value).sum::<f64>() / n;
     let squares: f64 = own.iter().map(|o| (o.value - mean).powi(2)).sum();
@@ -259,12 +236,8 @@ fn moments(own: &[Interval]) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    fn exact(value: f64) -> Interval {
-        Interval {
-            value,
-            low: value,
-            high: value,
-        }
+    fn exact(value: f64) -> Bounded {
+        Bounded::even(value, 0.0)
     }
 
     #[test]

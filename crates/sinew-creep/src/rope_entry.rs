@@ -3,15 +3,15 @@
 use sinew_model::rope::Parameter;
 use sinew_model::rope::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
 
-use super::CreepError;
+use super::error::{CreepError, NoEntry};
 use super::fit::Fit;
 use super::law::Law;
-use super::parameter;
-use super::rope_law::RopeBase;
+use super::rope_base::RopeBase;
+use super::student::normal_quantile;
 
-/// Where a fitted entry comes from.
+/// What a fitted entry says of itself.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Provenance {
+pub struct EntrySource {
     /// Name of the new rope: lower case letters, digits and hyphens.
     pub name: String,
     /// The data, such as file names with their checksums.
@@ -30,17 +30,14 @@ const SOURCE: &str = "creep-fit";
 /// of the fitted one counts for both.
 ///
 /// # Errors
-/// [`CreepError::Request`] when the fit is not one of [`Law::Rope`] or has no draws.
+/// [`NoEntry::NotARopeFit`] when the fit is not one of [`Law::Rope`] or has no draws.
 pub fn rope_entry(
     fit: &Fit,
     base: &RopeBase,
-    from: &Provenance,
+    from: &EntrySource,
 ) -> Result<CatalogueEntry, CreepError> {
     if fit.law != Law::Rope || fit.draws.is_empty() || fit.model.blocks.len() != 1 {
-        return Err(CreepError::Request(
-            "a catalogue entry needs a fit of the rope law with intervals, and one amplitude for all specimens"
-                .to_owned(),
-        ));
+        return Err(NoEntry::NotARopeFit.into());
     }
     let mut entry = base.entry.clone();
     entry.name.clone_from(&from.name);
@@ -53,7 +50,7 @@ pub fn rope_entry(
             from.data
         ),
     );
-    let drawn: Vec<Vec<f64>> = fit.draws.iter().map(|d| fit.numbers(d)).collect();
+    let drawn: Vec<Vec<f64>> = fit.draws.iter().map(|d| d.numbers(&fit.model)).collect();
     let mut fitted = Vec::new();
     let mut scores = Vec::new();
     for (i, found) in fit.parameters.iter().enumerate() {
@@ -61,7 +58,7 @@ pub fn rope_entry(
             continue;
         };
         let mut own: Vec<f64> = drawn.iter().map(|d| d[i]).collect();
-        scores.push(parameter::normal_scores(&own));
+        scores.push(normal_scores(&own));
         own.sort_by(f64::total_cmp);
         let (lowest, highest) = parameter.range();
         let value = found.value.clamp(lowest, highest);
@@ -128,8 +125,19 @@ fn correlations(scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// Standard normal quantiles of the ranks of numbers (van der Waerden's scores).
+fn normal_scores(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut scores = vec![0.0; values.len()];
+    for (rank, index) in order.into_iter().enumerate() {
+        scores[index] = normal_quantile((rank as f64 + 1.0) / (values.len() as f64 + 1.0));
+    }
+    scores
+}
+
 fn note(fit: &Fit, base: &RopeBase) -> String {
-    let untold: Vec<&str> = fit
+    let open: Vec<&str> = fit
         .parameters
         .iter()
         .filter(|p| p.not_identifiable.is_some() && catalogued(&p.name).is_some())
@@ -139,10 +147,10 @@ fn note(fit: &Fit, base: &RopeBase) -> String {
         "values that were not fitted are those of {}",
         base.entry.name
     );
-    if !untold.is_empty() {
+    if !open.is_empty() {
         text.push_str(&format!(
             "; fitted, but hardly told by the records: {}",
-            untold.join(", ")
+            open.join(", ")
         ));
     }
     text

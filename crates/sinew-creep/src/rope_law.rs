@@ -6,61 +6,24 @@
 //! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
 //! closed form), and only the rest is searched.
 
-use sinew_model::rope::entry::{CatalogueEntry, Uncertainty};
+use sinew_model::rope::entry::Uncertainty;
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
 
-use super::CreepError;
 use super::curve::Curve;
+use super::error::{CreepError, Unusable};
 use super::law::{Shape, Term};
-use super::rope_walk::{Parts, Walk};
+use super::rope_base::{FixedParameter, RopeBase, WhyFixed};
+use super::rope_walk::{Parts, TEMPERATURE_C, Walk};
 
-/// The catalogue rope a fit starts from: breaking load, material, and what the record can't tell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RopeBase {
-    /// Its entry.
-    pub entry: CatalogueEntry,
-    pub(super) parameters: Parameters,
-}
-
-impl RopeBase {
-    /// A base from a catalogue entry.
-    ///
-    /// # Errors
-    /// [`CreepError::Request`] naming parameters its law lacks.
-    pub fn new(entry: CatalogueEntry) -> Result<Self, CreepError> {
-        let parameters = entry.parameters().map_err(|missing| {
-            CreepError::Request(format!(
-                "rope '{}' has no complete law; missing in its [law]: {}",
-                entry.name,
-                missing.join(", ")
-            ))
-        })?;
-        Ok(Self { entry, parameters })
-    }
-}
-
-/// A parameter that a fit takes from the base, and why.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Held {
-    /// Name as the catalogue writes it.
-    pub name: &'static str,
-    /// Value held.
-    pub value: f64,
-    /// Why the record can't tell it.
-    pub why: &'static str,
-}
-
-/// Which parameters a set of records speaks about.
+/// Which parameters a set of records tells.
 #[derive(Debug, Clone)]
 pub(super) struct RopePlan {
     base: Parameters,
     pub(super) shapes: Vec<Parameter>,
     pub(super) terms: Vec<Parameter>,
-    pub(super) held: Vec<Held>,
+    pub(super) fixed: Vec<FixedParameter>,
 }
 
-/// 23 °C where a record has no temperature.
-pub(super) const TEMPERATURE_C: f64 = 23.0;
 /// Heat retraction begins here, °C.
 const WARM_C: f64 = 35.0;
 
@@ -181,7 +144,7 @@ impl RopePlan {
             base: base.parameters,
             shapes: vec![Parameter::BeddingTime, Parameter::Jamming],
             terms: vec![Parameter::Bedding, Parameter::Delayed],
-            held: Vec::new(),
+            fixed: Vec::new(),
         };
         plan.decide(&design, base);
         Ok(plan)
@@ -195,70 +158,69 @@ impl RopePlan {
                 value.value == 0.0 && value.uncertainty == Uncertainty::NotStated
             })
         };
-        let one_load = "one load only";
-        let flow = "too little flow at these loads, times and temperatures";
+        use WhyFixed as Why;
         let retraction = if known_zero(P::Retraction) {
-            Some("the base rope has none")
+            Some(Why::NoRetraction)
         } else {
-            (!design.warm).then_some("no record above 35 °C")
+            (!design.warm).then_some(Why::NoneWarm)
         };
-        let asked: [(P, bool, Option<&'static str>); 13] = [
+        let parameters: [(P, bool, Option<Why>); 13] = [
             (
                 P::ElasticK,
                 true,
-                (design.jumps < 1).then_some("no change of load between readings"),
+                (design.jumps < 1).then_some(Why::NoChangeOfLoad),
             ),
             (
                 P::Toe,
                 true,
-                (design.jumps < 2).then_some("fewer than three loads, none among them"),
+                (design.jumps < 2).then_some(Why::FewerThanThreeLoads),
             ),
             (
                 P::ToeLoadRatio,
                 false,
-                (design.jumps < 4).then_some("fewer than five loads"),
+                (design.jumps < 4).then_some(Why::FewerThanFiveLoads),
             ),
             (
                 P::BeddingLoadRatio,
                 false,
-                (design.loaded < 2).then_some(one_load),
+                (design.loaded < 2).then_some(Why::OneLoad),
             ),
             (
                 P::BeddingEnergy,
                 false,
-                (design.temperatures < 2).then_some("one temperature only"),
+                (design.temperatures < 2).then_some(Why::OneTemperature),
             ),
             (
                 P::DelayedEnergy,
                 false,
-                (design.temperatures < 2).then_some("one temperature only"),
+                (design.temperatures < 2).then_some(Why::OneTemperature),
             ),
             (
                 P::DelayedPerK,
                 false,
-                (design.temperatures < 3).then_some("fewer than three temperatures"),
+                (design.temperatures < 3).then_some(Why::FewerThanThreeTemperatures),
             ),
             (
                 P::FlowRate,
                 true,
-                (known_zero(P::FlowRate) || design.flow_share < 0.01).then_some(flow),
+                (known_zero(P::FlowRate) || design.flow_share < 0.01).then_some(Why::TooLittleFlow),
             ),
             (P::Retraction, true, retraction),
             (P::RetractionTime, false, retraction),
             (
                 P::RetractionLoadRatio,
                 false,
-                retraction.or((design.warm_loads < 2).then_some(one_load)),
+                retraction.or((design.warm_loads < 2).then_some(Why::OneLoad)),
             ),
-            (P::FlowEnergy, false, Some("taken with the rate of flow")),
-            (P::FlowStress, false, Some("taken with the rate of flow")),
+            (P::FlowEnergy, false, Some(Why::WithRateOfFlow)),
+            (P::FlowStress, false, Some(Why::WithRateOfFlow)),
         ];
-        for (parameter, term, why) in asked {
+        for (parameter, term, why) in parameters {
             match why {
                 None if term => self.terms.push(parameter),
                 None => self.shapes.push(parameter),
-                Some(why) => self.held.push(Held {
-                    name: parameter.name(),
+                Some(why) => self.fixed.push(FixedParameter {
+                    name: parameter.name().to_owned(),
                     value: self.base.get(parameter),
                     why,
                 }),
@@ -308,7 +270,7 @@ impl RopePlan {
         self.shapes.iter().map(|p| self.base.get(*p)).collect()
     }
 
-    /// Rows of the terms' columns at rising times, row by row, and what the held amplitudes give.
+    /// Rows of the terms' columns at rising times, row by row, and what the fixed amplitudes give.
     ///
     /// Strain in m/m counts from the state under the preload, before the first step.
     pub(super) fn rows(
@@ -350,30 +312,25 @@ impl RopePlan {
 
 /// A record must have tensions that the rope can bear.
 fn check(curve: &Curve, p: &Parameters) -> Result<(), CreepError> {
-    let refuse = |reason: String| {
+    let refuse = |reason: Unusable| {
         Err(CreepError::Specimen {
             specimen: curve.name.clone(),
             reason,
         })
     };
     if curve.tension.is_none() {
-        return refuse(
-            "the rope law needs the tension in newtons; the record has no force (--column force=…:N)"
-                .to_owned(),
-        );
+        return refuse(Unusable::NoTension);
     }
     let most = tensions(curve).fold(0.0, f64::max);
     if most >= p.breaking_load_n {
-        return refuse(format!(
-            "a force of {most:.1} N breaks a rope of {:.0} N breaking load: the wrong base rope?",
-            p.breaking_load_n
-        ));
+        return refuse(Unusable::Breaks {
+            tension_n: most,
+            breaking_load_n: p.breaking_load_n,
+        });
     }
-    let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
-    if !(-100.0..=200.0).contains(&celsius) {
-        return refuse(format!(
-            "{celsius:.1} °C: the rope law takes −100 to 200 °C"
-        ));
+    let temperature_c = curve.temperature_c.unwrap_or(TEMPERATURE_C);
+    if !(-100.0..=200.0).contains(&temperature_c) {
+        return refuse(Unusable::Temperature { temperature_c });
     }
     Ok(())
 }

@@ -3,7 +3,9 @@
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
 
 use super::curve::Curve;
-use super::rope_law::TEMPERATURE_C;
+
+/// Taken where a record has no temperature, °C.
+pub(super) const TEMPERATURE_C: f64 = 23.0;
 
 /// Parts of the strain, m/m.
 pub(super) struct Parts {

@@ -2,7 +2,7 @@
 //! along differences of others (differential evolution Monte Carlo: ter Braak, Statistics and
 //! Computing 16, 2006), half by half.
 //!
-//! Of a normal density of one number the 720 places kept by the plan below are worth 620 independent
+//! Of a normal density of one number the 720 points kept by the plan below are worth 620 independent
 //! draws; with stretch moves (Goodman and Weare, 2010) they were worth 160, and quantiles of few draws
 //! lie too far inside.
 
@@ -37,8 +37,8 @@ pub(super) struct Around {
 }
 
 impl Around {
-    /// A place at so many standard deviations, within the box.
-    fn place(&self, z: &[f64]) -> Vec<f64> {
+    /// A point at so many standard deviations, within the box.
+    fn point(&self, z: &[f64]) -> Vec<f64> {
         let d = z.len();
         let mut x = z.to_vec();
         for i in (0..d).rev() {
@@ -70,16 +70,16 @@ pub(super) fn ensemble(
     let walkers = (6 * d).max(24).next_multiple_of(2);
     // Most walkers start as the curvature at the optimum says, wider by a half; every sixth
     // anywhere in the box: an optimum on a bound or a second one is then not missed.
-    let mut places: Vec<Vec<f64>> = (0..walkers)
+    let mut points: Vec<Vec<f64>> = (0..walkers)
         .map(|w| {
             if w % 6 == 5 {
                 return (0..d).map(|_| random.random()).collect();
             }
             let mut normal = || -> f64 { StandardNormal.sample(random) };
-            start.place(&(0..d).map(|_| 1.5 * normal()).collect::<Vec<_>>())
+            start.point(&(0..d).map(|_| 1.5 * normal()).collect::<Vec<_>>())
         })
         .collect();
-    let mut densities: Vec<f64> = places.iter().map(|p| log_density(p)).collect();
+    let mut densities: Vec<f64> = points.iter().map(|p| log_density(p)).collect();
     let mut kept = Vec::new();
     let mut trial = vec![0.0; d];
     /// A walker this far below the best (in the logarithm) is lost where nothing is: the
@@ -94,7 +94,7 @@ pub(super) fn ensemble(
             for w in 0..walkers {
                 if densities[w] <= best - LOST && !found.is_empty() {
                     let other = found[random.random_range(0..found.len())];
-                    places[w] = places[other].clone();
+                    points[w] = points[other].clone();
                     densities[w] = densities[other];
                 }
             }
@@ -115,20 +115,20 @@ pub(super) fn ensemble(
                 let z: f64 = StandardNormal.sample(random);
                 let length = length * (1.0 + SPREAD * z);
                 for j in 0..d {
-                    let step = places[first][j] - places[second][j];
-                    trial[j] = places[walker][j] + length * step;
+                    let step = points[first][j] - points[second][j];
+                    trial[j] = points[walker][j] + length * step;
                 }
                 let density = log_density(&trial);
                 let gain = density - densities[walker];
                 let accept: f64 = random.random();
                 if accept.ln() < gain {
-                    places[walker].copy_from_slice(&trial);
+                    points[walker].copy_from_slice(&trial);
                     densities[walker] = density;
                 }
             }
         }
         if round >= plan.burn_in && (round - plan.burn_in).is_multiple_of(plan.thinning) {
-            kept.extend(places.iter().cloned());
+            kept.extend(points.iter().cloned());
         }
     }
     kept

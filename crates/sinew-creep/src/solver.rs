@@ -1,5 +1,6 @@
 //! Least squares within bounds, behind a trait so that the library can be changed.
 
+use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 
 use basin::{
@@ -34,15 +35,71 @@ pub trait Residuals {
     }
 }
 
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Termination {
+    /// No parameter is searched: the linear problem has one solution.
+    Linear,
+    /// The projected gradient is zero within its tolerance.
+    Gradient,
+    /// The last step was shorter than its tolerance.
+    Step,
+    /// The last step lowered the cost by less than its tolerance.
+    Cost,
+    /// No further progress within rounding.
+    NoProgress,
+    /// The limit of steps was reached.
+    StepLimit,
+    /// The search broke off.
+    Failed,
+}
+
+impl Termination {
+    /// Whether the search ended by a criterion of its own.
+    pub fn converged(self) -> bool {
+        use Termination::{Cost, Gradient, Linear, NoProgress, Step};
+        matches!(self, Linear | Gradient | Step | Cost | NoProgress)
+    }
+}
+
+impl From<TerminationCode> for Termination {
+    fn from(code: TerminationCode) -> Self {
+        use TerminationCode as C;
+        match code {
+            C::GradientTolerance
+            | C::RelativeGradientTolerance
+            | C::ProjectedGradientTolerance
+            | C::SolverConverged => Termination::Gradient,
+            C::ParamTolerance | C::RelativeParamTolerance | C::RhoTolerance => Termination::Step,
+            C::CostTolerance | C::RelativeCostTolerance => Termination::Cost,
+            C::MaxIter => Termination::StepLimit,
+            C::NumericalNoProgress => Termination::NoProgress,
+            _ => Termination::Failed,
+        }
+    }
+}
+
 /// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Ending {
+    /// Why.
+    pub termination: Termination,
+    /// Steps taken.
+    pub steps: u64,
+}
+
+/// Where a search ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
     /// Parameters, each between 0 and 1.
     pub x: Vec<f64>,
     /// Half the sum of squares.
     pub cost: f64,
-    /// Whether the search ended by its own criterion and not by its budget.
-    pub converged: bool,
+    /// How the search ended.
+    pub ending: Ending,
 }
 
 /// A search for the least squares within the unit box.
@@ -107,12 +164,16 @@ impl LeastSquares for TrustRegion {
     fn minimum(&self, problem: &dyn Residuals, start: &[f64]) -> Minimum {
         let n = start.len();
         let cost = |x: &[f64]| 0.5 * problem.residuals(x).iter().map(|r| r * r).sum::<f64>();
+        let unmoved = |termination| Minimum {
+            x: start.to_vec(),
+            cost: cost(start),
+            ending: Ending {
+                termination,
+                steps: 0,
+            },
+        };
         if n == 0 {
-            return Minimum {
-                x: Vec::new(),
-                cost: cost(&[]),
-                converged: true,
-            };
+            return unmoved(Termination::Linear);
         }
         let adapter = Adapter {
             problem,
@@ -126,17 +187,15 @@ impl LeastSquares for TrustRegion {
             .max_iter(self.steps)
             .run();
         let Ok(result) = run else {
-            return Minimum {
-                x: start.to_vec(),
-                cost: cost(start),
-                converged: false,
-            };
+            return unmoved(Termination::Failed);
         };
-        let code = result.report.code();
         Minimum {
             x: result.param().clone(),
             cost: result.cost(),
-            converged: code != TerminationCode::SolverFailed && code != TerminationCode::MaxIter,
+            ending: Ending {
+                termination: result.report.code().into(),
+                steps: result.iter(),
+            },
         }
     }
 }

@@ -1,29 +1,30 @@
 //! Where a search begins.
 
-use super::model::{Model, NoiseKind};
+use super::model::Model;
+use super::options::NoiseKind;
 
 /// Starts that are searched from, the best of those tried.
 const STARTS: usize = 3;
-/// Places of the grid of starts per parameter, by their number.
+/// Points of the grid of starts per parameter, by their number.
 const GRID: [usize; 5] = [1, 12, 7, 5, 4];
-/// Places tried where a grid would be too large.
+/// Points tried where a grid would be too large.
 const SCATTERED: usize = 400;
 /// Bases of the Halton sequence.
 const PRIMES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
-/// The best places over the shapes, with independent and with slow noise.
+/// The best points over the shapes, with independent and with slow noise.
 pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
     let mut white = model.clone();
     white.noise = NoiseKind::White;
-    let mut places: Vec<(f64, Vec<f64>)> = tried(model)
+    let mut points: Vec<(f64, Vec<f64>)> = tried(model)
         .into_iter()
         .map(|x| (white.solve(&x, false).squares, x))
         .collect();
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    places.truncate(STARTS);
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.truncate(STARTS);
     match model.noise {
-        NoiseKind::White => places.into_iter().map(|(_, x)| x).collect(),
-        NoiseKind::Correlated => places
+        NoiseKind::White => points.into_iter().map(|(_, x)| x).collect(),
+        NoiseKind::Correlated => points
             .into_iter()
             .zip([(0.1, 0.5), (0.6, 0.5), (0.5, 0.8)])
             .map(|((_, mut x), (share, memory))| {
@@ -34,12 +35,12 @@ pub(super) fn starts(model: &Model) -> Vec<Vec<f64>> {
     }
 }
 
-/// A grid over few shapes, evenly scattered places over many; the base rope's own among them.
+/// A grid over few shapes, evenly scattered points over many; the base rope's own among them.
 fn tried(model: &Model) -> Vec<Vec<f64>> {
     let shapes = model.shapes.len();
-    let mut places: Vec<Vec<f64>> = match GRID.get(shapes) {
+    let mut points: Vec<Vec<f64>> = match GRID.get(shapes) {
         Some(&per) => (0..per.pow(shapes as u32))
-            .map(|index| grid_place(index, per, shapes))
+            .map(|index| grid_point(index, per, shapes))
             .collect(),
         None => (1..=SCATTERED as u32)
             .map(|index| (0..shapes).map(|j| halton(index, PRIMES[j % 12])).collect())
@@ -47,19 +48,19 @@ fn tried(model: &Model) -> Vec<Vec<f64>> {
     };
     if let Some(plan) = &model.rope {
         let base = plan.base_values();
-        let place = model.shapes.iter().zip(base).map(|(s, v)| s.place(v));
-        places.push(place.collect());
+        let point = model.shapes.iter().zip(base).map(|(s, v)| s.coordinate(v));
+        points.push(point.collect());
     }
-    places
+    points
 }
 
-fn grid_place(index: usize, per: usize, shapes: usize) -> Vec<f64> {
+fn grid_point(index: usize, per: usize, shapes: usize) -> Vec<f64> {
     let mut rest = index;
     (0..shapes)
         .map(|_| {
-            let place = (rest % per) as f64 + 0.5;
+            let unit = (rest % per) as f64 + 0.5;
             rest /= per;
-            place / per as f64
+            unit / per as f64
         })
         .collect()
 }

@@ -1,8 +1,10 @@
 //! Time–temperature superposition: curves at several temperatures, shifted along the logarithm
 //! of time until they lie on one another.
 
-use super::CreepError;
+use super::error::CreepError;
 use super::linear;
+use serde::{Deserialize, Serialize};
+use sinew_model::Gaussian;
 
 /// A property over time at one temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,31 +18,53 @@ pub struct Isotherm {
 }
 
 /// The shift of one isotherm.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shift {
     /// Temperature, °C.
     pub temperature_c: f64,
-    /// Decadic logarithm of a_T: time at the reference is time here divided by a_T.
-    pub log10_a_t: f64,
-    /// Standard error from the mismatch of the overlap, decades; grows along the chain.
-    pub std_error: f64,
+    /// Decadic logarithm of a_T: time at the reference is time here divided by a_T. Its standard
+    /// error follows from the mismatch of the overlap and grows along the chain.
+    pub log10_a_t: Gaussian,
     /// Decades of the property's logarithm in common with the neighbour nearer the reference,
     /// as a share of this isotherm's own range; without overlap the shift is a guess.
-    pub overlap: f64,
+    pub overlap_share: f64,
 }
 
 /// Shift factors and what they follow.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Superposition {
     /// Temperature that isn't shifted, °C.
     pub reference_c: f64,
     /// Shifts by rising temperature.
     pub shifts: Vec<Shift>,
-    /// Activation energy of an Arrhenius line, kJ/mol, and its RMS misfit in decades.
-    pub arrhenius: Option<(f64, f64)>,
-    /// C₁ and C₂ (K) of Williams, Landel and Ferry over temperatures from the reference up, and
-    /// the RMS misfit in decades.
-    pub wlf: Option<(f64, f64, f64)>,
+    /// Arrhenius line through all temperatures.
+    pub arrhenius: Option<Arrhenius>,
+    /// Equation of Williams, Landel and Ferry over temperatures from the reference up.
+    pub wlf: Option<Wlf>,
+}
+
+/// `ln a_T = E/R (1/T − 1/T_ref)`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Arrhenius {
+    /// Activation energy `E`, J/mol.
+    pub energy_j_per_mol: f64,
+    /// Root mean square misfit of log10 a_T, decades.
+    pub misfit_decades: f64,
+}
+
+/// `log a_T = −C₁ ΔT/(C₂ + ΔT)`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Wlf {
+    /// C₁.
+    pub c1: f64,
+    /// C₂, K.
+    pub c2_k: f64,
+    /// Root mean square misfit of log10 a_T, decades.
+    pub misfit_decades: f64,
 }
 
 /// Shifts isotherms onto the one nearest to `reference_c`, neighbour by neighbour.
@@ -49,7 +73,7 @@ pub struct Superposition {
 /// axes, fits both best.
 ///
 /// # Errors
-/// [`CreepError::Request`] with fewer than two temperatures or a reading that isn't positive.
+/// [`CreepError::OneTemperature`]; [`CreepError::Isotherm`] for a reading that isn't positive.
 pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superposition, CreepError> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for isotherm in isotherms {
@@ -60,10 +84,9 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
             .map(|(t, v)| (t.log10(), v.log10()))
             .collect();
         if points.len() < 3 || points.iter().any(|(t, v)| !t.is_finite() || !v.is_finite()) {
-            return Err(CreepError::Request(format!(
-                "the isotherm at {:.1} °C needs at least three readings with positive time and value",
-                isotherm.temperature_c
-            )));
+            return Err(CreepError::Isotherm {
+                temperature_c: isotherm.temperature_c,
+            });
         }
         let mut points = points;
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -71,9 +94,7 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     }
     curves.sort_by(|a, b| a.0.total_cmp(&b.0));
     if curves.len() < 2 || curves[curves.len() - 1].0 - curves[0].0 < 1.0 {
-        return Err(CreepError::Request(
-            "superposition needs at least two temperatures more than 1 K apart".to_owned(),
-        ));
+        return Err(CreepError::OneTemperature);
     }
     // Does the property fall (modulus) or rise (strain) with time? All curves vote.
     let rise: f64 = curves.iter().map(|(_, p)| p[p.len() - 1].1 - p[0].1).sum();
@@ -92,9 +113,8 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
         .iter()
         .map(|(temperature_c, _)| Shift {
             temperature_c: *temperature_c,
-            log10_a_t: 0.0,
-            std_error: 0.0,
-            overlap: 1.0,
+            log10_a_t: Gaussian::default(),
+            overlap_share: 1.0,
         })
         .collect();
     let chain = (reference + 1..curves.len())
@@ -103,9 +123,10 @@ pub fn superpose(isotherms: &[Isotherm], reference_c: f64) -> Result<Superpositi
     for (near, far) in chain {
         let (distance, error, overlap) = distance(&rising[near], &rising[far]);
         // A curve that reaches the same value earlier by d decades has log a_T smaller by d.
-        shifts[far].log10_a_t = shifts[near].log10_a_t + distance;
-        shifts[far].std_error = shifts[near].std_error.hypot(error);
-        shifts[far].overlap = overlap;
+        let before = shifts[near].log10_a_t;
+        shifts[far].log10_a_t =
+            Gaussian::new(before.mean + distance, before.deviation.hypot(error));
+        shifts[far].overlap_share = overlap;
     }
     let reference_c = curves[reference].0;
     Ok(Superposition {
@@ -165,30 +186,33 @@ fn distance(near: &[(f64, f64)], far: &[(f64, f64)]) -> (f64, f64, f64) {
     (d, error, overlap)
 }
 
-fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64)> {
+fn arrhenius(shifts: &[Shift], reference_c: f64) -> Option<Arrhenius> {
     /// R ln 10 / 1000: kJ/(mol K) per decade.
     const GAS_DECADE: f64 = 8.314_462_618e-3 * std::f64::consts::LN_10;
     let x = |t: f64| (1.0 / (t + 273.15) - 1.0 / (reference_c + 273.15)) / GAS_DECADE;
     let xx: f64 = shifts.iter().map(|s| x(s.temperature_c).powi(2)).sum();
     let xy: f64 = shifts
         .iter()
-        .map(|s| x(s.temperature_c) * s.log10_a_t)
+        .map(|s| x(s.temperature_c) * s.log10_a_t.mean)
         .sum();
     let energy = xy / xx;
     let rms = (shifts
         .iter()
-        .map(|s| (s.log10_a_t - energy * x(s.temperature_c)).powi(2))
+        .map(|s| (s.log10_a_t.mean - energy * x(s.temperature_c)).powi(2))
         .sum::<f64>()
         / shifts.len() as f64)
         .sqrt();
-    energy.is_finite().then_some((energy, rms))
+    energy.is_finite().then_some(Arrhenius {
+        energy_j_per_mol: 1e3 * energy,
+        misfit_decades: rms,
+    })
 }
 
-/// `log a_T = −C₁ ΔT/(C₂ + ΔT)`: for every C₂ the best C₁ is linear; C₂ by golden section.
-fn wlf(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64, f64)> {
+/// For every C₂ the best C₁ is linear; C₂ by golden section.
+fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
     let above: Vec<(f64, f64)> = shifts
         .iter()
-        .map(|s| (s.temperature_c - reference_c, s.log10_a_t))
+        .map(|s| (s.temperature_c - reference_c, s.log10_a_t.mean))
         .filter(|(d, _)| *d >= 0.0)
         .collect();
     if above.len() < 4 {
@@ -222,5 +246,9 @@ fn wlf(shifts: &[Shift], reference_c: f64) -> Option<(f64, f64, f64)> {
     }
     let place = 0.5 * (low + high);
     let (c1, rms) = solve(place);
-    c1.is_finite().then_some((c1, place.exp(), rms))
+    c1.is_finite().then_some(Wlf {
+        c1,
+        c2_k: place.exp(),
+        misfit_decades: rms,
+    })
 }

@@ -1,17 +1,40 @@
 //! The honest measure: hide the end of a test, forecast it, count how often the interval holds.
 
-use super::CreepError;
 use super::curve::Curve;
-use super::fit::FitOptions;
+use super::error::CreepError;
 use super::forecast::Forecast;
 use super::law::Law;
+use super::options::FitOptions;
 use super::outlook::Outlook;
+use serde::{Deserialize, Serialize};
+
+/// Who forecasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Forecaster {
+    /// All laws that could be fitted, by their Akaike weights.
+    Combined,
+    /// One law.
+    #[serde(untagged)]
+    Law(Law),
+}
+
+impl Forecaster {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Forecaster::Combined => "combined",
+            Forecaster::Law(law) => law.name(),
+        }
+    }
+}
 
 /// One law on one test.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Withheld {
-    /// Law; `combined` weighs all that could be fitted.
-    pub law: String,
+    /// Who forecast.
+    pub forecaster: Forecaster,
     /// Readings hidden.
     pub hidden: usize,
     /// Hidden readings within their interval.
@@ -29,7 +52,7 @@ pub fn withhold(
     curve: &Curve,
     share: f64,
     options: &FitOptions,
-) -> Vec<Result<Withheld, (String, CreepError)>> {
+) -> Vec<Result<Withheld, (Law, CreepError)>> {
     let (Some(first), Some(last)) = (curve.time_s.first(), curve.time_s.last()) else {
         return Vec::new();
     };
@@ -44,19 +67,22 @@ pub fn withhold(
             });
         high - low
     };
-    let judge = |law: &str, forecast: &Forecast| {
+    let judge = |forecaster: Forecaster, forecast: &Forecast| {
         let end = hidden.strain.len() - 1;
         let within = |i: usize| {
-            hidden.strain[i] >= forecast.reading_low[i]
-                && hidden.strain[i] <= forecast.reading_high[i]
+            hidden.strain[i] >= forecast.reading_low_strain_ratio[i]
+                && hidden.strain[i] <= forecast.reading_high_strain_ratio[i]
         };
         Withheld {
-            law: law.to_owned(),
+            forecaster,
             hidden: hidden.strain.len(),
             covered: (0..=end).filter(|i| within(*i)).count(),
             end_covered: within(end),
-            end_error: (forecast.strain[end] - hidden.strain[end]) / range,
-            end_half_width: 0.5 * (forecast.reading_high[end] - forecast.reading_low[end]) / range,
+            end_error: (forecast.strain_ratio[end] - hidden.strain[end]) / range,
+            end_half_width: 0.5
+                * (forecast.reading_high_strain_ratio[end]
+                    - forecast.reading_low_strain_ratio[end])
+                / range,
         }
     };
     if hidden.strain.is_empty() {
@@ -71,36 +97,40 @@ pub fn withhold(
     );
     for (law, forecast) in outlook.laws {
         results.push(match forecast {
-            Ok(forecast) => Ok(judge(law.name(), &forecast)),
-            Err(error) => Err((law.name().to_owned(), error)),
+            Ok(forecast) => Ok(judge(Forecaster::Law(law), &forecast)),
+            Err(error) => Err((law, error)),
         });
     }
     if let Some(forecast) = outlook.combined {
-        results.push(Ok(judge("combined", &forecast)));
+        results.push(Ok(judge(Forecaster::Combined, &forecast)));
     }
     results
 }
 
-/// One law over many tests.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+/// One forecaster over many tests.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
-    /// Law, or `combined`.
-    pub law: String,
+    /// Law, or all laws combined.
+    pub forecaster: Forecaster,
     /// Tests forecast.
     pub tests: usize,
     /// Tests the law couldn't be fitted to.
     pub failed: usize,
-    /// Hidden readings within their intervals, %.
-    pub readings_percent: f64,
-    /// Tests whose last reading lies within, %.
-    pub end_percent: f64,
-    /// Median of |forecast − truth| at the end, % of the test's creep.
-    pub end_error_percent: f64,
-    /// Median half width of the interval at the end, % of the test's creep.
-    pub end_half_width_percent: f64,
+    /// Hidden readings.
+    pub readings: usize,
+    /// Hidden readings within their intervals.
+    pub readings_inside: usize,
+    /// Tests whose last reading lies within.
+    pub ends_inside: usize,
+    /// Median of |forecast − truth| at the end, over the test's creep.
+    pub end_error_ratio: f64,
+    /// Median half width of the interval at the end, over the test's creep.
+    pub end_half_width_ratio: f64,
 }
 
-/// Withholds from many curves, on all processors, and counts per law; `done` is told how many.
+/// Withholds from many curves, on all processors, and counts per law; `done` is called with the
+/// number of curves finished.
 pub fn withhold_all(
     curves: &[Curve],
     share: f64,
@@ -108,36 +138,33 @@ pub fn withhold_all(
     done: impl Fn(usize) + Sync,
 ) -> Vec<Coverage> {
     let rows = super::parallel::each(curves, |curve| withhold(curve, share, options), done);
+    let results = || rows.iter().flatten();
     Law::ALL
-        .iter()
-        .map(|law| law.name())
-        .chain(["combined"])
-        .map(|name| {
-            let done: Vec<&Withheld> = rows
-                .iter()
-                .flat_map(|row| row.iter().filter_map(|r| r.as_ref().ok()))
-                .filter(|w| w.law == name)
+        .map(Forecaster::Law)
+        .into_iter()
+        .chain([Forecaster::Combined])
+        .map(|forecaster| {
+            let own: Vec<&Withheld> = results()
+                .filter_map(|r| r.as_ref().ok())
+                .filter(|w| w.forecaster == forecaster)
                 .collect();
-            let failed = rows
-                .iter()
-                .flat_map(|row| row.iter().filter_map(|r| r.as_ref().err()))
-                .filter(|(law, _)| law == name)
+            let failed = results()
+                .filter_map(|r| r.as_ref().err())
+                .filter(|(law, _)| Forecaster::Law(*law) == forecaster)
                 .count();
             let median = |pick: &dyn Fn(&Withheld) -> f64| {
-                let values: Vec<f64> = done.iter().map(|w| pick(w)).collect();
+                let values: Vec<f64> = own.iter().map(|w| pick(w)).collect();
                 super::scan::median(&values)
             };
-            let hidden: usize = done.iter().map(|w| w.hidden).sum();
-            let covered: usize = done.iter().map(|w| w.covered).sum();
-            let ends = done.iter().filter(|w| w.end_covered).count();
             Coverage {
-                law: name.to_owned(),
-                tests: done.len(),
+                forecaster,
+                tests: own.len(),
                 failed,
-                readings_percent: 100.0 * covered as f64 / hidden as f64,
-                end_percent: 100.0 * ends as f64 / done.len() as f64,
-                end_error_percent: 100.0 * median(&|w| w.end_error.abs()),
-                end_half_width_percent: 100.0 * median(&|w| w.end_half_width),
+                readings: own.iter().map(|w| w.hidden).sum(),
+                readings_inside: own.iter().map(|w| w.covered).sum(),
+                ends_inside: own.iter().filter(|w| w.end_covered).count(),
+                end_error_ratio: median(&|w| w.end_error.abs()),
+                end_half_width_ratio: median(&|w| w.end_half_width),
             }
         })
         .collect()

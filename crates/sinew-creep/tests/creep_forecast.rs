@@ -114,7 +114,7 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
     let outlook = Outlook::of(&fits, std::slice::from_ref(&curve), 0, &options, &later);
     let inside = |f: &Forecast, i: usize| {
         let truth = maker.strain(later[i]);
-        f.low[i] <= truth && truth <= f.high[i]
+        f.low_strain_ratio[i] <= truth && truth <= f.high_strain_ratio[i]
     };
     let share = |f: &Forecast| (0..10).filter(|i| inside(f, *i)).count() as f64 / 10.0;
     let all = outlook.combined.unwrap();
@@ -123,7 +123,7 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
         chosen: best.law,
         bare: own.map(|law| {
             let fit = fits.iter().find(|f| f.law == law).unwrap();
-            share(&fit.forecast(0, &later))
+            share(&Forecast::of(fit, 0, &later))
         }),
         own: own.map(|law| {
             let found = outlook.laws.iter().find(|l| l.0 == law).unwrap();
@@ -131,7 +131,7 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
         }),
         all: share(&all),
         end: inside(&all, 9),
-        half_width: 0.5 * (all.high[9] - all.low[9]) / creep,
+        half_width: 0.5 * (all.high_strain_ratio[9] - all.low_strain_ratio[9]) / creep,
     }
 }
 

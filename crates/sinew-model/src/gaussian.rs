@@ -85,6 +85,42 @@ impl Interval95 {
     }
 }
 
+/// A value with bounds that need not be even about it, in the unit that its field's name says.
+///
+/// Who makes it says at which level; 95 % where nothing else is said.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Bounded {
+    /// Value.
+    pub value: f64,
+    /// Lower bound.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
+}
+
+impl Bounded {
+    /// Bounds at the same distance on either side.
+    pub fn even(value: f64, half_width: f64) -> Self {
+        Self {
+            value,
+            low: value - half_width,
+            high: value + half_width,
+        }
+    }
+
+    /// The same quantity in another unit: `factor`, above 0, of the new one make one of the old.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            value: factor * self.value,
+            low: factor * self.low,
+            high: factor * self.high,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

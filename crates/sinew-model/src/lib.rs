@@ -72,4 +72,4 @@ mod error;
 mod gaussian;
 mod tile;
 pub use error::StepError;
-pub use gaussian::{Gaussian, Interval95, Z95};
+pub use gaussian::{Bounded, Gaussian, Interval95, Z95};

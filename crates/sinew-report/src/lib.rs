@@ -6,12 +6,14 @@
 //! date, no path that wasn't given.
 
 mod absolute;
+pub mod creep;
 mod estimate;
 mod figures;
 pub mod rope;
 mod sentences;
 #[cfg(test)]
 mod tests;
+pub mod text;
 pub mod trend;
 
 pub use estimate::{html, html_with};

@@ -8,9 +8,9 @@ mod args;
 mod commands;
 mod files;
 mod terminal;
-mod text;
 
 use clap::{Parser, Subcommand};
+use sinew_report::text;
 use std::process::ExitCode;
 use terminal::{Failure, Finish};
 

@@ -34,12 +34,13 @@ fn the_example_finds_what_was_put_in() {
     // Made with b = 0.030, 0.018 and 0.041 %: the mean slope between 20 and 85 min is
     // b ln(5132.5/1232.5) / 1.083 h, and the wave of 0.0004 % tilts it by 0.0008 %/h at most.
     for (specimen, b) in specimens.iter().zip([0.030, 0.018, 0.041]) {
-        let slope = &specimen["slope_percent_per_h"];
+        let slope = &specimen["slope_per_s"];
         let truth = b * (5132.5_f64 / 1232.5).ln() / (3900.0 / 3600.0);
         // A straight line weighs the middle: 8 % off the mean slope of a logarithm.
-        let value = slope["value"].as_f64().unwrap();
+        let of = |key: &str| 3.6e5 * slope[key].as_f64().unwrap();
+        let value = of("value");
         assert!((value / truth - 1.0).abs() < 0.12, "{specimen}");
-        assert!(slope["low"].as_f64().unwrap() < value && value < slope["high"].as_f64().unwrap());
+        assert!(of("low") < value && value < of("high"));
         assert_eq!(specimen["recovery"].as_array().unwrap().len(), 1);
         assert!((specimen["force_n"].as_f64().unwrap() - 60.0).abs() < 0.1);
         assert!((specimen["preload_n"].as_f64().unwrap() - 2.0).abs() < 0.1);
@@ -126,7 +127,7 @@ fn a_fitted_rope_is_written_and_read_by_the_rope_commands() {
     ]);
     let fit = &report["fits"][0]["laws"][0];
     assert_eq!(fit["law"], "rope");
-    assert!(!fit["held"].as_array().unwrap().is_empty());
+    assert!(!fit["fixed"].as_array().unwrap().is_empty());
     let shown = json(&["rope", "show", "my-rope", "--ropes", ropes, "--json"]);
     let bedding = &shown["law"]["bedding_percent"];
     assert_eq!(bedding["origin"], "fitted", "{bedding}");

@@ -1,40 +1,89 @@
 //! What is odd about a record, and what is done about it.
 
-use super::super::curve::Curve;
-use super::super::scan::oddities;
 use super::Stage;
+use crate::curve::Curve;
+use crate::scan::oddities;
+use serde::{Deserialize, Serialize};
 
-/// What is odd about a record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FaultKind {
-    /// The strain jumps under constant load.
-    Slip,
+/// What is odd about a record. Times are those of the record, s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Fault {
+    /// The strain jumps under constant load: a grip slips.
+    Slip {
+        /// When.
+        time_s: f64,
+        /// Height of the jump, m/m.
+        strain_ratio: f64,
+        /// Whether it was left in the readings.
+        kept: bool,
+    },
     /// One reading stands apart.
-    Outlier,
+    Outlier {
+        /// When.
+        time_s: f64,
+        /// Whether it was left in the readings.
+        kept: bool,
+    },
     /// The load on a plateau changes by more than ISO 899-1 allows (1 %).
-    LoadDrift,
+    LoadDrift {
+        /// Start of the plateau.
+        time_s: f64,
+        /// Median of the load, N.
+        load_n: f64,
+        /// Largest distance from there, as a share of it.
+        drift_share: f64,
+    },
+    /// No force is recorded: a constant load from the first reading on is assumed.
+    NoForce,
     /// The record starts under load: neither ramp nor zero are in it.
     NoRamp,
     /// The load came on slower than within 5 s.
-    SlowRamp,
-    /// Several readings with one stamp, or a clock that goes back.
-    Clock,
-    /// Readings that are missing or no numbers.
-    Gap,
-    /// Numbers that are possible, but look like another unit.
-    Doubtful,
+    SlowRamp {
+        /// When.
+        time_s: f64,
+        /// How long it took, s.
+        ramp_s: f64,
+    },
+    /// Readings that repeat the stamp before; all are used.
+    RepeatedStamps {
+        /// How many.
+        readings: usize,
+    },
+    /// Readings that are older than the one before; left out.
+    ClockGoesBack {
+        /// How many.
+        readings: usize,
+    },
+    /// Readings that are missing or no numbers; left out.
+    Gap {
+        /// How many.
+        readings: usize,
+    },
+    /// A strain that is possible, but looks like another unit.
+    DoubtfulStrain {
+        /// Largest strain, m/m.
+        strain_ratio: f64,
+    },
+    /// A length of the record that is possible, but looks like another unit.
+    DoubtfulTime {
+        /// Length, s.
+        duration_s: f64,
+    },
 }
 
-/// An oddity with its time.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Fault {
-    /// Kind.
-    pub kind: FaultKind,
+impl Fault {
     /// When, s of the record, where it has a time.
-    pub time_s: Option<f64>,
-    /// What was found and what was done.
-    pub text: String,
+    pub fn time_s(&self) -> Option<f64> {
+        match *self {
+            Fault::Slip { time_s, .. }
+            | Fault::Outlier { time_s, .. }
+            | Fault::LoadDrift { time_s, .. }
+            | Fault::SlowRamp { time_s, .. } => Some(time_s),
+            _ => None,
+        }
+    }
 }
 
 /// Readings with rising stamps; repeated stamps stay, for the fit weighs them.
@@ -60,31 +109,17 @@ pub(super) fn clean(
             kept.push(i);
         }
     }
-    let mut say = |kind, text| {
-        faults.push(Fault {
-            kind,
-            time_s: None,
-            text,
-        });
-    };
-    if gaps > 0 {
-        say(
-            FaultKind::Gap,
-            format!("{gaps} readings are missing or no numbers; left out"),
-        );
-    }
-    if back > 0 {
-        say(
-            FaultKind::Clock,
-            format!("{back} readings are older than the one before; left out"),
-        );
-    }
-    if repeated > 0 {
-        say(
-            FaultKind::Clock,
-            format!("{repeated} readings repeat the stamp before; all are used"),
-        );
-    }
+    let found = [
+        (gaps, Fault::Gap { readings: gaps }),
+        (back, Fault::ClockGoesBack { readings: back }),
+        (repeated, Fault::RepeatedStamps { readings: repeated }),
+    ];
+    faults.extend(
+        found
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(_, fault)| *fault),
+    );
     kept
 }
 
@@ -111,18 +146,10 @@ pub(super) fn take_out_faults(
         let odd = oddities(&place, &curve.strain[from..to]);
         for (index, height) in odd.jumps {
             let time_s = curve.time_s[from + index] + start;
-            let done = if keep {
-                "kept"
-            } else {
-                "taken out of all later readings"
-            };
-            faults.push(Fault {
-                kind: FaultKind::Slip,
-                time_s: Some(time_s),
-                text: format!(
-                    "strain jumps by {:+.4} % at {time_s:.1} s: a grip slip, not creep; {done}",
-                    100.0 * height
-                ),
+            faults.push(Fault::Slip {
+                time_s,
+                strain_ratio: height,
+                kept: keep,
             });
             if !keep {
                 curve.strain[from + index..]
@@ -132,14 +159,7 @@ pub(super) fn take_out_faults(
         }
         for index in odd.outliers {
             let time_s = curve.time_s[from + index] + start;
-            faults.push(Fault {
-                kind: FaultKind::Outlier,
-                time_s: Some(time_s),
-                text: format!(
-                    "the reading at {time_s:.1} s stands apart; {}",
-                    if keep { "kept" } else { "left out" }
-                ),
-            });
+            faults.push(Fault::Outlier { time_s, kept: keep });
             drop.push(from + index);
         }
     }

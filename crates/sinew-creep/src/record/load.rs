@@ -1,15 +1,15 @@
 //! What the force says: preload, ramp, stages, steps.
 
-use super::super::CreepError;
-use super::super::scan::{median, plateaus, smoothed};
-use super::{Fault, FaultKind, Stage};
+use super::{Fault, Stage};
+use crate::error::{CreepError, Unusable};
+use crate::scan::{median, plateaus, smoothed};
 
 /// ISO 899-1: the load stays within this share of its value.
 const LOAD_TOLERANCE: f64 = 0.01;
 /// ISO 899-1: the load comes on within 1 s to 5 s.
 const RAMP_S: f64 = 5.0;
 
-/// What the force column tells.
+/// What the force column says.
 pub(super) struct Load {
     /// First reading that counts.
     pub(super) first: usize,
@@ -31,46 +31,34 @@ impl Load {
         name: &str,
         faults: &mut Vec<Fault>,
     ) -> Result<Load, CreepError> {
-        let refuse = |reason: String| CreepError::Specimen {
+        let refuse = |reason: Unusable| CreepError::Specimen {
             specimen: name.to_owned(),
             reason,
         };
         let last = time.len() - 1;
-        let unramped = |reference_n: Option<f64>, faults: &mut Vec<Fault>, text: &str| {
-            faults.push(Fault {
-                kind: FaultKind::NoRamp,
-                time_s: None,
-                text: text.to_owned(),
-            });
-            Load {
-                first: 0,
-                before_from: 0,
-                before: 0,
-                start_s: time[0],
-                steps: vec![(0.0, 1.0)],
-                stages: vec![Stage {
-                    start_s: 0.0,
-                    end_s: time[last] - time[0],
-                    force_n: reference_n.unwrap_or(f64::NAN),
-                    ramp_s: 0.0,
-                }],
-                reference_n,
-                preload_n: None,
-            }
+        let unramped = |reference_n: Option<f64>| Load {
+            first: 0,
+            before_from: 0,
+            before: 0,
+            start_s: time[0],
+            steps: vec![(0.0, 1.0)],
+            stages: vec![Stage {
+                start_s: 0.0,
+                end_s: time[last] - time[0],
+                force_n: reference_n.unwrap_or(f64::NAN),
+                ramp_s: 0.0,
+            }],
+            reference_n,
+            preload_n: None,
         };
         let Some(force) = force else {
-            return Ok(unramped(
-                None,
-                faults,
-                "no force is recorded: a constant load from the first reading on is assumed",
-            ));
+            faults.push(Fault::NoForce);
+            return Ok(unramped(None));
         };
         let smooth = smoothed(force);
         let largest = smooth.iter().copied().fold(0.0, f64::max);
         if largest <= 0.0 {
-            return Err(refuse(
-                "the force never rises above zero: is its sign right?".to_owned(),
-            ));
+            return Err(refuse(Unusable::ForceNeverPositive));
         }
         let share: Vec<f64> = smooth.iter().map(|f| f / largest).collect();
         let plateaus = plateaus(&share);
@@ -78,10 +66,7 @@ impl Load {
         const LOADED: f64 = 0.3;
         let Some(loaded) = plateaus.iter().position(|p| p.level > LOADED) else {
             swapped(time, strain, force).map_err(refuse)?;
-            return Err(refuse(
-                "the force holds no level: not a creep test, or force and elongation are swapped"
-                    .to_owned(),
-            ));
+            return Err(refuse(Unusable::NoLevel));
         };
         let first = plateaus[loaded];
         swapped(
@@ -95,19 +80,10 @@ impl Load {
             let constant = force
                 .iter()
                 .all(|f| (f - reference).abs() < 1e-6 * reference);
+            faults.push(Fault::NoRamp);
             if constant && plateaus.len() == 1 {
-                return Ok(unramped(
-                    Some(reference),
-                    faults,
-                    "the record starts under its load: times count from the first reading",
-                ));
+                return Ok(unramped(Some(reference)));
             }
-            faults.push(Fault {
-                kind: FaultKind::NoRamp,
-                time_s: None,
-                text: "the record starts under its load: times count from the first reading"
-                    .to_owned(),
-            });
         }
         // The ramp begins with the last reading that is still at the level before.
         let before = (loaded > 0).then(|| plateaus[loaded - 1]);
@@ -123,12 +99,9 @@ impl Load {
             time[first.from] - start_s
         };
         if ramp_s > RAMP_S {
-            faults.push(Fault {
-                kind: FaultKind::SlowRamp,
-                time_s: Some(start_s),
-                text: format!(
-                    "the load came on within {ramp_s:.1} s; ISO 899-1 asks for 1 s to 5 s; the fit uses the ramp as recorded"
-                ),
+            faults.push(Fault::SlowRamp {
+                time_s: start_s,
+                ramp_s,
             });
         }
         let preload = before
@@ -155,13 +128,10 @@ impl Load {
                 });
             let drift = (high - level).max(level - low);
             if level > 0.05 * largest && drift > LOAD_TOLERANCE * level {
-                faults.push(Fault {
-                    kind: FaultKind::LoadDrift,
-                    time_s: Some(time[p.from]),
-                    text: format!(
-                        "the load of {level:.3} N varies by up to {:.1} %; ISO 899-1 allows 1 %; the fit uses the load as recorded",
-                        100.0 * drift / level
-                    ),
+                faults.push(Fault::LoadDrift {
+                    time_s: time[p.from],
+                    load_n: level,
+                    drift_share: drift / level,
                 });
             }
             stages.push(Stage {
@@ -192,7 +162,7 @@ impl Load {
 }
 
 /// In a creep test the force stays and the strain grows; the other way round, columns are swapped.
-fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), String> {
+fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), Unusable> {
     let third = time.len() / 3;
     if third < 3 {
         return Ok(());
@@ -203,11 +173,10 @@ fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), String> {
     };
     // A load held to a part in ten thousand that "creeps" is a strain, and the reverse.
     if change(strain) < 1e-4 && change(force) > 0.01 {
-        return Err(format!(
-            "the force changes by {:.1} % and the strain by {:.4} %: force and elongation look swapped",
-            100.0 * change(force),
-            100.0 * change(strain)
-        ));
+        return Err(Unusable::Swapped {
+            force_change_share: change(force),
+            strain_change_share: change(strain),
+        });
     }
     Ok(())
 }

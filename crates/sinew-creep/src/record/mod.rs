@@ -5,9 +5,10 @@ use sinew_log::{Specimen, TestQuantity};
 mod faults;
 mod load;
 
-use super::CreepError;
 use super::curve::{Curve, Tension};
-pub use faults::{Fault, FaultKind};
+use super::error::{CreepError, Unusable};
+use super::span::Span;
+pub use faults::Fault;
 use faults::{clean, take_out_faults};
 use load::Load;
 
@@ -24,8 +25,22 @@ pub struct PrepareOptions {
     pub keep_faults: bool,
 }
 
-/// A stretch under one load.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+/// What was taken for strain zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum StrainZero {
+    /// Mean of readings before the load.
+    BeforeLoad {
+        /// How many.
+        readings: usize,
+    },
+    /// As recorded; no reading before the load.
+    AsRecorded,
+}
+
+/// A part of the record under one load.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
     /// First reading at the load, s since the load began.
     pub start_s: f64,
@@ -42,6 +57,8 @@ pub struct Stage {
 pub struct Prepared {
     /// Name.
     pub name: String,
+    /// Group of repeats it belongs to.
+    pub group: Option<String>,
     /// Readings under load and after, all of them; strain counts from the zero.
     pub curve: Curve,
     /// Load of the first stage, N.
@@ -55,11 +72,11 @@ pub struct Prepared {
     /// Stages from the first under load.
     pub stages: Vec<Stage>,
     /// What was taken for strain zero.
-    pub zero: String,
-    /// Mean temperature and range, °C.
-    pub temperature_c: Option<(f64, f64, f64)>,
-    /// Mean humidity and range, %.
-    pub humidity_percent: Option<(f64, f64, f64)>,
+    pub zero: StrainZero,
+    /// Temperature, °C.
+    pub temperature_c: Option<Span>,
+    /// Relative humidity or moisture, %.
+    pub humidity_percent: Option<Span>,
     /// Oddities.
     pub faults: Vec<Fault>,
 }
@@ -73,7 +90,7 @@ const FEWEST: usize = 5;
 /// [`CreepError::Specimen`] with what was found: too few readings, no gauge length, a strain or
 /// force that must be another unit, force and elongation that look swapped.
 pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared, CreepError> {
-    let refuse = |reason: String| CreepError::Specimen {
+    let refuse = |reason: Unusable| CreepError::Specimen {
         specimen: specimen.name.clone(),
         reason,
     };
@@ -81,10 +98,10 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     let (raw_time, raw_strain, raw_force) = columns(specimen, options)?;
     let kept = clean(&raw_time, &raw_strain, raw_force.as_deref(), &mut faults);
     if kept.len() < FEWEST {
-        return Err(refuse(format!(
-            "{} usable readings; a creep test needs {FEWEST}",
-            kept.len()
-        )));
+        return Err(refuse(Unusable::TooFewReadings {
+            readings: kept.len(),
+            needed: FEWEST,
+        }));
     }
     let time: Vec<f64> = kept.iter().map(|&i| raw_time[i]).collect();
     let mut strain: Vec<f64> = kept.iter().map(|&i| raw_strain[i]).collect();
@@ -94,25 +111,14 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     let most = strain.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
     // No fibre, rope or plastic reaches its own length again; wood and metals far less.
     if most > 2.0 {
-        return Err(refuse(format!(
-            "strain reaches {most:.3} m/m, {:.0} %: is the column in percent or an elongation? say strain=COLUMN:% or elongation=COLUMN:mm",
-            100.0 * most
-        )));
+        return Err(refuse(Unusable::StrainTooLarge { strain_ratio: most }));
     }
     if most > 0.5 {
-        faults.push(Fault {
-            kind: FaultKind::Doubtful,
-            time_s: None,
-            text: format!("strain reaches {:.0} %: is its unit right?", 100.0 * most),
-        });
+        faults.push(Fault::DoubtfulStrain { strain_ratio: most });
     }
     let span = time[time.len() - 1] - time[0];
     if span < 60.0 {
-        faults.push(Fault {
-            kind: FaultKind::Doubtful,
-            time_s: None,
-            text: format!("the record lasts {span:.3} s: is the time in minutes or hours?"),
-        });
+        faults.push(Fault::DoubtfulTime { duration_s: span });
     }
     let load = Load::read(
         &time,
@@ -126,9 +132,11 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         let before = &strain[load.before_from..load.before_from + load.before];
         let zero = before.iter().sum::<f64>() / before.len() as f64;
         strain.iter_mut().for_each(|e| *e -= zero);
-        format!("mean of {} readings before the load", load.before)
+        StrainZero::BeforeLoad {
+            readings: load.before,
+        }
     } else {
-        "as recorded; no reading before the load".to_owned()
+        StrainZero::AsRecorded
     };
     let start = load.start_s;
     let mut curve = Curve {
@@ -167,8 +175,8 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     curve.strain = keep.iter().map(|&i| curve.strain[i]).collect();
     curve.count = vec![1.0; keep.len()];
     let temperature_c = range(specimen, TestQuantity::Temperature)
-        .or_else(|| options.temperature_c.map(|t| (t, t, t)));
-    curve.temperature_c = temperature_c.map(|t| t.0);
+        .or_else(|| options.temperature_c.map(Span::point));
+    curve.temperature_c = temperature_c.map(|t| t.mean);
     let area = specimen
         .constant(TestQuantity::Area)
         .or(options.area_m2)
@@ -180,6 +188,7 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         .or_else(|| specimen.constant(TestQuantity::Stress));
     Ok(Prepared {
         name: specimen.name.clone(),
+        group: None,
         curve,
         force_n,
         preload_n: load.preload_n,
@@ -196,13 +205,13 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
 type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
 fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, CreepError> {
-    let refuse = |reason: &str| CreepError::Specimen {
+    let refuse = |reason: Unusable| CreepError::Specimen {
         specimen: specimen.name.clone(),
-        reason: reason.to_owned(),
+        reason,
     };
     let time = specimen
         .column(TestQuantity::Time)
-        .ok_or_else(|| refuse("no time"))?
+        .ok_or_else(|| refuse(Unusable::NoTime))?
         .to_vec();
     let strain = if let Some(strain) = specimen.column(TestQuantity::Strain) {
         strain.to_vec()
@@ -210,17 +219,13 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
         let length = options
             .gauge_length_m
             .or_else(|| specimen.constant(TestQuantity::GaugeLength))
-            .ok_or_else(|| {
-                refuse("an elongation needs the gauge length: say it (--gauge-length-mm) or write 'L0 (mm)' above the header")
-            })?;
+            .ok_or_else(|| refuse(Unusable::NoGaugeLength))?;
         if length <= 0.0 || length.is_nan() {
-            return Err(refuse(&format!(
-                "gauge length {length} m; it must be positive"
-            )));
+            return Err(refuse(Unusable::GaugeLength { length_m: length }));
         }
         elongation.iter().map(|e| e / length).collect()
     } else {
-        return Err(refuse("no elongation or strain"));
+        return Err(refuse(Unusable::NoStrain));
     };
     Ok((
         time,
@@ -229,18 +234,12 @@ fn columns(specimen: &Specimen, options: &PrepareOptions) -> Result<Columns, Cre
     ))
 }
 
-fn range(specimen: &Specimen, quantity: TestQuantity) -> Option<(f64, f64, f64)> {
+fn range(specimen: &Specimen, quantity: TestQuantity) -> Option<Span> {
     let values: Vec<f64> = specimen
         .column(quantity)?
         .iter()
         .copied()
         .filter(|v| v.is_finite())
         .collect();
-    if values.is_empty() {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some((mean, low, high))
+    Span::of(&values)
 }

@@ -22,7 +22,7 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
                 &options(seed),
             )
             .unwrap();
-            let from = Provenance {
+            let from = EntrySource {
                 name: "mine".into(),
                 data: "made.csv (SHA-256 abc)".into(),
                 date: "2026-11-21".into(),

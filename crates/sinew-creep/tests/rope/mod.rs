@@ -143,8 +143,8 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
         );
     }
     assert_eq!(found.parameters.len(), 9);
-    for h in &found.held {
-        println!("held {}: {}", h.name, h.why);
+    for h in &found.fixed {
+        println!("fixed {}: {:?}", h.name, h.why);
     }
 }
 
@@ -198,13 +198,13 @@ fn what_one_load_does_not_tell_is_held_or_said() {
         ..COLD[0]
     }];
     let found = fit(Law::Rope, &records(&alone, SIGMA, 7), &options(7)).unwrap();
-    let held: Vec<&str> = found.held.iter().map(|h| h.name).collect();
+    let fixed: Vec<&str> = found.fixed.iter().map(|h| h.name.as_str()).collect();
     for name in [
         "bedding_load_ratio",
         "delayed_energy_j_per_mol",
         "retraction_percent",
     ] {
-        assert!(held.contains(&name), "{held:?}");
+        assert!(fixed.contains(&name), "{fixed:?}");
         assert!(found.parameter(name).is_none());
     }
     // Without unloading, what never recovers and what does look alike.

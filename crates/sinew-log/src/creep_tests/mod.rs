@@ -34,7 +34,11 @@ use crate::error::LogError;
 const FILE_LIMIT_BYTES: u64 = 1 << 30;
 
 /// What a column of a test measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum TestQuantity {
     /// Time, s.
     Time,

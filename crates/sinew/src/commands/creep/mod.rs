@@ -1,10 +1,16 @@
 //! `sinew creep`: creep tests to numbers.
 
-use super::creep_analyze::Analyze;
-use super::creep_compare::Compare;
-use super::creep_fit::Fit;
+mod analyze;
+mod compare;
+mod files;
+mod fit;
+mod write_rope;
+
 use crate::terminal::{Failure, Finish};
+use analyze::Analyze;
 use clap::Subcommand;
+use compare::Compare;
+use fit::Fit;
 
 /// Turn recordings of creep tests into numbers somebody can design with
 #[derive(Debug, Subcommand)]

@@ -1,96 +1,78 @@
 //! Several curves under one law: the columns of the linear problem for given shapes.
 
-use super::CreepError;
-use super::curve::Curve;
-use super::fit::FitOptions;
-use super::law::{Law, Shape, Term};
-use super::linear::Solution;
-use super::noise::{Clock, Noise, SHARE_MAX};
-use super::records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
-use super::rope_law::RopePlan;
+mod evaluate;
+mod records;
+mod slopes;
+
+use crate::curve::Curve;
+use crate::error::CreepError;
+use crate::law::{Law, Shape, Term};
+use crate::linear::Solution;
+use crate::noise::{Clock, Noise, SHARE_MAX};
+use crate::options::{FitOptions, NoiseKind, Share};
+use crate::rope_law::RopePlan;
+use records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
 
 /// Reference of the temperature shift, K: 23 °C, the standard atmosphere of ISO 291.
 pub const REFERENCE_K: f64 = 296.15;
 
-/// Which parameters curves have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Share {
-    /// All but the strain at time 0: one material, repeated tests.
-    #[default]
-    All,
-    /// The shape only; every specimen has its own amplitudes.
-    Shape,
-}
-
-/// What is assumed of the readings' errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NoiseKind {
-    /// Independent plus slow errors, their share and memory fitted.
-    #[default]
-    Correlated,
-    /// Independent.
-    White,
-}
-
 /// A law on curves.
 #[derive(Debug, Clone)]
-pub(super) struct Model {
-    pub(super) law: Law,
-    pub(super) curves: Vec<Curve>,
+pub(crate) struct Model {
+    pub(crate) law: Law,
+    pub(crate) curves: Vec<Curve>,
     /// Law's shapes, then the load exponent and activation energy where fitted.
-    pub(super) shapes: Vec<Shape>,
-    pub(super) terms: Vec<Term>,
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) terms: Vec<Term>,
     /// The rope law's part of the work.
-    pub(super) rope: Option<RopePlan>,
-    pub(super) law_shapes: usize,
-    pub(super) exponent: Option<usize>,
-    pub(super) activation: Option<usize>,
-    pub(super) noise: NoiseKind,
-    pub(super) memory: Shape,
-    pub(super) clock: Clock,
+    pub(crate) rope: Option<RopePlan>,
+    pub(crate) law_shapes: usize,
+    pub(crate) exponent: Option<usize>,
+    pub(crate) activation: Option<usize>,
+    pub(crate) noise: NoiseKind,
+    pub(crate) memory: Shape,
+    pub(crate) clock: Clock,
     /// The clock at the readings of every curve.
-    pub(super) clocks: Vec<Vec<f64>>,
+    pub(crate) clocks: Vec<Vec<f64>>,
     /// Curves with coefficients in common.
-    pub(super) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
     /// Strain is divided by this, so that residuals are of order one.
-    pub(super) scale: f64,
-    pub(super) readings: usize,
+    pub(crate) scale: f64,
+    pub(crate) readings: usize,
 }
 
 /// Curves with coefficients in common: the terms, the elastic step where a load falls, and an ε₀
 /// per curve.
 #[derive(Debug, Clone)]
-pub(super) struct Block {
-    pub(super) members: Vec<usize>,
-    pub(super) elastic: bool,
-    pub(super) positive: Vec<bool>,
-    pub(super) readings: usize,
+pub(crate) struct Block {
+    pub(crate) members: Vec<usize>,
+    pub(crate) elastic: bool,
+    pub(crate) positive: Vec<bool>,
+    pub(crate) readings: usize,
 }
 
 /// A coefficient that is kept at a value.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fixed {
-    pub(super) block: usize,
-    pub(super) column: usize,
-    pub(super) value: f64,
+pub(crate) struct Fixed {
+    pub(crate) block: usize,
+    pub(crate) column: usize,
+    pub(crate) value: f64,
 }
 
-/// Solution at one place of the nonlinear parameters.
-pub(super) struct Point {
-    pub(super) noise: Noise,
-    pub(super) solutions: Vec<Solution>,
-    pub(super) squares: f64,
-    pub(super) log_det_noise: f64,
+/// Solution at one point of the nonlinear parameters.
+pub(crate) struct Point {
+    pub(crate) noise: Noise,
+    pub(crate) solutions: Vec<Solution>,
+    pub(crate) squares: f64,
+    pub(crate) log_det_noise: f64,
     /// ln |XᵀK⁻¹X| − ln |XᵀX|.
-    pub(super) log_det_information: f64,
+    pub(crate) log_det_information: f64,
     /// Whitened residuals.
-    pub(super) residuals: Vec<f64>,
+    pub(crate) residuals: Vec<f64>,
 }
 
 impl Model {
-    pub(super) fn new(
+    pub(crate) fn new(
         law: Law,
         mut curves: Vec<Curve>,
         options: &FitOptions,
@@ -100,9 +82,7 @@ impl Model {
         let rope = match (law, &options.rope) {
             (Law::Rope, Some(base)) => Some(RopePlan::new(&curves, base)?),
             (Law::Rope, None) => {
-                return Err(CreepError::Request(
-                    "the rope law needs a catalogue rope to start from (--rope NAME)".to_owned(),
-                ));
+                return Err(CreepError::NoRope);
             }
             _ => None,
         };
@@ -190,22 +170,22 @@ impl Model {
     }
 
     /// Nonlinear parameters: shapes, then share and memory of the noise.
-    pub(super) fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.shapes.len() + if self.noise == NoiseKind::White { 0 } else { 2 }
     }
 
     /// Coefficients that enter linearly.
-    pub(super) fn coefficients(&self) -> usize {
+    pub(crate) fn coefficients(&self) -> usize {
         self.blocks.iter().map(|b| b.positive.len()).sum()
     }
 
     /// Readings less the numbers of the law.
-    pub(super) fn freedom(&self) -> f64 {
+    pub(crate) fn freedom(&self) -> f64 {
         let fitted = self.coefficients() + self.shapes.len();
         self.readings.saturating_sub(fitted).max(1) as f64
     }
 
-    pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
         self.shapes
             .iter()
             .zip(x)
@@ -213,8 +193,8 @@ impl Model {
             .collect()
     }
 
-    /// A coefficient in the unit it is told in.
-    pub(super) fn number(&self, column: usize, beta: f64) -> f64 {
+    /// A coefficient in the unit of its parameter.
+    pub(crate) fn number(&self, column: usize, beta: f64) -> f64 {
         let number = beta * self.scale;
         match self.terms.get(column) {
             // A coefficient of zero is a rope that doesn't give way.
@@ -224,7 +204,7 @@ impl Model {
         }
     }
 
-    pub(super) fn noise_at(&self, x: &[f64]) -> Noise {
+    pub(crate) fn noise_at(&self, x: &[f64]) -> Noise {
         match self.noise {
             NoiseKind::White => Noise::WHITE,
             NoiseKind::Correlated => Noise {

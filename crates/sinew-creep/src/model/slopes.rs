@@ -1,18 +1,18 @@
 //! Derivatives of the residuals for the search.
 //!
 //! The linear coefficients are eliminated: `r = P W (y − Φ β)` with the projector `P` onto what the
-//! columns can't tell. Kaufman's approximation (BIT 15, 1975), `∂r ≈ −P W ∂Φ β`, leaves out only
+//! columns don't explain. Kaufman's approximation (BIT 15, 1975), `∂r ≈ −P W ∂Φ β`, leaves out only
 //! what is orthogonal to `r`, so that the gradient `∂rᵀ r` is exact.
 
-use super::curve::Curve;
-use super::linear::{self, Solution};
-use super::model::{Block, Model};
-use super::noise::{Filter, Noise};
+use super::{Block, Model};
+use crate::curve::Curve;
+use crate::linear::{self, Solution};
+use crate::noise::{Filter, Noise};
 
 /// Half width of the differences where there is no closed form.
 const STEP: f64 = 6e-6;
 
-/// A block at the place: everything a derivative needs.
+/// A block at a point: everything a derivative needs.
 struct Solved<'a> {
     block: &'a Block,
     /// Whitened columns, for a coefficient at its bound.
@@ -27,7 +27,7 @@ struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// Takes away what the columns tell.
+    /// Takes away what the columns explain.
     fn project(&self, y: &mut [f64]) {
         let positive = &self.block.positive;
         let bound = |j: usize| positive[j] && self.solution.beta[j] == 0.0;
@@ -43,7 +43,7 @@ impl Solved<'_> {
 impl Model {
     /// Derivatives of [`Model::likelihood_residuals`] with the nonlinear parameters, column after
     /// column.
-    pub(super) fn likelihood_slopes(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn likelihood_slopes(&self, x: &[f64]) -> Vec<f64> {
         let (n, d) = (self.readings, x.len());
         let values = self.values(x);
         let noise = self.noise_at(x);
@@ -113,7 +113,7 @@ impl Model {
         }
     }
 
-    /// `−W ∂Φ β` with a shape's place.
+    /// `−W ∂Φ β` with a shape's coordinate.
     fn shape_slope(
         &self,
         solved: &Solved<'_>,
@@ -139,7 +139,7 @@ impl Model {
     }
 
     fn closed_slope(&self, values: &[f64], curve: &Curve, beta: &[f64], k: usize, out: &mut [f64]) {
-        let under = self.under(values, curve);
+        let conditions = self.conditions(values, curve);
         let shapes = &values[..self.law_shapes];
         let inner = -self.shapes[k].slope(values[k]);
         let mut slopes = [0.0; 4];
@@ -147,8 +147,8 @@ impl Model {
             let mut before = 0.0;
             *out = 0.0;
             for &(start, load) in curve.steps.iter().take_while(|step| step.0 <= t) {
-                let now = under.level(load);
-                let since = (t - start) * under.shift;
+                let now = conditions.level(load);
+                let since = (t - start) * conditions.shift;
                 let slopes = &mut slopes[..self.law_shapes];
                 self.law.slopes(shapes, beta, since, slopes);
                 *out += (now - before) * slopes[k];
@@ -160,9 +160,9 @@ impl Model {
 
     /// The same by differences of the columns.
     fn difference(&self, x: &[f64], curve: &Curve, beta: &[f64], k: usize, out: &mut [f64]) {
-        let told = |place: f64| -> Vec<f64> {
+        let strain = |unit: f64| -> Vec<f64> {
             let mut x = x.to_vec();
-            x[k] = place;
+            x[k] = unit;
             let values = self.values(&x);
             let (rows, offset) = self.rows(&values, curve, &curve.time_s, beta.len());
             (0..curve.time_s.len())
@@ -174,7 +174,7 @@ impl Model {
                 .collect()
         };
         let (low, high) = ((x[k] - STEP).max(0.0), (x[k] + STEP).min(1.0));
-        let (down, up) = (told(low), told(high));
+        let (down, up) = (strain(low), strain(high));
         for (out, (up, down)) in out.iter_mut().zip(up.iter().zip(&down)) {
             *out = (down - up) / (high - low);
         }
@@ -186,9 +186,9 @@ impl Model {
         let mut filter = Filter::default();
         let mut log_det = 0.0;
         let mut ends = [solved.error.clone(), solved.error.clone()];
-        for (end, (place, sign)) in ends.iter_mut().zip([(low, -1.0), (high, 1.0)]) {
+        for (end, (unit, sign)) in ends.iter_mut().zip([(low, -1.0), (high, 1.0)]) {
             let mut x = x.to_vec();
-            x[k] = place;
+            x[k] = unit;
             let noise = self.noise_at(&x);
             let mut at = 0;
             for &member in &solved.block.members {
@@ -209,9 +209,8 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rope_law::RopeBase;
-    use super::super::{FitOptions, Law, NoiseKind, Share, Tension};
     use super::*;
+    use crate::{FitOptions, Law, NoiseKind, RopeBase, Share, Tension};
     use sinew_rope::Catalogue;
 
     /// Two loads, one unloaded, two temperatures.

@@ -1,33 +1,42 @@
 //! Tables of the report of a creep test.
 
-use super::analyze::{Analysis, Interval, Scatter, reading_time};
-use super::fit::Fit;
-use super::isochronous::Isochrone;
-use super::page::{Conditions, Source};
-use super::picture::short;
-use super::rank::Rank;
-use super::withhold::Coverage;
+use super::terminal::secant;
+use super::words::{
+    duration, fault, group, interval_kind, not_converged, open, parameter_name, reading_time,
+    scatter_source, short, why_fixed, zero,
+};
+use sinew_creep::{
+    Analysis, Conditions, Coverage, Failure, Fit, FixedParameter, Isochrone, PERCENT_PER_H, Rank,
+    Scatter, Source, Span,
+};
 use sinew_figure::{Block, Table};
+use sinew_model::Bounded;
 
 /// Load, temperature and what the laboratory states.
 pub(super) fn test_table(conditions: &Conditions, analyses: &[Analysis]) -> Table {
     let stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".to_owned());
     let of =
         |pick: fn(&Analysis) -> Option<f64>| analyses.iter().filter_map(pick).collect::<Vec<_>>();
-    let humidity = |pick: fn(&(f64, f64, f64)) -> f64| {
+    let humidity = |pick: fn(&Span) -> f64| {
         analyses
             .iter()
-            .filter_map(|a| a.humidity_range_percent.as_ref().map(pick))
+            .filter_map(|a| a.humidity_percent.as_ref().map(pick))
             .collect::<Vec<_>>()
     };
-    let moist = [humidity(|h| h.1), humidity(|h| h.2)].concat();
+    let moist = [humidity(|h| h.low), humidity(|h| h.high)].concat();
     let lengths: Vec<f64> = analyses.iter().map(|a| a.duration_s / 3600.0).collect();
     let rows = [
         ("Standard", conditions.standard.clone()),
         ("Load", span(&of(|a| a.force_n), "N")),
         ("Preload", span(&of(|a| a.preload_n), "N")),
-        ("Stress", span(&of(|a| a.stress_mpa), "MPa")),
-        ("Temperature", span(&of(|a| a.temperature_c), "°C")),
+        (
+            "Stress",
+            span(&of(|a| a.stress_pa.map(|s| s * 1e-6)), "MPa"),
+        ),
+        (
+            "Temperature",
+            span(&of(|a| a.temperature_c.map(|t| t.mean)), "°C"),
+        ),
         ("Humidity or moisture", span(&moist, "%")),
         ("Time under load", span(&lengths, "h")),
         ("Preconditioning", stated(&conditions.preconditioning)),
@@ -41,6 +50,10 @@ pub(super) fn test_table(conditions: &Conditions, analyses: &[Analysis]) -> Tabl
             .map(|(k, v)| vec![k.to_owned(), v])
             .collect(),
     }
+}
+
+fn bracketed(b: Bounded) -> String {
+    format!("{} ({} to {})", short(b.value), short(b.low), short(b.high))
 }
 
 fn span(values: &[f64], unit: &str) -> String {
@@ -63,7 +76,7 @@ pub(super) fn reading_blocks(analyses: &[Analysis]) -> Vec<Block> {
         .filter(|a| !a.readings.is_empty())
         .map(|a| {
             Block::Table(Table {
-                caption: format!("{}: strain from the zero ({})", a.name, a.zero),
+                caption: format!("{}: strain from the zero ({})", a.name, zero(a.zero)),
                 head: ["time", "strain, %", "creep modulus, MPa"]
                     .map(String::from)
                     .to_vec(),
@@ -73,8 +86,8 @@ pub(super) fn reading_blocks(analyses: &[Analysis]) -> Vec<Block> {
                     .map(|r| {
                         vec![
                             reading_time(r.time_s),
-                            format!("{:.4}", r.strain_percent),
-                            r.modulus_mpa.map_or("–".into(), short),
+                            format!("{:.4}", 100.0 * r.strain_ratio),
+                            r.modulus_pa.map_or("–".into(), |m| short(m * 1e-6)),
                         ]
                     })
                     .collect(),
@@ -92,9 +105,9 @@ pub(super) fn recovery_table(analyses: &[Analysis]) -> Option<Table> {
                 vec![
                     a.name.clone(),
                     format!("{} → {}", short(r.force_before_n), short(r.force_after_n)),
-                    format!("{:.4}", r.at_once_percent),
-                    format!("{:.4}", r.delayed_percent),
-                    format!("{:.4}", r.residual_percent),
+                    format!("{:.4}", 100.0 * r.at_once_strain_ratio),
+                    format!("{:.4}", 100.0 * r.delayed_strain_ratio),
+                    format!("{:.4}", 100.0 * r.residual_strain_ratio),
                     duration(r.duration_s),
                 ]
             })
@@ -127,10 +140,10 @@ pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
             .iter()
             .map(|i| {
                 vec![
-                    i.group.clone(),
+                    group(&i.group).to_owned(),
                     reading_time(i.time_s),
                     i.points.len().to_string(),
-                    format!("{} {}", short(i.secant), if i.stress { "MPa" } else { "N" }),
+                    secant(i, short),
                     short(i.exponent.value),
                     short(i.exponent.low),
                     short(i.exponent.high),
@@ -141,10 +154,10 @@ pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
 }
 
 /// Failures and oddities, each a line.
-pub(super) fn odd_blocks(failures: &[String], analyses: &[Analysis]) -> Vec<Block> {
-    let mut odd: Vec<String> = failures.to_vec();
+pub(super) fn odd_blocks(failures: &[Failure], analyses: &[Analysis]) -> Vec<Block> {
+    let mut odd: Vec<String> = failures.iter().map(ToString::to_string).collect();
     for a in analyses {
-        odd.extend(a.faults.iter().map(|f| format!("{}: {}", a.name, f.text)));
+        odd.extend(a.faults.iter().map(|f| format!("{}: {}", a.name, fault(f))));
     }
     if !odd.is_empty() {
         /// A list nobody reads to its end is cut.
@@ -175,7 +188,7 @@ pub(super) fn source_blocks(sources: &[Source]) -> Vec<Block> {
             let used: Vec<String> = s
                 .columns
                 .iter()
-                .map(|[q, c, u]| format!("{q} from '{c}' in {u}"))
+                .map(|c| format!("{} from '{}' in {}", c.quantity.name(), c.column, c.unit))
                 .collect();
             std::iter::once(format!("{}: {}", s.file, used.join(", ")))
                 .chain(s.notes.iter().map(|n| format!("{}: {n}", s.file)))
@@ -184,16 +197,6 @@ pub(super) fn source_blocks(sources: &[Source]) -> Vec<Block> {
         .collect();
     blocks.push(Block::List(notes));
     blocks
-}
-
-/// A duration in the unit a person would choose.
-pub(super) fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 120.0 => format!("{} s", short(s)),
-        s if s < 7200.0 => format!("{} min", short(s / 60.0)),
-        s if s < 172_800.0 => format!("{} h", short(s / 3600.0)),
-        s => format!("{} d", short(s / 86_400.0)),
-    }
 }
 
 pub(super) fn result_table(analyses: &[Analysis]) -> Table {
@@ -208,11 +211,10 @@ pub(super) fn result_table(analyses: &[Analysis]) -> Table {
                 vec![
                     a.name.clone(),
                     a.force_n.map_or("–".into(), short),
-                    format!("{:.4}", a.end_percent),
-                    format!("{:.4}", a.creep_percent),
-                    a.slope_percent_per_h.map_or("–".into(), |s| {
-                        format!("{} ({} to {})", short(s.value), short(s.low), short(s.high))
-                    }),
+                    format!("{:.4}", 100.0 * a.end_strain_ratio),
+                    format!("{:.4}", 100.0 * a.creep_strain_ratio),
+                    a.slope_per_s
+                        .map_or("–".into(), |s| bracketed(s.scaled(PERCENT_PER_H))),
                     a.saturation_s.map_or("–".into(), duration),
                     a.saturated.map_or("–", |s| if s { "yes" } else { "no" }).into(),
                 ]
@@ -223,7 +225,6 @@ pub(super) fn result_table(analyses: &[Analysis]) -> Table {
 
 /// Ropes in the order of their strain.
 pub(super) fn rank_table(ranks: &[Rank]) -> Table {
-    let with = |i: &Interval| format!("{} ({} to {})", short(i.value), short(i.low), short(i.high));
     let after = ranks.first().map_or(0.0, |r| r.at_s) / 60.0;
     Table {
         caption: format!(
@@ -248,12 +249,13 @@ pub(super) fn rank_table(ranks: &[Rank]) -> Table {
                     r.rank.to_string(),
                     r.name.clone(),
                     r.specimens.to_string(),
-                    with(&r.strain_percent),
-                    r.slope_percent_per_h.as_ref().map_or("–".into(), with),
+                    bracketed(r.strain_ratio.scaled(100.0)),
+                    r.slope_per_s
+                        .map_or("–".into(), |s| bracketed(s.scaled(PERCENT_PER_H))),
                     format!(
                         "{} %, {}",
-                        short(100.0 * r.scatter),
-                        r.scatter_source.words()
+                        short(100.0 * r.scatter_share),
+                        scatter_source(r.scatter_source)
                     ),
                 ]
             })
@@ -270,16 +272,17 @@ pub(super) fn group_table(groups: &[Scatter]) -> Table {
         rows: groups
             .iter()
             .map(|g| {
-                let with = |v: f64, d: Option<f64>| match d {
-                    Some(d) => format!("{} ± {}", short(v), short(d)),
-                    None => short(v),
+                let with = |unit: f64, v: f64, d: Option<f64>| match d {
+                    Some(d) => format!("{} ± {}", short(unit * v), short(unit * d)),
+                    None => short(unit * v),
                 };
                 vec![
-                    g.group.clone(),
+                    group(&g.group).to_owned(),
                     g.specimens.to_string(),
-                    with(g.end_percent, g.end_deviation_percent),
-                    g.slope_percent_per_h
-                        .map_or("–".into(), |s| with(s, g.slope_deviation)),
+                    with(100.0, g.end_strain_ratio, g.end_deviation_ratio),
+                    g.slope_per_s.map_or("–".into(), |s| {
+                        with(PERCENT_PER_H, s, g.slope_deviation_per_s)
+                    }),
                     g.apart.join(", "),
                 ]
             })
@@ -289,7 +292,6 @@ pub(super) fn group_table(groups: &[Scatter]) -> Table {
 
 pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
     let least = fits.iter().map(|f| f.aicc).fold(f64::INFINITY, f64::min);
-    let weights = super::forecast::akaike_weights(fits);
     let mut blocks = vec![Block::Table(Table {
         caption: "Smaller AICc is better; a difference above 10 leaves no doubt.".into(),
         head: ["law", "equation", "ΔAICc", "weight", "BIC", "residual, %"]
@@ -297,26 +299,28 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
             .to_vec(),
         rows: fits
             .iter()
-            .zip(weights)
-            .map(|(f, w)| {
+            .map(|f| {
                 vec![
                     f.law.name().to_owned(),
                     f.law.equation().to_owned(),
                     format!("{:.1}", f.aicc - least),
-                    format!("{w:.2}"),
+                    format!("{:.2}", f.weight),
                     format!("{:.1}", f.bic),
-                    short(f.residual_percent),
+                    short(100.0 * f.residual_strain_ratio),
                 ]
             })
             .collect(),
     })];
     for fit in fits {
-        let kind = fit.parameters.first().map_or("", |p| p.interval.name());
+        let kind = fit
+            .parameters
+            .first()
+            .map_or("", |p| interval_kind(p.interval));
         blocks.push(Block::Table(Table {
             caption: format!(
                 "{}: std. errors from the covariance, intervals by {kind}; noise of the readings {} %, {:.0} % of its variance slow (memory: time times {})",
                 fit.law.name(),
-                short(fit.residual_percent),
+                short(100.0 * fit.residual_strain_ratio),
                 100.0 * fit.noise.share,
                 short(fit.noise.memory.exp())
             ),
@@ -327,32 +331,32 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
                 .parameters
                 .iter()
                 .map(|p| {
-                    let name = match &p.specimen {
-                        Some(s) => format!("{} of {s}", p.name),
-                        None => p.name.clone(),
-                    };
                     vec![
-                        name,
+                        parameter_name(p),
                         short(p.value),
                         short(p.std_error),
                         short(p.low),
                         short(p.high),
                         p.unit.clone(),
-                        p.not_identifiable.as_ref().map_or(String::new(), |why| {
+                        p.not_identifiable.map_or(String::new(), |what| {
+                            let why = open(what, &p.unit);
                             format!("not identifiable from this record: {why}")
                         }),
                     ]
                 })
                 .collect(),
         }));
-        if !fit.held.is_empty() {
-            let held = |h: &super::rope_law::Held| {
-                vec![h.name.to_owned(), short(h.value), h.why.to_owned()]
+        if let Some(how) = not_converged(fit) {
+            blocks.push(Block::Notice(format!("{}: {how}.", fit.law.name())));
+        }
+        if !fit.fixed.is_empty() {
+            let fixed = |h: &FixedParameter| {
+                vec![h.name.clone(), short(h.value), why_fixed(h.why).to_owned()]
             };
             blocks.push(Block::Table(Table {
                 caption: "Held at the base rope's values: the records can't tell them.".into(),
                 head: ["parameter", "value", "why"].map(String::from).to_vec(),
-                rows: fit.held.iter().map(held).collect(),
+                rows: fit.fixed.iter().map(fixed).collect(),
             }));
         }
     }
@@ -376,12 +380,15 @@ pub(super) fn coverage_table(rows: &[Coverage]) -> Table {
             .iter()
             .map(|c| {
                 vec![
-                    c.law.clone(),
+                    c.forecaster.name().to_owned(),
                     c.tests.to_string(),
-                    format!("{:.1}", c.readings_percent),
-                    format!("{:.1}", c.end_percent),
-                    format!("{:.1}", c.end_error_percent),
-                    format!("{:.1}", c.end_half_width_percent),
+                    format!(
+                        "{:.1}",
+                        100.0 * c.readings_inside as f64 / c.readings as f64
+                    ),
+                    format!("{:.1}", 100.0 * c.ends_inside as f64 / c.tests as f64),
+                    format!("{:.1}", 100.0 * c.end_error_ratio),
+                    format!("{:.1}", 100.0 * c.end_half_width_ratio),
                 ]
             })
             .collect(),

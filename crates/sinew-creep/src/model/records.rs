@@ -1,7 +1,7 @@
 //! What a set of curves has in common: times, loads, temperatures.
 
-use super::curve::Curve;
-use super::law::Shape;
+use crate::curve::Curve;
+use crate::law::Shape;
 use sinew_model::statistics::upper_median;
 
 /// First and last time of a reading after its first load, over all curves.

@@ -1,8 +1,7 @@
 //! Creep curves in one figure, with slopes in the legend, as the paper's Figs. 1 and 2.
 
-use super::analyze::{Analysis, SLOPE_FROM_S};
-use super::curve::Curve;
-use super::forecast::Forecast;
+use super::words::short;
+use sinew_creep::{Analysis, Curve, Forecast, PERCENT_PER_H, SLOPE_FROM_S, Tests};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 
 /// Curves beyond which a legend tells nobody anything.
@@ -21,6 +20,20 @@ pub struct Plotted<'a> {
     pub fitted: Option<Vec<f64>>,
     /// What a law says about later.
     pub forecast: Option<Forecast>,
+}
+
+/// Curves with their analyses.
+pub fn plotted(tests: &Tests) -> Vec<Plotted<'_>> {
+    let pairs = tests.prepared.iter().zip(&tests.analyses);
+    pairs
+        .map(|(prepared, analysis)| Plotted {
+            name: prepared.name.clone(),
+            curve: &prepared.curve,
+            analysis,
+            fitted: None,
+            forecast: None,
+        })
+        .collect()
 }
 
 /// Strain over time; `logarithmic`: over the decadic logarithm of time.
@@ -61,8 +74,12 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
         let name = if plotted.len() > NAMED {
             String::new()
         } else {
-            match p.analysis.slope_percent_per_h {
-                Some(s) => format!("{}  m_{{E}} = {} %/h", p.name, short(s.value)),
+            match p.analysis.slope_per_s {
+                Some(s) => format!(
+                    "{}  m_{{E}} = {} %/h",
+                    p.name,
+                    short(PERCENT_PER_H * s.value)
+                ),
                 None => p.name.clone(),
             }
         };
@@ -73,13 +90,13 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
                     Band::new(
                         "",
                         time.clone(),
-                        percent(&f.reading_low),
-                        percent(&f.reading_high),
+                        percent(&f.reading_low_strain_ratio),
+                        percent(&f.reading_high_strain_ratio),
                     )
                     .colour(colour),
                 )
                 .line(
-                    Line::new("", time, percent(&f.strain))
+                    Line::new("", time, percent(&f.strain_ratio))
                         .colour(colour)
                         .dash(Dash::Dotted),
                 );
@@ -115,21 +132,4 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
         panel = panel.event(SLOPE_FROM_S / seconds, "20 min");
     }
     Figure::new(title).size(820.0, 400.0).panel(panel)
-}
-
-/// Three significant digits, with a power of ten where decimals would hide them.
-pub(super) fn short(value: f64) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    let size = value.abs();
-    let text = if size == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e4).contains(&size) {
-        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.2e}")
-    };
-    text.replace('-', "−")
 }

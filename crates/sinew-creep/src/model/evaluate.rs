@@ -1,24 +1,24 @@
-//! The linear problem at a place of the nonlinear parameters: columns, solution, likelihood.
+//! The linear problem at a point of the nonlinear parameters: columns, solution, likelihood.
 
-use super::curve::Curve;
-use super::linear;
-use super::model::{Block, Fixed, Model, Point, REFERENCE_K};
-use super::noise::Filter;
+use super::{Block, Fixed, Model, Point, REFERENCE_K};
+use crate::curve::Curve;
+use crate::linear;
+use crate::noise::Filter;
 
 /// Gas constant, J/(mol K), exact since 2019.
 const GAS: f64 = 8.314_462_618_153_24;
 /// 0 °C in K.
 const ZERO_C_K: f64 = 273.15;
 
-/// What load and temperature of a curve make of the law.
-pub(super) struct Under {
+/// Test conditions of a curve: what its load and temperature make of the law.
+pub(super) struct TestConditions {
     /// Factor on time.
     pub(super) shift: f64,
     /// Exponent of the load.
     power: f64,
 }
 
-impl Under {
+impl TestConditions {
     /// What a load counts.
     pub(super) fn level(&self, load: f64) -> f64 {
         if self.power == 1.0 {
@@ -32,7 +32,7 @@ impl Under {
 impl Model {
     /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
     /// the ε₀. Beside them the strain that no coefficient enters, m/m.
-    pub(super) fn rows(
+    pub(crate) fn rows(
         &self,
         values: &[f64],
         curve: &Curve,
@@ -45,30 +45,37 @@ impl Model {
         }
         let mut rows = vec![0.0; times.len() * shared];
         if shared > 0 {
-            let under = self.under(values, curve);
+            let conditions = self.conditions(values, curve);
             for (row, &t) in rows.chunks_mut(shared).zip(times) {
-                self.row(values, curve, &under, t, row);
+                self.row(values, curve, &conditions, t, row);
             }
         }
         (rows, None)
     }
 
     /// What load and temperature of a curve make of the law.
-    pub(super) fn under(&self, values: &[f64], curve: &Curve) -> Under {
+    pub(super) fn conditions(&self, values: &[f64], curve: &Curve) -> TestConditions {
         let shift = match (self.activation, curve.temperature_c) {
             (Some(index), Some(celsius)) => {
                 (values[index] * 1e3 / GAS * (1.0 / REFERENCE_K - 1.0 / (celsius + ZERO_C_K))).exp()
             }
             _ => 1.0,
         };
-        Under {
+        TestConditions {
             shift,
             power: self.exponent.map_or(1.0, |index| values[index]),
         }
     }
 
     /// Boltzmann's superposition of the law's answers to the steps before `t`.
-    fn row(&self, values: &[f64], curve: &Curve, under: &Under, t: f64, out: &mut [f64]) {
+    fn row(
+        &self,
+        values: &[f64],
+        curve: &Curve,
+        conditions: &TestConditions,
+        t: f64,
+        out: &mut [f64],
+    ) {
         let terms = self.terms.len();
         out.fill(0.0);
         let mut response = [0.0; 4];
@@ -78,8 +85,8 @@ impl Model {
             if start > t {
                 break;
             }
-            let now = under.level(load);
-            let since = (t - start) * under.shift;
+            let now = conditions.level(load);
+            let since = (t - start) * conditions.shift;
             self.law
                 .respond(&values[..self.law_shapes], since, response);
             for (out, r) in out.iter_mut().zip(response.iter()) {
@@ -93,18 +100,18 @@ impl Model {
     }
 
     /// Columns of a block, and its readings less what no coefficient enters, over the scale.
-    pub(super) fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn columns(&self, block: &Block, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         /// Terms of a law and its elastic step, at most.
         const MOST: usize = 5;
         let (n, p) = (block.readings, block.positive.len());
         let shared = p - block.members.len();
         let mut columns = vec![0.0; n * p];
         let mut y = Vec::with_capacity(n);
-        for (place, &member) in block.members.iter().enumerate() {
+        for (index, &member) in block.members.iter().enumerate() {
             let curve = &self.curves[member];
             let from = y.len();
             let readings = curve.time_s.len();
-            columns[(shared + place) * n + from..][..readings].fill(1.0);
+            columns[(shared + index) * n + from..][..readings].fill(1.0);
             if self.rope.is_some() {
                 let (rows, offset) = self.rows(values, curve, &curve.time_s, shared);
                 for (i, row) in rows.chunks(shared.max(1)).enumerate().take(readings) {
@@ -116,10 +123,10 @@ impl Model {
                 let left = curve.strain.iter().zip(offset).map(|(e, o)| e - o);
                 y.extend(left.map(|e| e / self.scale));
             } else {
-                let under = self.under(values, curve);
+                let conditions = self.conditions(values, curve);
                 let mut row = [0.0; MOST];
                 for (i, &t) in curve.time_s.iter().enumerate() {
-                    self.row(values, curve, &under, t, &mut row[..shared]);
+                    self.row(values, curve, &conditions, t, &mut row[..shared]);
                     for (j, value) in row[..shared].iter().enumerate() {
                         columns[j * n + from + i] = *value;
                     }
@@ -130,13 +137,13 @@ impl Model {
         (columns, y)
     }
 
-    /// Solves the linear problem at a place of the nonlinear parameters.
-    pub(super) fn solve(&self, x: &[f64], information: bool) -> Point {
+    /// Solves the linear problem at a point of the nonlinear parameters.
+    pub(crate) fn solve(&self, x: &[f64], information: bool) -> Point {
         self.solve_with(x, information, None)
     }
 
     /// The same with one coefficient kept at a value (its solution reads 0).
-    pub(super) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
+    pub(crate) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
         let values = self.values(x);
         let noise = self.noise_at(x);
         let mut point = Point {
@@ -184,7 +191,7 @@ impl Model {
 
     /// Residuals whose squares have their minimum where the likelihood has its maximum:
     /// `r̃ |K|^{1/2n}`, since `n ln(r̃ᵀr̃) + ln |K| = n ln(r̃ᵀr̃ |K|^{1/n})`.
-    pub(super) fn likelihood_residuals(&self, x: &[f64], fixed: Option<Fixed>) -> Vec<f64> {
+    pub(crate) fn likelihood_residuals(&self, x: &[f64], fixed: Option<Fixed>) -> Vec<f64> {
         let mut point = self.solve_with(x, false, fixed);
         let factor = (0.5 * point.log_det_noise / self.readings as f64).exp();
         point.residuals.iter_mut().for_each(|r| *r *= factor);
@@ -192,8 +199,8 @@ impl Model {
     }
 
     /// Logarithm of the likelihood with the coefficients and the size of the noise integrated
-    /// out (restricted likelihood), flat in the places of the nonlinear parameters.
-    pub(super) fn log_restricted(&self, x: &[f64]) -> f64 {
+    /// out (restricted likelihood), flat in the unit-cube coordinates of the nonlinear parameters.
+    pub(crate) fn log_restricted(&self, x: &[f64]) -> f64 {
         if x.iter().any(|x| !(0.0..=1.0).contains(x)) {
             return f64::NEG_INFINITY;
         }

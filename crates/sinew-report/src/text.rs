@@ -3,14 +3,14 @@
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 
 /// Columns of a terminal that everybody has.
-pub(crate) const WIDTH: usize = 80;
+pub const WIDTH: usize = 80;
 
 /// A line under the head and nothing else.
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
 /// A table: names to the left, numbers to the right; wrapped to [`WIDTH`].
-pub(crate) fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
+pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     let mut table = Table::new();
     table
         .load_style(STYLE)
@@ -29,12 +29,12 @@ pub(crate) fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> Strin
 }
 
 /// A paragraph, wrapped; following lines are indented by `indent`.
-pub(crate) fn paragraph(text: &str, indent: usize) -> String {
+pub fn paragraph(text: &str, indent: usize) -> String {
     indented(text, 0, indent)
 }
 
 /// A paragraph whose first line begins at column `first`, and the others at `rest`.
-pub(crate) fn indented(text: &str, first: usize, rest: usize) -> String {
+pub fn indented(text: &str, first: usize, rest: usize) -> String {
     let mut out = " ".repeat(first);
     let mut column = first;
     let mut fresh = true;
@@ -56,8 +56,24 @@ pub(crate) fn indented(text: &str, first: usize, rest: usize) -> String {
     out
 }
 
+/// A number to three digits.
+pub(crate) fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
 /// Text from a file without the characters a terminal would obey.
-pub(crate) fn plain(text: &str) -> String {
+pub fn plain(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { '\u{fffd}' } else { c })
         .collect()

@@ -1,0 +1,185 @@
+//! From specimens to analyses: groups, preparation, readings.
+
+use super::analyze::{Analysis, AnalyzeOptions, analyze};
+use super::error::{CreepError, Failure};
+use super::isochronous::{Isochrone, isochrones};
+use super::parallel::each;
+use super::record::{PrepareOptions, Prepared, prepare};
+use super::scatter::{Scatter, scatter};
+use super::source::{Conditions, Source};
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_log::Specimen;
+
+/// What is asked of creep tests.
+#[derive(Debug, Clone, Default)]
+pub struct AnalyzeRequest {
+    /// What files may not say.
+    pub prepare: PrepareOptions,
+    /// How to analyse.
+    pub analyze: AnalyzeOptions,
+    /// Columns or head lines that name a group of repeats.
+    pub group_by: Vec<String>,
+}
+
+/// Creep tests, read, prepared and analysed.
+#[derive(Debug, Clone)]
+pub struct Tests {
+    /// Raw data.
+    pub sources: Vec<Source>,
+    /// Specimens that could be analysed, ready to be fitted.
+    pub prepared: Vec<Prepared>,
+    /// Their analyses, in the same order.
+    pub analyses: Vec<Analysis>,
+    /// Those that could not.
+    pub failures: Vec<Failure>,
+    /// Level of the intervals.
+    pub level: f64,
+}
+
+/// What creep tests say without any law but a straight line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AnalyzeReport {
+    /// Raw data.
+    pub sources: Vec<Source>,
+    /// What the laboratory states.
+    pub conditions: Conditions,
+    /// Specimens.
+    pub specimens: Vec<Analysis>,
+    /// Repeats, by group.
+    pub groups: Vec<Scatter>,
+    /// Strain against load at the same times.
+    pub isochrones: Vec<Isochrone>,
+    /// What couldn't be analysed.
+    pub failures: Vec<Failure>,
+}
+
+impl JsonDocument for AnalyzeReport {
+    const SCHEMA: &'static str = "sinew/creep-analyze/1";
+}
+
+/// Prepares and analyses specimens on all processors; one that can't be is a failure with its
+/// reason. `done` is called with the number of specimens finished, and of all.
+///
+/// # Errors
+/// [`CreepError::NoGroupColumn`], and [`CreepError::NothingAnalysed`] when every specimen failed.
+pub fn analyze_tests(
+    sources: Vec<Source>,
+    specimens: &[Specimen],
+    request: &AnalyzeRequest,
+    done: impl Fn(usize, usize) + Sync,
+) -> Result<Tests, CreepError> {
+    check_groups(&sources, specimens, &request.group_by)?;
+    let results = each(
+        specimens,
+        |specimen| {
+            let mut prepared = prepare(specimen, &request.prepare)?;
+            prepared.group = group_of(specimen, &sources, &request.group_by);
+            let analysis = analyze(&prepared, &request.analyze)?;
+            Ok((prepared, analysis))
+        },
+        |finished| done(finished, specimens.len()),
+    );
+    let mut tests = Tests {
+        sources,
+        prepared: Vec::new(),
+        analyses: Vec::new(),
+        failures: Vec::new(),
+        level: request.analyze.level,
+    };
+    for result in results {
+        match result {
+            Ok((prepared, analysis)) => {
+                tests.prepared.push(prepared);
+                tests.analyses.push(analysis);
+            }
+            Err(reason) => tests.failures.push(Failure { name: None, reason }),
+        }
+    }
+    if tests.analyses.is_empty() {
+        return Err(CreepError::NothingAnalysed {
+            failures: tests.failures.iter().map(ToString::to_string).collect(),
+        });
+    }
+    Ok(tests)
+}
+
+impl Tests {
+    /// Analyses with their groups and isochrones.
+    pub fn report(&self, conditions: Conditions) -> AnalyzeReport {
+        AnalyzeReport {
+            sources: self.sources.clone(),
+            conditions,
+            specimens: self.analyses.clone(),
+            groups: scatter(&self.analyses),
+            isochrones: isochrones(&self.analyses, self.level),
+            failures: self.failures.clone(),
+        }
+    }
+}
+
+/// Every column that groups must say something of some specimen.
+fn check_groups(
+    sources: &[Source],
+    specimens: &[Specimen],
+    columns: &[String],
+) -> Result<(), CreepError> {
+    for column in columns {
+        let unknown = |s| label(s, sources, column).is_none();
+        if specimens.iter().all(unknown) {
+            let known = specimens.first().map(|s| {
+                let named = sources.iter().flat_map(|s| &s.columns).map(|c| &c.column);
+                let attributes = s.attributes.iter().map(|a| &a.0);
+                attributes
+                    .chain(named.filter(|c| label(s, sources, c).is_some()))
+                    .cloned()
+                    .collect()
+            });
+            return Err(CreepError::NoGroupColumn {
+                column: column.clone(),
+                known: known.unwrap_or_default(),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn group_of(specimen: &Specimen, sources: &[Source], columns: &[String]) -> Option<String> {
+    let labels: Vec<String> = columns
+        .iter()
+        .filter_map(|column| label(specimen, sources, column))
+        .collect();
+    (!labels.is_empty()).then(|| labels.join(" / "))
+}
+
+/// What a column says of a whole specimen: its text, or its only number in its file's own unit.
+fn label(specimen: &Specimen, sources: &[Source], column: &str) -> Option<String> {
+    if let Some(text) = specimen.attribute(column) {
+        return Some(text.to_owned());
+    }
+    let used = sources
+        .iter()
+        .flat_map(|s| &s.columns)
+        .find(|c| c.column.eq_ignore_ascii_case(column))?;
+    let value = specimen.constant(used.quantity)?;
+    let unit = used.quantity.unit();
+    Some(if unit == used.unit {
+        format!("{value}")
+    } else {
+        format!("{} {unit}", three_digits(value))
+    })
+}
+
+/// A number to three digits, as group names write it.
+fn three_digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}

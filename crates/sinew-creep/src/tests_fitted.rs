@@ -1,0 +1,288 @@
+//! From analysed tests to fitted laws: what is fitted together, forecasts, withheld ends.
+
+use super::curve::Curve;
+use super::error::{CreepError, Failure, NoEntry};
+use super::fit::{Fit, fit};
+use super::forecast::{Forecast, akaike_weights};
+use super::law::Law;
+use super::options::{FitOptions, Share};
+use super::outlook::Outlook;
+use super::parallel::each;
+use super::rope_base::RopeBase;
+use super::rope_entry::{EntrySource, rope_entry};
+use super::source::Source;
+use super::tests_analyzed::Tests;
+use super::withhold::{Coverage, withhold_all};
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::rope::entry::CatalogueEntry;
+
+/// What is fitted together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Joint {
+    /// Every specimen alone.
+    #[default]
+    None,
+    /// Specimens of a group share the law's shape, not its amplitude.
+    Shape,
+    /// Specimens of a group share all but their strain zero.
+    Group,
+}
+
+/// What is asked of a fit.
+#[derive(Debug, Clone, Default)]
+pub struct FitRequest {
+    /// Laws; none: all that need nothing but the record, and the rope law where there is a base.
+    pub laws: Vec<Law>,
+    /// What is fitted together.
+    pub joint: Joint,
+    /// How to fit; [`FitOptions::share`] follows from [`Self::joint`].
+    pub options: FitOptions,
+    /// Forecast to this time after the load, s.
+    pub forecast_s: Option<f64>,
+}
+
+impl FitRequest {
+    /// The laws that are fitted.
+    pub fn laws(&self) -> Vec<Law> {
+        if !self.laws.is_empty() {
+            return self.laws.clone();
+        }
+        let rope = self.options.rope.as_ref().map(|_| Law::Rope);
+        Law::ALL.into_iter().chain(rope).collect()
+    }
+
+    fn options(&self) -> FitOptions {
+        FitOptions {
+            share: match self.joint {
+                Joint::Shape => Share::Shape,
+                _ => Share::All,
+            },
+            ..self.options.clone()
+        }
+    }
+}
+
+/// Which part of the work goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FitStep {
+    /// Laws are fitted.
+    Fitting,
+    /// Forecasts are rehearsed and made.
+    Forecasting,
+}
+
+/// Laws fitted to one specimen or group.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FitSet {
+    /// Specimen or group.
+    pub name: String,
+    /// Laws by rising AICc.
+    pub laws: Vec<Fit>,
+    /// Strain under the record's last load, all laws weighed; of a group's first specimen.
+    pub forecast: Option<Forecast>,
+}
+
+/// Laws fitted to creep tests.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FitReport {
+    /// Raw data.
+    pub sources: Vec<Source>,
+    /// Fits, in the order of the files.
+    pub fits: Vec<FitSet>,
+    /// What couldn't be analysed or fitted.
+    pub failures: Vec<Failure>,
+}
+
+impl JsonDocument for FitReport {
+    const SCHEMA: &'static str = "sinew/creep-fit/1";
+}
+
+/// Forecasts held against the hidden end of each test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WithheldReport {
+    /// Raw data.
+    pub sources: Vec<Source>,
+    /// Last share of the time hidden.
+    pub hidden_share: f64,
+    /// Level of the intervals.
+    pub level: f64,
+    /// Laws, and all of them combined.
+    pub withheld: Vec<Coverage>,
+    /// What couldn't be analysed.
+    pub failures: Vec<Failure>,
+}
+
+impl JsonDocument for WithheldReport {
+    const SCHEMA: &'static str = "sinew/creep-withhold/1";
+}
+
+/// Curves that are fitted together.
+struct Set {
+    name: String,
+    curves: Vec<Curve>,
+    /// Loads are multiples of the first specimen's, N or Pa.
+    reference: f64,
+}
+
+fn sets(tests: &Tests, joint: Joint) -> Vec<Set> {
+    let mut sets: Vec<Set> = Vec::new();
+    for prepared in &tests.prepared {
+        let load = prepared.stress_pa.or(prepared.force_n);
+        let curve = prepared.curve.clone();
+        let name = match joint {
+            Joint::None => &prepared.name,
+            _ => prepared.group.as_deref().unwrap_or("all"),
+        };
+        match sets
+            .iter_mut()
+            .find(|s| joint != Joint::None && s.name == name)
+        {
+            Some(set) => {
+                let factor = load.map_or(1.0, |load| load / set.reference);
+                set.curves.push(curve.scaled(factor));
+            }
+            None => sets.push(Set {
+                name: name.to_owned(),
+                curves: vec![curve],
+                reference: load.unwrap_or(1.0),
+            }),
+        }
+    }
+    sets
+}
+
+/// Fits laws to every specimen or group, on all processors, and forecasts. `progress` is called with
+/// how many are done, and of how many.
+pub fn fit_tests(
+    tests: &Tests,
+    request: &FitRequest,
+    progress: impl Fn(FitStep, usize, usize) + Sync,
+) -> FitReport {
+    let laws = request.laws();
+    let options = request.options();
+    let sets = sets(tests, request.joint);
+    let fitted = each(
+        &sets,
+        |set| fit_set(set, &laws, &options),
+        |done| progress(FitStep::Fitting, done, sets.len()),
+    );
+    let mut failures = tests.failures.clone();
+    let mut pairs = Vec::new();
+    for ((fits, failed), set) in fitted.into_iter().zip(&sets) {
+        failures.extend(failed);
+        if !fits.is_empty() {
+            pairs.push((set, fits));
+        }
+    }
+    let forecasts = match request.forecast_s {
+        None => vec![None; pairs.len()],
+        Some(until_s) => each(
+            &pairs,
+            |(set, fits)| {
+                let time_s = times_ahead(set.curves.first()?, until_s);
+                Outlook::of(fits, &set.curves, 0, &options, &time_s).combined
+            },
+            |done| progress(FitStep::Forecasting, done, pairs.len()),
+        ),
+    };
+    let fits = pairs.into_iter().zip(forecasts);
+    FitReport {
+        sources: tests.sources.clone(),
+        fits: fits
+            .map(|((set, laws), forecast)| FitSet {
+                name: set.name.clone(),
+                laws,
+                forecast,
+            })
+            .collect(),
+        failures,
+    }
+}
+
+/// Fits by rising AICc with their weights, and what failed.
+fn fit_set(set: &Set, laws: &[Law], options: &FitOptions) -> (Vec<Fit>, Vec<Failure>) {
+    let mut fits = Vec::new();
+    let mut failures = Vec::new();
+    for law in laws {
+        match fit(*law, &set.curves, options) {
+            Ok(fit) => fits.push(fit),
+            Err(reason) => failures.push(Failure {
+                name: Some(set.name.clone()),
+                reason,
+            }),
+        }
+    }
+    fits.sort_by(|a, b| a.aicc.total_cmp(&b.aicc));
+    let weights = akaike_weights(&fits);
+    for (fit, weight) in fits.iter_mut().zip(weights) {
+        fit.weight = weight;
+    }
+    (fits, failures)
+}
+
+/// Times after a curve's end, even in the logarithm.
+fn times_ahead(curve: &Curve, until_s: f64) -> Vec<f64> {
+    const COUNT: i32 = 40;
+    let end = curve.time_s.last().copied().unwrap_or(1.0).max(1e-3);
+    let last = until_s.max(1.01 * end);
+    (1..=COUNT)
+        .map(|i| end * (last / end).powf(f64::from(i) / f64::from(COUNT)))
+        .collect()
+}
+
+impl FitReport {
+    /// The catalogue entry of the only rope fitted.
+    ///
+    /// # Errors
+    /// [`NoEntry`]: several ropes, several amplitudes, or no fit of the rope law.
+    pub fn rope_entry(
+        &self,
+        joint: Joint,
+        base: &RopeBase,
+        name: String,
+        date: String,
+    ) -> Result<CatalogueEntry, CreepError> {
+        if joint == Joint::Shape {
+            return Err(NoEntry::SeveralAmplitudes.into());
+        }
+        let [set] = self.fits.as_slice() else {
+            let fitted = self.fits.len();
+            return Err(NoEntry::SeveralRopes { fitted }.into());
+        };
+        let fit = set.laws.iter().find(|f| f.law == Law::Rope);
+        let data: Vec<String> = self
+            .sources
+            .iter()
+            .map(|s| format!("{} (SHA-256 {})", s.file, s.sha256))
+            .collect();
+        let source = EntrySource {
+            name,
+            data: data.join(", "),
+            date,
+        };
+        rope_entry(fit.ok_or(NoEntry::NoRopeLaw)?, base, &source)
+    }
+}
+
+/// Hides the last `share` of the time of every test from the laws and counts how often their
+/// forecasts hold it; `done` is called with how many tests are finished, and of how many.
+pub fn withhold_tests(
+    tests: &Tests,
+    share: f64,
+    request: &FitRequest,
+    done: impl Fn(usize, usize) + Sync,
+) -> WithheldReport {
+    let curves: Vec<Curve> = tests.prepared.iter().map(|p| p.curve.clone()).collect();
+    let (count, options) = (curves.len(), request.options());
+    WithheldReport {
+        sources: tests.sources.clone(),
+        hidden_share: share,
+        level: options.level,
+        withheld: withhold_all(&curves, share, &options, |finished| done(finished, count)),
+        failures: tests.failures.clone(),
+    }
+}

@@ -1,0 +1,35 @@
+//! `sinew creep analyze`.
+
+use super::files::TestFiles;
+use crate::terminal::{Failure, Finish};
+use clap::Args;
+use sinew_report::creep;
+
+/// Readings, moduli, slope m_E, saturation, recovery and faults of creep tests
+///
+/// Columns are told by their headers, such as time_s, Force (N), Strain [%]. Exit code 3 when a
+/// specimen could not be analysed.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    sinew creep analyze rope.csv --gauge-length-mm 350 --report rope.html\n  \
+    sinew creep analyze tests.xlsx --column force=Kraft:N --group rope")]
+pub(crate) struct Analyze {
+    #[command(flatten)]
+    files: TestFiles,
+}
+
+impl Analyze {
+    /// Runs the command.
+    pub(super) fn run(&self) -> Result<Finish, Failure> {
+        let tests = self.files.tests()?;
+        let report = tests.report(self.files.conditions());
+        let page = || creep::analyze_page(&report, &tests);
+        self.files.answer(
+            &report,
+            creep::analyze_csv,
+            Some(&page),
+            creep::analyze_table,
+        )?;
+        Ok(Finish::lossy(!report.failures.is_empty()))
+    }
+}

@@ -1,0 +1,62 @@
+//! `sinew creep compare`.
+
+use super::files::TestFiles;
+use crate::terminal::{Failure, Finish};
+use clap::Args;
+use sinew_report::creep;
+use std::path::PathBuf;
+
+/// All ropes in one figure, with slopes, ranked with intervals
+///
+/// Ranks by strain at the longest time that all reach; specimens of one --group are repeats.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    sinew creep compare *.csv --gauge-length-mm 350 --group rope --plot ropes.png")]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    files: TestFiles,
+    /// Write the figure (.svg or .png)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    plot: Option<PathBuf>,
+    /// Standard deviation between specimens as a share of the value, for ropes with one specimen
+    /// [default: that of the other ropes' repeats, else 0.1, a starting guess]
+    #[arg(long, value_name = "SHARE")]
+    scatter: Option<f64>,
+}
+
+impl Compare {
+    /// Runs the command.
+    pub(super) fn run(&self) -> Result<Finish, Failure> {
+        if let Some(share) = self.scatter
+            && !(share > 0.0 && share < 10.0)
+        {
+            return Err(Failure::Refused(format!(
+                "--scatter {share}: a share of the value, above 0 and below 10"
+            )));
+        }
+        let tests = self.files.tests()?;
+        let report = sinew_creep::compare(&tests, self.scatter);
+        if let Some(path) = &self.plot {
+            let figure = creep::figure("", &creep::plotted(&tests), false);
+            let bytes = match path.extension().and_then(|e| e.to_str()) {
+                Some("png") => figure.png(2.0)?,
+                Some("svg") => figure.svg().into_bytes(),
+                _ => {
+                    return Err(Failure::Refused(format!(
+                        "--plot {}: the name must end in .svg or .png",
+                        path.display()
+                    )));
+                }
+            };
+            sinew_files::write_file(path, &bytes)?;
+        }
+        let page = || creep::compare_page(&report, &tests, self.files.conditions());
+        self.files.answer(
+            &report,
+            creep::compare_csv,
+            Some(&page),
+            creep::compare_table,
+        )?;
+        Ok(Finish::lossy(!report.failures.is_empty()))
+    }
+}

@@ -1,0 +1,186 @@
+//! Options of test files, and their outputs.
+
+use crate::files::check_outputs;
+use crate::terminal::{Bar, Failure, answer, complain};
+use crate::text::plain;
+use clap::Args;
+use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
+use sinew_figure::Page;
+use sinew_files::{JsonDocument, write_file};
+use sinew_log::{ColumnChoice, Specimen, TestOptions};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct TestFiles {
+    /// Test recordings: CSV, XLSX or Parquet
+    #[arg(required = true, value_name = "FILES")]
+    files: Vec<PathBuf>,
+    /// What a column is, such as force=Kraft:N (may be repeated)
+    #[arg(long, value_name = "QUANTITY=COLUMN[:UNIT]", help_heading = "Reading")]
+    column: Vec<ColumnChoice>,
+    /// Column that tells specimens apart (may be repeated)
+    #[arg(long, value_name = "COLUMN", help_heading = "Reading")]
+    specimen: Vec<String>,
+    /// Sheet of a workbook
+    #[arg(long, value_name = "NAME", help_heading = "Reading")]
+    sheet: Option<String>,
+    /// Gauge length, mm, for elongations of files that don't say it
+    #[arg(long, value_name = "MM", help_heading = "Reading")]
+    gauge_length_mm: Option<f64>,
+    /// Cross-section, mm², for the creep modulus
+    #[arg(long, value_name = "MM2", help_heading = "Reading")]
+    area_mm2: Option<f64>,
+    /// Temperature, °C, of files that don't record it
+    #[arg(
+        long,
+        value_name = "C",
+        allow_negative_numbers = true,
+        help_heading = "Reading"
+    )]
+    temperature_c: Option<f64>,
+    /// Keep grip slips and outliers instead of taking them out
+    #[arg(long, help_heading = "Reading")]
+    keep_faults: bool,
+    /// Column or line of the head that names a group of repeats (may be repeated)
+    #[arg(long, value_name = "COLUMN", help_heading = "Reading")]
+    pub(super) group: Vec<String>,
+    /// Start of the straight line of m_E, min after the load
+    #[arg(long, value_name = "MIN", default_value_t = 20.0)]
+    slope_from_min: f64,
+    /// Level of the intervals
+    #[arg(long, value_name = "SHARE", default_value_t = 0.95)]
+    pub(super) level: f64,
+    /// Seed of the draws behind the intervals
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+
+    /// Write a table, one line per specimen
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    csv: Option<PathBuf>,
+    /// Write a report with plots as one HTML file
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    report: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    /// Nothing on stderr
+    #[arg(long, help_heading = "Output")]
+    pub(super) quiet: bool,
+    /// Standard the report cites
+    #[arg(
+        long,
+        value_name = "TEXT",
+        default_value = "ISO 899-1 (tensile creep), evaluation",
+        help_heading = "Output"
+    )]
+    standard: String,
+    /// Preconditioning the report states
+    #[arg(long, value_name = "TEXT", help_heading = "Output")]
+    preconditioning: Option<String>,
+    /// Atmosphere, grips and extension measurement the report states
+    #[arg(long, value_name = "TEXT", help_heading = "Output")]
+    conditions: Option<String>,
+}
+
+impl TestFiles {
+    /// What the laboratory states.
+    pub(super) fn conditions(&self) -> Conditions {
+        Conditions {
+            standard: self.standard.clone(),
+            preconditioning: self.preconditioning.clone(),
+            conditions: self.conditions.clone(),
+        }
+    }
+
+    /// Reads the files.
+    pub(super) fn specimens(&self) -> Result<(Vec<Source>, Vec<Specimen>), Failure> {
+        let inputs: Vec<_> = self.files.iter().map(|f| ("FILES", f.as_path())).collect();
+        let outputs: Vec<_> = [("--csv", &self.csv), ("--report", &self.report)]
+            .into_iter()
+            .filter_map(|(name, path)| Some((name, path.as_deref()?)))
+            .collect();
+        check_outputs(&outputs, &inputs)?;
+        let within = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
+            Some(v) if !(v > low && v < high) => Err(Failure::Refused(format!(
+                "--{name} {v}: must lie between {low} and {high}"
+            ))),
+            _ => Ok(()),
+        };
+        within("level", Some(self.level), 0.5, 0.9999)?;
+        within("slope-from-min", Some(self.slope_from_min), -1e-9, 1e9)?;
+        within("gauge-length-mm", self.gauge_length_mm, 0.0, 1e9)?;
+        within("area-mm2", self.area_mm2, 0.0, 1e12)?;
+        let options = TestOptions {
+            columns: self.column.clone(),
+            specimen_columns: self.specimen.clone(),
+            sheet: self.sheet.clone(),
+        };
+        let mut note = |text: &str| {
+            if !self.quiet {
+                complain("note", &plain(text));
+            }
+        };
+        Ok(sinew_creep::read_specimens(
+            &self.files,
+            &options,
+            &mut note,
+        )?)
+    }
+
+    /// Reads, prepares and analyses; failures are warnings.
+    pub(super) fn tests(&self) -> Result<Tests, Failure> {
+        let (sources, specimens) = self.specimens()?;
+        let request = AnalyzeRequest {
+            prepare: PrepareOptions {
+                gauge_length_m: self.gauge_length_mm.map(|mm| mm * 1e-3),
+                area_m2: self.area_mm2.map(|mm2| mm2 * 1e-6),
+                temperature_c: self.temperature_c,
+                keep_faults: self.keep_faults,
+            },
+            analyze: AnalyzeOptions {
+                slope_from_s: 60.0 * self.slope_from_min,
+                level: self.level,
+                seed: self.seed,
+            },
+            group_by: self.group.clone(),
+        };
+        let bar = Bar::new("analysing", self.quiet);
+        let tests = sinew_creep::analyze_tests(sources, &specimens, &request, |done, of| {
+            bar.set(done as f64, of as f64);
+        });
+        drop(bar);
+        let tests = tests.map_err(|e| Failure::Refused(plain(&e.to_string())))?;
+        self.warn(&tests.failures);
+        Ok(tests)
+    }
+
+    /// What could not be analysed, on stderr.
+    pub(super) fn warn(&self, failures: &[sinew_creep::Failure]) {
+        if !self.quiet {
+            for failure in failures {
+                complain("warning", &plain(&failure.to_string()));
+            }
+        }
+    }
+
+    /// Writes table and report where asked for, and answers with the document or the table.
+    pub(super) fn answer<D: JsonDocument>(
+        &self,
+        document: &D,
+        csv: impl FnOnce(&D) -> String,
+        page: Option<&dyn Fn() -> Page>,
+        table: impl FnOnce(&D) -> String,
+    ) -> Result<(), Failure> {
+        if let Some(path) = &self.csv {
+            write_file(path, csv(document).as_bytes())?;
+        }
+        if let (Some(path), Some(page)) = (&self.report, page) {
+            write_file(path, page().html().as_bytes())?;
+        }
+        if self.json {
+            answer(&document.to_json()?)
+        } else {
+            answer(&table(document))
+        }
+    }
+}
