@@ -1,13 +1,13 @@
 //! The carriage's position from pictures of a graduated scale, as the paper measured elongation.
 //!
 //! ```no_run
-//! use crate::{self, Request, Summary, Times};
+//! use sinew_camera::{Request, Summary, Times};
 //! let mut request = Request::new("frames");
 //! request.times = Times::Rate(0.5);
-//! let outcome = camera::run(&request, &mut |_| {})?;
+//! let outcome = sinew_camera::run(&request, &mut |_| {})?;
 //! println!("{:.4} mm", Summary::of(&outcome).elongation_last_mm);
 //! outcome.write_recording("bench.csv".as_ref())?;
-//! # Ok::<(), camera::CameraError>(())
+//! # Ok::<(), sinew_camera::CameraError>(())
 //! ```
 //!
 //! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
@@ -24,6 +24,7 @@
 //! Not modelled: errors of the print, an angle between scale and movement (1 − cos, 0.015 % at
 //! 1°), a rolling shutter (a moving scale then seems to lean).
 
+mod decode;
 mod error;
 mod find;
 mod frames;

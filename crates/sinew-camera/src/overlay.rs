@@ -8,11 +8,10 @@ use super::marks::places;
 use super::picture::Picture;
 use super::reader::{Reading, Scale};
 use super::sight::Sight;
-use image::{ImageEncoder as _, Rgb, RgbImage};
-use sinew_figure::plot::{escape_xml, png_of};
+use sinew_figure::plot::{escape_xml, pixels};
 
 /// Height of the caption under the picture, px, at least.
-const CAPTION_PX: u32 = 46;
+const CAPTION_PX: usize = 46;
 const GREEN: [u8; 3] = [0, 170, 60];
 const RED: [u8; 3] = [215, 40, 30];
 const BLUE: [u8; 3] = [20, 90, 220];
@@ -30,13 +29,13 @@ pub(crate) fn draw(
     sight: &Sight,
     caption: &Caption<'_>,
 ) -> Result<Vec<u8>, String> {
-    let (width, height) = (picture.width() as u32, picture.height() as u32);
-    let mut image = RgbImage::from_fn(width, height, |x, y| {
-        let level = (255.0 * picture.level(x as usize, y as usize)).round() as u8;
-        Rgb([level; 3])
-    });
+    let (width, height) = (picture.width(), picture.height());
+    let at = |i: usize| picture.level(i % width, i / width);
+    let grey = (0..width * height).map(|i| [(255.0 * at(i)).round() as u8; 3]);
     let mut canvas = Canvas {
-        image: &mut image,
+        pixels: grey.collect(),
+        width,
+        height,
         upright: sight.upright,
     };
     let half = (sight.window_px / 4) as f64;
@@ -86,23 +85,26 @@ pub(crate) fn draw(
         );
     }
     canvas.frame(left, right, top, bottom, BLUE);
-    with_caption(&image, caption)
+    with_caption(canvas, caption)
 }
 
 /// Draws in the coordinates of the measurement, which has upright scales lying.
-struct Canvas<'a> {
-    image: &'a mut RgbImage,
+struct Canvas {
+    /// Red, green and blue, row by row from the top left.
+    pixels: Vec<[u8; 3]>,
+    width: usize,
+    height: usize,
     upright: bool,
 }
 
-impl Canvas<'_> {
+impl Canvas {
     fn blend(&mut self, x: i64, y: i64, colour: [u8; 3], share: f64) {
         let (x, y) = if self.upright { (y, x) } else { (x, y) };
-        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
+        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else {
             return;
         };
-        if let Some(pixel) = self.image.get_pixel_mut_checked(x, y) {
-            for (held, new) in pixel.0.iter_mut().zip(colour) {
+        if x < self.width && y < self.height {
+            for (held, new) in self.pixels[y * self.width + x].iter_mut().zip(colour) {
                 *held = (f64::from(*held) * (1.0 - share) + f64::from(new) * share) as u8;
             }
         }
@@ -148,11 +150,11 @@ impl Canvas<'_> {
     }
 }
 
-/// Adds a strip of text below, as large as the picture is wide.
-fn with_caption(image: &RgbImage, caption: &Caption<'_>) -> Result<Vec<u8>, String> {
-    let width = image.width();
-    let scale = f64::from(width) / 800.0;
-    let height = ((f64::from(CAPTION_PX) * scale) as u32).max(8);
+/// The picture with a strip of text below, as wide as the picture, as PNG.
+fn with_caption(drawn: Canvas, caption: &Caption<'_>) -> Result<Vec<u8>, String> {
+    let width = drawn.width;
+    let scale = width as f64 / 800.0;
+    let height = ((CAPTION_PX as f64 * scale) as usize).max(8);
     let (s, r) = (caption.scale, caption.reading);
     let lines = [
         format!(
@@ -179,21 +181,24 @@ fn with_caption(image: &RgbImage, caption: &Caption<'_>) -> Result<Vec<u8>, Stri
         escape_xml(&lines[1]),
         h = CAPTION_PX
     );
-    let strip = png_of(&svg, scale).map_err(|e| e.to_string())?;
-    let strip = image::load_from_memory(&strip)
-        .map_err(|e| e.to_string())?
-        .to_rgb8();
-    let mut whole = RgbImage::from_pixel(width, image.height() + height, Rgb([255; 3]));
-    image::imageops::replace(&mut whole, image, 0, 0);
-    image::imageops::replace(&mut whole, &strip, 0, i64::from(image.height()));
-    let mut png = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut png)
-        .write_image(
-            whole.as_raw(),
-            whole.width(),
-            whole.height(),
-            image::ExtendedColorType::Rgb8,
-        )
+    let strip = pixels(&svg, scale).map_err(|e| e.to_string())?;
+    let mut whole = drawn.pixels;
+    whole.resize(width * (drawn.height + height), [255; 3]);
+    for y in 0..height.min(strip.height) {
+        for x in 0..width.min(strip.width) {
+            let from = 4 * (y * strip.width + x);
+            whole[(drawn.height + y) * width + x].copy_from_slice(&strip.rgba[from..from + 3]);
+        }
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, (drawn.height + height) as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(whole.as_flattened()))
         .map_err(|e| e.to_string())?;
-    Ok(png)
+    Ok(bytes)
 }

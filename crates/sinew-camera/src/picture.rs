@@ -1,12 +1,7 @@
 //! A frame as grey levels.
 
-use image::{DynamicImage, ImageReader, Limits};
-use std::io::Cursor;
-
 /// Widest and highest picture that is read, px. A 100-megapixel camera has 11,648 × 8,736.
 pub const SIDE_LIMIT_PX: u32 = 20_000;
-/// Most memory a decoder may take for one frame, bytes.
-const MEMORY_LIMIT_BYTES: u64 = 1 << 30;
 
 /// Grey levels, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,27 +53,10 @@ impl Picture {
     /// # Errors
     /// What the decoder says, or the size where it is beyond [`SIDE_LIMIT_PX`].
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let mut reader = ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| error.to_string())?;
-        if reader.format().is_none() {
-            return Err("it is neither PNG nor JPEG".into());
-        }
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(SIDE_LIMIT_PX);
-        limits.max_image_height = Some(SIDE_LIMIT_PX);
-        limits.max_alloc = Some(MEMORY_LIMIT_BYTES);
-        reader.limits(limits);
-        let image = reader.decode().map_err(|error| error.to_string())?;
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        match image {
-            DynamicImage::ImageLuma16(_)
-            | DynamicImage::ImageLumaA16(_)
-            | DynamicImage::ImageRgb16(_)
-            | DynamicImage::ImageRgba16(_) => {
-                Self::from_luma16(width, height, image.into_luma16().into_raw())
-            }
-            image => Self::from_luma8(width, height, image.into_luma8().into_raw()),
+        let (width, height, levels) = super::decode::decode(bytes)?;
+        match levels {
+            Levels::Eight(levels) => Self::from_luma8(width, height, levels),
+            Levels::Sixteen(levels) => Self::from_luma16(width, height, levels),
         }
     }
 

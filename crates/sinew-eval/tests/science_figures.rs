@@ -62,7 +62,7 @@ fn figures_are_files_that_open_offline() {
     assert!(
         !without.contains("http:") && !without.contains("https:") && !without.contains("<script")
     );
-    let png = std::fs::read(&written.png).expect("there");
+    let png = std::fs::read(written.png.expect("drawn")).expect("there");
     assert_eq!(&png[1..4], b"PNG");
     assert!(
         std::fs::read_to_string(&written.svg)

@@ -1,6 +1,7 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::{PaperError, PaperFigure};
+use sinew_figure::plot::PngError;
 use sinew_figure::{Block, Page};
 use sinew_files::write_file;
 use std::path::{Path, PathBuf};
@@ -10,28 +11,35 @@ use std::path::{Path, PathBuf};
 pub struct Written {
     /// The drawing, scalable.
     pub svg: PathBuf,
-    /// The drawing, 2 px per CSS px.
-    pub png: PathBuf,
+    /// The drawing, 2 px per CSS px; none in a build that draws no PNG.
+    pub png: Option<PathBuf>,
     /// The page: drawing, sentences, assumptions.
     pub html: PathBuf,
 }
 
-/// Writes `NAME.svg`, `NAME.png` and `NAME.html` into `folder`, which must exist.
+/// Writes `NAME.svg`, `NAME.html` and, in a build that draws PNG, `NAME.png` into `folder`, which must exist.
 ///
 /// # Errors
 /// [`PaperError`]; each file is whole or not there.
 pub fn write(figure: &PaperFigure, folder: &Path) -> Result<Written, PaperError> {
     let at = |ending: &str| folder.join(format!("{}.{ending}", figure.name));
-    let written = Written {
-        svg: at("svg"),
-        png: at("png"),
-        html: at("html"),
-    };
     const SCALE: f64 = 2.0;
-    write_file(&written.svg, figure.figure.svg().as_bytes())?;
-    write_file(&written.png, &figure.figure.png(SCALE)?)?;
-    write_file(&written.html, html(figure).as_bytes())?;
-    Ok(written)
+    let (svg, html_path) = (at("svg"), at("html"));
+    write_file(&svg, figure.figure.svg().as_bytes())?;
+    let png = match figure.figure.png(SCALE) {
+        Ok(bytes) => Some((at("png"), bytes)),
+        Err(PngError::LeftOut) => None,
+        Err(error) => return Err(error.into()),
+    };
+    if let Some((path, bytes)) = &png {
+        write_file(path, bytes)?;
+    }
+    write_file(&html_path, html(figure).as_bytes())?;
+    Ok(Written {
+        svg,
+        png: png.map(|(path, _)| path),
+        html: html_path,
+    })
 }
 
 /// The page as text.

@@ -1,7 +1,7 @@
 //! Figures over time: stacked or side-by-side panels of lines, bands and marks, as SVG and PNG.
 //!
 //! ```
-//! use crate::plot::{Band, Colour, Figure, Line, Panel};
+//! use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
 //! let time_s: Vec<f64> = (0..200).map(|i| 0.1 * f64::from(i)).collect();
 //! let offset: Vec<f64> = time_s.iter().map(|t| 10.0 * (1.0 - (-t / 4.0).exp())).collect();
 //! let low = offset.iter().map(|y| y - 1.0).collect();
@@ -19,8 +19,8 @@
 //! The SVG is written here rather than by a charting crate: a legend outside the data, labels that
 //! step aside for each other, subscripts, gaps at NaN, text that stays text, and a picture that can
 //! be put several times into one HTML page (no ids, no style sheet) are what a figure needs, and
-//! together they are shorter than bending a general chart to them. PNG goes through `resvg` with a
-//! font carried along, so that it looks the same on a machine without fonts.
+//! together they are shorter than bending a general chart to them. PNG (feature `png`) goes through
+//! `resvg` with a font carried along, so that it looks the same on a machine without fonts.
 //!
 //! Text may carry subscripts: `τ_{el}`. Values that are NaN or infinite are gaps.
 
@@ -36,8 +36,7 @@ mod words;
 
 pub use label::escape_xml;
 pub use panel::{Mark, Panel, RightAxis};
-pub use png::PngError;
-pub use png::render as png_of;
+pub use png::{Pixels, PngError, pixels};
 pub use series::{Band, Colour, Dash, Line, Series};
 
 /// A figure: one or more panels under a title.
@@ -107,7 +106,7 @@ impl Figure {
     /// The figure as PNG on white; `scale` is pixels per CSS px (2 for print).
     ///
     /// # Errors
-    /// [`PngError`] when the size is not positive or too large to hold.
+    /// [`PngError`] when the size is not positive or too large to hold, or without the feature `png`.
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, PngError> {
         png::render(&self.svg(), scale)
     }

@@ -1,6 +1,8 @@
-//! SVG to PNG with a font that is always there.
+//! SVG to pixels with a font that is always there.
 
+#[cfg(feature = "png")]
 use resvg::{tiny_skia, usvg};
+#[cfg(feature = "png")]
 use std::sync::{Arc, OnceLock};
 
 /// Why there is no PNG.
@@ -23,11 +25,28 @@ pub enum PngError {
     /// The SVG could not be read; a fault of this program.
     #[error("the figure's SVG could not be read: {0}")]
     Svg(String),
+    /// The program was built without the feature `png`.
+    #[error(
+        "this build of sinew draws figures as SVG only; name a .svg file, or build it with PNG: cargo build --release --features png"
+    )]
+    LeftOut,
+}
+
+/// Pixels on white, row by row from the top left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pixels {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green, blue and 255 of every pixel.
+    pub rgba: Vec<u8>,
 }
 
 /// 16,384 pixels are half a metre at 800 dpi, and 1 GiB of memory squared.
 const LARGEST_PX: f64 = 16_384.0;
 
+#[cfg(feature = "png")]
 fn fonts() -> Arc<usvg::fontdb::Database> {
     static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
     FONTS
@@ -41,11 +60,8 @@ fn fonts() -> Arc<usvg::fontdb::Database> {
         .clone()
 }
 
-/// Draws `svg` into a PNG file, `scale` pixels per CSS pixel.
-///
-/// # Errors
-/// [`PngError`].
-pub fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
+#[cfg(feature = "png")]
+fn pixmap(svg: &str, scale: f64) -> Result<tiny_skia::Pixmap, PngError> {
     let options = usvg::Options {
         font_family: "Roboto".to_string(),
         fontdb: fonts(),
@@ -69,7 +85,42 @@ pub fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
     pixels.fill(tiny_skia::Color::WHITE);
     let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
     resvg::render(&tree, transform, &mut pixels.as_mut());
-    pixels
+    Ok(pixels)
+}
+
+/// Draws `svg` into a PNG file, `scale` pixels per CSS pixel.
+#[cfg(feature = "png")]
+pub(super) fn render(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
+    pixmap(svg, scale)?
         .encode_png()
         .map_err(|e| PngError::Svg(e.to_string()))
+}
+
+#[cfg(not(feature = "png"))]
+pub(super) fn render(_svg: &str, _scale: f64) -> Result<Vec<u8>, PngError> {
+    Err(PngError::LeftOut)
+}
+
+/// Draws `svg`, `scale` pixels per CSS pixel.
+///
+/// # Errors
+/// [`PngError`]; [`PngError::LeftOut`] without the feature `png`.
+#[cfg(feature = "png")]
+pub fn pixels(svg: &str, scale: f64) -> Result<Pixels, PngError> {
+    let drawn = pixmap(svg, scale)?;
+    // On white every pixel is opaque, so that no colour is multiplied by its opacity.
+    Ok(Pixels {
+        width: drawn.width() as usize,
+        height: drawn.height() as usize,
+        rgba: drawn.take(),
+    })
+}
+
+/// Draws `svg`, `scale` pixels per CSS pixel.
+///
+/// # Errors
+/// [`PngError::LeftOut`], as this is a build without the feature `png`.
+#[cfg(not(feature = "png"))]
+pub fn pixels(_svg: &str, _scale: f64) -> Result<Pixels, PngError> {
+    Err(PngError::LeftOut)
 }

@@ -1,5 +1,6 @@
 //! `sinew bench`: the paper's bending bench.
 
+#[cfg(feature = "camera")]
 use super::bench_read_camera::ReadCamera;
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
@@ -18,6 +19,26 @@ use std::path::{Path, PathBuf};
 pub(crate) enum BenchCommand {
     Simulate(Simulate),
     ReadCamera(Box<ReadCamera>),
+}
+
+/// Left out of this build
+///
+/// Reads the carriage's position from pictures of a half-millimetre scale. Build it in with
+/// cargo build --release --features camera
+#[cfg(not(feature = "camera"))]
+#[derive(Debug, Args)]
+pub(crate) struct ReadCamera {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    _arguments: Vec<std::ffi::OsString>,
+}
+
+#[cfg(not(feature = "camera"))]
+impl ReadCamera {
+    fn run(&self) -> Result<Finish, Failure> {
+        Err(Failure::Refused(
+            "this build of sinew reads no pictures; build it with the camera: cargo build --release --features camera".into(),
+        ))
+    }
 }
 
 impl BenchCommand {

@@ -4,6 +4,7 @@ pub(crate) mod absolute;
 pub(crate) mod baseline;
 mod baseline_merge;
 pub(crate) mod bench;
+#[cfg(feature = "camera")]
 mod bench_read_camera;
 mod control;
 pub(crate) mod creep;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Reproduce a figure of the paper beside its sentences, judged from the data
 ///
-/// Writes NAME.svg, NAME.png and NAME.html. Exit code 3 when a sentence does not hold.
+/// Writes NAME.svg, NAME.html and NAME.png (where the build has PNG). Exit code 3 when a sentence does not hold.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew paper fig6 --out figures")]
 pub(crate) struct Paper {
@@ -138,7 +138,10 @@ fn told(figure: &PaperFigure, written: &Written) -> String {
         out.push_str(&paragraph(&format!("not judged: {text}"), 7));
     }
     out.push('\n');
-    for path in [&written.html, &written.svg, &written.png] {
+    for path in [&written.html, &written.svg]
+        .into_iter()
+        .chain(&written.png)
+    {
         out.push_str(&format!("{}\n", path.display()));
     }
     out
@@ -155,7 +158,7 @@ fn json(figure: &PaperFigure, written: &Written) -> serde_json::Value {
         "files": {
             "html": written.html.display().to_string(),
             "svg": written.svg.display().to_string(),
-            "png": written.png.display().to_string(),
+            "png": written.png.as_ref().map(|p| p.display().to_string()),
         },
     })
 }
