@@ -1,6 +1,6 @@
 //! Frames that must not be used, and those that may.
 
-use crate::scale_picture::{Camera, Print, draw8, encode_png, picture};
+use crate::scale_picture::{Camera, Print, draw8, encode_png, picture, png};
 use sinew_camera::{Picture, ReadOptions, Region, Rejection, ScaleReader};
 
 fn started() -> ScaleReader {
@@ -182,17 +182,17 @@ fn colour_and_sixteen_bits_give_the_same_position() {
         .position_mm;
     let colour: Vec<u8> = grey.iter().flat_map(|v| [*v, *v, *v]).collect();
     let alpha: Vec<u8> = grey.iter().flat_map(|v| [*v, *v, *v, 255]).collect();
-    // image takes 16-bit samples in the machine's order.
     let deep: Vec<u8> = grey
         .iter()
-        .flat_map(|v| (u16::from(*v) * 257).to_ne_bytes())
+        .flat_map(|v| (u16::from(*v) * 257).to_be_bytes())
         .collect();
-    for (bytes, kind) in [
-        (&colour, image::ExtendedColorType::Rgb8),
-        (&alpha, image::ExtendedColorType::Rgba8),
-        (&deep, image::ExtendedColorType::L16),
+    use png::{BitDepth, ColorType};
+    for (bytes, kind, depth) in [
+        (&colour, ColorType::Rgb, BitDepth::Eight),
+        (&alpha, ColorType::Rgba, BitDepth::Eight),
+        (&deep, ColorType::Grayscale, BitDepth::Sixteen),
     ] {
-        let file = encode_png(&camera, bytes, kind);
+        let file = encode_png(&camera, bytes, kind, depth);
         let reading = reader.read(&Picture::decode(&file).unwrap()).unwrap();
         // Luminance is rounded to whole levels: nothing else may differ.
         assert!(
@@ -239,11 +239,7 @@ fn a_named_region_keeps_a_second_scale_out() {
 
 #[test]
 fn files_that_are_not_pictures_are_refused() {
-    let file = encode_png(
-        &Camera::default(),
-        &draw8(&Camera::default(), &Print::comb(), 0.0),
-        image::ExtendedColorType::L8,
-    );
+    let file = png(&Camera::default(), &Print::comb(), 0.0);
     assert!(Picture::decode(&file).is_ok());
     for bytes in [
         &b""[..],

@@ -325,34 +325,37 @@ pub(crate) fn png(camera: &Camera, print: &Print, displacement: f64) -> Vec<u8> 
     encode_png(
         camera,
         &draw8(camera, print, displacement),
-        image::ExtendedColorType::L8,
+        png::ColorType::Grayscale,
+        png::BitDepth::Eight,
     )
 }
 
-/// Bytes of pixels as PNG.
+/// Bytes of pixels as PNG; 16 bits with the larger byte first.
 pub(crate) fn encode_png(
     camera: &Camera,
     bytes: &[u8],
-    colour: image::ExtendedColorType,
+    colour: png::ColorType,
+    depth: png::BitDepth,
 ) -> Vec<u8> {
-    use image::ImageEncoder as _;
     let mut out = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut out)
-        .write_image(bytes, camera.width as u32, camera.height as u32, colour)
-        .unwrap();
+    let mut encoder = png::Encoder::new(&mut out, camera.width as u32, camera.height as u32);
+    encoder.set_color(colour);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(bytes).unwrap();
+    writer.finish().unwrap();
     out
 }
 
 /// As a JPEG.
 pub(crate) fn jpeg(camera: &Camera, print: &Print, displacement: f64, quality: u8) -> Vec<u8> {
-    use image::ImageEncoder as _;
     let mut out = Vec::new();
-    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut out, quality)
-        .write_image(
+    jpeg_encoder::Encoder::new(&mut out, quality)
+        .encode(
             &draw8(camera, print, displacement),
-            camera.width as u32,
-            camera.height as u32,
-            image::ExtendedColorType::L8,
+            camera.width as u16,
+            camera.height as u16,
+            jpeg_encoder::ColorType::Luma,
         )
         .unwrap();
     out

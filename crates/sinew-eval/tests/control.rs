@@ -43,7 +43,7 @@ fn a_corrected_arm_stands_where_it_should_and_feels_nothing() {
     let corrected = &comparison.with;
     for joint in &corrected.joints {
         // Six seconds of settling leave e^(−6·3) of the start's swing at the slowest joint.
-        assert!(joint.rest_rms_mrad < 1e-3, "{joint:?}");
+        assert!(joint.rest_rms_rad < 1e-6, "{joint:?}");
         assert!(joint.false_torque_nm.abs() < 1e-4, "{joint:?}");
     }
     assert_eq!(corrected.contacts.false_alarms, 0);
@@ -76,17 +76,17 @@ fn a_corrected_arm_stands_where_it_should_and_feels_nothing() {
     let e = solve(a);
     // Second order: ½ g'' e² (1/K + 1/K_P) is some 0.01 mrad.
     assert!(
-        (pitch.rest_mean_mrad - e[0]).abs() < 0.02,
+        (1e3 * pitch.rest_mean_rad - e[0]).abs() < 0.02,
         "{pitch:?} {e:?}"
     );
     assert!(
-        (elbow.rest_mean_mrad - e[1]).abs() < 0.02,
+        (1e3 * elbow.rest_mean_rad - e[1]).abs() < 0.02,
         "{elbow:?} {e:?}"
     );
     // And a contact of −K delta_e where nothing touches.
     assert!((pitch.false_torque_nm + 0.40).abs() < 1e-4, "{pitch:?}");
     assert!((elbow.false_torque_nm - 0.12).abs() < 1e-4, "{elbow:?}");
-    assert!(blind.contacts.false_percent() > 99.0);
+    assert!(blind.contacts.false_share() > 0.99);
 }
 
 /// Gaussian elimination; the matrix is near the identity.
@@ -115,7 +115,7 @@ fn what_is_stated_is_what_is_corrected() {
     assert_eq!(truth, stated);
     // Two milliradians too much: as far beyond, and a torque of K · 2 mrad.
     let pitch = &off.joints[1];
-    assert!((pitch.rest_mean_mrad - 2.0).abs() < 0.3, "{pitch:?}");
+    assert!((1e3 * pitch.rest_mean_rad - 2.0).abs() < 0.3, "{pitch:?}");
     assert!((pitch.false_torque_nm - 0.08).abs() < 1e-4, "{pitch:?}");
 }
 
@@ -138,7 +138,7 @@ fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     assert!((known.delta_e_rad.deviation - 0.0005).abs() < 1e-15);
     assert_eq!(simulation.known_at(0, 0.0).delta_e_rad.mean, 0.0);
     let score = run(&robot, &s, &[0.01; 4]).unwrap();
-    assert!(score.joints[1].rest_rms_mrad < 1e-3);
+    assert!(score.joints[1].rest_rms_rad < 1e-6);
 
     let refuse = |text: &str| {
         let mut s = with("[correction]\nestimate = \"since.json\"\n");
@@ -202,10 +202,10 @@ fn contacts_are_found_with_the_correction_and_false_without() {
     assert!(with.contacts >= 3, "{with:?}");
     assert_eq!(with.contacts, without.contacts);
     // Half of the recording is stretched: the alarm is on for most of that.
-    assert!(without.false_percent() > 25.0, "{without:?}");
-    assert!(with.false_percent() < 2.0, "{with:?}");
+    assert!(without.false_share() > 0.25, "{without:?}");
+    assert!(with.false_share() < 0.02, "{with:?}");
     assert!(without.missed > with.missed, "{with:?} {without:?}");
-    assert!((20.0..200.0).contains(&with.delay_median_ms()), "{with:?}");
+    assert!((0.02..0.2).contains(&with.delay_median_s()), "{with:?}");
 }
 
 #[test]
@@ -308,32 +308,34 @@ fn bad_corrections_name_file_line_key_and_value() {
 
 #[test]
 fn the_page_has_its_table_and_its_closed_forms() {
-    use sinew_eval::paper::{Effort, control, table, write_control};
+    use sinew_eval::paper::{Effort, Knowledge, RobotCase, control, table, write};
     // Ten seconds of one session: the table is made, its statistics are not judged here. The full
     // page is `sinew paper control`, which says itself which sentences hold.
     let effort = Effort {
         seeds: 1,
         seconds: 10.0,
     };
-    let made = control(&biorob_like(), effort).unwrap();
+    let mut made = control(&biorob_like(), effort).unwrap();
     assert_eq!(made.rows.len(), 20);
     // The sentences of the first row rest on closed forms, not on statistics.
-    for s in &made.figure.sentences[..7] {
+    for s in &made.sentences[..7] {
         assert!(s.holds, "{s:?}");
     }
-    let rest = |robot: &str, knows: &str| {
+    let rest = |robot: RobotCase, knowledge: Knowledge| {
         let row = made
             .rows
             .iter()
-            .find(|r| r.robot == robot && r.knows == knows);
-        row.unwrap().rest_mrad[0]
+            .find(|r| r.robot == robot && r.knowledge == knowledge);
+        row.unwrap().joints[0].rest_rad.mean
     };
-    assert!(rest("stretched", "nothing") > 5.0 * rest("stretched", "true"));
+    let stretched = RobotCase::Stretched;
+    assert!(rest(stretched, Knowledge::Nothing) > 5.0 * rest(stretched, Knowledge::True));
     let (head, cells) = table(&made.rows);
     assert!(cells.iter().all(|row| row.len() == head.len()));
 
     let folder = tempfile::tempdir().unwrap();
-    let written = write_control(&made, folder.path()).unwrap();
+    write(&mut made, folder.path()).unwrap();
+    let written = made.files.unwrap();
     let html = std::fs::read_to_string(&written.html).unwrap();
     assert!(html.contains("Before and after") && html.contains("K −20 %"));
     let csv = std::fs::read_to_string(folder.path().join("control.csv")).unwrap();

@@ -15,16 +15,17 @@ fn biorob_like() -> Robot {
     .expect("the shipped robot is readable")
 }
 
-fn judge(figure: &PaperFigure) {
+fn judge(mut figure: PaperFigure) {
     for s in &figure.sentences {
         let verdict = if s.holds { "holds" } else { "FAILS" };
+        let (value, unit) = s.shown();
         println!(
             "{}: {verdict}: {} {:.4} {} ({})",
-            figure.name, s.text, s.value, s.unit, s.criterion
+            figure.name, s.text, value, unit, s.criterion
         );
     }
     if let Some(folder) = std::env::var_os("SINEW_FIGURES") {
-        paper::write(figure, folder.as_ref()).expect("written");
+        paper::write(&mut figure, folder.as_ref()).expect("written");
     }
     let failed: Vec<&str> = figure
         .sentences
@@ -40,21 +41,22 @@ fn figure_6_shows_what_the_paper_says() {
     let figure = paper::fig6(&biorob_like()).expect("made");
     assert_eq!(figure.panels.len(), 9);
     assert!(figure.sentences.len() >= 11);
-    judge(&figure);
+    judge(figure);
 }
 
 #[test]
 fn figure_7_shows_what_the_paper_says() {
     let figure = paper::fig7(&biorob_like()).expect("made");
     assert_eq!(figure.panels.len(), 3);
-    judge(&figure);
+    judge(figure);
 }
 
 #[test]
 fn figures_are_files_that_open_offline() {
     let folder = tempfile::tempdir().expect("a folder");
-    let figure = paper::fig7(&biorob_like()).expect("made");
-    let written = paper::write(&figure, folder.path()).expect("written");
+    let mut figure = paper::fig7(&biorob_like()).expect("made");
+    paper::write(&mut figure, folder.path()).expect("written");
+    let written = figure.files.expect("named");
     let html = std::fs::read_to_string(&written.html).expect("there");
     assert!(html.contains("<svg") && html.contains("What is assumed"));
     // Nothing is fetched: the only address allowed is the SVG name space.

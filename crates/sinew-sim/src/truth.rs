@@ -13,6 +13,7 @@ type ByJoint<T> = BTreeMap<String, T>;
 /// Scenario, seed, `offset_rad`, `step_rad`, `stiffness_nm_per_rad`, `payload_kg` and
 /// `temperature_change_k` are what scoring needs; the rest says what else was drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Truth {
     /// Name of the scenario.
     pub scenario: String,
@@ -72,6 +73,7 @@ pub struct Truth {
 
 /// A jump of an offset.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
     /// Which joint.
     pub joint: String,
@@ -83,6 +85,7 @@ pub struct Step {
 
 /// A load.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {
     /// Link that holds it.
     pub link: String,
@@ -99,6 +102,7 @@ pub struct Load {
 
 /// A contact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Touch {
     /// From, s.
     pub start_s: f64,
@@ -114,6 +118,7 @@ pub struct Touch {
 
 /// Frames on their way into the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Frames {
     /// Written, repetitions included.
     pub written: u64,
@@ -152,7 +157,7 @@ impl Truth {
         let sum = |i: usize, t: f64| simulation.offset_at(i, t).sum();
         let frame_s = 1.0 / scenario.sample_rate_hz;
         // Just before the end of B: a step that opens the next session isn't part of it.
-        let told_at = scenario
+        let end_s = scenario
             .sessions
             .get(1)
             .map_or(duration_s, |s| s.to_s.min(duration_s))
@@ -175,7 +180,7 @@ impl Truth {
                 .iter()
                 .map(|s| (s.name.clone(), span(s)))
                 .collect(),
-            offset_rad: by_joint(&|i| sum(i, told_at)),
+            offset_rad: by_joint(&|i| sum(i, end_s)),
             offset_course_s_rad: (0..names.len())
                 .filter(|&i| simulation.offsets().iter().any(|o| o.joint == i))
                 .map(|i| (names[i].clone(), course(simulation, i, duration_s)))

@@ -36,6 +36,7 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// A length.
+#[cfg(feature = "camera")]
 pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
     positive(text, "mm")
 }

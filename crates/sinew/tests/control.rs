@@ -111,8 +111,8 @@ fn an_estimate_brings_the_joints_back() {
     };
     for (i, stiffness) in [(1, 40.0), (2, 20.0)] {
         let (before, after) = (
-            joint("without", i, "rest_mean_mrad"),
-            joint("with", i, "rest_mean_mrad"),
+            1e3 * joint("without", i, "rest_mean_rad"),
+            1e3 * joint("with", i, "rest_mean_rad"),
         );
         assert!(before < -7.0, "joint {i}: {before}");
         // The estimate is good to a milliradian, joint friction holds the joint within two.

@@ -6,12 +6,14 @@
 //! the joints are from where they were asked to be, which contacts were missed, and for how long
 //! there seemed to be one that wasn't.
 //!
-//! Reading order: [`run`], `watch` (observer and detector on a simulation), `score`.
+//! Reading order: [`run`], `detection` (observer and detectors on a simulation), `score`.
 
+mod detection;
 mod run;
 mod score;
-mod watch;
 
-pub use run::{Comparison, Outcome, Sensitivity, compare, noise_nm, run, run_watched};
-pub use score::{ContactScore, JointScore, Score, median};
-pub use watch::{Watched, WatchedMoment};
+pub use detection::DetectionSample;
+pub use run::{
+    Comparison, Outcome, Sensitivity, Simulated, compare, noise_nm, run, run_with_detectors,
+};
+pub use score::{ContactScore, JointScore, Score};

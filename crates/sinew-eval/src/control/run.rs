@@ -1,16 +1,34 @@
 //! A scenario run and scored.
 
+use super::detection::{Detection, DetectionSample};
 use super::score::{AFTERMATH_S, ContactScore, JointTally, SETTLED_S, Score};
-use super::watch::{Watch, WatchedMoment};
 use serde::Serialize;
+use sinew_files::JsonDocument;
 use sinew_files::{Fault, Located};
 use sinew_model::correction::JointCorrection;
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, Truth};
 use sinew_sim::{SimulateError, Simulation, TrueState};
 
+/// A simulated recording's truth, and its control where that was asked for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Simulated {
+    /// As the file beside the recording has it.
+    #[serde(flatten)]
+    pub truth: sinew_sim::Truth,
+    /// The scenario without and with its correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<Comparison>,
+}
+
+impl JsonDocument for Simulated {
+    const SCHEMA: &'static str = "sinew/simulate/1";
+}
+
 /// A scenario without and with its correction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// Neither the set-points nor the external torque corrected.
     pub without: Score,
@@ -20,15 +38,17 @@ pub struct Comparison {
 
 /// Contacts with another sensitivity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensitivity {
     /// Factor on the threshold.
     pub threshold_factor: f64,
-    /// What was seen with it.
+    /// What was detected with it.
     pub contacts: ContactScore,
 }
 
 /// A score with other sensitivities beside it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// As the scenario has it.
     pub score: Score,
@@ -36,8 +56,8 @@ pub struct Outcome {
     pub sensitivities: Vec<Sensitivity>,
 }
 
-/// What a moment of a run is shown to.
-type Show<'a> = &'a mut dyn FnMut(&TrueState, WatchedMoment<'_>);
+/// Takes every sample of a run.
+type OnSample<'a> = &'a mut dyn FnMut(&TrueState, DetectionSample<'_>);
 
 /// Runs a scenario without and with its correction.
 ///
@@ -70,31 +90,30 @@ pub fn compare(robot: &Robot, scenario: &Scenario) -> Result<Comparison, Simulat
 /// # Errors
 /// [`SimulateError`].
 pub fn run(robot: &Robot, scenario: &Scenario, noise_nm: &[f64]) -> Result<Score, SimulateError> {
-    Ok(run_watched(robot, scenario, noise_nm, &[], &mut |_, _| {})?.score)
+    Ok(run_with_detectors(robot, scenario, noise_nm, &[], &mut |_, _| {})?.score)
 }
 
-/// As [`run`], with further detectors whose thresholds are scaled by `factors`, and `show` told of
-/// every frame.
+/// As [`run`], with further detectors whose thresholds are scaled by `factors`, and `on_sample`
+/// called with every frame.
 ///
 /// # Errors
 /// [`SimulateError`].
-pub fn run_watched(
+pub fn run_with_detectors(
     robot: &Robot,
     scenario: &Scenario,
     noise_nm: &[f64],
     factors: &[f64],
-    show: Show<'_>,
+    on_sample: OnSample<'_>,
 ) -> Result<Outcome, SimulateError> {
     let mut simulation = Simulation::new(robot, scenario)?;
     let names = simulation.joint_names().to_vec();
     let n = names.len();
     let known: Vec<JointCorrection> = (0..n).map(|i| simulation.known_at(i, 0.0)).collect();
-    let detection = &scenario.contact_detection;
     let all: Vec<f64> = std::iter::once(1.0)
         .chain(factors.iter().copied())
         .collect();
-    let mut watch = Watch::new(robot, &known, detection, noise_nm, &all)?;
-    let from_s = watch.settling_time_s();
+    let mut detection = Detection::new(robot, &known, &scenario.contact_detection, noise_nm, &all)?;
+    let from_s = detection.settling_time_s();
     let mut tallies = vec![JointTally::default(); n];
     let mut stood_s = 0.0;
     let mut last_touch_s = f64::NEG_INFINITY;
@@ -105,10 +124,10 @@ pub fn run_watched(
         let t = truth.time_s;
         if simulation.known_changes() {
             for i in 0..n {
-                watch.know(i, &simulation.known_at(i, t))?;
+                detection.set_known(i, &simulation.known_at(i, t))?;
             }
         }
-        watch
+        detection
             .step(t, &q, &theta)
             .map_err(|e| SimulateError::Diverged {
                 time_s: t,
@@ -119,16 +138,16 @@ pub fn run_watched(
         }
         let stands = truth.dq_d.iter().all(|x| *x == 0.0);
         stood_s = if stands { stood_s + dt } else { 0.0 };
-        let moment = watch.moment();
+        let sample = detection.sample();
         if t - last_touch_s >= AFTERMATH_S {
             for (i, tally) in tallies.iter_mut().enumerate() {
                 tally.position(truth.q[i] - truth.q_d[i], stood_s >= SETTLED_S);
                 if t >= from_s {
-                    tally.torque(moment.tau_ext[i], truth.tau_ext[i], moment.threshold[i]);
+                    tally.torque(sample.tau_ext[i], truth.tau_ext[i], sample.threshold[i]);
                 }
             }
         }
-        show(truth, moment);
+        on_sample(truth, sample);
     }
     let end_s = simulation.duration_s();
     let contacts: Vec<(f64, f64)> = simulation
@@ -137,9 +156,9 @@ pub fn run_watched(
         .iter()
         .map(|c| (c.start_s, c.start_s + c.duration_s))
         .collect();
-    let mut sensitivities = watch.finish(end_s).into_iter().map(|w| Sensitivity {
-        threshold_factor: w.factor,
-        contacts: ContactScore::of(&w.intervals, &contacts, from_s, end_s),
+    let mut sensitivities = detection.finish(end_s).into_iter().map(|a| Sensitivity {
+        threshold_factor: a.factor,
+        contacts: ContactScore::of(&a.intervals, &contacts, from_s, end_s),
     });
     // The first one is the scenario's own.
     let own = sensitivities.next().map(|s| s.contacts);

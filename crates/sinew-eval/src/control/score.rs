@@ -14,6 +14,7 @@ const ONE_CONTACT_S: f64 = 0.5;
 
 /// Joint position and contacts of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// One entry per joint.
     pub joints: Vec<JointScore>,
@@ -22,34 +23,45 @@ pub struct Score {
 }
 
 /// How far a joint is from where it was asked to be, contacts left out.
+///
+/// A number that needs samples is NaN, and null in JSON, where there were none: `rest_*` when the
+/// arm never stood still untouched.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointScore {
     /// Joint.
     pub name: String,
-    /// RMS of `q − q_d` at rest, mrad; NaN (null) when the arm never stood still untouched.
-    pub rest_rms_mrad: f64,
-    /// Mean of `q − q_d` at rest, mrad.
-    pub rest_mean_mrad: f64,
-    /// RMS over the whole recording, mrad.
-    pub rms_mrad: f64,
-    /// Largest size over the whole recording, mrad.
-    pub peak_mrad: f64,
-    /// Mean of the external torque seen while nothing touches, N·m.
+    /// RMS of `q − q_d` at rest, rad.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub rest_rms_rad: f64,
+    /// Mean of `q − q_d` at rest, rad.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub rest_mean_rad: f64,
+    /// RMS of `q − q_d` over the whole recording, rad.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub rms_rad: f64,
+    /// Largest size of `q − q_d` over the whole recording, rad.
+    pub peak_rad: f64,
+    /// Mean of the estimated external torque while nothing touches, N·m.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub false_torque_nm: f64,
     /// RMS of the external torque's error while nothing touches, N·m.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub torque_error_rms_nm: f64,
     /// Mean threshold, N·m.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub threshold_nm: f64,
 }
 
-/// Contacts seen against contacts there were.
+/// Contacts detected against contacts there were.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactScore {
     /// Contacts there were (those less than 0.5 s apart count as one).
     pub contacts: usize,
-    /// Not seen, or hidden by an alarm that was on before.
+    /// Not detected, or hidden by an alarm that was on before.
     pub missed: usize,
-    /// From the beginning of a contact to its alarm, s; one per contact seen.
+    /// From the beginning of a contact to its alarm, s; one per contact detected.
     pub delays_s: Vec<f64>,
     /// Alarms without a contact.
     pub false_alarms: usize,
@@ -114,14 +126,14 @@ impl ContactScore {
         self.false_s += other.false_s;
     }
 
-    /// Share of the contacts missed, %; NaN without contacts.
-    pub fn missed_percent(&self) -> f64 {
-        100.0 * self.missed as f64 / self.contacts as f64
+    /// Share of the contacts missed; NaN without contacts.
+    pub fn missed_share(&self) -> f64 {
+        self.missed as f64 / self.contacts as f64
     }
 
-    /// Share of the time without contact with a false alarm, %.
-    pub fn false_percent(&self) -> f64 {
-        100.0 * self.false_s / self.free_s
+    /// Share of the time without contact with a false alarm.
+    pub fn false_share(&self) -> f64 {
+        self.false_s / self.free_s
     }
 
     /// False alarms per minute without contact.
@@ -129,9 +141,9 @@ impl ContactScore {
         60.0 * self.false_alarms as f64 / self.free_s
     }
 
-    /// Median delay, ms; NaN when nothing was seen.
-    pub fn delay_median_ms(&self) -> f64 {
-        1e3 * median(&self.delays_s)
+    /// Median delay, s; NaN when nothing was detected.
+    pub fn delay_median_s(&self) -> f64 {
+        median(&self.delays_s)
     }
 }
 
@@ -152,7 +164,7 @@ fn joined(contacts: &[(f64, f64)], from_s: f64, to_s: f64) -> Vec<(f64, f64)> {
 }
 
 /// The middle value; NaN of nothing.
-pub fn median(values: &[f64]) -> f64 {
+pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let n = sorted.len();
@@ -200,9 +212,9 @@ impl Sum {
 
 impl JointTally {
     pub(super) fn position(&mut self, error_rad: f64, at_rest: bool) {
-        self.all.add(1e3 * error_rad);
+        self.all.add(error_rad);
         if at_rest {
-            self.rest.add(1e3 * error_rad);
+            self.rest.add(error_rad);
         }
     }
 
@@ -217,10 +229,10 @@ impl JointTally {
     pub(super) fn score(&self, name: &str) -> JointScore {
         JointScore {
             name: name.into(),
-            rest_rms_mrad: self.rest.rms(),
-            rest_mean_mrad: self.rest.mean(),
-            rms_mrad: self.all.rms(),
-            peak_mrad: self.all.peak,
+            rest_rms_rad: self.rest.rms(),
+            rest_mean_rad: self.rest.mean(),
+            rms_rad: self.all.rms(),
+            peak_rad: self.all.peak,
             false_torque_nm: self.torque.mean(),
             torque_error_rms_nm: self.torque_error.rms(),
             threshold_nm: self.threshold.mean(),
@@ -246,7 +258,7 @@ mod tests {
         assert!((score.free_s - 15.1).abs() < 1e-12, "{}", score.free_s);
         // One second before the hidden contact, half a second later on.
         assert!((score.false_s - 1.5).abs() < 1e-12, "{}", score.false_s);
-        assert!((score.missed_percent() - 200.0 / 3.0).abs() < 1e-12);
+        assert!((100.0 * score.missed_share() - 200.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]
@@ -256,8 +268,8 @@ mod tests {
             (score.contacts, score.missed, score.false_alarms),
             (1, 1, 1)
         );
-        assert!((score.false_percent() - 100.0).abs() < 1e-9);
-        assert!(score.delay_median_ms().is_nan());
+        assert!((100.0 * score.false_share() - 100.0).abs() < 1e-9);
+        assert!(score.delay_median_s().is_nan());
         assert_eq!(median(&[3.0, 1.0, 2.0, 10.0]), 2.5);
     }
 }

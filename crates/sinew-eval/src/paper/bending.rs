@@ -1,7 +1,8 @@
 //! Figs. 4 and 5: a rope on the bench, over guiding pulleys and under changing force.
 
+use super::PaperError;
+use super::data::{FigureName, PanelData, PaperFigure};
 use super::judge::{assumptions, curve, judged, laws};
-use super::{PanelData, PaperError, PaperFigure};
 use rayon::prelude::*;
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Panel};
@@ -109,7 +110,7 @@ pub fn fig4(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         curves.push(vec![simulate(&nominal, &bench, INTERVAL_S)?]);
     }
     let title = "Fig. 4: elongation over guiding pulleys";
-    let mut out = drawn("fig4", title, &titles, &curves);
+    let mut out = drawn(FigureName::Fig4, title, &titles, &curves);
     out.sentences = sentences;
     out.tables.push(passes()?);
     out.not_judged.push("Each case was run twice: the law has no scatter from specimen to specimen, so that nothing can be said of repeatability.".into());
@@ -220,7 +221,7 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     ];
     let titles = ["(E) 200 N, then 120 N", "(F) 120 N, then 200 N"];
     let mut out = drawn(
-        "fig5",
+        FigureName::Fig5,
         "Fig. 5: elongation under changing force",
         &titles,
         &cases,
@@ -256,12 +257,7 @@ fn kept(catalogue: &Catalogue) -> Result<Vec<f64>, PaperError> {
         .collect()
 }
 
-fn drawn(
-    name: &'static str,
-    title: &str,
-    titles: &[&str],
-    cases: &[Vec<Simulated>],
-) -> PaperFigure {
+fn drawn(name: FigureName, title: &str, titles: &[&str], cases: &[Vec<Simulated>]) -> PaperFigure {
     let mut panel = Panel::new("", "time (min)", "strain of the strands (%)");
     let mut series = Vec::new();
     let mut lines = Vec::new();
@@ -302,6 +298,8 @@ fn drawn(
         sentences: Vec::new(),
         not_judged: Vec::new(),
         tables: Vec::new(),
+        rows: Vec::new(),
+        files: None,
         assumptions,
     }
 }

@@ -1,7 +1,8 @@
 //! Figs. 1 and 2: tensile creep of the ropes at 23 and at 60 °C.
 
+use super::PaperError;
+use super::data::{FigureName, PanelData, PaperFigure};
 use super::judge::{assumptions, curve, judged, laws, slope};
-use super::{PanelData, PaperError, PaperFigure};
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_model::rope::{Law, RopeLoad, State};
@@ -162,7 +163,7 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         ),
     ];
     Ok(figure(
-        "fig1",
+        FigureName::Fig1,
         "Fig. 1: tensile creep of nine ropes at 23 °C",
         &tests,
         None,
@@ -227,7 +228,7 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         ),
     ];
     let mut out = figure(
-        "fig2",
+        FigureName::Fig2,
         "Fig. 2: tensile creep of four ropes at 60 °C",
         &hot,
         Some(&cold),
@@ -242,11 +243,11 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
 /// Curves of all tests, intervals of their ends beside them; dashed, the same ropes at 23 °C where
 /// `cold` has them.
 fn figure(
-    name: &'static str,
+    name: FigureName,
     title: &str,
     tests: &[Test],
     cold: Option<&[Test]>,
-    sentences: Vec<super::Sentence>,
+    sentences: Vec<super::sentence::Sentence>,
 ) -> PaperFigure {
     let minutes = minutes();
     let end = MINUTES as f64;
@@ -307,6 +308,8 @@ fn figure(
             "The standard atmosphere's humidity (23/50): the law knows temperature only.".into(),
         ],
         tables: Vec::new(),
+        rows: Vec::new(),
+        files: None,
         assumptions,
     }
 }

@@ -1,11 +1,12 @@
 //! Fig. 6: the estimate in simulation, without and with model errors.
 
-use super::sentence::{below, near};
+use super::PaperError;
+use super::data::{FigureName, PanelData, PaperFigure};
+use super::sentence::{Sentence, Unit, below, near};
 use super::staircase::{
     GAIN_PER_S, LENGTH_S, MOVE_S, PAUSE_S, STEPS, controller, motion, rest_angle_rad, rest_end_s,
 };
 use super::trial::{Estimator, Trial, difference, joint, mean, peak, std};
-use super::{PanelData, PaperError, PaperFigure, Sentence};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
 use sinew_model::robot::Robot;
@@ -94,7 +95,7 @@ pub fn fig6(robot: &Robot) -> Result<PaperFigure, PaperError> {
     sentences.extend(contact(robot, shoulder, &nominal)?);
     let panels = panels(&trial, shoulder, &cases);
     Ok(PaperFigure {
-        name: "fig6",
+        name: FigureName::Fig6,
         title: "Fig. 6: offset estimate in simulation, with model errors".into(),
         about: about(robot, shoulder),
         figure: draw(&panels),
@@ -102,6 +103,8 @@ pub fn fig6(robot: &Robot) -> Result<PaperFigure, PaperError> {
         sentences,
         not_judged: Vec::new(),
         tables: Vec::new(),
+        rows: Vec::new(),
+        files: None,
         assumptions: assumptions(),
     })
 }
@@ -147,7 +150,7 @@ fn model_errors(trial: &Trial, cases: &[Case]) -> Vec<Sentence> {
         "largest deviation over four rests and three offsets; what remains is ringing",
         1e3 * worst,
         0.1,
-        "mrad",
+        Unit::Rad,
     ));
     let at_90 = |case: &Case| 1e3 * trial.at_rest(&case.paper[0], STEPS);
     out.push(near(
@@ -156,7 +159,7 @@ fn model_errors(trial: &Trial, cases: &[Case]) -> Vec<Sentence> {
         at_90(stiff),
         15.1,
         0.1,
-        "mrad",
+        Unit::Rad,
     ));
     out.push(near(
         "With M, C and g underestimated by 10 % it is 9.1 mrad too large at 90°.",
@@ -164,7 +167,7 @@ fn model_errors(trial: &Trial, cases: &[Case]) -> Vec<Sentence> {
         at_90(light),
         9.1,
         0.1,
-        "mrad",
+        Unit::Rad,
     ));
     let mut worst: f64 = 0.0;
     for case in cases {
@@ -179,7 +182,7 @@ fn model_errors(trial: &Trial, cases: &[Case]) -> Vec<Sentence> {
         "largest deviation from the end of the first move on; the torque estimate doesn't see theta, so that only rounding remains",
         1e3 * worst,
         0.04,
-        "mrad",
+        Unit::Rad,
     ));
     out
 }
@@ -193,7 +196,7 @@ fn motion_errors(right: &Case) -> Vec<Sentence> {
             1e3 * mean(paper),
             0.3,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         near(
             "a scatter of 1.8 mrad",
@@ -201,7 +204,7 @@ fn motion_errors(right: &Case) -> Vec<Sentence> {
             1e3 * std(paper),
             1.8,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         near(
             "and a peak of 4.5 mrad.",
@@ -209,14 +212,14 @@ fn motion_errors(right: &Case) -> Vec<Sentence> {
             1e3 * peak(paper),
             4.5,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         below(
             "In the matched comparison motion makes an error below 0.001 mrad.",
             "largest size over the whole motion, without model error",
             1e3 * peak(matched),
             0.001,
-            "mrad",
+            Unit::Rad,
         ),
     ]
 }
@@ -248,7 +251,7 @@ fn payload(robot: &Robot, shoulder: usize, nominal: &Estimator) -> Result<Senten
         1e3 * mean(&rests),
         13.0,
         0.1,
-        "mrad",
+        Unit::Rad,
     ))
 }
 
@@ -288,7 +291,7 @@ fn contact(
             1e3 * low,
             -75.0,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         near(
             "to 62 mrad.",
@@ -296,7 +299,7 @@ fn contact(
             1e3 * high,
             62.0,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
     ])
 }
@@ -381,7 +384,7 @@ fn draw(panels: &[PanelData]) -> Figure {
                 String::new()
             };
             panel = panel.line(
-                Line::new(name, series.time_s.clone(), series.value_mrad.clone())
+                Line::new(name, series.time_s.clone(), series.drawn())
                     .colour(colour)
                     .dash(Dash::Solid)
                     .width(1.4),

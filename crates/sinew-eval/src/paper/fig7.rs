@@ -1,9 +1,10 @@
 //! Fig. 7: the estimate on a robot, here a simulated "real" elbow.
 
-use super::sentence::{below, near};
+use super::PaperError;
+use super::data::{FigureName, PanelData, PaperFigure};
+use super::sentence::{Sentence, Unit, below, near};
 use super::staircase::{LENGTH_S, MOVE_S, PAUSE_S, STEPS, controller, motion, rest_end_s};
 use super::trial::{Estimator, Trial, difference, joint, mean, peak};
-use super::{PanelData, PaperError, PaperFigure, Sentence};
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
 use sinew_model::offset::{Comparison, OffsetConfig};
 use sinew_model::robot::Robot;
@@ -149,7 +150,7 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
     let sentences = sentences(&first, &paper, &matched, relaxed_rad, radius_m);
     let panels = panels(&first, &paper, &matched);
     Ok(PaperFigure {
-        name: "fig7",
+        name: FigureName::Fig7,
         title: "Fig. 7: offset estimate of a simulated “real” elbow".into(),
         about: vec![
             format!(
@@ -167,6 +168,8 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
         sentences,
         not_judged: Vec::new(),
         tables: Vec::new(),
+        rows: Vec::new(),
+        files: None,
         assumptions: vec![
             "The paper's robot is replaced by a simulation: what holds here is that the method survives these errors, not that they are the BioRob's.".into(),
             "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper doesn't say how its velocities were made.".into(),
@@ -206,34 +209,38 @@ fn sentences(
     };
     let in_motion = motion(&difference(&matched[1], &matched[0]));
     vec![
-        Sentence {
-            text: "On the robot the estimate itself is off by several milliradians: model errors and friction remain in it.".into(),
-            criterion: "largest size of the first run's estimate at rest, where the truth is 0, is at least 1 mrad".into(),
-            value: 1e3 * (1..=STEPS).map(|k| trial.at_rest(first, k).abs()).fold(0.0, f64::max),
-            unit: "mrad".into(),
-            holds: (1..=STEPS).any(|k| trial.at_rest(first, k).abs() >= 1e-3),
-        },
+        Sentence::new(
+            "On the robot the estimate itself is off by several milliradians: model errors and friction remain in it.",
+            "largest size of the first run's estimate at rest, where the truth is 0, is at least 1 mrad",
+            1e3 * (1..=STEPS)
+                .map(|k| trial.at_rest(first, k).abs())
+                .fold(0.0, f64::max),
+            Unit::Rad,
+            (1..=STEPS).any(|k| trial.at_rest(first, k).abs() >= 1e-3),
+        ),
         near(
             "The difference of two runs shows the added 10 mrad.",
             "mean over the four rests; the resolution of the joint encoder is 0.77 mrad",
             1e3 * rests(trial, &added),
             1e3 * ADDED_RAD,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         below(
             "It shows it at every rest.",
             "largest deviation from 10 mrad over the four rests; one step of the joint encoder",
-            1e3 * (1..=STEPS).map(|k| (trial.at_rest(&added, k) - ADDED_RAD).abs()).fold(0.0, f64::max),
+            1e3 * (1..=STEPS)
+                .map(|k| (trial.at_rest(&added, k) - ADDED_RAD).abs())
+                .fold(0.0, f64::max),
             ENCODER_STEP_MRAD,
-            "mrad",
+            Unit::Rad,
         ),
         below(
             "In the matched comparison it shows it during motion too.",
             "largest deviation from 10 mrad from the end of the first move on; two steps of the joint encoder",
             1e3 * in_motion,
             2.0 * ENCODER_STEP_MRAD,
-            "mrad",
+            Unit::Rad,
         ),
         near(
             "Relaxing the rope by 0.5 mm raises the estimate by its share on the pulley.",
@@ -241,14 +248,16 @@ fn sentences(
             1e3 * rests(trial, &grown),
             expected_mrad,
             0.1,
-            "mrad",
+            Unit::Rad,
         ),
         below(
             "Re-tensioning restores the first estimate.",
             "largest deviation from the first run over the four rests; one step of the joint encoder and the 0.4 mrad that the tensioner leaves",
-            1e3 * (1..=STEPS).map(|k| trial.at_rest(&back, k).abs()).fold(0.0, f64::max),
+            1e3 * (1..=STEPS)
+                .map(|k| trial.at_rest(&back, k).abs())
+                .fold(0.0, f64::max),
             ENCODER_STEP_MRAD + left_mrad,
-            "mrad",
+            Unit::Rad,
         ),
     ]
 }
@@ -302,13 +311,9 @@ fn draw(panels: &[PanelData], relaxed_rad: f64) -> Figure {
         }
         for (series, colour) in data.series.iter().zip(colours) {
             panel = panel.line(
-                Line::new(
-                    series.name.clone(),
-                    series.time_s.clone(),
-                    series.value_mrad.clone(),
-                )
-                .colour(*colour)
-                .width(1.3),
+                Line::new(series.name.clone(), series.time_s.clone(), series.drawn())
+                    .colour(*colour)
+                    .width(1.3),
             );
         }
         figure = figure.panel(panel);

@@ -1,12 +1,14 @@
 //! Sentences about ropes, judged at the catalogue's values and in every draw of them.
 
-use super::{PaperError, Sentence, SeriesData};
+use super::PaperError;
+use super::data::{Curve, SeriesData};
+use super::sentence::{Sentence, Unit};
 use sinew_figure::plot::{Band, Colour, Line};
 use sinew_model::rope::Law;
 use sinew_model::statistics::quantile;
 use sinew_rope::{Catalogue, Draws};
 
-/// Draws behind every share and band.
+/// Draws behind every share and band; [`Unit::ShareOfDraws`] names the number.
 pub(super) const DRAWS: usize = 400;
 /// Seed of the draws.
 pub(super) const SEED: u64 = 1;
@@ -31,13 +33,8 @@ pub(super) fn laws(catalogue: &Catalogue, name: &str) -> Result<Vec<Law>, PaperE
 /// Judges a sentence; `holds` is asked with 0 for the catalogue's values and 1… for the draws.
 pub(super) fn judged(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
     let held = (1..=DRAWS).filter(|&i| holds(i)).count();
-    Sentence {
-        text: text.into(),
-        criterion: rule.into(),
-        value: 100.0 * held as f64 / DRAWS as f64,
-        unit: format!("% of {DRAWS} draws"),
-        holds: holds(0),
-    }
+    let percent = 100.0 * held as f64 / DRAWS as f64;
+    Sentence::new(text, rule, percent, Unit::ShareOfDraws, holds(0))
 }
 
 /// Slope of the least-squares line through the points in a range of `x`, per unit of `x`.
@@ -85,8 +82,7 @@ pub(super) fn curve(
     let series = SeriesData {
         name: name.into(),
         time_s: minutes.iter().map(|m| 60.0 * m).collect(),
-        value_percent: curves[0].clone(),
-        ..SeriesData::default()
+        curve: Curve::StrainRatio(curves[0].iter().map(|percent| 0.01 * percent).collect()),
     };
     (line, band, series)
 }

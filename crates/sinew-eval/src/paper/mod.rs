@@ -16,6 +16,7 @@
 mod bending;
 mod control;
 mod creep;
+mod data;
 mod fig6;
 mod fig7;
 mod judge;
@@ -26,69 +27,19 @@ mod table1;
 mod trial;
 
 pub use bending::{fig4, fig5};
-pub use control::{Control, Effort, Row, control, table, write_control};
+pub use control::{Effort, Knowledge, RobotCase, Row, control, table};
 pub use creep::{fig1, fig2};
+pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
 pub use fig6::fig6;
 pub use fig7::fig7;
-pub use page::{Written, write};
+pub use page::write;
+pub use sentence::{Sentence, Unit};
 pub use table1::table1;
 
-pub use sinew_figure::Sentence;
-
-use serde::Serialize;
-use sinew_figure::Table;
-use sinew_figure::plot::Figure;
 use sinew_model::StepError;
 use sinew_model::arm::ArmError;
 use sinew_model::offset::OffsetConfigError;
 use sinew_sim::SimulateError;
-
-/// A figure of the paper, done again.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PaperFigure {
-    /// `fig1` … `table1`: how its files are called.
-    pub name: &'static str,
-    /// One line.
-    pub title: String,
-    /// What is shown and how it was made, in paragraphs.
-    pub about: Vec<String>,
-    /// The curves.
-    pub panels: Vec<PanelData>,
-    /// The drawing.
-    pub figure: Figure,
-    /// What the paper (or its follow-up) says, and whether the data say so too.
-    pub sentences: Vec<Sentence>,
-    /// What the paper says or did that the data can't show, with the reason.
-    pub not_judged: Vec<String>,
-    /// Numbers behind the drawing, where tables show them better.
-    pub tables: Vec<Table>,
-    /// What is assumed because the paper doesn't tell.
-    pub assumptions: Vec<String>,
-}
-
-/// Curves that share axes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PanelData {
-    /// What the panel shows.
-    pub title: String,
-    /// Its curves.
-    pub series: Vec<SeriesData>,
-}
-
-/// One curve, in one of the units.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct SeriesData {
-    /// What it is.
-    pub name: String,
-    /// Time, s.
-    pub time_s: Vec<f64>,
-    /// Value, mrad; empty where the curve is a strain.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub value_mrad: Vec<f64>,
-    /// Value, %; empty where the curve is an offset.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub value_percent: Vec<f64>,
-}
 
 /// Why a figure could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -1,45 +1,40 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
-use super::{PaperError, PaperFigure};
+use super::data::{PaperFigure, Written};
+use super::sentence::Sentence;
+use super::{PaperError, control};
 use sinew_figure::plot::PngError;
 use sinew_figure::{Block, Page};
 use sinew_files::write_file;
 use std::path::{Path, PathBuf};
 
-/// Files of one figure.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Written {
-    /// The drawing, scalable.
-    pub svg: PathBuf,
-    /// The drawing, 2 px per CSS px; none in a build that draws no PNG.
-    pub png: Option<PathBuf>,
-    /// The page: drawing, sentences, assumptions.
-    pub html: PathBuf,
-}
-
-/// Writes `NAME.svg`, `NAME.html` and, in a build that draws PNG, `NAME.png` into `folder`, which must exist.
+/// Writes `NAME.svg`, `NAME.html`, in a build that draws PNG `NAME.png`, and `NAME.csv` where the
+/// figure has rows, into `folder`, which must exist; the figure then names them.
 ///
 /// # Errors
 /// [`PaperError`]; each file is whole or not there.
-pub fn write(figure: &PaperFigure, folder: &Path) -> Result<Written, PaperError> {
-    let at = |ending: &str| folder.join(format!("{}.{ending}", figure.name));
+pub fn write(figure: &mut PaperFigure, folder: &Path) -> Result<(), PaperError> {
     const SCALE: f64 = 2.0;
-    let (svg, html_path) = (at("svg"), at("html"));
-    write_file(&svg, figure.figure.svg().as_bytes())?;
-    let png = match figure.figure.png(SCALE) {
-        Ok(bytes) => Some((at("png"), bytes)),
-        Err(PngError::LeftOut) => None,
-        Err(error) => return Err(error.into()),
+    let put = |ending: &str, bytes: &[u8]| -> Result<PathBuf, PaperError> {
+        let path = folder.join(format!("{}.{ending}", figure.name));
+        write_file(&path, bytes)?;
+        Ok(path)
     };
-    if let Some((path, bytes)) = &png {
-        write_file(path, bytes)?;
-    }
-    write_file(&html_path, html(figure).as_bytes())?;
-    Ok(Written {
-        svg,
-        png: png.map(|(path, _)| path),
-        html: html_path,
-    })
+    let png = match figure.figure.png(SCALE) {
+        Err(PngError::LeftOut) => None,
+        drawn => Some(put("png", &drawn?)?),
+    };
+    let csv = match &figure.rows[..] {
+        [] => None,
+        rows => Some(put("csv", control::csv(rows).as_bytes())?),
+    };
+    figure.files = Some(Written {
+        html: put("html", html(figure).as_bytes())?,
+        svg: put("svg", figure.figure.svg().as_bytes())?,
+        png,
+        csv,
+    });
+    Ok(())
 }
 
 /// The page as text.
@@ -57,7 +52,9 @@ fn html(figure: &PaperFigure) -> String {
     .section("", shown)
     .section(
         "What it should show",
-        vec![Block::Sentences(figure.sentences.clone())],
+        vec![Block::Sentences(
+            figure.sentences.iter().map(judged).collect(),
+        )],
     );
     if !figure.not_judged.is_empty() {
         let list = Block::List(figure.not_judged.clone());
@@ -71,27 +68,33 @@ fn html(figure: &PaperFigure) -> String {
     .html()
 }
 
+/// A sentence with its value as people read it.
+fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
+    let (value, unit) = sentence.shown();
+    sinew_figure::Sentence {
+        text: sentence.text.clone(),
+        criterion: sentence.criterion.clone(),
+        value,
+        unit: unit.into(),
+        holds: sentence.holds,
+    }
+}
+
 const SOURCE: &str = "After J. Kirchhoff and O. von Stryk, New Insights in Synthetic Fiber Rope \
     Elongation and its Detection for Ultra Lightweight Tendon Driven Series Elastic Robots, IROS \
     2018.";
 
 #[cfg(test)]
 mod tests {
+    use super::super::{FigureName, Unit};
     use super::*;
-    use crate::paper::Sentence;
     use sinew_figure::plot::Figure;
 
     #[test]
     fn a_page_shows_sentences_and_what_is_not_judged() {
-        let sentence = |holds| Sentence {
-            text: "A < B".into(),
-            criterion: "by eye".into(),
-            value: 15.147_3,
-            unit: "mrad".into(),
-            holds,
-        };
+        let sentence = |holds| Sentence::new("A < B", "by eye", 15.147_3, Unit::Rad, holds);
         let page = html(&PaperFigure {
-            name: "fig0",
+            name: FigureName::Fig6,
             title: "a < b & \"c\"".into(),
             about: vec!["how".into()],
             panels: Vec::new(),
@@ -100,6 +103,8 @@ mod tests {
             not_judged: vec!["who knows".into()],
             tables: Vec::new(),
             assumptions: vec!["nothing".into()],
+            rows: Vec::new(),
+            files: None,
         });
         for words in [
             "a &lt; b &amp; &quot;c&quot;",

@@ -1,41 +1,113 @@
-//! Sentences that hold when one number is where it should be.
+//! Sentences of the paper, held against data.
 
-use super::Sentence;
+use serde::Serialize;
 
-/// Holds when `value` is within `share` of `expected`.
+/// A sentence of the paper (or its follow-up), judged from data by a stated criterion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sentence {
+    /// What the paper says.
+    pub text: String,
+    /// What must be so for it to hold, with the threshold and its unit.
+    pub criterion: String,
+    /// What the data gave, in `unit`.
+    pub value: f64,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Whether the criterion is met.
+    pub holds: bool,
+}
+
+/// SI unit of a sentence's value, or what it counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Unit {
+    /// rad; shown in mrad.
+    Rad,
+    /// N·m.
+    Nm,
+    /// s; shown in ms.
+    S,
+    /// Share of the draws in which the sentence holds; shown in %.
+    ShareOfDraws,
+    /// Share of the time without contact; shown in %.
+    ShareOfFreeTime,
+    /// Share of the contacts; shown in %.
+    ShareOfContacts,
+    /// Ropes.
+    Ropes,
+    /// Factor on the threshold.
+    TimesTheThreshold,
+}
+
+impl Unit {
+    /// How many of the units that are shown make one, and what those are called.
+    fn shown(self) -> (f64, &'static str) {
+        match self {
+            Self::Rad => (1e3, "mrad"),
+            Self::Nm => (1.0, "N·m"),
+            Self::S => (1e3, "ms"),
+            Self::ShareOfDraws => (1e2, "% of 400 draws"),
+            Self::ShareOfFreeTime => (1e2, "% of the free time"),
+            Self::ShareOfContacts => (1e2, "% of the contacts"),
+            Self::Ropes => (1.0, "ropes"),
+            Self::TimesTheThreshold => (1.0, "times the threshold"),
+        }
+    }
+}
+
+impl Sentence {
+    /// A sentence with its verdict; `value` as it is shown.
+    pub(super) fn new(
+        text: impl Into<String>,
+        criterion: impl Into<String>,
+        value: f64,
+        unit: Unit,
+        holds: bool,
+    ) -> Self {
+        Self {
+            text: text.into(),
+            criterion: criterion.into(),
+            value: value / unit.shown().0,
+            unit,
+            holds,
+        }
+    }
+
+    /// The value and its unit as people read them.
+    pub fn shown(&self) -> (f64, &'static str) {
+        let (factor, unit) = self.unit.shown();
+        (factor * self.value, unit)
+    }
+}
+
+/// Holds when `value` is within `share` of `expected`, both as they are shown.
 pub(super) fn near(
     text: impl Into<String>,
     derivation: &str,
     value: f64,
     expected: f64,
     share: f64,
-    unit: &str,
+    unit: Unit,
 ) -> Sentence {
-    Sentence {
-        text: text.into(),
-        criterion: format!(
-            "within {:.0} % of {expected} {unit}; {derivation}",
-            100.0 * share
-        ),
-        value,
-        unit: unit.into(),
-        holds: (value - expected).abs() <= share * expected.abs(),
-    }
+    let criterion = format!(
+        "within {:.0} % of {expected} {}; {derivation}",
+        100.0 * share,
+        unit.shown().1
+    );
+    let holds = (value - expected).abs() <= share * expected.abs();
+    Sentence::new(text, criterion, value, unit, holds)
 }
 
-/// Holds when `value` is at most `limit` in size.
+/// Holds when `value` is at most `limit` in size, both as they are shown.
 pub(super) fn below(
     text: impl Into<String>,
     derivation: &str,
     value: f64,
     limit: f64,
-    unit: &str,
+    unit: Unit,
 ) -> Sentence {
-    Sentence {
-        text: text.into(),
-        criterion: format!("at most {limit} {unit}; {derivation}"),
-        value,
-        unit: unit.into(),
-        holds: value.abs() <= limit,
-    }
+    let criterion = format!("at most {limit} {}; {derivation}", unit.shown().1);
+    Sentence::new(text, criterion, value, unit, value.abs() <= limit)
 }

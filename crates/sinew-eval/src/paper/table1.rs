@@ -1,8 +1,10 @@
 //! Table I: the ropes as published, and what their laws make of them.
 
+use super::PaperError;
 use super::creep::{LOAD_N, MINUTES, Test, test};
+use super::data::{FigureName, PaperFigure};
 use super::judge::assumptions;
-use super::{PaperError, PaperFigure, Sentence};
+use super::sentence::{Sentence, Unit};
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
 use sinew_rope::draws::Interval;
@@ -23,12 +25,10 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     }
     let count =
         |f: &dyn Fn(&CatalogueRope) -> bool| shipped.ropes().iter().filter(|r| f(r)).count() as f64;
-    let known = |text: &str, found: f64, printed: f64| Sentence {
-        text: text.into(),
-        criterion: format!("{printed} in the printed table; a test holds every value against it"),
-        value: found,
-        unit: "ropes".into(),
-        holds: found == printed,
+    let known = |text: &str, found: f64, printed: f64| {
+        let criterion =
+            format!("{printed} in the printed table; a test holds every value against it");
+        Sentence::new(text, criterion, found, Unit::Ropes, found == printed)
     };
     let sentences = vec![
         known("nine ropes", count(&|_| true), 9.0),
@@ -45,12 +45,14 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         known("with a plait", count(&|r| r.entry.plait.is_some()), 5.0),
     ];
     Ok(PaperFigure {
-        name: "table1",
+        name: FigureName::Table1,
         title: "Table I: the ropes, and their simulated creep test".into(),
         about: vec![format!(
             "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
         )],
         panels: Vec::new(),
+        rows: Vec::new(),
+        files: None,
         figure: figure(&tests),
         sentences,
         not_judged: Vec::new(),

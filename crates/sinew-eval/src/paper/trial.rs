@@ -1,7 +1,8 @@
 //! Simulate once, estimate often.
 
+use super::PaperError;
+use super::data::{Curve, SeriesData};
 use super::staircase::{REST_WINDOW_S, rest_end_s};
-use super::{PaperError, SeriesData};
 use sinew_model::arm::Arm;
 use sinew_model::offset::{Comparison, OffsetConfig, OffsetObserver, Sample};
 use sinew_model::robot::Robot;
@@ -63,8 +64,7 @@ impl Trial {
         SeriesData {
             name: name.into(),
             time_s: picked.clone().map(|k| self.time_s(k)).collect(),
-            value_mrad: picked.map(|k| 1e3 * curve[k]).collect(),
-            ..SeriesData::default()
+            curve: Curve::AngleRad(picked.map(|k| curve[k]).collect()),
         }
     }
 }

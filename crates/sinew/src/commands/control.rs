@@ -32,9 +32,9 @@ pub(crate) fn told(comparison: &Comparison) -> String {
                     String::new()
                 },
                 (*known).into(),
-                number(j.rest_rms_mrad),
-                number(j.rms_mrad),
-                number(j.peak_mrad),
+                number(1e3 * j.rest_rms_rad),
+                number(1e3 * j.rms_rad),
+                number(1e3 * j.peak_rad),
                 number(j.false_torque_nm),
                 number(j.threshold_nm),
             ]);
@@ -56,9 +56,9 @@ pub(crate) fn told(comparison: &Comparison) -> String {
             known.into(),
             c.contacts.to_string(),
             c.missed.to_string(),
-            number(c.delay_median_ms()),
+            number(1e3 * c.delay_median_s()),
             c.false_alarms.to_string(),
-            number(c.false_percent()),
+            number(100.0 * c.false_share()),
         ]
     };
     let rows = both.iter().map(|(known, s)| contacts(known, s)).collect();

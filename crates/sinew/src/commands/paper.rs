@@ -5,7 +5,8 @@ use crate::text::{indented, paragraph, table};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::paper;
-use sinew_eval::paper::{PaperFigure, Written};
+use sinew_eval::paper::PaperFigure;
+use sinew_files::JsonDocument as _;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
@@ -68,7 +69,7 @@ impl Paper {
         std::fs::create_dir_all(&self.out).map_err(|e| {
             Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
         })?;
-        let figure = match self.figure {
+        let mut figure = match self.figure {
             Which::Fig1 => paper::fig1(&catalogue()?)?,
             Which::Fig2 => paper::fig2(&catalogue()?)?,
             Which::Fig4 => paper::fig4(&catalogue()?)?,
@@ -76,38 +77,15 @@ impl Paper {
             Which::Table1 => paper::table1(&catalogue()?)?,
             Which::Fig6 => paper::fig6(&robot()?.robot)?,
             Which::Fig7 => paper::fig7(&robot()?.robot)?,
-            Which::Control => {
-                let control = paper::control(&robot()?.robot, paper::Effort::default())?;
-                let written = paper::write_control(&control, &self.out)?;
-                return self.say(&control.figure, &written, Some(&control.rows));
-            }
+            Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
         };
-        let written = paper::write(&figure, &self.out)?;
-        self.say(&figure, &written, None)
-    }
-
-    /// Sentences, the table where there is one, and what was written.
-    fn say(
-        &self,
-        figure: &PaperFigure,
-        written: &Written,
-        rows: Option<&[paper::Row]>,
-    ) -> Result<Finish, Failure> {
-        let failed = figure.sentences.iter().filter(|s| !s.holds).count();
-        if self.json {
-            let mut document = json(figure, written);
-            if let (Some(object), Some(rows)) = (document.as_object_mut(), rows) {
-                object.insert("table".into(), serde_json::to_value(rows)?);
-            }
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
+        paper::write(&mut figure, &self.out)?;
+        answer(&if self.json {
+            figure.to_json()?
         } else {
-            let mut text = told(figure, written);
-            if let Some(rows) = rows {
-                let (head, cells) = paper::table(rows);
-                text = format!("{}\n{text}", table(&head, cells, 2));
-            }
-            answer(&text)?;
-        }
+            render(&figure)
+        })?;
+        let failed = figure.sentences.iter().filter(|s| !s.holds).count();
         if failed > 0 && !self.quiet {
             let of = figure.sentences.len();
             complain(
@@ -119,16 +97,22 @@ impl Paper {
     }
 }
 
-fn told(figure: &PaperFigure, written: &Written) -> String {
-    let mut out = paragraph(&figure.title, 0);
+/// The table where there is one, sentences, and what was written.
+fn render(figure: &PaperFigure) -> String {
+    let mut out = String::new();
+    if !figure.rows.is_empty() {
+        let (head, cells) = paper::table(&figure.rows);
+        out = table(&head, cells, 2) + "\n";
+    }
+    out.push_str(&paragraph(&figure.title, 0));
     for sentence in &figure.sentences {
         let verdict = if sentence.holds { "holds:" } else { "FAILS:" };
         out.push('\n');
         out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
+        let (value, unit) = sentence.shown();
         let found = format!(
-            "found {} {}; {}",
-            sinew_figure::rounded(sentence.value, 3),
-            sentence.unit,
+            "found {} {unit}; {}",
+            sinew_figure::rounded(value, 3),
             sentence.criterion
         );
         out.push_str(&indented(&found, 7, 7));
@@ -138,27 +122,10 @@ fn told(figure: &PaperFigure, written: &Written) -> String {
         out.push_str(&paragraph(&format!("not judged: {text}"), 7));
     }
     out.push('\n');
-    for path in [&written.html, &written.svg]
-        .into_iter()
-        .chain(&written.png)
-    {
-        out.push_str(&format!("{}\n", path.display()));
+    if let Some(files) = &figure.files {
+        for path in [&files.html, &files.svg].into_iter().chain(&files.png) {
+            out.push_str(&format!("{}\n", path.display()));
+        }
     }
     out
-}
-
-fn json(figure: &PaperFigure, written: &Written) -> serde_json::Value {
-    serde_json::json!({
-        "name": figure.name,
-        "title": figure.title,
-        "sentences": figure.sentences,
-        "not_judged": figure.not_judged,
-        "assumptions": figure.assumptions,
-        "panels": figure.panels,
-        "files": {
-            "html": written.html.display().to_string(),
-            "svg": written.svg.display().to_string(),
-            "png": written.png.as_ref().map(|p| p.display().to_string()),
-        },
-    })
 }

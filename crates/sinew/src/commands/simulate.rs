@@ -6,6 +6,8 @@ use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::plain;
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
+use sinew_eval::control::{self, Simulated};
+use sinew_files::JsonDocument as _;
 use sinew_log::Compression;
 use sinew_sim::{Scenario, SimulateOptions};
 use std::path::{Path, PathBuf};
@@ -98,7 +100,7 @@ impl Simulate {
         };
         // Before anything is written: a scenario without a correction is refused.
         let comparison = match self.control {
-            true => Some(sinew_eval::control::compare(&loaded.robot, &scenario)?),
+            true => Some(control::compare(&loaded.robot, &scenario)?),
             false => None,
         };
         let bar = Bar::new("simulating", self.quiet);
@@ -108,11 +110,11 @@ impl Simulate {
         drop(bar);
         let summary = summary?;
         if self.json {
-            let mut document = serde_json::to_value(&summary.truth)?;
-            if let (Some(object), Some(comparison)) = (document.as_object_mut(), &comparison) {
-                object.insert("control".into(), serde_json::to_value(comparison)?);
-            }
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
+            let document = Simulated {
+                truth: summary.truth,
+                control: comparison,
+            };
+            answer(&document.to_json()?)?;
         } else {
             if let Some(comparison) = &comparison {
                 answer(&(super::control::told(comparison) + "\n"))?;

@@ -4,9 +4,10 @@ use super::super::PaperError;
 use super::super::staircase::controller;
 use super::super::trial::{mean, std};
 use super::Effort;
-use crate::control::{ContactScore, Outcome, noise_nm, run_watched};
-use serde::Serialize;
+use super::row::{Knowledge, Range, RobotCase, Row, RowJoint};
+use crate::control::{ContactScore, JointScore, Outcome, noise_nm, run_with_detectors};
 use sinew_creep::each;
+use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{
     Bound, ContactDetection, Correction, Draw, Encoder, FrictionSpec, KnownOffset, Motion, Offset,
@@ -20,8 +21,8 @@ pub(super) const OFFSET_RAD: f64 = 0.010;
 /// Error of an estimated offset, rad (standard deviation): above the 0.30 and 0.32 mrad that
 /// `sinew estimate --baseline` reached in sixty work sessions.
 pub(super) const ESTIMATE_RAD: f64 = 0.000_35;
-/// What the detector is told of it: intervals of `sinew estimate` are on the wide side.
-pub(super) const TOLD_RAD: f64 = 0.000_5;
+/// Deviation of it that the detector has: intervals of `sinew estimate` are on the wide side.
+pub(super) const DETECTOR_DEVIATION_RAD: f64 = 0.000_5;
 /// Error of an estimated stiffness, share.
 pub(super) const STIFFNESS_ERROR: f64 = 0.02;
 /// Factors on the detection threshold, from nervous to deaf.
@@ -29,111 +30,39 @@ pub(super) const FACTORS: [f64; 14] = [
     0.25, 0.35, 0.5, 0.7, 0.85, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0,
 ];
 
-/// A robot as it truly is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct World {
-    pub(super) name: &'static str,
-    pub(super) stiffness: f64,
-    pub(super) mass: f64,
-    pub(super) stretched: bool,
-    pub(super) drive_friction: bool,
-}
-
-/// What controller and detector know.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Knows {
-    Nothing,
-    True,
-    TrueAndDynamics,
-    Estimate,
-    EstimateAndStiffness,
-    /// As `Estimate`, and the detector is told the tolerances of stiffness and masses.
-    EstimateAndTolerances,
-}
-
-impl Knows {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::True => "true",
-            Self::TrueAndDynamics => "dynamic",
-            Self::Estimate => "estimate",
-            Self::EstimateAndStiffness => "+ stiffness",
-            Self::EstimateAndTolerances => "+ tolerance",
-        }
-    }
-}
-
-const RIGHT: World = World {
-    name: "stretched",
-    stiffness: 1.0,
-    mass: 1.0,
-    stretched: true,
-    drive_friction: false,
-};
-
 /// Every row of the table, in order.
-pub(super) const CASES: [(World, Knows); 20] = {
-    use Knows::*;
-    const NEW: World = World {
-        name: "new ropes",
-        stretched: false,
-        ..RIGHT
-    };
-    const SOFT: World = World {
-        name: "K −20 %",
-        stiffness: 0.8,
-        ..RIGHT
-    };
-    const STIFF: World = World {
-        name: "K +20 %",
-        stiffness: 1.2,
-        ..RIGHT
-    };
-    const LIGHT: World = World {
-        name: "M −10 %",
-        mass: 0.9,
-        ..RIGHT
-    };
-    const HEAVY: World = World {
-        name: "M +10 %",
-        mass: 1.1,
-        ..RIGHT
-    };
-    const STICKY: World = World {
-        name: "friction",
-        drive_friction: true,
-        ..RIGHT
-    };
+pub(super) const CASES: [(RobotCase, Knowledge); 20] = {
+    use Knowledge::*;
+    use RobotCase::*;
     [
-        (NEW, Nothing),
-        (RIGHT, Nothing),
-        (RIGHT, True),
-        (RIGHT, TrueAndDynamics),
-        (RIGHT, Estimate),
-        (SOFT, Nothing),
-        (SOFT, Estimate),
-        (SOFT, EstimateAndStiffness),
-        (SOFT, EstimateAndTolerances),
-        (STIFF, Nothing),
-        (STIFF, Estimate),
-        (STIFF, EstimateAndStiffness),
-        (LIGHT, Nothing),
-        (LIGHT, Estimate),
-        (LIGHT, EstimateAndTolerances),
-        (HEAVY, Nothing),
-        (HEAVY, Estimate),
-        (HEAVY, EstimateAndTolerances),
-        (STICKY, Nothing),
-        (STICKY, Estimate),
+        (NewRopes, Nothing),
+        (Stretched, Nothing),
+        (Stretched, True),
+        (Stretched, TrueAndDynamics),
+        (Stretched, Estimate),
+        (Softer, Nothing),
+        (Softer, Estimate),
+        (Softer, EstimateAndStiffness),
+        (Softer, EstimateAndTolerances),
+        (Stiffer, Nothing),
+        (Stiffer, Estimate),
+        (Stiffer, EstimateAndStiffness),
+        (Lighter, Nothing),
+        (Lighter, Estimate),
+        (Lighter, EstimateAndTolerances),
+        (Heavier, Nothing),
+        (Heavier, Estimate),
+        (Heavier, EstimateAndTolerances),
+        (DriveFriction, Nothing),
+        (DriveFriction, Estimate),
     ]
 };
 
 /// A working day's minute: random poses, contacts, real sensors.
 pub(super) fn session(
     robot: &Robot,
-    world: &World,
-    knows: Knows,
+    case: RobotCase,
+    knowledge: Knowledge,
     seed: u64,
     seconds: f64,
 ) -> Scenario {
@@ -162,11 +91,11 @@ pub(super) fn session(
             pause_s: Draw::Uniform { min: 1.2, max: 1.8 },
         },
         truth: Truth {
-            stiffness_factor: PerJoint::fixed(world.stiffness),
-            mass_factor: PerJoint::fixed(world.mass),
+            stiffness_factor: PerJoint::fixed(case.stiffness_factor()),
+            mass_factor: PerJoint::fixed(case.mass_factor()),
             ..Truth::default()
         },
-        motor_friction: if world.drive_friction {
+        motor_friction: if case == RobotCase::DriveFriction {
             FrictionSpec::default()
         } else {
             FrictionSpec::none()
@@ -192,11 +121,11 @@ pub(super) fn session(
         }),
         offsets: STRETCHED
             .iter()
-            .filter(|_| world.stretched)
+            .filter(|_| case != RobotCase::NewRopes)
             .map(|joint| stretch(joint))
             .collect(),
-        correction: correction(world, knows),
-        contact_detection: detection(knows),
+        correction: correction(case, knowledge),
+        contact_detection: detection(knowledge),
         ..Scenario::default()
     }
 }
@@ -225,87 +154,66 @@ fn spread(std: f64) -> PerJoint {
     }
 }
 
-fn detection(knows: Knows) -> ContactDetection {
+fn detection(knowledge: Knowledge) -> ContactDetection {
     let mut detection = ContactDetection::default();
-    if knows == Knows::EstimateAndTolerances {
+    if knowledge == Knowledge::EstimateAndTolerances {
         detection.mass_deviation = 0.05;
     }
     detection
 }
 
-fn correction(world: &World, knows: Knows) -> Correction {
+fn correction(case: RobotCase, knowledge: Knowledge) -> Correction {
     // Without an estimate the ropes are believed to be as they were.
     let mut out = Correction {
-        offset_deviation_rad: PerJoint::fixed(TOLD_RAD),
+        offset_deviation_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
         ..Correction::default()
     };
-    match knows {
-        Knows::Nothing => return out,
-        Knows::True => {
+    match knowledge {
+        Knowledge::Nothing => return out,
+        Knowledge::True => {
             out.offset = KnownOffset::True;
             out.offset_deviation_rad = PerJoint::fixed(0.0);
             return out;
         }
-        Knows::TrueAndDynamics => {
+        Knowledge::TrueAndDynamics => {
             out.offset = KnownOffset::True;
             out.offset_deviation_rad = PerJoint::fixed(0.0);
             out.set_point = SetPointKind::Dynamic;
             return out;
         }
-        Knows::Estimate | Knows::EstimateAndStiffness | Knows::EstimateAndTolerances => {}
+        Knowledge::Estimate
+        | Knowledge::EstimateAndStiffness
+        | Knowledge::EstimateAndTolerances => {}
     }
     out.offset = KnownOffset::True;
     out.offset_error_rad = spread(ESTIMATE_RAD);
-    if knows == Knows::EstimateAndStiffness {
+    if knowledge == Knowledge::EstimateAndStiffness {
         out.stiffness_factor = PerJoint {
             all: Some(Draw::Normal {
-                mean: world.stiffness,
-                std: STIFFNESS_ERROR * world.stiffness,
+                mean: case.stiffness_factor(),
+                std: STIFFNESS_ERROR * case.stiffness_factor(),
                 bound: Bound::Positive,
             }),
             by_joint: Vec::new(),
         };
-        out.stiffness_deviation = PerJoint::fixed(STIFFNESS_ERROR * world.stiffness);
+        out.stiffness_deviation = PerJoint::fixed(STIFFNESS_ERROR * case.stiffness_factor());
     }
-    if knows == Knows::EstimateAndTolerances {
+    if knowledge == Knowledge::EstimateAndTolerances {
         out.stiffness_deviation = PerJoint::fixed(0.1);
     }
     out
 }
 
-/// A row of the table over all seeds.
-#[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// How the robot truly is.
-    pub robot: &'static str,
-    /// What controller and detector know.
-    pub knows: &'static str,
-    /// RMS of `q − q_d` at rest of shoulder pitch and elbow, mrad: mean over the seeds.
-    pub rest_mrad: [f64; 2],
-    /// Its standard deviation over the seeds.
-    pub rest_spread_mrad: [f64; 2],
-    /// RMS of `q − q_d` over everything, mrad.
-    pub motion_mrad: [f64; 2],
-    /// Its standard deviation over the seeds.
-    pub motion_spread_mrad: [f64; 2],
-    /// Mean external torque seen while nothing touches, N·m.
-    pub false_torque_nm: [f64; 2],
-    /// Mean threshold, N·m.
-    pub threshold_nm: [f64; 2],
-    /// Contacts of all seeds together.
-    pub contacts: ContactScore,
-    /// Share of the contacts missed, %: lowest and highest seed.
-    pub missed_percent_range: [f64; 2],
-    /// Share of the free time with a false alarm, %: lowest and highest seed.
-    pub false_percent_range: [f64; 2],
-    /// Contacts with other sensitivities: factor on the threshold and what was seen.
-    pub sensitivities: Vec<(f64, ContactScore)>,
-}
-
 /// Runs every case with every seed, on all processors.
 pub(super) fn rows(robot: &Robot, effort: &Effort) -> Result<Vec<Row>, PaperError> {
     let joints = super::stretched_joints(robot)?;
-    let quiet = session(robot, &RIGHT, Knows::Nothing, 1, effort.seconds);
+    let quiet = session(
+        robot,
+        RobotCase::Stretched,
+        Knowledge::Nothing,
+        1,
+        effort.seconds,
+    );
     let noise = noise_nm(robot, &quiet)?;
     let jobs: Vec<(usize, u64)> = (0..CASES.len())
         .flat_map(|case| (1..=effort.seeds).map(move |seed| (case, seed)))
@@ -313,9 +221,9 @@ pub(super) fn rows(robot: &Robot, effort: &Effort) -> Result<Vec<Row>, PaperErro
     let outcomes = each(
         &jobs,
         |&(case, seed)| {
-            let (world, knows) = &CASES[case];
-            let scenario = session(robot, world, *knows, seed, effort.seconds);
-            run_watched(robot, &scenario, &noise, &FACTORS, &mut |_, _| {})
+            let (robot_case, knowledge) = CASES[case];
+            let scenario = session(robot, robot_case, knowledge, seed, effort.seconds);
+            run_with_detectors(robot, &scenario, &noise, &FACTORS, &mut |_, _| {})
         },
         |_| {},
     );
@@ -326,49 +234,44 @@ pub(super) fn rows(robot: &Robot, effort: &Effort) -> Result<Vec<Row>, PaperErro
     Ok(by_case
         .iter()
         .zip(&CASES)
-        .map(|(outcomes, (world, knows))| row(world, *knows, outcomes, joints))
+        .map(|(outcomes, &(case, knowledge))| row(case, knowledge, outcomes, joints))
         .collect())
 }
 
-fn row(world: &World, knows: Knows, outcomes: &[Outcome], joints: [usize; 2]) -> Row {
-    let values = |of: &dyn Fn(&Outcome, usize) -> f64| {
-        joints.map(|i| {
-            let all: Vec<f64> = outcomes.iter().map(|o| of(o, i)).collect();
-            (mean(&all), sample_std(&all))
-        })
+fn row(robot: RobotCase, knowledge: Knowledge, outcomes: &[Outcome], joints: [usize; 2]) -> Row {
+    let over_sessions = |of: &dyn Fn(&JointScore) -> f64, i: usize| {
+        let all: Vec<f64> = outcomes.iter().map(|o| of(&o.score.joints[i])).collect();
+        Gaussian {
+            mean: mean(&all),
+            deviation: sample_std(&all),
+        }
     };
-    let rest = values(&|o, i| o.score.joints[i].rest_rms_mrad);
-    let motion = values(&|o, i| o.score.joints[i].rms_mrad);
     let mut contacts = outcomes[0].score.contacts.clone();
-    let mut sensitivities: Vec<(f64, ContactScore)> = outcomes[0]
-        .sensitivities
-        .iter()
-        .map(|s| (s.threshold_factor, s.contacts.clone()))
-        .collect();
+    let mut sensitivities = outcomes[0].sensitivities.clone();
     for o in &outcomes[1..] {
         contacts.add(&o.score.contacts);
-        for ((_, sum), s) in sensitivities.iter_mut().zip(&o.sensitivities) {
-            sum.add(&s.contacts);
+        for (sum, s) in sensitivities.iter_mut().zip(&o.sensitivities) {
+            sum.contacts.add(&s.contacts);
         }
     }
     let range = |of: &dyn Fn(&ContactScore) -> f64| {
         let all = outcomes.iter().map(|o| of(&o.score.contacts));
-        [
-            all.clone().fold(f64::INFINITY, f64::min),
-            all.fold(f64::NEG_INFINITY, f64::max),
-        ]
+        Range {
+            lowest: all.clone().fold(f64::INFINITY, f64::min),
+            highest: all.fold(f64::NEG_INFINITY, f64::max),
+        }
     };
     Row {
-        robot: world.name,
-        knows: knows.name(),
-        rest_mrad: rest.map(|v| v.0),
-        rest_spread_mrad: rest.map(|v| v.1),
-        motion_mrad: motion.map(|v| v.0),
-        motion_spread_mrad: motion.map(|v| v.1),
-        false_torque_nm: values(&|o, i| o.score.joints[i].false_torque_nm).map(|v| v.0),
-        threshold_nm: values(&|o, i| o.score.joints[i].threshold_nm).map(|v| v.0),
-        missed_percent_range: range(&ContactScore::missed_percent),
-        false_percent_range: range(&ContactScore::false_percent),
+        robot,
+        knowledge,
+        joints: joints.map(|i| RowJoint {
+            rest_rad: over_sessions(&|j| j.rest_rms_rad, i),
+            overall_rad: over_sessions(&|j| j.rms_rad, i),
+            false_torque_nm: over_sessions(&|j| j.false_torque_nm, i).mean,
+            threshold_nm: over_sessions(&|j| j.threshold_nm, i).mean,
+        }),
+        missed_share: range(&ContactScore::missed_share),
+        false_share: range(&ContactScore::false_share),
         contacts,
         sensitivities,
     }

@@ -3,8 +3,8 @@
 use super::super::PaperError;
 use super::super::staircase::{LENGTH_S, REST_WINDOW_S, controller, motion, rest_end_s};
 use super::super::trial::mean;
-use super::cases::{OFFSET_RAD, STRETCHED, TOLD_RAD, stretch};
-use crate::control::run_watched;
+use super::cases::{DETECTOR_DEVIATION_RAD, OFFSET_RAD, STRETCHED, stretch};
+use crate::control::run_with_detectors;
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{
     Contact, Correction, FrictionSpec, KnownOffset, PerJoint, Scenario, SetPointKind,
@@ -23,9 +23,9 @@ pub(super) const TOUCH_N: f64 = 0.5;
 pub(super) struct Climb {
     pub(super) name: &'static str,
     pub(super) time_s: Vec<f64>,
-    /// `q − q_d`, mrad; first the shoulder, then the elbow.
-    pub(super) error_mrad: [Vec<f64>; 2],
-    /// External torque seen, N·m.
+    /// `q − q_d`, rad; first the shoulder, then the elbow.
+    pub(super) error_rad: [Vec<f64>; 2],
+    /// Estimated external torque, N·m.
     pub(super) tau_ext_nm: [Vec<f64>; 2],
     /// Its threshold, N·m.
     pub(super) threshold_nm: [Vec<f64>; 2],
@@ -79,7 +79,7 @@ fn climb(
             .collect(),
         correction: Correction {
             offset,
-            offset_deviation_rad: PerJoint::fixed(TOLD_RAD),
+            offset_deviation_rad: PerJoint::fixed(DETECTOR_DEVIATION_RAD),
             // Without it the arm swings after each move, and nothing here would damp that.
             set_point: SetPointKind::Dynamic,
             ..Correction::default()
@@ -98,21 +98,27 @@ fn climb(
     let mut out = Climb {
         name,
         time_s: Vec::new(),
-        error_mrad: Default::default(),
+        error_rad: Default::default(),
         tau_ext_nm: Default::default(),
         threshold_nm: Default::default(),
     };
     // Noise as with the sensors of the second row, about: the threshold shall be a working one.
     const NOISE_NM: f64 = 0.02;
     let noise = vec![NOISE_NM; robot.arm.dof()];
-    run_watched(&frictionless, &scenario, &noise, &[], &mut |truth, seen| {
-        out.time_s.push(truth.time_s);
-        for (slot, &i) in joints.iter().enumerate() {
-            out.error_mrad[slot].push(1e3 * (truth.q[i] - truth.q_d[i]));
-            out.tau_ext_nm[slot].push(seen.tau_ext[i]);
-            out.threshold_nm[slot].push(seen.threshold[i]);
-        }
-    })?;
+    run_with_detectors(
+        &frictionless,
+        &scenario,
+        &noise,
+        &[],
+        &mut |truth, sample| {
+            out.time_s.push(truth.time_s);
+            for (slot, &i) in joints.iter().enumerate() {
+                out.error_rad[slot].push(truth.q[i] - truth.q_d[i]);
+                out.tau_ext_nm[slot].push(sample.tau_ext[i]);
+                out.threshold_nm[slot].push(sample.threshold[i]);
+            }
+        },
+    )?;
     Ok(out)
 }
 

@@ -1,8 +1,9 @@
 //! The drawing.
 
-use super::super::{PanelData, SeriesData};
-use super::cases::{FACTORS, Row};
+use super::super::data::{Curve, PanelData, SeriesData};
+use super::cases::FACTORS;
 use super::climb::{Climb, RUN_S, TOUCH_N, TOUCH_S};
+use super::row::{Knowledge, RobotCase, Row};
 use crate::control::ContactScore;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 
@@ -15,8 +16,8 @@ fn thinned(climb: &Climb, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (pick(&climb.time_s), pick(values))
 }
 
-/// The curves as data: position errors in mrad.
-pub(super) fn panels(climbs: &[Climb; 3], _: &[Row]) -> Vec<PanelData> {
+/// The curves as data: position errors.
+pub(super) fn panels(climbs: &[Climb; 3]) -> Vec<PanelData> {
     let joints = ["shoulder_pitch", "elbow"];
     joints
         .iter()
@@ -26,12 +27,11 @@ pub(super) fn panels(climbs: &[Climb; 3], _: &[Row]) -> Vec<PanelData> {
             series: climbs
                 .iter()
                 .map(|c| {
-                    let (time_s, value_mrad) = thinned(c, &c.error_mrad[slot]);
+                    let (time_s, error_rad) = thinned(c, &c.error_rad[slot]);
                     SeriesData {
                         name: c.name.into(),
                         time_s,
-                        value_mrad,
-                        ..SeriesData::default()
+                        curve: Curve::AngleRad(error_rad),
                     }
                 })
                 .collect(),
@@ -55,7 +55,8 @@ fn position(climbs: &[Climb; 3]) -> Panel {
         .x_range(0.0, RUN_S)
         .y_range(-17.0, 25.0);
     for (climb, colour) in climbs.iter().zip(COLOURS) {
-        let (t, v) = thinned(climb, &climb.error_mrad[0]);
+        let (t, error_rad) = thinned(climb, &climb.error_rad[0]);
+        let v = error_rad.iter().map(|e| 1e3 * e).collect();
         panel = panel.line(Line::new(climb.name, t, v).colour(colour).width(1.4));
     }
     panel.span(TOUCH_S.0, TOUCH_S.0 + TOUCH_S.1, "touch")
@@ -89,10 +90,12 @@ fn torque(climbs: &[Climb; 3]) -> Panel {
 
 /// Missed and false over the threshold, from nervous to deaf.
 fn trade_off(rows: &[Row]) -> Panel {
+    use Knowledge::{Estimate, Nothing};
+    use RobotCase::{NewRopes, Stretched};
     let curves = [
-        ("new ropes", "nothing", "new ropes"),
-        ("stretched", "nothing", "stretched, uncorrected"),
-        ("stretched", "estimate", "corrected by estimate"),
+        (NewRopes, Nothing, "new ropes"),
+        (Stretched, Nothing, "stretched, uncorrected"),
+        (Stretched, Estimate, "corrected by estimate"),
     ];
     let mut panel = Panel::new(
         "Contacts missed (solid), false alarm (dashed)",
@@ -101,32 +104,38 @@ fn trade_off(rows: &[Row]) -> Panel {
     )
     .x_range(0.0, FACTORS.iter().fold(0.0, |a, f| f.max(a)))
     .y_range(-2.0, 102.0);
-    for ((robot, knows, name), colour) in curves.into_iter().zip(COLOURS) {
-        let Some(row) = rows.iter().find(|r| r.robot == robot && r.knows == knows) else {
+    for ((robot, knowledge, name), colour) in curves.into_iter().zip(COLOURS) {
+        let is = |r: &&Row| r.robot == robot && r.knowledge == knowledge;
+        let Some(row) = rows.iter().find(is) else {
             continue;
         };
         let own = (1.0, &row.contacts);
-        let others = row.sensitivities.iter().map(|(f, s)| (*f, s));
+        let others = row
+            .sensitivities
+            .iter()
+            .map(|s| (s.threshold_factor, &s.contacts));
         let mut points: Vec<(f64, &ContactScore)> = others.chain([own]).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let curve = |name: &str, of: fn(&ContactScore) -> f64, dash| {
-            let (x, y) = points.iter().map(|(f, s)| (*f, of(s))).unzip();
+            let (x, y) = points.iter().map(|(f, s)| (*f, 100.0 * of(s))).unzip();
             Line::new(name, x, y).colour(colour).dash(dash).width(1.6)
         };
         panel = panel
-            .line(curve(name, ContactScore::missed_percent, Dash::Solid))
-            .line(curve("", ContactScore::false_percent, Dash::Dashed));
+            .line(curve(name, ContactScore::missed_share, Dash::Solid))
+            .line(curve("", ContactScore::false_share, Dash::Dashed));
     }
     panel
 }
 
 /// Error at rest of every row in which the set-point is another one.
 fn at_rest(rows: &[Row]) -> Panel {
-    // What the detector is told doesn't move the arm.
-    let shown: Vec<&Row> = rows.iter().filter(|r| r.knows != "+ tolerance").collect();
+    // Tolerances of the detector don't move the arm.
+    let moves = |r: &&Row| r.knowledge != Knowledge::EstimateAndTolerances;
+    let shown: Vec<&Row> = rows.iter().filter(moves).collect();
+    let spread_mrad = |r: &Row| 1e3 * r.joints[0].rest_rad.deviation;
     let right = shown
         .iter()
-        .map(|r| r.rest_mrad[0] + r.rest_spread_mrad[0])
+        .map(|r| r.rest_mrad(0) + spread_mrad(r))
         .fold(0.0, f64::max);
     let mut panel = Panel::new(
         "Error at rest, shoulder pitch (± spread of the sessions)",
@@ -137,10 +146,10 @@ fn at_rest(rows: &[Row]) -> Panel {
     .y_range(0.0, shown.len() as f64 + 1.0);
     for (i, r) in shown.iter().enumerate() {
         let y = (shown.len() - i) as f64;
-        let (v, s) = (r.rest_mrad[0], r.rest_spread_mrad[0]);
-        let colour = match r.knows {
-            "nothing" if r.robot == "new ropes" => Colour::Black,
-            "nothing" => Colour::Orange,
+        let (v, s) = (r.rest_mrad(0), spread_mrad(r));
+        let colour = match (r.knowledge, r.robot) {
+            (Knowledge::Nothing, RobotCase::NewRopes) => Colour::Black,
+            (Knowledge::Nothing, _) => Colour::Orange,
             _ => Colour::Blue,
         };
         panel = panel
@@ -154,7 +163,11 @@ fn at_rest(rows: &[Row]) -> Panel {
                     .colour(colour)
                     .width(4.0),
             )
-            .note(1.05 * right, y, format!("{}: {}", r.robot, r.knows));
+            .note(
+                1.05 * right,
+                y,
+                format!("{}: {}", r.robot.name(), r.knowledge.name()),
+            );
     }
     panel
 }

@@ -1,20 +1,23 @@
 //! What elongation does to control and to collision detection, before and after correcting for it.
 //!
-//! Reading order: `cases` (robots, sessions, the table), `climb` (the paper's motion, closed
+//! Reading order: `row` (a row of the table), `cases` (robots, sessions), `climb` (the paper's motion, closed
 //! forms), `sentences`, `draw`, `page`.
 
 mod cases;
 mod climb;
 mod draw;
 mod page;
+pub(super) mod row;
 mod sentences;
 
-pub use cases::Row;
-pub use page::{table, write_control};
+pub(super) use page::csv;
+pub use page::table;
+pub use row::{Knowledge, RobotCase, Row};
 
+use super::PaperError;
+use super::data::{FigureName, PaperFigure};
 use super::trial::joint;
-use super::{PaperError, PaperFigure};
-use cases::{ESTIMATE_RAD, OFFSET_RAD, STIFFNESS_ERROR, TOLD_RAD};
+use cases::{DETECTOR_DEVIATION_RAD, ESTIMATE_RAD, OFFSET_RAD, STIFFNESS_ERROR};
 use sinew_model::robot::Robot;
 
 /// How much is simulated.
@@ -36,44 +39,30 @@ impl Default for Effort {
     }
 }
 
-/// The figure and its table.
-#[derive(Debug, Clone)]
-pub struct Control {
-    /// Curves, drawing, sentences.
-    pub figure: PaperFigure,
-    /// One row per robot and knowledge.
-    pub rows: Vec<Row>,
-    /// How much was simulated.
-    pub effort: Effort,
-}
-
 /// Runs the arm with stretched ropes, uncorrected and corrected.
 ///
 /// # Errors
 /// [`PaperError`] when the robot can't be simulated or hasn't the joints `shoulder_pitch` and
 /// `elbow`, or the link `forearm`.
-pub fn control(robot: &Robot, effort: Effort) -> Result<Control, PaperError> {
+pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError> {
     let joints = stretched_joints(robot)?;
     let climbs = climb::climbs(robot, joints)?;
     let rows = cases::rows(robot, &effort)?;
-    let mut said = sentences::climbing(&climbs);
-    said.extend(sentences::working(&rows));
-    Ok(Control {
-        figure: PaperFigure {
-            name: "control",
-            title:
-                "Control and collision detection with stretched ropes, before and after correction"
-                    .into(),
-            about: about(robot, &effort),
-            panels: draw::panels(&climbs, &rows),
-            figure: draw::figure(&climbs, &rows),
-            sentences: said,
-            not_judged: Vec::new(),
-            tables: vec![page::full_table(&rows, effort.seeds)],
-            assumptions: assumptions(),
-        },
+    let mut sentences = sentences::climbing(&climbs);
+    sentences.extend(sentences::working(&rows));
+    Ok(PaperFigure {
+        name: FigureName::Control,
+        title: "Control and collision detection with stretched ropes, before and after correction"
+            .into(),
+        about: about(robot, &effort),
+        panels: draw::panels(&climbs),
+        figure: draw::figure(&climbs, &rows),
+        sentences,
+        not_judged: Vec::new(),
+        tables: vec![page::full_table(&rows, effort.seeds)],
+        assumptions: assumptions(),
         rows,
-        effort,
+        files: None,
     })
 }
 
@@ -103,7 +92,7 @@ fn about(robot: &Robot, effort: &Effort) -> Vec<String> {
 fn assumptions() -> Vec<String> {
     vec![
         "The robot is BioRob-like, not the BioRob. The paper states that elongation spoils control and torque; it gives no figures for it, so the numbers here are the model's own.".into(),
-        format!("An estimated offset is the true one plus a normal error of {} mrad, and the detector is told ± {} mrad (one standard deviation). sinew estimate --baseline reached 0.30 and 0.32 mrad in sixty simulated work sessions, with intervals on the wide side. An estimated stiffness is wrong by {} %.", 1e3 * ESTIMATE_RAD, 1e3 * TOLD_RAD, 100.0 * STIFFNESS_ERROR),
+        format!("An estimated offset is the true one plus a normal error of {} mrad, and the detector is told ± {} mrad (one standard deviation). sinew estimate --baseline reached 0.30 and 0.32 mrad in sixty simulated work sessions, with intervals on the wide side. An estimated stiffness is wrong by {} %.", 1e3 * ESTIMATE_RAD, 1e3 * DETECTOR_DEVIATION_RAD, 100.0 * STIFFNESS_ERROR),
         "Uncorrected, the detector has the same thresholds: it believes its ropes to be as they were. “Opened until it is quiet” multiplies them by the factor at which the uncorrected detector alarms no more than the corrected one.".into(),
         "Threshold: 4 standard deviations of offset, sensors (measured in a run without contacts) and what else the row says is unsure, plus the joint's Coulomb friction. A contact counts after 10 ms and ends below 70 % of the threshold.".into(),
         "A contact is missed when no alarm begins while it lasts (or 0.3 s after): an alarm that was on before has seen nothing. A false alarm is time with an alarm and no contact.".into(),

@@ -1,12 +1,9 @@
-//! The table, as text and as a page.
+//! The table, as text, on the page and as CSV.
 
-use super::super::PaperError;
-use super::super::page::{Written, write};
-use super::{Control, Row};
+use super::row::{Range, Row, RowJoint};
 use sinew_figure::Table;
-use sinew_files::write_file;
+use sinew_model::Gaussian;
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// Headings of [`table`]; units stand in the last line.
 const HEAD: [&str; 9] = [
@@ -27,15 +24,15 @@ pub fn table(rows: &[Row]) -> (Vec<&'static str>, Vec<Vec<String>>) {
         .iter()
         .map(|r| {
             vec![
-                r.robot.into(),
-                r.knows.into(),
-                number(r.rest_mrad[0], 1),
-                number(r.rest_mrad[1], 1),
-                number(r.motion_mrad[0], 1),
-                number(r.false_torque_nm[0], 2),
-                number(r.contacts.false_percent(), 1),
-                number(r.contacts.missed_percent(), 0),
-                number(r.contacts.delay_median_ms(), 0),
+                r.robot.name().into(),
+                r.knowledge.name().into(),
+                number(r.rest_mrad(0), 1),
+                number(r.rest_mrad(1), 1),
+                number(r.overall_mrad(0), 1),
+                number(r.joints[0].false_torque_nm, 2),
+                number(r.false_percent(), 1),
+                number(r.missed_percent(), 0),
+                number(r.delay_median_ms(), 0),
             ]
         })
         .collect();
@@ -56,15 +53,6 @@ fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Writes `control.svg`, `.png`, `.html` and `.csv` into `folder`, which must exist.
-///
-/// # Errors
-/// [`PaperError`]; each file is whole or not there.
-pub fn write_control(control: &Control, folder: &Path) -> Result<Written, PaperError> {
-    write_file(&folder.join("control.csv"), csv(&control.rows).as_bytes())?;
-    write(&control.figure, folder)
-}
-
 /// The table of the page: with spreads, thresholds and rates.
 pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
     let head = [
@@ -80,11 +68,21 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
         "delay, ms",
     ];
     let contacts = rows.first().map_or(0, |r| r.contacts.contacts);
-    let spread =
-        |v: [f64; 2], s: [f64; 2]| format!("{:.1} ± {:.1}; {:.1} ± {:.1}", v[0], s[0], v[1], s[1]);
-    let pair = |v: [f64; 2]| format!("{}; {}", number(v[0], 2), number(v[1], 2));
-    let range = |v: f64, r: [f64; 2], decimals: usize| {
-        format!("{v:.decimals$} ({:.decimals$}–{:.decimals$})", r[0], r[1])
+    let spread = |r: &Row, of: fn(&RowJoint) -> Gaussian| {
+        let [a, b] = [0, 1].map(|i| {
+            let g = of(&r.joints[i]);
+            format!("{:.1} ± {:.1}", 1e3 * g.mean, 1e3 * g.deviation)
+        });
+        format!("{a}; {b}")
+    };
+    let pair = |r: &Row, of: fn(&RowJoint) -> f64| {
+        let [a, b] = [0, 1].map(|i| number(of(&r.joints[i]), 2));
+        format!("{a}; {b}")
+    };
+    let range = |share: f64, r: &Range, decimals: usize| {
+        let percent = |share: f64| format!("{:.decimals$}", 100.0 * share);
+        let (low, high) = (percent(r.lowest), percent(r.highest));
+        format!("{} ({low}–{high})", percent(share))
     };
     Table {
         caption: format!(
@@ -96,23 +94,24 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
             .map(|r| {
                 let c = &r.contacts;
                 vec![
-                    r.robot.into(),
-                    r.knows.into(),
-                    spread(r.rest_mrad, r.rest_spread_mrad),
-                    spread(r.motion_mrad, r.motion_spread_mrad),
-                    pair(r.false_torque_nm),
-                    pair(r.threshold_nm),
-                    range(c.false_percent(), r.false_percent_range, 1),
+                    r.robot.name().into(),
+                    r.knowledge.name().into(),
+                    spread(r, |j| j.rest_rad),
+                    spread(r, |j| j.overall_rad),
+                    pair(r, |j| j.false_torque_nm),
+                    pair(r, |j| j.threshold_nm),
+                    range(c.false_share(), &r.false_share, 1),
                     number(c.false_per_minute(), 1),
-                    range(c.missed_percent(), r.missed_percent_range, 0),
-                    number(c.delay_median_ms(), 0),
+                    range(c.missed_share(), &r.missed_share, 0),
+                    number(r.delay_median_ms(), 0),
                 ]
             })
             .collect(),
     }
 }
 
-fn csv(rows: &[Row]) -> String {
+/// The rows as CSV.
+pub(in super::super) fn csv(rows: &[Row]) -> String {
     let mut out = String::from(
         "robot,known,rest_shoulder_pitch_mrad,rest_shoulder_pitch_spread_mrad,rest_elbow_mrad,rest_elbow_spread_mrad,overall_shoulder_pitch_mrad,overall_elbow_mrad,false_torque_shoulder_pitch_nm,false_torque_elbow_nm,threshold_shoulder_pitch_nm,threshold_elbow_nm,free_s,false_s,false_alarms,contacts,missed,delay_median_ms\n",
     );
@@ -121,24 +120,24 @@ fn csv(rows: &[Row]) -> String {
         let _ = writeln!(
             out,
             "{},\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
-            r.robot,
-            r.knows,
-            r.rest_mrad[0],
-            r.rest_spread_mrad[0],
-            r.rest_mrad[1],
-            r.rest_spread_mrad[1],
-            r.motion_mrad[0],
-            r.motion_mrad[1],
-            r.false_torque_nm[0],
-            r.false_torque_nm[1],
-            r.threshold_nm[0],
-            r.threshold_nm[1],
+            r.robot.name(),
+            r.knowledge.name(),
+            r.rest_mrad(0),
+            1e3 * r.joints[0].rest_rad.deviation,
+            r.rest_mrad(1),
+            1e3 * r.joints[1].rest_rad.deviation,
+            r.overall_mrad(0),
+            r.overall_mrad(1),
+            r.joints[0].false_torque_nm,
+            r.joints[1].false_torque_nm,
+            r.joints[0].threshold_nm,
+            r.joints[1].threshold_nm,
             c.free_s,
             c.false_s,
             c.false_alarms,
             c.contacts,
             c.missed,
-            c.delay_median_ms()
+            r.delay_median_ms()
         );
     }
     out

@@ -1,4 +1,4 @@
-//! External torque and contacts, watched along a simulation.
+//! External torque and contacts, estimated along a simulation.
 
 use sinew_model::StepError;
 use sinew_model::correction::{
@@ -22,16 +22,16 @@ struct Alarm {
 
 /// An external torque observer with detectors of several sensitivities.
 #[derive(Debug, Clone)]
-pub(super) struct Watch {
+pub(super) struct Detection {
     observer: ExternalTorqueObserver,
     alarms: Vec<Alarm>,
     scaled: Vec<f64>,
     last_s: Option<f64>,
 }
 
-/// What an observer saw at one moment.
+/// What the observer and the first detector made of one sample.
 #[derive(Debug, Clone, Copy)]
-pub struct WatchedMoment<'a> {
+pub struct DetectionSample<'a> {
     /// External torque, N·m, one per joint.
     pub tau_ext: &'a [f64],
     /// Its threshold, N·m.
@@ -40,16 +40,16 @@ pub struct WatchedMoment<'a> {
     pub touching: bool,
 }
 
-/// Contacts seen: from, to, s.
+/// Alarms of one detector.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Watched {
+pub(super) struct Alarms {
     /// Factor on the threshold.
-    pub factor: f64,
+    pub(super) factor: f64,
     /// From, to, s.
-    pub intervals: Vec<(f64, f64)>,
+    pub(super) intervals: Vec<(f64, f64)>,
 }
 
-impl Watch {
+impl Detection {
     pub(super) fn new(
         robot: &Robot,
         known: &[JointCorrection],
@@ -100,7 +100,11 @@ impl Watch {
     }
 
     /// What is known of joint `i` from now on.
-    pub(super) fn know(&mut self, i: usize, known: &JointCorrection) -> Result<(), SimulateError> {
+    pub(super) fn set_known(
+        &mut self,
+        i: usize,
+        known: &JointCorrection,
+    ) -> Result<(), SimulateError> {
         Ok(self.observer.set(i, known)?)
     }
 
@@ -136,8 +140,8 @@ impl Watch {
         self.observer.settling_time_s()
     }
 
-    pub(super) fn moment(&self) -> WatchedMoment<'_> {
-        WatchedMoment {
+    pub(super) fn sample(&self) -> DetectionSample<'_> {
+        DetectionSample {
             tau_ext: self.observer.tau_ext(),
             threshold: self.observer.threshold(),
             touching: self
@@ -148,12 +152,12 @@ impl Watch {
     }
 
     /// Closes what is open at `end_s`.
-    pub(super) fn finish(self, end_s: f64) -> Vec<Watched> {
+    pub(super) fn finish(self, end_s: f64) -> Vec<Alarms> {
         self.alarms
             .into_iter()
             .map(|mut alarm| {
                 alarm.intervals.extend(alarm.since_s.map(|s| (s, end_s)));
-                Watched {
+                Alarms {
                     factor: alarm.factor,
                     intervals: alarm.intervals,
                 }

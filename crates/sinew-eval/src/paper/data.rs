@@ -1,0 +1,143 @@
+//! What a figure of the paper consists of.
+
+use super::control::Row;
+use super::sentence::Sentence;
+use serde::Serialize;
+use sinew_figure::Table;
+use sinew_figure::plot::Figure;
+use sinew_files::JsonDocument;
+use std::path::PathBuf;
+
+/// Which figure; its files have this name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum FigureName {
+    /// Creep of nine ropes at 23 °C.
+    Fig1,
+    /// Creep of four ropes at 60 °C.
+    Fig2,
+    /// A rope over guiding pulleys.
+    Fig4,
+    /// A rope under changing force.
+    Fig5,
+    /// The offset estimate in simulation.
+    Fig6,
+    /// The offset estimate on a simulated "real" elbow.
+    Fig7,
+    /// The ropes.
+    Table1,
+    /// Control and collision detection with stretched ropes.
+    Control,
+}
+
+impl std::fmt::Display for FigureName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Fig1 => "fig1",
+            Self::Fig2 => "fig2",
+            Self::Fig4 => "fig4",
+            Self::Fig5 => "fig5",
+            Self::Fig6 => "fig6",
+            Self::Fig7 => "fig7",
+            Self::Table1 => "table1",
+            Self::Control => "control",
+        })
+    }
+}
+
+/// A figure of the paper, done again. As JSON its data, without the drawing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PaperFigure {
+    /// Which one.
+    pub name: FigureName,
+    /// One line.
+    pub title: String,
+    /// What is shown and how it was made, in paragraphs.
+    #[serde(skip)]
+    pub about: Vec<String>,
+    /// The drawing.
+    #[serde(skip)]
+    pub figure: Figure,
+    /// Numbers behind the drawing, where tables show them better.
+    #[serde(skip)]
+    pub tables: Vec<Table>,
+    /// What the paper (or its follow-up) says, and whether the data say so too.
+    pub sentences: Vec<Sentence>,
+    /// What the paper says or did that the data can't show, with the reason.
+    pub not_judged: Vec<String>,
+    /// What is assumed because the paper doesn't tell.
+    pub assumptions: Vec<String>,
+    /// The curves.
+    pub panels: Vec<PanelData>,
+    /// Of [`control`](super::control()): one row per robot and knowledge.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<Row>,
+    /// What was written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub files: Option<Written>,
+}
+
+impl JsonDocument for PaperFigure {
+    const SCHEMA: &'static str = "sinew/paper/1";
+}
+
+/// Files of one figure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Written {
+    /// The page: drawing, sentences, assumptions.
+    pub html: PathBuf,
+    /// The drawing, scalable.
+    pub svg: PathBuf,
+    /// The drawing, 2 px per CSS px; none in a build that draws no PNG.
+    pub png: Option<PathBuf>,
+    /// The rows; none where the figure has no rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Curves that share axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PanelData {
+    /// What the panel shows.
+    pub title: String,
+    /// Its curves.
+    pub series: Vec<SeriesData>,
+}
+
+/// One curve over time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SeriesData {
+    /// What it is.
+    pub name: String,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// One value per time.
+    #[serde(flatten)]
+    pub curve: Curve,
+}
+
+/// Values of a curve; NaN (null) is a gap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Curve {
+    /// Offsets or errors of a position, rad.
+    AngleRad(#[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))] Vec<f64>),
+    /// Strains.
+    StrainRatio(Vec<f64>),
+}
+
+impl SeriesData {
+    /// Values as they are drawn: mrad or %.
+    pub(super) fn drawn(&self) -> Vec<f64> {
+        match &self.curve {
+            Curve::AngleRad(values) => values.iter().map(|rad| 1e3 * rad).collect(),
+            Curve::StrainRatio(values) => values.iter().map(|ratio| 1e2 * ratio).collect(),
+        }
+    }
+}
