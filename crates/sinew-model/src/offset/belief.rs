@@ -31,7 +31,7 @@ impl Belief {
         )
     }
 
-    /// Forgets entry `k`: it is `believed`, unrelated to the rest.
+    /// Replaces entry `k` by `believed`, uncorrelated with the rest.
     pub fn open(&mut self, k: usize, believed: Gaussian) {
         let d = self.mean.len();
         if k >= d || self.covariance.len() != d * d {

@@ -8,8 +8,8 @@ use crate::arm::PARAMETERS_PER_BODY;
 use crate::cholesky;
 use alloc::vec::Vec;
 
-/// What changes from one day to the next is believed a little less: friction by a tenth of
-/// its tolerance, everything else but offsets and payload by a hundredth. A stiffness that fell
+/// Widens the belief for what changes from one day to the next: friction by a tenth of its
+/// tolerance, everything else but offsets and payload by a hundredth. A stiffness that fell
 /// by more is found as a change.
 ///
 /// Variances add and stop at the prior's: a chain of recordings can't become surer of
@@ -109,8 +109,8 @@ pub fn refer_to(prior: &Prior, belief: &mut Belief, temperature_c: f64) {
     belief.temperature_c = temperature_c;
 }
 
-/// What is believed of a further robot of a type after `parts` have each taught something about
-/// theirs: `(before, after)` per robot.
+/// Prior of a further robot of a type, from what `parts`, robots of the type, have each learned:
+/// `(before, after)` per robot.
 ///
 /// Only the bodies' inertial parameters are shared. Robot `k` has `π_k = π + e_k` with
 /// `e_k ~ N(0, S)`, `S` the square of `alike` times the data sheet's deviation; everything else

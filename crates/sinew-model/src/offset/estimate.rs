@@ -6,7 +6,7 @@ use super::prior::Prior;
 use crate::{Gaussian, Interval95};
 use alloc::vec::Vec;
 
-/// Stiffness that may have changed since what was believed before.
+/// Stiffness that may have changed since the prior was learned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -101,8 +101,8 @@ pub struct MapEstimate {
     pub weights: Vec<f64>,
     /// How the descent to it ended, with the cost there.
     pub convergence: Convergence,
-    /// Whether each joint's stiffness has changed since what was believed before; `None` where that
-    /// isn't sought.
+    /// Whether each joint's stiffness has changed since the prior was learned; `None` where that isn't
+    /// sought.
     pub stiffness_changes: Vec<Option<StiffnessChange>>,
     /// Posterior of each change that was found ([`MapEstimate::posterior`]).
     pub posteriors: Vec<ChangePosterior>,

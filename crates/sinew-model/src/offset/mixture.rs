@@ -5,7 +5,7 @@ use super::error::MapError;
 use crate::cholesky::{self, dot};
 use alloc::vec::Vec;
 
-/// What a change is believed to be before the data is seen.
+/// Prior of a change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PriorOdds {
     /// Standard deviation of its size.
@@ -203,8 +203,7 @@ impl Mixture {
         }
     }
 
-    /// Puts value `i` to zero and conditions the others on it; returns the logarithm of what that is
-    /// worth.
+    /// Conditions the others on value `i` being zero; returns the logarithm of its evidence.
     fn leave_out(&mut self, i: usize, deviation: f64) -> f64 {
         let n = self.values.max(1);
         let line = self.covariance.get(i * n..(i + 1) * n).unwrap_or_default();

@@ -3,7 +3,7 @@
 /// Amplitudes of a joint's encoder error: sine and cosine once and twice per turn.
 pub(crate) const ENCODER: usize = 4;
 
-/// What a joint's parameters are, in their order in the state.
+/// A joint's parameters, in their order in the state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
 pub enum JointParameter {

@@ -1,4 +1,4 @@
-//! What is unknown about a robot, with what is believed of it before a recording.
+//! The unknown parameters of a robot, with their prior before any recording.
 
 use super::belief::{Belief, Payload};
 use super::layout::Layout;

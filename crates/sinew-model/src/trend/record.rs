@@ -2,7 +2,7 @@
 
 use crate::Gaussian;
 
-/// What one session said.
+/// Result of one session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -65,7 +65,7 @@ pub struct Added {
     pub jump_probability: f64,
     /// Where that is above one half: time of the first record after the suspected jump, s.
     pub suspected_s: Option<f64>,
-    /// Whether this record, for now, looks off by itself.
+    /// Whether this record, for now, is taken as an outlier.
     pub off: bool,
     /// A change that this record confirmed.
     pub confirmed: Option<Event>,

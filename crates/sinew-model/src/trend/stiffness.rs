@@ -12,7 +12,7 @@ const MEMORY: f64 = 50.0;
 const WALK: f64 = 0.1;
 /// What a failed strand takes along.
 const LOSS: Gaussian = Gaussian::new(0.04, 0.03);
-/// Sessions before which nothing is said.
+/// Sessions before which stiffness is no evidence.
 const FEWEST: u64 = 6;
 /// Share of jumps that are failed strands; the others are slips, which leave the stiffness.
 const STRANDS: f64 = 0.5;

@@ -62,7 +62,7 @@ impl Candidate {
     }
 }
 
-/// The most telling changes of every kind, by score.
+/// The changes of every kind that explain most, by score.
 pub(super) fn candidates(
     problem: &Problem<'_>,
     known: &MapEstimate,

@@ -1,6 +1,6 @@
 //! The estimate from a whole recording, with the sudden changes in it.
 //!
-//! Reading order: `map_estimator` (the way in), `problem` (a recording and what is believed before
+//! Reading order: `map_estimator` (the way in), `problem` (a recording and the belief before
 //! it), `schedule`, `normal` and `gauss_newton` (one descent), `cost` and `solution` (what it ends
 //! with), `search` (change points), `candidates` and `score` (where to look for them),
 //! `changepoint_time`, `posterior`, `lost_stiffness`.

@@ -1,4 +1,4 @@
-//! A recording, and what is believed before it.
+//! A recording, and the belief before it.
 
 use super::normal::{NormalEquations, pose_runs};
 use super::solution::{Solution, covariance};
@@ -22,13 +22,13 @@ const STRAND: f64 = 0.05;
 /// Least data before and after a change, s: a contact doesn't last as long.
 const EDGE_S: f64 = 5.0;
 
-/// A recording, and what is believed before it.
+/// A recording, and the belief before it.
 pub(super) struct Problem<'a> {
     pub(super) model: &'a EstimationModel,
     pub(super) executor: &'a dyn Executor,
-    /// What was believed before, of all bodies' parameters.
+    /// Prior of all bodies' parameters.
     before: &'a Belief,
-    /// The same of the reduced model's.
+    /// Prior of the reduced model's.
     pub(super) start: Belief,
     /// Inverse of the covariance of `start`.
     information: Vec<f64>,
@@ -216,7 +216,7 @@ impl<'a> Problem<'a> {
         first.is_some_and(|first| change.at_s <= first.time_s)
     }
 
-    /// Whether a change may be told at a time. A strand may have failed before the recording began,
+    /// Whether a change at a time can be identified. A strand may have failed before the recording began,
     /// and what goes on from a belief may have changed with its first block; an offset or a payload
     /// that is open anyway may not.
     pub(super) fn is_possible(&self, kind: ChangeKind, at_s: f64, scope: SearchScope) -> bool {

@@ -83,7 +83,7 @@ impl ChangePointSearch<'_> {
             best = softer.clone();
         }
         for _ in 0..MOST {
-            let Some(found) = self.most_telling(&best.estimate)? else {
+            let Some(found) = self.most_likely(&best.estimate)? else {
                 break;
             };
             let Some(better) = self.settled(&best.estimate, found)? else {
@@ -104,7 +104,7 @@ impl ChangePointSearch<'_> {
     }
 
     /// The candidate that takes most off the cost.
-    fn most_telling(&self, best: &MapEstimate) -> Result<Option<Trial>, MapError> {
+    fn most_likely(&self, best: &MapEstimate) -> Result<Option<Trial>, MapError> {
         let problem = self.problem;
         let thinned = ThinnedResiduals::of(problem, best);
         let candidates = candidates(problem, best, self.scope)?;
@@ -204,7 +204,7 @@ impl ChangePointSearch<'_> {
         }
         let at_s = found.change.at_s;
         let solution = found.solution;
-        if !self.is_telling(&solution) {
+        if !self.is_significant(&solution) {
             return Ok(None);
         }
         match change.kind {
@@ -212,7 +212,7 @@ impl ChangePointSearch<'_> {
                 let softer = self.with_softer(&solution, joint, at_s, 0.0)?;
                 Ok(Some(softer.unwrap_or(solution)))
             }
-            // A rope that loses a strand gives way: strand and slip are told apart as far as stretch
+            // A rope that loses a strand gives way: strand and slip are separable as far as stretch
             // and load differ, and the offset holds what isn't.
             ChangeKind::Compliance(joint)
                 if self
@@ -226,7 +226,7 @@ impl ChangePointSearch<'_> {
     }
 
     /// Whether the last change is large enough to be one.
-    fn is_telling(&self, solution: &Solution) -> bool {
+    fn is_significant(&self, solution: &Solution) -> bool {
         let known = &solution.estimate;
         let Some((change, before)) = known.changes.split_last() else {
             return false;
@@ -285,7 +285,7 @@ impl ChangePointSearch<'_> {
         if let Some(both) = self.with_softer(&alone, joint, at_s, size)? {
             return Ok(Some(both));
         }
-        Ok(self.is_telling(&alone).then_some(alone))
+        Ok(self.is_significant(&alone).then_some(alone))
     }
 }
 

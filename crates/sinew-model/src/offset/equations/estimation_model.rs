@@ -14,12 +14,12 @@ use crate::offset::prior::Prior;
 #[derive(Debug, Clone)]
 pub(crate) struct EstimationModel {
     pub(crate) prior: Prior,
-    /// What blocks can tell apart.
+    /// The parameters that blocks can identify.
     pub(crate) reduced: ReducedModel,
     /// Variance of a block's mean over that of independent noise: correlation time over length.
     pub(crate) inflation: f64,
     pub(crate) block_s: f64,
-    /// By how much blocks lag behind what happens, s.
+    /// Lag of the blocks, s.
     pub(crate) delay_s: f64,
     /// No joint is trusted to better than this, rad.
     pub(crate) noise_floor_rad: f64,

@@ -1,4 +1,4 @@
-//! What a block says of a joint, made ready once for many looks at it.
+//! What a block measures at a joint, prepared once for many linearisations.
 
 use super::payload::PayloadTorque;
 use super::reduced_model::ReducedModel;

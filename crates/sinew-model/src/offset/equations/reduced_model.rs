@@ -1,8 +1,8 @@
-//! The prior's model with the bodies' parameters in base form: what blocks can tell anything about.
+//! The model with the bodies' parameters in base form: those that blocks carry information about.
 //!
 //! A block's equations depend on the bodies through `Φ π = Φ_c z` only, `z = B π` the base
-//! parameters ([`BaseParameters`]): half as many as there are masses, moments and inertias. What is
-//! believed of `π` says what is believed of `z`, the data moves `z`, and what it says of `π` follows:
+//! parameters ([`BaseParameters`]): half as many as there are masses, moments and inertias. The
+//! prior of `π` gives that of `z`, the data moves `z`, and the posterior of `π` follows:
 //!
 //! ```text
 //! x = T s,   s: joints, π, payload;   x: joints, z, payload
@@ -10,7 +10,7 @@
 //! cov = C − G (T C Tᵀ − cov x) Gᵀ
 //! ```
 //!
-//! with `m`, `C` believed of `s` before. Nothing is lost or approximated; joints and payload come out
+//! with `m`, `C` the prior of `s`. Nothing is lost or approximated; joints and payload come out
 //! as they went in.
 
 use crate::arm::{BaseParameters, PARAMETERS_PER_BODY};
@@ -23,7 +23,7 @@ use crate::offset::parameter::JointParameter;
 use crate::offset::prior::{JointPrior, Prior};
 use alloc::vec::Vec;
 
-/// The model whose parameters blocks can tell apart.
+/// The model whose parameters blocks can identify.
 #[derive(Debug, Clone)]
 pub(crate) struct ReducedModel {
     pub(crate) layout: Layout,
@@ -68,7 +68,7 @@ impl ReducedModel {
         self.joints.get(i).is_some_and(Option::is_some)
     }
 
-    /// Joints whose compliance is believed to better than `deviation`, relative.
+    /// Joints whose compliance is known to better than `deviation`, relative.
     pub(crate) fn known_stiffness(&self, belief: &Belief, deviation: f64) -> Vec<usize> {
         let place = |i| self.layout.place(i, JointParameter::Compliance);
         let known = |i| belief.entry(place(i)).deviation < deviation;
@@ -104,7 +104,7 @@ impl ReducedModel {
         out
     }
 
-    /// What a belief says of this model's parameters.
+    /// A belief in this model's parameters: `T m`, `T C Tᵀ`.
     pub(crate) fn believed(&self, belief: &Belief) -> Belief {
         let d = belief.mean.len();
         // T C, then T (T C)ᵀ.

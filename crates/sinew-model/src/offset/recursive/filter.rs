@@ -17,7 +17,7 @@ pub(super) struct Filter {
     noise: [Vec<f64>; 2],
     blocks: f64,
     weight: f64,
-    /// Mean weight of late: a filter that leaves most out has no say in what was right.
+    /// Mean weight of the last blocks: a filter that leaves most out is no judge of the others.
     mean_weight: f64,
     /// Mean normalised innovation of late of each joint's link equation, cut at [`INNOVATION_MAX`]: what lasts is
     /// no noise, and no contact of a few seconds.
@@ -55,7 +55,7 @@ const FALL: f64 = 10.0;
 
 /// What counts of an innovation at most, standard deviations.
 const INNOVATION_MAX: f64 = 5.0;
-/// Blocks, of those that tell something new, a joint's strain goes back over.
+/// Memory of the mean innovation, in blocks that carry new information.
 const INNOVATION_MEMORY: f64 = 40.0;
 
 /// Whether information is worth changing.
@@ -210,7 +210,7 @@ impl Filter {
         }
     }
 
-    /// What these blocks have against the belief, `Σ ½ m c² χ/(c² + χ) + Σ ln σ`, of `m` equations
+    /// Cost of these blocks, `Σ ½ m c² χ/(c² + χ) + Σ ln σ`, of `m` equations
     /// each.
     pub(super) fn cost<'a>(
         &self,

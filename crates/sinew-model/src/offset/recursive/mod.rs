@@ -22,53 +22,52 @@ use ring::{BlockRing, KEPT, SEGMENT};
 use stiffness::StiffnessAverage;
 use workspace::Workspace;
 
-/// Recursive form of [`MapEstimator::solve`]: the same equations, priors and joint block weights,
-/// one block at a time, with a state that never grows.
+/// Recursive form of [`MapEstimator::solve`]: the same equations, priors and block weights, one
+/// block at a time, with a state that never grows.
 ///
 /// ```text
 /// e = residual,  s = h P hᵀ,  R = σ² ι / w,   w = (c²/(c² + χ))²,  χ = mean e²/(s + σ²)
 /// x ← x + P hᵀ e/(s + R),     P ← P − P hᵀ h P/(s + R)
 /// ```
 ///
-/// The scale `c` of the redescending weight falls from wide to 3 with the data, as the batch
-/// form's does from iteration to iteration; `ι` spreads the information of correlated blocks, and
-/// a stand counts as one block. Noise `σ` follows the median of the innovations.
+/// The scale `c` of the redescending weight falls from wide to 3 with the data, as the batch form's
+/// does from iteration to iteration. `ι` spreads the information of correlated blocks, and a stand
+/// counts as one block. Noise `σ` follows the median of the innovations.
 ///
-/// A block is weighed three times: when it comes, and a quarter and half of a minute later, with
-/// what is known by then, `χ = mean e²/σ²`. What it then says more or less than it did goes in as a
-/// measurement of the information `Δ = (w₂/σ₂² − w₁/σ₁²)/ι`, less than nothing where a contact is
-/// left out:
+/// **Reweighting.** A block is weighed three times: when it comes, and a quarter and half of a minute
+/// later, with the posterior of then, `χ = mean e²/σ²`. The difference goes in as a measurement of the
+/// information `Δ = (w₂/σ₂² − w₁/σ₁²)/ι`, which is negative where a contact is left out:
 ///
 /// ```text
 /// x ← x + P hᵀ e/(s + 1/Δ),     P ← P − P hᵀ h P/(s + 1/Δ)
 /// ```
 ///
-/// What comes first is believed, because nothing speaks against it: an arm that is leant on while
-/// the filter starts would have every later block left out. So a second filter goes over the first
-/// 75 blocks seven times from the first belief, each time with weights from the time before and a
-/// smaller `c`, as the batch form does; then takes what came since, and the first one's place where it
-/// explains all blocks better. Until then, some 24 s, the offsets [are
+/// **Challenger.** The first blocks are weighed against the prior alone: an arm that is leant on while
+/// the filter starts would have every later block left out. So a second filter, the challenger,
+/// replays the first 75 blocks seven times from the prior, each time with weights from the time before
+/// and a smaller `c`, as the batch form does. It then takes what came since, and replaces the first
+/// filter, the incumbent, where it explains all blocks better. Until then, some 24 s, the offsets [are
 /// provisional](RecursiveOffsets::is_provisional).
 ///
-/// They are so again when hardly a block counts for some six seconds, or a joint's link equations
-/// are off by two standard deviations in the mean over 40 blocks that tell something new (each cut at
-/// five; so a contact of a few seconds isn't enough). Where that lasts for another ten seconds, the
-/// second filter goes over the last 75 blocks, and takes the first one's place once it is consistent and
-/// explains them better by 60, half chi-square: a rope has slipped, a load changed. They are provisional no
-/// longer once the blocks agree again.
+/// They are so again when the incumbent is inconsistent: the mean weight of its blocks stays below a
+/// quarter for some six seconds, or the mean normalised innovation of a joint's link equations exceeds
+/// two over 40 blocks that carry new information (each cut at five, so that a contact of a few seconds
+/// isn't enough). Where that lasts for another ten seconds, the challenger replays the last 75 blocks.
+/// It replaces the incumbent once it is consistent and explains them better by 60, half chi-square: a
+/// rope has slipped, a load changed. The offsets are provisional no longer once the blocks agree again.
 ///
-/// Strands may have failed since the belief: it starts with every stiffness opened by a tenth
-/// that was known better, and its offsets are averaged over which of them have changed, as [`MapEstimator::search`] does.
+/// **Lost stiffness.** Strands may have failed since the prior was learned: the filter starts with every
+/// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
+/// have changed, as [`MapEstimator::search`] does.
 ///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
-/// the second filter catches up. Keeps 150 blocks, `1200 n (r + 30)` bytes of `r` base parameters, and
+/// the challenger replays. Keeps 150 blocks, `1200 n (r + 30)` bytes of `r` base parameters, and
 /// five covariances, `40 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     model: EstimationModel,
-    /// What was believed before the first block, every stiffness opened that was known, of all
-    /// bodies' parameters.
+    /// Prior before the first block, every known stiffness opened, of all bodies' parameters.
     before: Belief,
     /// The same of the reduced model's.
     start: Belief,
@@ -81,17 +80,17 @@ pub struct RecursiveOffsets {
     stage: Stage,
     work: Workspace,
     ring: BlockRing,
-    /// Whether the second filter has been over the first blocks.
+    /// Whether the challenger has been over the first blocks.
     opened: bool,
-    /// The block the second filter began with.
+    /// The block the challenger began with.
     from: usize,
 }
 
-/// What the second filter does.
+/// What the challenger does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
     Idle,
-    /// Waits for blocks from after what disturbed the first filter.
+    /// Waits for blocks from after what disturbed the incumbent.
     Waiting {
         until: usize,
     },
@@ -108,7 +107,7 @@ enum Stage {
 
 /// Blocks after which one is weighed again.
 const AGAIN: [usize; 2] = [SEGMENT, KEPT - 1];
-/// Scales of the weight, in standard deviations, with which the second filter goes over its
+/// Scales of the weight, in standard deviations, with which the challenger goes over its
 /// blocks.
 const SCALES: [f64; 7] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0];
 /// Passes over every other block only.
@@ -195,9 +194,9 @@ impl RecursiveOffsets {
         Ok(self.incumbent.weight())
     }
 
-    /// What the second filter does while a block comes.
+    /// What the challenger does while a block comes.
     fn advance_challenger(&mut self) {
-        /// Blocks the second filter goes over while one comes.
+        /// Blocks the challenger goes over while one comes.
         const AT_ONCE: usize = 10;
         match self.stage {
             Stage::Idle => {
@@ -248,7 +247,7 @@ impl RecursiveOffsets {
         }
     }
 
-    /// The second filter will begin when most of the last blocks are from after the disturbance.
+    /// The challenger will begin when most of the last blocks are from after the disturbance.
     fn await_segment(&mut self) {
         /// Blocks from after it.
         const AFTER: usize = 50;
@@ -257,7 +256,7 @@ impl RecursiveOffsets {
         };
     }
 
-    /// The second filter begins with the last blocks.
+    /// The challenger begins with the last blocks.
     fn begin_replay(&mut self) {
         self.challenger.restart(&self.start, &self.start_noise);
         self.from = self.ring.taken().saturating_sub(SEGMENT);
@@ -268,7 +267,7 @@ impl RecursiveOffsets {
         };
     }
 
-    /// One block for the second filter.
+    /// One block for the challenger.
     fn replay_block(&mut self) {
         let Stage::Replaying { to, pass, at } = self.stage else {
             return;
@@ -313,12 +312,12 @@ impl RecursiveOffsets {
         }
     }
 
-    /// Whether the second filter takes the first one's place, or rests.
+    /// Whether the challenger replaces the incumbent, or rests.
     fn compare(&mut self) {
         /// By how much it must explain its blocks better, half chi-square: it has every entry to
         /// itself. A slip of a millirad is worth more in 15 s.
         const BETTER: f64 = 60.0;
-        /// From so many blocks that told something new: two or three stands say little of an arm.
+        /// From so many blocks that carry new information: two or three stands say little of an arm.
         const ENOUGH: f64 = 15.0;
         let opening = self.from == 0;
         let seen = self.ring.taken().saturating_sub(KEPT).max(self.from)..self.ring.taken();
@@ -344,7 +343,7 @@ impl RecursiveOffsets {
     /// filter started from; NaN for a joint there isn't.
     ///
     /// While it is [provisional](RecursiveOffsets::is_provisional), the deviation is that from before
-    /// the first block; once the second filter has found what explains the blocks of late, mean and
+    /// the first block; once the challenger has found what explains the blocks of late, mean and
     /// deviation are those of both, one as likely as the other.
     ///
     /// # Realtime
@@ -392,12 +391,12 @@ impl RecursiveOffsets {
         self.stiffness.probability(joint).unwrap_or_default()
     }
 
-    /// What is believed now, averaged over which stiffness has changed. Allocates: no step.
+    /// The posterior, averaged over which stiffness has changed. Allocates: no step.
     ///
     /// While the offsets are [provisional](RecursiveOffsets::is_provisional) this may be wrong by more than it says.
     ///
     /// # Errors
-    /// [`MapError::Prior`] when what was believed before has no inverse.
+    /// [`MapError::Prior`] when the prior's covariance has no inverse.
     pub fn belief(&self) -> Result<Belief, MapError> {
         let now = &self.stiffness.averaged(self.incumbent.belief())?;
         let (mean, covariance) =

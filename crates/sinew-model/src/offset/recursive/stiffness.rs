@@ -1,4 +1,4 @@
-//! Offsets averaged over which joints' stiffness has changed since what was believed before.
+//! Offsets averaged over which joints' stiffness has changed since the prior was learned.
 
 use crate::Gaussian;
 use crate::cholesky;
@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 /// Offsets averaged over the joints whose stiffness has changed, for an estimate that started with
 /// every stiffness opened that was known.
 ///
-/// A change `c ~ N(0, s²)` of some entries `E` of what was believed, `m₀, P₀`, makes `P₀ + s² E Eᵀ` of its covariance.
+/// A change `c ~ N(0, s²)` of some entries `E` of the prior `m₀, P₀` makes `P₀ + s² E Eᵀ` of its covariance.
 /// From `x, P` since then
 ///
 /// ```text
@@ -81,7 +81,7 @@ impl StiffnessAverage {
         })
     }
 
-    /// Averages what is believed now, from what was when it was opened.
+    /// Averages the posterior `now`; `start` is the prior with stiffness opened.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n d²).
@@ -131,7 +131,7 @@ impl StiffnessAverage {
             .weigh(&self.values, &self.covariance, LOST_STIFFNESS);
     }
 
-    /// What is believed now, averaged as the offsets are. `now` is what [`StiffnessAverage::average`] had last. Allocates.
+    /// The posterior, averaged as the offsets are. `now` is what [`StiffnessAverage::average`] had last. Allocates.
     pub(super) fn averaged(&self, now: &Belief) -> Result<Belief, MapError> {
         let (n, d) = (self.joints.len(), now.mean.len());
         let mut averaged = now.clone();
