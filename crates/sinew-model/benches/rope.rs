@@ -4,7 +4,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sinew_model::rope::entry::CatalogueEntry;
-use sinew_model::rope::{Law, RopeLoad, State};
+use sinew_model::rope::{Law, RopeLoad, State, ramp};
 use std::hint::black_box;
 
 const ROPE: &str = include_str!("../../../ropes/liros-dc000-0301.toml");
@@ -68,8 +68,7 @@ fn single(c: &mut Criterion) {
                 RopeLoad::celsius(60.0, 23.0),
                 RopeLoad::celsius(200.0, 50.0),
             );
-            law.ramp(&mut state, black_box(from), black_box(to), 3600.0)
-                .expect("a load");
+            ramp(&law, &mut state, black_box(from), black_box(to), 3600.0).expect("a load");
             state
         });
     });

@@ -7,7 +7,7 @@
 
 use super::Duty;
 use super::duty::Stretch;
-use sinew_model::rope::{Law, LoadError, Rates, State};
+use sinew_model::rope::{Law, LoadError, Rates, State, ramp};
 
 /// Stretches run one by one before the slow equation takes over.
 const EXACT_STRETCHES: f64 = 1_000.0;
@@ -237,7 +237,7 @@ pub(crate) fn run_stretch(
         to.tension_n = mix(s.from.tension_n, s.to.tension_n);
         to.temperature_k = mix(s.from.temperature_k, s.to.temperature_k);
     }
-    law.ramp(state, s.from, to, duration_s)
+    ramp(law, state, s.from, to, duration_s)
 }
 
 #[cfg(test)]

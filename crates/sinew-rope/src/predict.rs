@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Readings made where nothing else is asked for.
@@ -261,14 +261,12 @@ fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Int
         // The worst portion passes every pulley.
         let mut state = State::default();
         for p in &route.pulleys {
-            if law
-                .bend(&mut state, tension_n, 2.0 * p.radius_m, rope_m, passes)
-                .is_err()
-            {
+            let bent = damage::bend(law, &mut state, tension_n, 2.0 * p.radius_m, rope_m, passes);
+            if bent.is_err() {
                 return f64::NAN;
             }
         }
-        state.strength_left()
+        damage::strength_left(&state)
     };
     let (nominal, drawn) = draws.map(left);
     Some(Interval::of(nominal, &drawn))
@@ -278,7 +276,9 @@ fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Int
 pub(crate) fn warnings(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<String> {
     let mut outside = Outside::default();
     for s in &request.duty.stretches {
-        outside = outside.or(law.outside(s.from)).or(law.outside(s.to));
+        outside = outside
+            .or(Outside::of(law, s.from))
+            .or(Outside::of(law, s.to));
     }
     let mut out: Vec<String> = outside.sentences().map(str::to_string).collect();
     let entry = &rope.entry;

@@ -12,7 +12,7 @@ pub use super::schedule::{LeftAlone, Schedule};
 use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_model::rope::validity::LOAD_RATIO_HIGH;
+use sinew_model::rope::validity::{LOAD_RATIO_HIGH, Outside};
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// Bedding-in tensions tried, as multiples of the working tension.
@@ -170,7 +170,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
     let schedule_new = schedule(&draws, request, None).map_err(refuse)?;
     let schedule_bedded = schedule(&draws, request, bedded).map_err(refuse)?;
     let entry = &rope.entry;
-    let outside = draws.nominal.outside(work);
+    let outside = Outside::of(&draws.nominal, work);
     let mut warnings: Vec<String> = outside.sentences().map(str::to_string).collect();
     if entry.guesses() > 0 {
         warnings.push(format!(

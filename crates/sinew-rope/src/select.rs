@@ -4,7 +4,8 @@ use super::draws::{Draws, Interval};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
 use serde::Serialize;
-use sinew_model::rope::{RopeLoad, validity};
+use sinew_model::rope::RopeLoad;
+use sinew_model::rope::validity::{self, Outside};
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -221,10 +222,7 @@ fn judge(
     };
     if let Ok(draws) = Draws::new(rope, 0, request.seed) {
         for s in &request.duty.stretches {
-            let outside = draws
-                .nominal
-                .outside(s.from)
-                .or(draws.nominal.outside(s.to));
+            let outside = Outside::of(&draws.nominal, s.from).or(Outside::of(&draws.nominal, s.to));
             if outside.hot {
                 reasons.push(format!(
                     "temperature is above the {:.0} °C that HMPE may have",

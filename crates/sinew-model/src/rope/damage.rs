@@ -10,72 +10,68 @@ pub const REFERENCE_LOAD_RATIO: f64 = 0.1;
 /// discarding a fibre rope.
 pub const STRENGTH_LEFT_WHEN_SPENT: f64 = 0.5;
 
-impl Law {
-    /// Passes over a pulley that the rope survives:
-    /// `N = N_ref ((D/d)/20)^m_D (λ/0.1)^(−m_λ)`.
-    ///
-    /// A power law as for wire ropes (Feyrer); for thin fibre ropes its numbers are hardly
-    /// published, so the catalogue gives them a wide interval.
-    ///
-    /// * `pulley_m`, `rope_m`: diameters, m, above 0.
-    /// * Returns passes (one pass: onto the pulley and off again); infinite without tension.
-    ///
-    /// # Errors
-    /// [`LoadError`].
-    pub fn passes_survived(
-        &self,
-        tension_n: f64,
-        pulley_m: f64,
-        rope_m: f64,
-    ) -> Result<f64, LoadError> {
-        self.check(super::RopeLoad::at_reference(tension_n))?;
-        let ratio = pulley_m / rope_m;
-        if !(ratio > 0.0 && ratio.is_finite() && rope_m > 0.0) {
-            return Err(LoadError::Bend);
-        }
-        let lambda = self.load_ratio(tension_n);
-        if lambda == 0.0 {
-            return Ok(f64::INFINITY);
-        }
-        let p = self.parameters();
-        Ok(p.bend_life_passes
-            * libm::pow(ratio / REFERENCE_DIAMETER_RATIO, p.bend_ratio_exponent)
-            * libm::pow(lambda / REFERENCE_LOAD_RATIO, -p.bend_load_exponent))
+/// Passes over a pulley that the rope survives:
+/// `N = N_ref ((D/d)/20)^m_D (λ/0.1)^(−m_λ)`.
+///
+/// A power law as for wire ropes (Feyrer); for thin fibre ropes its numbers are hardly
+/// published, so the catalogue gives them a wide interval.
+///
+/// * `pulley_m`, `rope_m`: diameters, m, above 0.
+/// * Returns passes (one pass: onto the pulley and off again); infinite without tension.
+///
+/// # Errors
+/// [`LoadError`].
+pub fn passes_survived(
+    law: &Law,
+    tension_n: f64,
+    pulley_m: f64,
+    rope_m: f64,
+) -> Result<f64, LoadError> {
+    law.check(super::RopeLoad::at_reference(tension_n))?;
+    let ratio = pulley_m / rope_m;
+    if !(ratio > 0.0 && ratio.is_finite() && rope_m > 0.0) {
+        return Err(LoadError::Bend);
     }
-
-    /// Counts passes over a pulley into the state (Palmgren–Miner).
-    ///
-    /// # Errors
-    /// [`LoadError`]; the state is unchanged.
-    ///
-    /// # Realtime
-    /// No allocation, lock, panic or clock.
-    pub fn bend(
-        &self,
-        state: &mut State,
-        tension_n: f64,
-        pulley_m: f64,
-        rope_m: f64,
-        passes: f64,
-    ) -> Result<(), LoadError> {
-        let survived = self.passes_survived(tension_n, pulley_m, rope_m)?;
-        if !(passes >= 0.0 && passes.is_finite()) {
-            return Err(LoadError::Bend);
-        }
-        let damage = passes / survived;
-        if !damage.is_finite() || !state.is_possible() {
-            return Err(LoadError::State);
-        }
-        state.bending_damage += damage;
-        Ok(())
+    let lambda = law.load_ratio(tension_n);
+    if lambda == 0.0 {
+        return Ok(f64::INFINITY);
     }
+    let p = law.parameters();
+    Ok(p.bend_life_passes
+        * libm::pow(ratio / REFERENCE_DIAMETER_RATIO, p.bend_ratio_exponent)
+        * libm::pow(lambda / REFERENCE_LOAD_RATIO, -p.bend_load_exponent))
 }
 
-impl State {
-    /// Share of the breaking load that is left: 1 when new, [`STRENGTH_LEFT_WHEN_SPENT`] at
-    /// damage 1, falling on to 0.
-    #[must_use]
-    pub fn strength_left(&self) -> f64 {
-        (1.0 - (1.0 - STRENGTH_LEFT_WHEN_SPENT) * self.bending_damage).max(0.0)
+/// Counts passes over a pulley into the state (Palmgren–Miner).
+///
+/// # Errors
+/// [`LoadError`]; the state is unchanged.
+///
+/// # Realtime
+/// No allocation, lock, panic or clock.
+pub fn bend(
+    law: &Law,
+    state: &mut State,
+    tension_n: f64,
+    pulley_m: f64,
+    rope_m: f64,
+    passes: f64,
+) -> Result<(), LoadError> {
+    let survived = passes_survived(law, tension_n, pulley_m, rope_m)?;
+    if !(passes >= 0.0 && passes.is_finite()) {
+        return Err(LoadError::Bend);
     }
+    let damage = passes / survived;
+    if !damage.is_finite() || !state.is_possible() {
+        return Err(LoadError::State);
+    }
+    state.bending_damage += damage;
+    Ok(())
+}
+
+/// Share of the breaking load that is left: 1 when new, [`STRENGTH_LEFT_WHEN_SPENT`] at
+/// damage 1, falling on to 0.
+#[must_use]
+pub fn strength_left(state: &State) -> f64 {
+    (1.0 - (1.0 - STRENGTH_LEFT_WHEN_SPENT) * state.bending_damage).max(0.0)
 }

@@ -25,7 +25,7 @@
 //!
 //! Every part is solved *exactly* over a segment of constant tension and temperature ([`Law::hold`]),
 //! so the length of a step does not matter; over a segment where both are linear
-//! ([`Law::ramp`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
+//! ([`ramp()`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
 //! over pulleys, [`validity`] says where the law was never checked, `entry`
@@ -56,7 +56,7 @@ pub mod validity;
 pub use error::{LoadError, ParameterError};
 pub use law::{Law, Rates, RopeLoad};
 pub use parameters::{Parameter, Parameters, Polymer};
-pub use ramp::RAMP_TOLERANCE_PERCENT;
+pub use ramp::{RAMP_TOLERANCE_PERCENT, ramp};
 pub use state::{DELAY_TIMES_S, State, Strain};
 
 /// Gas constant, J/(mol·K) (CODATA 2018, exact).

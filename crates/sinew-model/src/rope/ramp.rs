@@ -23,60 +23,55 @@ struct Course<'a> {
     duration_s: f64,
 }
 
-impl Law {
-    /// Tension and temperature go linearly from one load to another.
-    ///
-    /// Delayed elasticity and retraction follow the straight line exactly, bedding-in and flow
-    /// take the middle of each step; the whole step is symmetric in time, so two extrapolations
-    /// over halved steps raise it to sixth order. Steps are chosen so that the difference between
-    /// fourth and sixth order, summed over the ramp, stays within [`RAMP_TOLERANCE_PERCENT`];
-    /// ramps are cut where the retraction has its kinks and where bedding-in sets in.
-    ///
-    /// * `duration_s`: 0 to 1e10 s; 0 changes nothing.
-    ///
-    /// # Errors
-    /// [`LoadError`]; the state is unchanged.
-    ///
-    /// # Realtime
-    /// No allocation, lock or panic; the number of steps depends on the ramp.
-    pub fn ramp(
-        &self,
-        state: &mut State,
-        from: RopeLoad,
-        to: RopeLoad,
-        duration_s: f64,
-    ) -> Result<(), LoadError> {
-        self.check(from)?;
-        self.check(to)?;
-        if from == to {
-            return self.hold(state, from, duration_s);
-        }
-        check_duration(duration_s)?;
-        if !state.is_possible() {
-            return Err(LoadError::State);
-        }
-        if duration_s == 0.0 {
-            return Ok(());
-        }
-        let course = Course {
-            law: self,
-            lambda: (
-                self.load_ratio(from.tension_n),
-                self.load_ratio(to.tension_n),
-            ),
-            temperature_k: (from.temperature_k, to.temperature_k),
-            duration_s,
-        };
-        let cuts = course.cuts(state);
-        let mut at = 0.0;
-        for cut in cuts {
-            if cut > at {
-                course.follow(state, at, cut);
-                at = cut;
-            }
-        }
-        Ok(())
+/// Tension and temperature go linearly from one load to another.
+///
+/// Delayed elasticity and retraction follow the straight line exactly, bedding-in and flow
+/// take the middle of each step; the whole step is symmetric in time, so two extrapolations
+/// over halved steps raise it to sixth order. Steps are chosen so that the difference between
+/// fourth and sixth order, summed over the ramp, stays within [`RAMP_TOLERANCE_PERCENT`];
+/// ramps are cut where the retraction has its kinks and where bedding-in sets in.
+///
+/// * `duration_s`: 0 to 1e10 s; 0 changes nothing.
+///
+/// # Errors
+/// [`LoadError`]; the state is unchanged.
+///
+/// # Realtime
+/// No allocation, lock or panic; the number of steps depends on the ramp.
+pub fn ramp(
+    law: &Law,
+    state: &mut State,
+    from: RopeLoad,
+    to: RopeLoad,
+    duration_s: f64,
+) -> Result<(), LoadError> {
+    law.check(from)?;
+    law.check(to)?;
+    if from == to {
+        return law.hold(state, from, duration_s);
     }
+    check_duration(duration_s)?;
+    if !state.is_possible() {
+        return Err(LoadError::State);
+    }
+    if duration_s == 0.0 {
+        return Ok(());
+    }
+    let course = Course {
+        law,
+        lambda: (law.load_ratio(from.tension_n), law.load_ratio(to.tension_n)),
+        temperature_k: (from.temperature_k, to.temperature_k),
+        duration_s,
+    };
+    let cuts = course.cuts(state);
+    let mut at = 0.0;
+    for cut in cuts {
+        if cut > at {
+            course.follow(state, at, cut);
+            at = cut;
+        }
+    }
+    Ok(())
 }
 
 impl Course<'_> {

@@ -28,6 +28,17 @@ impl Outside {
         self == Self::default()
     }
 
+    /// Which limits a load lies outside of; the law still answers, with this as a warning.
+    #[must_use]
+    pub fn of(law: &Law, load: RopeLoad) -> Self {
+        let lambda = law.load_ratio(load.tension_n);
+        Self {
+            low_load: lambda > 0.0 && lambda < LOAD_RATIO_LOW,
+            high_load: lambda > LOAD_RATIO_HIGH,
+            hot: law.parameters().polymer == Polymer::Hmpe && load.temperature_k > HMPE_HOT_K,
+        }
+    }
+
     /// Limits that either lies outside of.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
@@ -69,18 +80,5 @@ impl fmt::Display for Outside {
             f.write_str(sentence)?;
         }
         Ok(())
-    }
-}
-
-impl Law {
-    /// Which limits a load lies outside of; the law still answers, with this as a warning.
-    #[must_use]
-    pub fn outside(&self, load: RopeLoad) -> Outside {
-        let lambda = self.load_ratio(load.tension_n);
-        Outside {
-            low_load: lambda > 0.0 && lambda < LOAD_RATIO_LOW,
-            high_load: lambda > LOAD_RATIO_HIGH,
-            hot: self.parameters().polymer == Polymer::Hmpe && load.temperature_k > HMPE_HOT_K,
-        }
     }
 }

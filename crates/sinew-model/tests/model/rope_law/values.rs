@@ -2,7 +2,8 @@
 
 use super::law;
 use crate::rope_reference::{aramid, sk99};
-use sinew_model::rope::{Law, LoadError, Parameter, RopeLoad, State, bedding};
+use sinew_model::rope::validity::Outside;
+use sinew_model::rope::{Law, LoadError, Parameter, RopeLoad, State, bedding, damage, ramp};
 
 #[test]
 fn entire_exponential_integral_has_its_known_values() {
@@ -154,7 +155,7 @@ fn nonsense_is_refused_and_the_state_stays() {
     ];
     for (load, duration_s, error) in cases {
         assert_eq!(law.hold(&mut state, load, duration_s), Err(error));
-        assert_eq!(law.ramp(&mut state, good, load, duration_s), Err(error));
+        assert_eq!(ramp(&law, &mut state, good, load, duration_s), Err(error));
         assert_eq!(state, before);
     }
     assert!(matches!(
@@ -176,11 +177,11 @@ fn nonsense_is_refused_and_the_state_stays() {
     };
     assert_eq!(law.hold(&mut broken, good, 1.0), Err(LoadError::State));
     assert_eq!(
-        law.bend(&mut state, 100.0, 0.0, 0.0015, 1.0),
+        damage::bend(&law, &mut state, 100.0, 0.0, 0.0015, 1.0),
         Err(LoadError::Bend)
     );
     assert_eq!(
-        law.bend(&mut state, 100.0, 0.03, 0.0015, -1.0),
+        damage::bend(&law, &mut state, 100.0, 0.03, 0.0015, -1.0),
         Err(LoadError::Bend)
     );
     assert_eq!(state, before);
@@ -202,14 +203,14 @@ fn every_parameter_out_of_range_is_refused_by_name() {
 #[test]
 fn limits_of_validity_are_said() {
     let law = law(sk99());
-    assert!(law.outside(RopeLoad::at_reference(60.0)).is_inside());
-    assert!(law.outside(RopeLoad::at_reference(0.0)).is_inside());
-    assert!(law.outside(RopeLoad::at_reference(44.0)).low_load);
-    assert!(law.outside(RopeLoad::at_reference(1781.0)).high_load);
-    assert!(law.outside(RopeLoad::celsius(60.0, 66.0)).hot);
+    assert!(Outside::of(&law, RopeLoad::at_reference(60.0)).is_inside());
+    assert!(Outside::of(&law, RopeLoad::at_reference(0.0)).is_inside());
+    assert!(Outside::of(&law, RopeLoad::at_reference(44.0)).low_load);
+    assert!(Outside::of(&law, RopeLoad::at_reference(1781.0)).high_load);
+    assert!(Outside::of(&law, RopeLoad::celsius(60.0, 66.0)).hot);
     let cord = Law::new(aramid()).expect("parameters of a rope");
-    assert!(cord.outside(RopeLoad::celsius(60.0, 90.0)).is_inside());
-    let both = law.outside(RopeLoad::celsius(44.0, 70.0));
+    assert!(Outside::of(&cord, RopeLoad::celsius(60.0, 90.0)).is_inside());
+    let both = Outside::of(&law, RopeLoad::celsius(44.0, 70.0));
     assert_eq!(both.sentences().count(), 2);
 }
 
@@ -217,14 +218,13 @@ fn limits_of_validity_are_said() {
 fn bends_add_up() {
     let law = law(sk99());
     let mut state = State::default();
-    let survived = law.passes_survived(445.0, 0.030, 0.0015).expect("bend");
+    let survived = damage::passes_survived(&law, 445.0, 0.030, 0.0015).expect("bend");
     assert!((survived - 2e4).abs() < 1e-6, "the reference bend");
     for _ in 0..10 {
-        law.bend(&mut state, 445.0, 0.030, 0.0015, 1000.0)
-            .expect("bend");
+        damage::bend(&law, &mut state, 445.0, 0.030, 0.0015, 1000.0).expect("bend");
     }
     assert!((state.bending_damage - 0.5).abs() < 1e-12);
-    assert!((state.strength_left() - 0.75).abs() < 1e-12);
-    let tighter = law.passes_survived(445.0, 0.015, 0.0015).expect("bend");
+    assert!((damage::strength_left(&state) - 0.75).abs() < 1e-12);
+    let tighter = damage::passes_survived(&law, 445.0, 0.015, 0.0015).expect("bend");
     assert!((tighter - 2e4 / 8.0).abs() < 1e-6);
 }
