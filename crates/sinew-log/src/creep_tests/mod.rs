@@ -254,7 +254,7 @@ pub fn read_test_bytes(
     } else if bytes.starts_with(b"PK\x03\x04") {
         #[cfg(not(feature = "sheets"))]
         return Err(refuse(
-            "it is a workbook, and this program is built without them (cargo feature sheets); save it as CSV",
+            "it is a workbook, and this build reads none; save it as CSV, or build with cargo build --release --features sheets",
         ));
         #[cfg(feature = "sheets")]
         (
