@@ -6,6 +6,16 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
+/// A file of results that can't be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: {why}")]
+pub struct JournalError {
+    /// File.
+    file: String,
+    /// Why, and what to do.
+    why: String,
+}
+
 /// What all results of a file have in common.
 pub(crate) trait Settings: Serialize + DeserializeOwned + PartialEq {
     /// What the first line begins with.
@@ -26,9 +36,10 @@ pub(crate) fn checksum(text: &str) -> String {
     format!("{hash:016x}")
 }
 
-/// An open file of results.
+/// An open file of results, or none: then nothing is kept.
 pub(crate) struct Journal {
-    file: File,
+    name: String,
+    file: Option<File>,
 }
 
 impl Journal {
@@ -38,10 +49,18 @@ impl Journal {
     /// # Errors
     /// Why the file can't be used, and what to do.
     pub(crate) fn open<S: Settings, R: DeserializeOwned>(
-        path: &Path,
+        path: Option<&Path>,
         settings: &S,
-    ) -> Result<(Self, Vec<R>), String> {
-        let io = |e: std::io::Error| format!("can't be used: {e}");
+    ) -> Result<(Self, Vec<R>), JournalError> {
+        let mut journal = Self {
+            name: path.map_or_else(String::new, |p| p.display().to_string()),
+            file: None,
+        };
+        let Some(path) = path else {
+            return Ok((journal, Vec::new()));
+        };
+        let wrong = |why: String| journal.refuse(why);
+        let io = |e: std::io::Error| wrong(format!("can't be used: {e}"));
         let mut file = OpenOptions::new()
             .read(true)
             // Two runs with one file repeat each other's work, but spoil nothing.
@@ -51,13 +70,13 @@ impl Journal {
             .map_err(io)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(|e| match e.kind() {
-            ErrorKind::InvalidData => "is not text; name another file".into(),
+            ErrorKind::InvalidData => wrong("is not text; name another file".into()),
             _ => io(e),
         })?;
         let whole = text.rfind('\n').map_or(0, |at| at + 1);
         let mut lines = text[..whole].lines();
         let mut done = Vec::new();
-        let foreign = || format!("is not a file of {}; name another", S::HOLDS);
+        let foreign = || wrong(format!("is not a file of {}; name another", S::HOLDS));
         match lines.next() {
             None if !text.is_empty() && !text.starts_with(S::HEAD) => return Err(foreign()),
             None => {}
@@ -65,21 +84,21 @@ impl Journal {
                 let found: S = serde_json::from_str(first).map_err(|_| foreign())?;
                 if found != *settings {
                     let why = found.difference(settings);
-                    return Err(format!(
-                        "holds {} of other settings: {why}; name another file",
-                        S::HOLDS
-                    ));
+                    let holds = S::HOLDS;
+                    return Err(wrong(format!(
+                        "holds {holds} of other settings: {why}; name another file"
+                    )));
                 }
                 for (k, line) in lines.enumerate() {
                     let result = serde_json::from_str(line);
-                    done.push(
-                        result.map_err(|e| format!("line {} is damaged: {e}; remove it", k + 2))?,
-                    );
+                    done.push(result.map_err(|e| {
+                        wrong(format!("line {} is damaged: {e}; remove it", k + 2))
+                    })?);
                 }
             }
         }
         file.set_len(whole as u64).map_err(io)?;
-        let mut journal = Self { file };
+        journal.file = Some(file);
         if whole == 0 {
             journal.add(settings)?;
         }
@@ -90,13 +109,24 @@ impl Journal {
     ///
     /// # Errors
     /// Why it can't be written.
-    pub(crate) fn add<T: Serialize>(&mut self, value: &T) -> Result<(), String> {
-        let mut text = serde_json::to_string(value).map_err(|e| e.to_string())?;
-        text.push('\n');
+    pub(crate) fn add<T: Serialize>(&mut self, value: &T) -> Result<(), JournalError> {
+        let Some(file) = &mut self.file else {
+            return Ok(());
+        };
+        let written = serde_json::to_string(value).map_err(|e| e.to_string());
         // One call, so that a line is there as a whole unless the machine stops.
-        self.file
-            .write_all(text.as_bytes())
-            .and_then(|()| self.file.flush())
-            .map_err(|e| format!("can't write: {e}"))
+        let written = written.and_then(|text| {
+            (file.write_all((text + "\n").as_bytes()))
+                .and_then(|()| file.flush())
+                .map_err(|e| format!("can't write: {e}"))
+        });
+        written.map_err(|why| self.refuse(why))
+    }
+
+    fn refuse(&self, why: String) -> JournalError {
+        JournalError {
+            file: self.name.clone(),
+            why,
+        }
     }
 }

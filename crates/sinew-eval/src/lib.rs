@@ -7,3 +7,5 @@ mod journal;
 pub mod paper;
 pub mod scenarios;
 pub mod year;
+
+pub use journal::JournalError;

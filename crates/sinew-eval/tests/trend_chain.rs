@@ -4,6 +4,7 @@ use crate::support;
 
 use sinew_eval::year::chain::{ChainRequest, Session, SessionKind, statistics};
 use sinew_eval::year::{RobotYear, YearError, YearRequest, run_chain};
+use sinew_model::{Gaussian, Z95};
 use sinew_rope::Catalogue;
 use support::biorob_like;
 
@@ -17,17 +18,12 @@ fn lived(chain: &ChainRequest, days: usize) -> Result<Vec<(Vec<Session>, RobotYe
         forecasters: Vec::new(),
         ..YearRequest::default()
     };
-    let mut out = Vec::new();
-    run_chain(
-        &robot,
-        &catalogue,
-        &request,
-        chain,
+    let chain = ChainRequest {
         days,
-        &mut |done, all| assert!(done <= all && all == days),
-        &mut |sessions, year| out.push((sessions, year)),
-    )?;
-    Ok(out)
+        ..chain.clone()
+    };
+    let mut progress = |done, all| assert!(done <= all && all == days);
+    run_chain(&robot, &catalogue, &request, &chain, &mut progress)
 }
 
 #[test]
@@ -42,8 +38,8 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
         assert_eq!(session.payload_kg, 0.0);
         assert_eq!(session.joints.len(), 4);
         for joint in &session.joints {
-            let [offset, half] = joint.offset_mrad.expect("a check can tell");
-            let error = offset - joint.truth_mrad;
+            let offset = joint.offset_rad.expect("a check can tell").scaled(1e3);
+            let (error, half) = (offset.mean - 1e3 * joint.truth_rad, offset.half_width_95());
             // Half a millirad for the drift that no single session can know.
             assert!(error.abs() < half + 0.5, "{session:?}");
         }
@@ -64,7 +60,7 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
         assert!(refused.contains(why), "{refused}");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), other);
     };
-    refused("\"version\":5", "\"version\":1", "estimator 1, now 5");
+    refused("\"version\":6", "\"version\":1", "estimator 1, now 6");
     let (_, description) = text.split_once("\"description\":\"").expect("a checksum");
     refused(
         &description[..16],
@@ -92,10 +88,10 @@ fn a_days_work_carries_what_it_likes() {
     let carried: Vec<f64> = sessions.iter().map(|s| s.payload_kg).collect();
     assert!(carried[0] != carried[1], "{carried:?}");
     for joint in sessions.iter().flat_map(|s| &s.joints) {
-        let Some([offset, half]) = joint.offset_mrad else {
+        let Some(offset) = joint.offset_rad.map(|y| y.scaled(1e3)) else {
             continue;
         };
-        let error = offset - joint.truth_mrad;
+        let (error, half) = (offset.mean - 1e3 * joint.truth_rad, offset.half_width_95());
         assert!(error.abs() < 2.0 * half + 0.5, "{joint:?}");
     }
     // Of two sessions there is nothing to say.
@@ -123,10 +119,13 @@ fn made(fails: Option<usize>) -> Vec<Session> {
                 left_out_share: 0.0,
                 joints: vec![SessionJoint {
                     name: "elbow".into(),
-                    truth_mrad: truth,
-                    offset_mrad: Some([truth + 0.4 - 0.2 * warm + left + 2.0 * lost, 1.0]),
-                    true_stiffness_percent: -6.0 * lost,
-                    stiffness_percent: [0.1 * warm - 1.5 * lost, 2.0],
+                    truth_rad: 1e-3 * truth,
+                    offset_rad: Some(Gaussian::new(
+                        1e-3 * (truth + 0.4 - 0.2 * warm + left + 2.0 * lost),
+                        1e-3 / Z95,
+                    )),
+                    true_stiffness_ratio: -0.06 * lost,
+                    stiffness_ratio: Gaussian::new(0.01 * (0.1 * warm - 1.5 * lost), 0.02 / Z95),
                     steps: 0,
                 }],
             }
@@ -145,14 +144,17 @@ fn known_errors_come_back_from_the_statistics() {
         .sum::<f64>()
         / 40.0;
     assert!(
-        (e.bias_mrad - (0.4 - 0.2 * mean).abs()).abs() < 0.02,
+        (1e3 * e.bias_rad.unwrap() - (0.4 - 0.2 * mean).abs()).abs() < 0.02,
         "{e:?}"
     );
-    assert!((e.drift_mrad_per_k - 0.2).abs() < 0.01, "{e:?}");
-    assert!((e.scatter_mrad - 0.1).abs() < 0.01, "{e:?}");
-    assert!((e.correlation[0].1 + 1.0).abs() < 0.05, "{e:?}");
     assert!(
-        (e.stiffness_drift_percent_per_k - 0.1).abs() < 1e-9,
+        (1e3 * e.drift_rad_per_k.unwrap() - 0.2).abs() < 0.01,
+        "{e:?}"
+    );
+    assert!((1e3 * e.scatter_rad.unwrap() - 0.1).abs() < 0.01, "{e:?}");
+    assert!((e.correlation[0].correlation + 1.0).abs() < 0.05, "{e:?}");
+    assert!(
+        (100.0 * e.stiffness_drift_ratio_per_k.unwrap() - 0.1).abs() < 1e-9,
         "{e:?}"
     );
     assert!(failures.is_empty());
@@ -160,14 +162,14 @@ fn known_errors_come_back_from_the_statistics() {
     // Nothing after the failure counts as the session's error.
     assert_eq!(errors[0].sessions, 20);
     let f = &failures[0];
-    assert!((f.size_mrad - 3.05).abs() < 1e-9, "{f:?}");
-    assert!((f.lost_percent - 6.0).abs() < 1e-9, "{f:?}");
+    assert!((1e3 * f.size_rad - 3.05).abs() < 1e-9, "{f:?}");
+    assert!((100.0 * f.lost_ratio - 6.0).abs() < 1e-9, "{f:?}");
     // Ten sessions on either side of what also drifts: the sums are exact.
     let warm = |d: usize| 6.0 * (0.3 * d as f64).sin();
     let turn = ((21..31).map(warm).sum::<f64>() - (11..21).map(warm).sum::<f64>()) / 10.0;
-    assert!((f.seen_mrad - 5.05 + 0.2 * turn).abs() < 1e-9, "{f:?}");
+    assert!((1e3 * f.seen_rad - 5.05 + 0.2 * turn).abs() < 1e-9, "{f:?}");
     assert!(
-        (f.seen_lost_percent - 1.5 + 0.1 * turn).abs() < 1e-9,
+        (100.0 * f.seen_lost_ratio - 1.5 + 0.1 * turn).abs() < 1e-9,
         "{f:?}"
     );
 }

@@ -171,14 +171,14 @@ fn years_go_on_where_they_ended() {
         again["years"][0]["failure"]["day"],
         one["years"][0]["failure"]["day"]
     );
-    let rms = |v: &serde_json::Value| v["summary"][0]["tracking_rms_mrad"].as_f64().unwrap();
+    let rms = |v: &serde_json::Value| v["summary"][0]["tracking_rms_rad"].as_f64().unwrap();
     assert!((rms(&one) - rms(&again)).abs() < 1e-9);
     assert!(std::fs::read_to_string(out).unwrap().lines().count() == 2);
     // A year that is kept is not lived through again: what stands in the file counts.
     let kept = std::fs::read_to_string(out).unwrap();
     let (head, year) = kept.split_once('\n').unwrap();
     let mut year: serde_json::Value = serde_json::from_str(year).unwrap();
-    year["tendons"][0]["error_rms_mrad"] = 77.0.into();
+    year["tendons"][0]["error_rms_rad"] = 77.0.into();
     std::fs::write(out, format!("{head}\n{year}\n")).unwrap();
     assert_eq!(rms(&run("1")), 77.0);
     std::fs::write(out, "{}\n").unwrap();

@@ -20,6 +20,7 @@ pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use run::{Options, run};
 pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
 
+use crate::journal::JournalError;
 use sinew_estimate::absolute::AbsoluteError;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_files::Located;
@@ -71,12 +72,7 @@ pub enum ScenarioError {
     /// There are no threads to work on.
     #[error("can't start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The file of results can't be used.
-    #[error("{file}: {why}")]
-    Journal {
-        /// The file.
-        file: String,
-        /// Why, and what to do.
-        why: String,
-    },
+    /// The file of results.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
 }

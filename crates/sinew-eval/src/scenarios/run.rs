@@ -49,18 +49,7 @@ pub fn run(
         options.steps,
         options.motor_torque,
     );
-    let out = options.out.as_ref();
-    let wrong = |why: String| ScenarioError::Journal {
-        file: out.map_or_else(String::new, |path| path.display().to_string()),
-        why,
-    };
-    let (mut journal, done) = match out {
-        Some(path) => {
-            let (journal, done) = Journal::open(path, &settings).map_err(wrong)?;
-            (Some(journal), done)
-        }
-        None => (None, Vec::new()),
-    };
+    let (mut journal, done) = Journal::open(options.out.as_deref(), &settings)?;
     let wanted: Vec<(usize, u64)> = (0..options.n)
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
         .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
@@ -90,9 +79,7 @@ pub fn run(
             Ok::<_, ScenarioError>(())
         },
         |recording| {
-            if let Some(journal) = &mut journal {
-                journal.add(&recording).map_err(wrong)?;
-            }
+            journal.add(&recording)?;
             recordings.push(recording);
             progress(recordings.len(), wanted.len());
             Ok(())

@@ -1,41 +1,17 @@
 //! Who forecasts: by the rope, without it, or knowing the true law.
 
+use super::result::Forecaster;
 use super::surrogate::SessionErrors;
 use super::truth;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 use sinew_estimate::trend::prior;
+use sinew_files::date::DAY_S;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Curve, Noise, Prior, node_times_s};
 use sinew_rope::{CatalogueError, CatalogueRope};
 
-/// Who forecasts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Forecaster {
-    /// `sinew trend` with the rope named in the robot file.
-    Rope,
-    /// `sinew trend` without.
-    Generic,
-    /// Knows the law, how ropes, duties and errors are drawn, and lacks this tendon's numbers: what
-    /// is reachable at all.
-    Oracle,
-}
-
 impl Forecaster {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Rope, Self::Generic, Self::Oracle];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rope => "rope known",
-            Self::Generic => "no rope",
-            Self::Oracle => "true law known",
-        }
-    }
-
     /// Its prior for a tendon.
     pub(super) fn prior(
         self,
@@ -46,6 +22,8 @@ impl Forecaster {
     ) -> Result<Prior, CatalogueError> {
         let pretension_n = tendon.pretension_n.unwrap_or(60.0);
         const SEED: u64 = 1;
+        /// Days of work differ, and so do days of creep.
+        const LEAST_RAD: f64 = 0.05e-3;
         /// Season and work leave the pace nowhere quite constant.
         const PACE_ERRORS: [f64; 2] = [0.15, 0.5];
         let mut out = match self {
@@ -61,20 +39,19 @@ impl Forecaster {
             Self::Oracle => Prior {
                 noises: PACE_ERRORS
                     .map(|pace_error| Noise {
-                        // Days of work differ, and so do days of creep.
-                        slow_deviation_rad: 1e-3 * errors.slow_mrad.max(0.05),
-                        slow_time_s: prior::days(errors.slow_days),
+                        slow_deviation_rad: errors.slow_rad.max(LEAST_RAD),
+                        slow_time_s: errors.slow_time_s,
                         // What the thermometer's error adds is the drift's, of this robot.
                         white_scale: errors
-                            .white_deviation_mrad()
-                            .hypot(errors.drift_mrad_per_k * errors.thermometer_k)
-                            / errors.stated_mrad,
+                            .white_deviation_rad()
+                            .hypot(errors.drift_rad_per_k * errors.thermometer_k)
+                            / errors.stated_rad,
                         pace_error,
                         log_weight: 0.0,
                     })
                     .to_vec(),
-                temperature_deviation_rad_per_k: 1e-3 * errors.drift_mrad_per_k,
-                level_deviation_rad: 1e-3 * errors.slow_mrad.hypot(errors.bias_mrad).max(0.05),
+                temperature_deviation_rad_per_k: errors.drift_rad_per_k,
+                level_deviation_rad: errors.slow_rad.hypot(errors.bias_rad).max(LEAST_RAD),
                 ..Prior::new(true_curves(rope, tendon, curves)?)
             },
         };
@@ -89,7 +66,6 @@ fn true_curves(
     tendon: &Tendon,
     count: usize,
 ) -> Result<Vec<Curve>, CatalogueError> {
-    const DAY_S: f64 = 86_400.0;
     const SEED: u64 = 0x0dd5_0000;
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut out = Vec::with_capacity(count);

@@ -6,24 +6,34 @@
 
 pub mod chain;
 mod forecaster;
-mod life;
-mod robot;
+mod journal;
+mod judge;
+mod result;
+mod simulated_year;
 mod summary;
 pub mod surrogate;
+mod table;
 pub mod truth;
 
-pub use forecaster::Forecaster;
-pub use robot::{Forecast, RobotYear, TendonResult};
-pub use summary::{Summary, summary};
+pub use result::{
+    DayForecast, DayInterval, ForecastSummary, Forecaster, RobotYear, SessionSource, TendonResult,
+    YearReport, YearSummary,
+};
+pub use summary::summary;
+pub use table::render_table;
 
 use crate::jobs;
+use crate::journal::{Journal, JournalError};
 use chain::{ChainError, ChainRequest, Session};
-use life::WATCHED;
+use journal::Settings;
+use judge::Fleet;
 use rayon::prelude::*;
-use robot::Fleet;
+use simulated_year::WATCHED;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_model::robot::Robot;
 use sinew_rope::{Catalogue, CatalogueError};
+use std::collections::BTreeMap;
+use std::path::Path;
 use surrogate::SessionErrors;
 
 /// What years are asked for.
@@ -59,6 +69,12 @@ impl Default for YearRequest {
     }
 }
 
+impl YearRequest {
+    fn seeds(&self) -> std::ops::Range<u64> {
+        self.seed..self.seed + self.robots
+    }
+}
+
 /// Why there are no years.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -74,6 +90,9 @@ pub enum YearError {
         "joint '{0}' has no tendon with a rope and a pretension in robot.toml; a year needs them"
     )]
     Joint(String),
+    /// The file of years.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     /// A simulated session.
     #[error(transparent)]
     Chain(#[from] ChainError),
@@ -85,34 +104,43 @@ pub enum YearError {
     Trend(#[from] sinew_model::trend::TrendError),
 }
 
-/// Lives through the years of `request` that aren't in `done` yet; each finished robot is handed to
-/// `finished` in the order of seeds. Up to `jobs` at a time, the same whatever their number.
+/// Lives through the years of `request`, sessions drawn. Up to `jobs` at a time, the same whatever their
+/// number. Where `out` is given, a line per year goes there as it is finished, and years that are there
+/// already aren't lived through again. `progress` is told how many of how many are done.
 ///
 /// # Errors
-/// [`YearError`]; robots handed over before stay.
+/// [`YearError`]; years finished before are in `out`.
 pub fn run(
     robot: &Robot,
     catalogue: &Catalogue,
     request: &YearRequest,
-    done: &[u64],
-    finished: &mut dyn FnMut(RobotYear),
-) -> Result<(), YearError> {
-    let fleet = Fleet::new(robot, catalogue, request)?;
-    let seeds: Vec<u64> = (request.seed..request.seed + request.robots)
-        .filter(|s| !done.contains(s))
+    out: Option<&Path>,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<YearReport, YearError> {
+    let (mut journal, kept) = Journal::open::<_, RobotYear>(out, &Settings::new(robot, request))?;
+    let mut done: BTreeMap<u64, RobotYear> = (kept.into_iter())
+        .filter(|y| request.seeds().contains(&y.seed))
+        .map(|y| (y.seed, y))
         .collect();
+    let fleet = Fleet::new(robot, catalogue, request)?;
+    let seeds: Vec<u64> = request.seeds().filter(|s| !done.contains_key(s)).collect();
     let pool = jobs::pool(request.jobs)?;
     for batch in seeds.chunks(request.jobs.max(1)) {
         for year in pool.install(|| in_order(batch, |seed| fleet.year(*seed))) {
-            finished(year?);
+            let year = year?;
+            journal.add(&year)?;
+            done.insert(year.seed, year);
+            progress(done.len(), request.robots as usize);
         }
     }
-    Ok(())
+    let years = done.into_values().collect();
+    let errors = request.errors;
+    let source = SessionSource::Drawn { errors };
+    Ok(report(robot, request, source, years))
 }
 
-/// Years through the whole chain: simulates every robot's sessions of the first `days` (a year at most) and
-/// gives them to the forecasters. `progress` is told how many of how many sessions are done, `finished` is
-/// handed each robot's sessions and what became of them.
+/// Years through the whole chain: simulates every robot's sessions and gives them to the forecasters. Returns
+/// each robot's sessions and what became of them. `progress` is told how many of how many sessions are done.
 ///
 /// # Errors
 /// [`YearError`]; sessions finished before are in the file of `chain`.
@@ -121,24 +149,61 @@ pub fn run_chain(
     catalogue: &Catalogue,
     request: &YearRequest,
     chain: &ChainRequest,
-    days: usize,
     progress: &mut (dyn FnMut(usize, usize) + Send),
-    finished: &mut dyn FnMut(Vec<Session>, RobotYear),
-) -> Result<(), YearError> {
-    let fleet = Fleet::new(robot, catalogue, request)?;
-    let seeds: Vec<u64> = (request.seed..request.seed + request.robots).collect();
+) -> Result<Vec<(Vec<Session>, RobotYear)>, YearError> {
+    let mut request = request.clone();
+    if chain.days < WATCHED {
+        request.forecasters.clear();
+    }
+    let fleet = Fleet::new(robot, catalogue, &request)?;
+    let seeds: Vec<u64> = request.seeds().collect();
     let mut lives = Vec::with_capacity(seeds.len());
     for life in in_order(&seeds, |seed| fleet.life(*seed)) {
         lives.push(life?);
     }
-    let days = days.clamp(1, WATCHED);
-    let sessions = chain::sessions(robot, &request.joints, &lives, days, chain, progress)?;
+    let sessions = chain::sessions(robot, &request.joints, &lives, chain, progress)?;
     let both: Vec<_> = lives.iter().zip(&sessions).collect();
     let years = in_order(&both, |(life, own)| fleet.chained(life, own));
-    for (own, year) in sessions.into_iter().zip(years) {
-        finished(own, year?);
+    (sessions.into_iter().zip(years))
+        .map(|(own, year)| Ok((own, year?)))
+        .collect()
+}
+
+/// What sessions and years of [`run_chain`] show.
+pub fn report_chain(
+    robot: &Robot,
+    request: &YearRequest,
+    chain: &ChainRequest,
+    lived: Vec<(Vec<Session>, RobotYear)>,
+) -> YearReport {
+    let (sessions, mut years): (Vec<_>, Vec<_>) = lived.into_iter().unzip();
+    let (errors, failures) = chain::statistics(&sessions);
+    if chain.days < WATCHED {
+        years.clear();
     }
-    Ok(())
+    let source = SessionSource::Simulated {
+        session: chain.kind,
+        chained: chain.chained,
+        errors,
+        failures,
+    };
+    report(robot, request, source, years)
+}
+
+fn report(
+    robot: &Robot,
+    request: &YearRequest,
+    sessions: SessionSource,
+    years: Vec<RobotYear>,
+) -> YearReport {
+    YearReport {
+        sinew_version: env!("CARGO_PKG_VERSION").into(),
+        robot: robot.name.clone(),
+        joints: request.joints.clone(),
+        sessions,
+        summary: summary(&years),
+        years,
+    }
 }
 
 /// The same work on every item, on all threads, in the order of the items.

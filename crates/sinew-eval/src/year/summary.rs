@@ -1,65 +1,19 @@
 //! Many years in a few numbers.
 
-use super::forecaster::Forecaster;
-use super::robot::{Forecast, RobotYear, TendonResult};
-use serde::Serialize;
+use super::result::{
+    DayForecast, DayInterval, ForecastSummary, Forecaster, RobotYear, TendonResult, YearSummary,
+};
 use sinew_model::statistics::{quantile, upper_median};
 
-/// What one forecaster reached.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
-    /// Who.
-    pub forecaster: Forecaster,
-    /// Robots.
-    pub robots: usize,
-    /// Failures there were.
-    pub failures: usize,
-    /// Found within two days of the first session that could see them.
-    pub found_two_days: usize,
-    /// Found at all.
-    pub found: usize,
-    /// Median delay, days.
-    pub delay_median_days: f64,
-    /// False alarms.
-    pub false_alarms: usize,
-    /// Confirmed changes that were a hard day's creep.
-    pub sudden_creep: usize,
-    /// Per robot and year.
-    pub false_alarms_per_robot_year: f64,
-    /// RMS of the tracked offset against the truth, mrad: median over tendons.
-    pub tracking_rms_mrad: f64,
-    /// Forecasts by the day they were made.
-    pub forecasts: Vec<ForecastSummary>,
-}
-
-/// Forecasts made on one day.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ForecastSummary {
-    /// Day they were made.
-    pub made_day: f64,
-    /// How many.
-    pub forecasts: usize,
-    /// Median of |error| over the true day, %.
-    pub error_of_day_percent: f64,
-    /// Median of |error| over what was left until the true day, %.
-    pub error_of_rest_percent: f64,
-    /// True day inside the 90 % interval, %.
-    pub covered_90_percent: f64,
-    /// True day inside the 95 % interval, %.
-    pub covered_95_percent: f64,
-    /// Median width of the 90 % interval over the true day, %; infinite as `None`.
-    pub width_90_percent: Option<f64>,
-}
-
 /// Sums the years up for each forecaster.
-pub fn summary(years: &[RobotYear]) -> Vec<Summary> {
+pub fn summary(years: &[RobotYear]) -> Vec<YearSummary> {
     Forecaster::ALL
         .into_iter()
         .filter_map(|who| of(who, years))
         .collect()
 }
 
-fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
+fn of(who: Forecaster, years: &[RobotYear]) -> Option<YearSummary> {
     let mut own: Vec<(&RobotYear, &TendonResult)> = Vec::new();
     for year in years {
         own.extend(
@@ -78,7 +32,7 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
         .filter_map(|(_, t)| t.found_after_days)
         .collect();
     delays.sort_unstable_by(f64::total_cmp);
-    let mut rms: Vec<f64> = own.iter().map(|(_, t)| t.error_rms_mrad).collect();
+    let mut rms: Vec<f64> = own.iter().map(|(_, t)| t.error_rms_rad).collect();
     rms.sort_unstable_by(f64::total_cmp);
     let false_alarms = own.iter().map(|(_, t)| t.false_alarm_days.len()).sum();
     let mut days: Vec<f64> = own
@@ -87,21 +41,21 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
         .collect();
     days.sort_unstable_by(f64::total_cmp);
     days.dedup();
-    Some(Summary {
+    Some(YearSummary {
         forecaster: who,
         robots: years.len(),
         failures: failed.count(),
         found_two_days: delays.iter().filter(|d| **d <= 2.0).count(),
         found: delays.len(),
-        delay_median_days: quantile(&delays, 0.5),
+        delay_median_days: finite(quantile(&delays, 0.5)),
         false_alarms,
         sudden_creep: own.iter().map(|(_, t)| t.sudden_creep_days.len()).sum(),
         false_alarms_per_robot_year: false_alarms as f64 / years.len() as f64,
-        tracking_rms_mrad: quantile(&rms, 0.5),
+        tracking_rms_rad: quantile(&rms, 0.5),
         forecasts: days
             .into_iter()
             .map(|day| {
-                let made: Vec<Forecast> = own
+                let made: Vec<DayForecast> = own
                     .iter()
                     .flat_map(|(_, t)| t.forecasts.iter().copied())
                     .filter(|f| f.made_day == day)
@@ -112,31 +66,31 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<Summary> {
     })
 }
 
-fn forecasts(made_day: f64, made: &[Forecast]) -> ForecastSummary {
-    let median = |f: &dyn Fn(&Forecast) -> f64| {
+fn forecasts(made_day: f64, made: &[DayForecast]) -> ForecastSummary {
+    let median = |f: &dyn Fn(&DayForecast) -> f64| {
         let mut all: Vec<f64> = made.iter().map(f).collect();
         // Between a finite and an infinite error no mean helps.
-        upper_median(&mut all).unwrap_or(f64::NAN)
+        upper_median(&mut all).and_then(finite)
     };
-    let error = |f: &Forecast| (f.median_day.unwrap_or(f64::INFINITY) - f.true_day).abs();
-    let covered = |low: usize, high: usize| {
-        let inside = made.iter().filter(|f| {
-            f.quantile_days[low].is_some_and(|q| q <= f.true_day)
-                && f.quantile_days[high].is_none_or(|q| q >= f.true_day)
-        });
-        100.0 * inside.count() as f64 / made.len().max(1) as f64
+    let error = |f: &DayForecast| (f.median_day.unwrap_or(f64::INFINITY) - f.true_day).abs();
+    let covered = |interval: &dyn Fn(&DayForecast) -> DayInterval| {
+        let inside = made.iter().filter(|f| interval(f).contains(f.true_day));
+        inside.count() as f64 / made.len().max(1) as f64
     };
-    let width = median(&|f| {
-        let end = |i: usize| f.quantile_days[i].unwrap_or(f64::INFINITY);
-        100.0 * (end(2) - end(1)) / f.true_day
-    });
+    let end = |day: Option<f64>| day.unwrap_or(f64::INFINITY);
     ForecastSummary {
         made_day,
         forecasts: made.len(),
-        error_of_day_percent: median(&|f| 100.0 * error(f) / f.true_day),
-        error_of_rest_percent: median(&|f| 100.0 * error(f) / (f.true_day - f.made_day)),
-        covered_90_percent: covered(1, 2),
-        covered_95_percent: covered(0, 3),
-        width_90_percent: width.is_finite().then_some(width),
+        error_of_day_ratio: median(&|f| error(f) / f.true_day),
+        error_of_rest_ratio: median(&|f| error(f) / (f.true_day - f.made_day)),
+        covered_90_share: covered(&|f| f.interval_90_day),
+        covered_95_share: covered(&|f| f.interval_95_day),
+        width_90_ratio: median(&|f| {
+            (end(f.interval_90_day.high) - end(f.interval_90_day.low)) / f.true_day
+        }),
     }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }

@@ -2,10 +2,10 @@
 
 mod csv;
 mod page;
-mod summary;
+mod terminal;
 mod words;
 
 pub use csv::write_csv;
 pub use page::{figure, html};
-pub use summary::{HEAD, JointSummary, TrendSummary, summarise};
+pub use terminal::render_table;
 pub use words::format_note;

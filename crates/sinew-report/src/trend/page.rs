@@ -1,6 +1,6 @@
 //! The trend as figures and as a page.
 
-use super::summary::MONTH_S;
+use super::terminal::MONTH_S;
 use super::words::{
     event_name, format_basis, format_limit, format_meaning, format_note, format_passage,
     format_verdict, limit_name, plus_minus, plus_minus_or_dash,

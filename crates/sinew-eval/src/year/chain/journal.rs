@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sinew_model::robot::Robot;
 
 /// Another simulation or estimator: what older files hold can't go on.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// What all sessions of a file have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,11 +12,11 @@ mod statistics;
 
 pub use motion::SessionKind;
 pub use session::{Session, SessionJoint};
-pub use statistics::{FailureSeen, JointErrors, statistics};
+pub use statistics::{FailureSeen, JointErrors, LagCorrelation, statistics};
 
-use super::life::Life;
+use super::simulated_year::{SimulatedYear, WATCHED};
 use crate::jobs;
-use crate::journal::Journal;
+use crate::journal::{Journal, JournalError};
 use journal::Settings;
 use session::ChainRobot;
 use sinew_estimate::absolute::AbsoluteError;
@@ -30,6 +30,9 @@ use std::path::PathBuf;
 pub struct ChainRequest {
     /// Check or work.
     pub kind: SessionKind,
+    /// Sessions of each robot, one a day, at most those of a year. Part of a year shows the sessions'
+    /// errors; a trend of it would be judged unfairly, so that none is made.
+    pub days: usize,
     /// Each session starts from the last one's posterior; else from the first day's baseline.
     pub chained: bool,
     /// Threads.
@@ -39,10 +42,11 @@ pub struct ChainRequest {
 }
 
 impl ChainRequest {
-    /// Sessions of a kind since the first day's baseline, on one thread, kept nowhere.
+    /// A year of sessions of a kind since the first day's baseline, on one thread, kept nowhere.
     pub fn new(kind: SessionKind) -> Self {
         Self {
             kind,
+            days: WATCHED,
             chained: false,
             jobs: 1,
             out: None,
@@ -64,45 +68,28 @@ pub enum ChainError {
     #[error("can't start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The file of sessions.
-    #[error("{file}: {why}")]
-    Journal {
-        /// File.
-        file: String,
-        /// Why, and what to do.
-        why: String,
-    },
+    #[error(transparent)]
+    Journal(#[from] JournalError),
 }
 
-/// Simulates the first `days` sessions of every life that aren't kept yet; `progress` is told how many
+/// Simulates the sessions of every life that aren't kept yet; `progress` is told how many
 /// of how many are done. Returns all, by life and day.
 pub(super) fn sessions(
     robot: &Robot,
     joints: &[String],
-    lives: &[Life],
-    days: usize,
+    lives: &[SimulatedYear],
     request: &ChainRequest,
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Vec<Vec<Session>>, ChainError> {
+    let days = request.days.clamp(1, WATCHED);
     let settings = Settings::new(robot, joints, request);
-    let out = request.out.as_ref();
-    let wrong = |why: String| ChainError::Journal {
-        file: out.map_or_else(String::new, |path| path.display().to_string()),
-        why,
-    };
-    let (mut journal, kept) = match out {
-        Some(path) => {
-            let (journal, kept): (_, Vec<Session>) =
-                Journal::open(path, &settings).map_err(wrong)?;
-            (Some(journal), kept)
-        }
-        None => (None, Vec::new()),
-    };
+    let (mut journal, kept) = Journal::open::<_, Session>(request.out.as_deref(), &settings)?;
     let mut done: BTreeMap<(u64, usize), Session> = kept
         .into_iter()
         .filter(|s| (1..=days).contains(&s.day) && lives.iter().any(|l| l.seed == s.seed))
         .map(|s| ((s.seed, s.day), s))
         .collect();
-    let missing: Vec<(&Life, Vec<usize>)> = lives
+    let missing: Vec<(&SimulatedYear, Vec<usize>)> = lives
         .iter()
         .map(|l| {
             let own = (1..=days).filter(|day| !done.contains_key(&(l.seed, *day)));
@@ -117,9 +104,7 @@ pub(super) fn sessions(
         request.jobs,
         |(life, days), give| live(robot, life, days, request, give),
         |session: Session| {
-            if let Some(journal) = &mut journal {
-                journal.add(&session).map_err(wrong)?;
-            }
+            journal.add(&session)?;
             done.insert((session.seed, session.day), session);
             progress(done.len(), all);
             Ok(())
@@ -137,7 +122,7 @@ pub(super) fn sessions(
 /// One robot's missing days; ends early where it is told to.
 fn live(
     robot: &Robot,
-    life: &Life,
+    life: &SimulatedYear,
     days: &[usize],
     request: &ChainRequest,
     give: &dyn Fn(Session) -> bool,

@@ -19,6 +19,7 @@ const PAUSE_S: f64 = 0.85;
 
 /// What a robot does while it is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SessionKind {
     /// The same 24 poses every day, the gripper empty, nobody touches the arm.

@@ -2,7 +2,7 @@
 
 use super::ChainError;
 use super::motion::{SessionKind, scenario};
-use crate::year::life::Life;
+use crate::year::simulated_year::SimulatedYear;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -12,6 +12,7 @@ use sinew_estimate::absolute::{
 };
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
 use sinew_sim::scenario::{Draw, Offset, OffsetKind, Shape};
 use sinew_sim::{Scenario, Simulation};
 
@@ -27,14 +28,14 @@ const THERMOMETER_K: f64 = 0.5;
 pub struct SessionJoint {
     /// Joint.
     pub name: String,
-    /// True offset since the baseline, mrad.
-    pub truth_mrad: f64,
-    /// Offset estimated and half its 95 % interval, mrad; `None`: it couldn't tell.
-    pub offset_mrad: Option<[f64; 2]>,
-    /// True stiffness over nominal less 1 at the baseline's temperature, %.
-    pub true_stiffness_percent: f64,
-    /// The same estimated and half its 95 % interval, %.
-    pub stiffness_percent: [f64; 2],
+    /// True offset since the baseline, rad.
+    pub truth_rad: f64,
+    /// Offset estimated; `None`: it couldn't tell.
+    pub offset_rad: Option<Gaussian>,
+    /// True stiffness over nominal less 1 at the baseline's temperature.
+    pub true_stiffness_ratio: f64,
+    /// The same estimated.
+    pub stiffness_ratio: Gaussian,
     /// Sudden changes reported within the session; there were none.
     pub steps: usize,
 }
@@ -62,7 +63,7 @@ pub struct Session {
 /// A robot whose sessions are simulated: what is drawn for it and stays.
 pub(super) struct ChainRobot<'a> {
     robot: &'a Robot,
-    life: &'a Life,
+    life: &'a SimulatedYear,
     kind: SessionKind,
     scenario: Scenario,
     /// Stiffness over nominal per joint.
@@ -78,7 +79,7 @@ struct Conditions {
 impl<'a> ChainRobot<'a> {
     pub(super) fn new(
         robot: &'a Robot,
-        life: &'a Life,
+        life: &'a SimulatedYear,
         kind: SessionKind,
     ) -> Result<Self, ChainError> {
         let mut scenario = scenario(robot, kind)?;
@@ -122,7 +123,7 @@ impl<'a> ChainRobot<'a> {
         };
         let name = format!("day {day}");
         let since = Some((baseline, "baseline"));
-        let (said, next) = watch_recorded(self.robot, &recorded, &name, since, &options)?;
+        let (estimate, next) = watch_recorded(self.robot, &recorded, &name, since, &options)?;
         let true_temperature_c = self.life.temperature_c[day];
         let session = Session {
             seed: self.life.seed,
@@ -130,26 +131,31 @@ impl<'a> ChainRobot<'a> {
             true_temperature_c,
             temperature_c: true_temperature_c + conditions.reading_error_k,
             payload_kg: conditions.payload_kg,
-            left_out_share: said.left_out_share,
-            joints: self.judged(day, &said),
+            left_out_share: estimate.left_out_share,
+            joints: self.judged(day, &estimate),
         };
         Ok((session, next))
     }
 
-    fn judged(&self, day: usize, said: &Absolute) -> Vec<SessionJoint> {
+    fn judged(&self, day: usize, estimate: &Absolute) -> Vec<SessionJoint> {
         let names = self.robot.joint_names();
-        said.joints
+        estimate
+            .joints
             .iter()
             .map(|joint| {
                 let place = names.iter().position(|n| *n == joint.name);
                 let stiffness = place.map_or(1.0, |i| self.stiffness_on(i, day));
-                let told = joint.verdict != "can't tell";
+                let can_tell = joint.verdict != "can't tell";
+                let [softer, half] = joint.stiffness_change_percent;
                 SessionJoint {
                     name: joint.name.clone(),
-                    truth_mrad: 1e3 * self.life.offset_rad(&joint.name, day),
-                    offset_mrad: told.then_some([joint.offset_mrad, joint.interval_95_mrad]),
-                    true_stiffness_percent: 100.0 * (stiffness - 1.0),
-                    stiffness_percent: joint.stiffness_change_percent,
+                    truth_rad: self.life.offset_rad(&joint.name, day),
+                    offset_rad: can_tell.then_some(Gaussian::new(
+                        1e-3 * joint.offset_mrad,
+                        1e-3 * joint.interval_95_mrad / Z95,
+                    )),
+                    true_stiffness_ratio: stiffness - 1.0,
+                    stiffness_ratio: Gaussian::new(0.01 * softer, 0.01 * half / Z95),
                     steps: joint.steps.len(),
                 }
             })
@@ -161,7 +167,7 @@ impl<'a> ChainRobot<'a> {
         let failure = self.life.failure_of(&self.robot.joint_names()[i]);
         let lost = failure
             .filter(|f| day >= f.day)
-            .map_or(0.0, |f| 0.01 * f.stiffness_percent);
+            .map_or(0.0, |f| f.stiffness_ratio);
         self.stiffness[i] * (1.0 - lost)
     }
 

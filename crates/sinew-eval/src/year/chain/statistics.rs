@@ -1,7 +1,7 @@
 //! How wrong sessions are: what the surrogate of the simulated years is set from.
 
 use super::{Session, SessionJoint};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
 /// Sessions of a robot below which nothing is said of it.
@@ -10,8 +10,10 @@ const FEWEST: usize = 6;
 /// Errors of a joint's sessions before anything failed there, estimate less truth; over robots.
 ///
 /// Per robot a straight line over the temperature read is taken off the errors: its value at the
-/// baseline's day is the bias, its slope the drift, what is left the scatter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// baseline's day is the bias, its slope the drift, what is left the scatter. `None` where there are too few
+/// sessions to say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointErrors {
     /// Joint.
     pub joint: String,
@@ -19,47 +21,59 @@ pub struct JointErrors {
     pub robots: usize,
     /// Sessions.
     pub sessions: usize,
-    /// Sessions that couldn't tell, %.
-    pub refused_percent: f64,
-    /// RMS of all errors, mrad.
-    pub rms_mrad: f64,
-    /// RMS over robots of the mean error, mrad.
-    pub bias_mrad: f64,
-    /// RMS over robots of the drift, mrad/K.
-    pub drift_mrad_per_k: f64,
-    /// RMS of what is left, mrad.
-    pub scatter_mrad: f64,
+    /// Share of sessions that couldn't tell.
+    pub refused_share: Option<f64>,
+    /// RMS of all errors, rad.
+    pub rms_rad: Option<f64>,
+    /// RMS over robots of the mean error, rad.
+    pub bias_rad: Option<f64>,
+    /// RMS over robots of the drift, rad/K.
+    pub drift_rad_per_k: Option<f64>,
+    /// RMS of what is left, rad.
+    pub scatter_rad: Option<f64>,
     /// Its 99 % quantile over its 68 % quantile; 2.6 of a normal distribution.
-    pub tails: f64,
-    /// Correlation of what is left between sessions so many days apart.
-    pub correlation: Vec<(usize, f64)>,
-    /// Mean of the half 95 % interval stated, mrad.
-    pub stated_95_mrad: f64,
-    /// Errors inside it, %.
-    pub inside_95_percent: f64,
-    /// RMS scatter of the stiffness estimated, about each robot's straight line over temperature, %.
-    pub stiffness_scatter_percent: f64,
-    /// RMS over robots of its drift, %/K.
-    pub stiffness_drift_percent_per_k: f64,
-    /// Share of sessions with a sudden change reported within, where there was none, %.
-    pub steps_percent: f64,
+    pub tails_ratio: Option<f64>,
+    /// How alike what is left is between sessions some days apart.
+    pub correlation: Vec<LagCorrelation>,
+    /// Mean of the standard deviation stated, rad.
+    pub stated_rad: Option<f64>,
+    /// Share of errors inside the 95 % interval stated.
+    pub inside_95_share: Option<f64>,
+    /// RMS scatter of the stiffness estimated, about each robot's straight line over temperature, as a
+    /// fraction of nominal.
+    pub stiffness_scatter_ratio: Option<f64>,
+    /// RMS over robots of its drift, 1/K.
+    pub stiffness_drift_ratio_per_k: Option<f64>,
+    /// Share of sessions with a sudden change reported within, where there was none.
+    pub steps_share: Option<f64>,
+}
+
+/// Correlation of errors between sessions so many days apart.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LagCorrelation {
+    /// Days between them.
+    pub lag_days: usize,
+    /// −1 to 1.
+    pub correlation: f64,
 }
 
 /// What a failed strand did to the sessions after it, of one robot.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FailureSeen {
     /// Robot.
     pub seed: u64,
     /// Joint.
     pub joint: String,
-    /// True size, mrad.
-    pub size_mrad: f64,
-    /// Offset's rise as estimated, means of up to ten sessions on either side, creep taken off, mrad.
-    pub seen_mrad: f64,
-    /// Stiffness really lost, %.
-    pub lost_percent: f64,
-    /// Stiffness lost as estimated, %.
-    pub seen_lost_percent: f64,
+    /// True size, rad.
+    pub size_rad: f64,
+    /// Offset's rise as estimated, means of up to ten sessions on either side, creep taken off, rad.
+    pub seen_rad: f64,
+    /// Stiffness really lost, as a fraction of nominal.
+    pub lost_ratio: f64,
+    /// Stiffness lost as estimated.
+    pub seen_lost_ratio: f64,
 }
 
 /// The errors of every joint and the failures, over the sessions of many robots.
@@ -91,15 +105,15 @@ pub fn statistics(robots: &[Vec<Session>]) -> (Vec<JointErrors>, Vec<FailureSeen
 
 /// Index of the first session after joint `i` lost stiffness.
 fn failure(sessions: &[Session], i: usize) -> Option<usize> {
-    /// Less than any failure takes, %.
-    const LEAST_PERCENT: f64 = 0.1;
-    let first = sessions.first()?.joints.get(i)?.true_stiffness_percent;
-    (sessions.iter()).position(|s| s.joints[i].true_stiffness_percent < first - LEAST_PERCENT)
+    /// Less than any failure takes.
+    const LEAST: f64 = 1e-3;
+    let first = sessions.first()?.joints.get(i)?.true_stiffness_ratio;
+    (sessions.iter()).position(|s| s.joints[i].true_stiffness_ratio < first - LEAST)
 }
 
-/// Error of a session, mrad.
+/// Error of a session, rad.
 fn error(joint: &SessionJoint) -> Option<f64> {
-    joint.offset_mrad.map(|[y, _]| y - joint.truth_mrad)
+    joint.offset_rad.map(|y| y.mean - joint.truth_rad)
 }
 
 fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
@@ -118,14 +132,14 @@ fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
         |f: &dyn Fn(&SessionJoint) -> Option<f64>| Some(mean(after, f)? - mean(before, f)?);
     let (last, first) = (&sessions[at - 1].joints[i], &sessions[at].joints[i]);
     // A day's creep is in both.
-    let size_mrad = first.truth_mrad - last.truth_mrad;
+    let size_rad = first.truth_rad - last.truth_rad;
     Some(FailureSeen {
         seed: sessions[at].seed,
         joint: first.name.clone(),
-        size_mrad,
-        seen_mrad: size_mrad + change(&error)?,
-        lost_percent: last.true_stiffness_percent - first.true_stiffness_percent,
-        seen_lost_percent: -change(&|j| Some(j.stiffness_percent[0]))?,
+        size_rad,
+        seen_rad: size_rad + change(&error)?,
+        lost_ratio: last.true_stiffness_ratio - first.true_stiffness_ratio,
+        seen_lost_ratio: -change(&|j| Some(j.stiffness_ratio.mean))?,
     })
 }
 
@@ -179,10 +193,10 @@ impl Tally {
         self.steps += own.iter().filter(|s| s.joints[i].steps > 0).count();
         for session in own {
             let joint = &session.joints[i];
-            if let (Some(e), Some([_, half])) = (error(joint), joint.offset_mrad) {
+            if let (Some(e), Some(offset)) = (error(joint), joint.offset_rad) {
                 self.errors.push(e);
-                self.stated += half;
-                self.inside += usize::from(e.abs() <= half);
+                self.stated += offset.deviation;
+                self.inside += usize::from(e.abs() <= offset.half_width_95());
             }
         }
         let points: Vec<(usize, (f64, f64))> = own
@@ -207,7 +221,7 @@ impl Tally {
         }
         self.left.extend(rest);
         let stiffness: Vec<(f64, f64)> = (own.iter())
-            .map(|s| (s.temperature_c, s.joints[i].stiffness_percent[0]))
+            .map(|s| (s.temperature_c, s.joints[i].stiffness_ratio.mean))
             .collect();
         let (_, slope, rest) = line(&stiffness);
         self.soft_drift.push(slope);
@@ -218,27 +232,31 @@ impl Tally {
         let mut sizes: Vec<f64> = self.left.iter().map(|e| e.abs()).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| quantile(&sizes, share);
-        let share = |n: usize, of: usize| 100.0 * n as f64 / of as f64;
-        let told = self.errors.len();
+        let finite = |v: f64| v.is_finite().then_some(v);
+        let share = |n: usize, of: usize| finite(n as f64 / of as f64);
+        let judged = self.errors.len();
         JointErrors {
             joint: joint.into(),
             robots: self.bias.len(),
             sessions: self.sessions,
-            refused_percent: share(self.refused, self.sessions),
-            rms_mrad: rms(&self.errors),
-            bias_mrad: rms(&self.bias),
-            drift_mrad_per_k: rms(&self.drift),
-            scatter_mrad: rms(&self.left),
-            tails: at(0.99) / at(0.68),
+            refused_share: share(self.refused, self.sessions),
+            rms_rad: finite(rms(&self.errors)),
+            bias_rad: finite(rms(&self.bias)),
+            drift_rad_per_k: finite(rms(&self.drift)),
+            scatter_rad: finite(rms(&self.left)),
+            tails_ratio: finite(at(0.99) / at(0.68)),
             correlation: (LAGS.iter().zip(&self.pairs))
                 .filter(|(_, [_, square])| *square > 0.0)
-                .map(|(lag, [product, square])| (*lag, product / square))
+                .map(|(lag, [product, square])| LagCorrelation {
+                    lag_days: *lag,
+                    correlation: product / square,
+                })
                 .collect(),
-            stated_95_mrad: self.stated / told as f64,
-            inside_95_percent: share(self.inside, told),
-            stiffness_scatter_percent: rms(&self.soft),
-            stiffness_drift_percent_per_k: rms(&self.soft_drift),
-            steps_percent: share(self.steps, self.sessions),
+            stated_rad: finite(self.stated / judged as f64),
+            inside_95_share: share(self.inside, judged),
+            stiffness_scatter_ratio: finite(rms(&self.soft)),
+            stiffness_drift_ratio_per_k: finite(rms(&self.soft_drift)),
+            steps_share: share(self.steps, self.sessions),
         }
     }
 }

@@ -1,17 +1,16 @@
 //! `sinew trend`: months of offsets, events, and the day a limit is passed.
 
 mod year;
-mod year_told;
 
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer, complain};
-use crate::text::{indented, paragraph, plain, table};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions};
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
-use sinew_report::trend::{HEAD, TrendSummary, format_note, html, summarise, write_csv};
+use sinew_report::text::plain;
+use sinew_report::trend::{format_note, html, render_table, write_csv};
 use sinew_rope::{Catalogue, Duty};
 use std::path::{Path, PathBuf};
 
@@ -128,7 +127,7 @@ impl Trend {
                     complain("note", &plain(&format_note(note)));
                 }
             }
-            answer(&render(&summarise(&report)))?;
+            answer(&render_table(&report))?;
         }
         Ok(Finish::lossy(report.needs_attention))
     }
@@ -164,23 +163,4 @@ impl Trend {
             .collect();
         check_outputs(&outputs, &inputs)
     }
-}
-
-/// The trend as text of at most 80 columns.
-fn render(summary: &TrendSummary) -> String {
-    let mut out = String::new();
-    if let Some(heading) = &summary.heading {
-        out.push_str(&paragraph(&plain(heading), 2));
-    }
-    let rows = summary.rows.iter();
-    let rows = rows.map(|row| row.iter().map(|cell| plain(cell)).collect());
-    out.push_str(&table(&HEAD, rows.collect(), 1));
-    out.push('\n');
-    for joint in &summary.joints {
-        out.push_str(&paragraph(&plain(&joint.headline), 2));
-        for line in &joint.lines {
-            out.push_str(&indented(&plain(line), 2, 4));
-        }
-    }
-    out
 }

@@ -1,20 +1,16 @@
 //! `sinew trend simulate-year`: how good the trend is on years whose truth is known.
 
-use super::year_told::{errors_told, told};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
 use sinew_estimate::robot_dir;
-use sinew_eval::year::chain::{ChainRequest, SessionKind, statistics};
+use sinew_eval::year;
+use sinew_eval::year::YearRequest;
+use sinew_eval::year::chain::{ChainRequest, SessionKind};
 use sinew_eval::year::surrogate::SessionErrors;
-use sinew_eval::year::{self, RobotYear, YearRequest};
-use sinew_model::robot::Robot;
+use sinew_files::JsonDocument as _;
 use sinew_rope::Catalogue;
-use std::path::{Path, PathBuf};
-
-/// Sessions of a whole year.
-const YEAR_DAYS: u64 = 365;
+use std::path::PathBuf;
 
 /// Live through simulated years of robots: what the trend finds, how far its forecasts hold
 ///
@@ -90,6 +86,17 @@ impl Kind {
             Self::Hard => SessionErrors::hard(),
         }
     }
+
+    fn simulated(self) -> Result<SessionKind, Failure> {
+        match self {
+            Self::Check => Ok(SessionKind::Check),
+            Self::Work => Ok(SessionKind::Work),
+            Self::Hard => Err(Failure::Refused(
+                "--session hard draws errors that no simulated session has; leave --chain away"
+                    .into(),
+            )),
+        }
+    }
 }
 
 impl SimulateYear {
@@ -108,163 +115,30 @@ impl SimulateYear {
             jobs: self.jobs.unwrap_or(cores) as usize,
             ..YearRequest::default()
         };
-        if self.chain {
-            self.chain(&loaded.robot, &catalogue, request)
+        let robot = &loaded.robot;
+        let report = if self.chain {
+            let chain = ChainRequest {
+                kind: self.session.simulated()?,
+                days: self.days as usize,
+                chained: self.chained,
+                jobs: request.jobs,
+                out: self.out.clone(),
+            };
+            let bar = Bar::new("sessions", self.quiet);
+            let mut progress = |done, all| bar.set(done as f64, all as f64);
+            let lived = year::run_chain(robot, &catalogue, &request, &chain, &mut progress)?;
+            year::report_chain(robot, &request, &chain, lived)
         } else {
-            self.drawn(&loaded.robot, &catalogue, &request)
-        }
-    }
-
-    /// Years whose sessions are drawn.
-    fn drawn(
-        &self,
-        robot: &Robot,
-        catalogue: &Catalogue,
-        request: &YearRequest,
-    ) -> Result<Finish, Failure> {
-        // What must be the same for years to belong together.
-        let header = json!({
-            "format": "sinew-years",
-            "version": 2,
-            "sinew_version": env!("CARGO_PKG_VERSION"),
-            "robot": robot.name,
-            "joints": request.joints,
-            "errors": request.errors,
-        });
-        let mut years = match &self.out {
-            Some(path) => kept(path, &header)?,
-            None => Vec::new(),
+            let bar = Bar::new("years", self.quiet);
+            let mut progress = |done, all| bar.set(done as f64, all as f64);
+            let out = self.out.as_deref();
+            year::run(robot, &catalogue, &request, out, &mut progress)?
         };
-        let asked = self.seed..self.seed + self.robots;
-        let done: Vec<u64> = years.iter().map(|y: &RobotYear| y.seed).collect();
-        let bar = Bar::new("years", self.quiet);
-        let mut failed = None;
-        let total = self.robots as f64;
-        year::run(robot, catalogue, request, &done, &mut |y| {
-            years.push(y);
-            let here = years.iter().filter(|y| asked.contains(&y.seed)).count();
-            bar.set(here as f64, total);
-            if let Some(path) = &self.out
-                && failed.is_none()
-            {
-                failed = keep(path, &header, &years).err();
-            }
-        })?;
-        drop(bar);
-        if let Some(failure) = failed {
-            return Err(failure);
-        }
-        years.retain(|y| asked.contains(&y.seed));
-        let summary = year::summary(&years);
         if self.json {
-            let document = json!({ "request": header, "summary": summary, "years": years });
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
+            answer(&report.to_json()?)?;
         } else {
-            answer(&told(&summary))?;
+            answer(&year::render_table(&report))?;
         }
         Ok(Finish::Complete)
     }
-
-    /// Years whose sessions are simulated and estimated.
-    fn chain(
-        &self,
-        robot: &Robot,
-        catalogue: &Catalogue,
-        mut request: YearRequest,
-    ) -> Result<Finish, Failure> {
-        let kind = match self.session {
-            Kind::Check => SessionKind::Check,
-            Kind::Work => SessionKind::Work,
-            Kind::Hard => {
-                return Err(Failure::Refused(
-                    "--session hard draws errors that no simulated session has; leave --chain away"
-                        .into(),
-                ));
-            }
-        };
-        let whole = self.days >= YEAR_DAYS;
-        if !whole {
-            // Part of a year shows the sessions' errors; a trend of it would be judged unfairly.
-            request.forecasters.clear();
-        }
-        let chain = ChainRequest {
-            kind,
-            chained: self.chained,
-            jobs: request.jobs,
-            out: self.out.clone(),
-        };
-        let bar = Bar::new("sessions", self.quiet);
-        let (mut years, mut sessions) = (Vec::new(), Vec::new());
-        year::run_chain(
-            robot,
-            catalogue,
-            &request,
-            &chain,
-            self.days as usize,
-            &mut |done, all| bar.set(done as f64, all as f64),
-            &mut |own, year| {
-                sessions.push(own);
-                years.push(year);
-            },
-        )?;
-        drop(bar);
-        let (errors, failures) = statistics(&sessions);
-        let summary = year::summary(&years);
-        if self.json {
-            let document = json!({
-                "robot": robot.name,
-                "session": kind,
-                "chained": self.chained,
-                "errors": errors,
-                "failures": failures,
-                "summary": summary,
-                "years": if whole { years } else { Vec::new() },
-            });
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
-        } else {
-            let mut text = errors_told(&errors, &failures);
-            if whole {
-                text.push('\n');
-                text.push_str(&told(&summary));
-            }
-            answer(&text)?;
-        }
-        Ok(Finish::Complete)
-    }
-}
-
-/// Years of an earlier run.
-fn kept(path: &Path, header: &Value) -> Result<Vec<RobotYear>, Failure> {
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let place = path.display();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::Refused(format!("can't read {place}: {e}")))?;
-    let mut lines = text.lines();
-    let first = lines
-        .next()
-        .and_then(|l| serde_json::from_str::<Value>(l).ok());
-    if first.as_ref() != Some(header) {
-        return Err(Failure::Refused(format!(
-            "{place} holds no years of this robot, these joints, --session and program; name another --out"
-        )));
-    }
-    lines
-        .enumerate()
-        .map(|(i, line)| {
-            serde_json::from_str(line)
-                .map_err(|e| Failure::Refused(format!("{place}, line {}: {e}", i + 2)))
-        })
-        .collect()
-}
-
-/// Writes all years so far, whole or not at all.
-fn keep(path: &Path, header: &Value, years: &[RobotYear]) -> Result<(), Failure> {
-    let mut text = header.to_string() + "\n";
-    for year in years {
-        text += &serde_json::to_string(year)?;
-        text.push('\n');
-    }
-    Ok(sinew_files::write_file(path, text.as_bytes())?)
 }

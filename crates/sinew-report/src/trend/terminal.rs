@@ -1,14 +1,15 @@
-//! The trend as the rows and lines of a terminal.
+//! The trend as a terminal shows it.
 
 use super::words::{
     event_name, format_basis, format_limit, format_meaning, format_passage, format_verdict,
     limit_name, limit_of_verdict, plus_minus, plus_minus_or_dash, whole_days,
 };
+use crate::text::{indented, paragraph, plain, table};
 use sinew_estimate::trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
 use sinew_files::date::day_of;
 
 /// Head of the table.
-pub const HEAD: [&str; 5] = [
+const HEAD: [&str; 5] = [
     "tendon",
     "offset\nmrad",
     "stretch\nmm",
@@ -18,50 +19,33 @@ pub const HEAD: [&str; 5] = [
 /// Mean length of a month as the table has it, s.
 pub(super) const MONTH_S: f64 = 30.0 * 86_400.0;
 
-/// A trend for a terminal.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrendSummary {
-    /// Robot and days.
-    pub heading: Option<String>,
-    /// Cells under [`HEAD`], one row per tendon.
-    pub rows: Vec<Vec<String>>,
-    /// Each tendon in a sentence, and what else is known of it.
-    pub joints: Vec<JointSummary>,
-}
-
-/// A tendon in words.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JointSummary {
-    /// In one sentence.
-    pub headline: String,
-    /// Events, other limits, what the forecast rests on.
-    pub lines: Vec<String>,
-}
-
-/// The trend as rows and lines.
-pub fn summarise(report: &TrendReport) -> TrendSummary {
+/// The trend as text of at most 80 columns.
+pub fn render_table(report: &TrendReport) -> String {
     let robot = report.robot.as_deref().unwrap_or("robot");
     let first = report.joints.iter().map(|j| j.first_utc_s).reduce(f64::min);
     let last = report.joints.iter().map(|j| j.last_utc_s).reduce(f64::max);
-    TrendSummary {
-        heading: first.zip(last).map(|(first, last)| {
-            let (first, last) = (day_of(first), day_of(last));
-            format!("{robot}: {first} to {last}; ± and brackets are 95 %")
-        }),
-        rows: report.joints.iter().map(row).collect(),
-        joints: (report.joints.iter())
-            .map(|joint| JointSummary {
-                headline: format!("{}: {}", joint.name, format_verdict(joint)),
-                lines: lines(joint),
-            })
-            .collect(),
+    let mut out = String::new();
+    if let Some((first, last)) = first.zip(last) {
+        let (first, last) = (day_of(first), day_of(last));
+        let heading = format!("{robot}: {first} to {last}; ± and brackets are 95 %");
+        out.push_str(&paragraph(&plain(&heading), 2));
     }
+    out.push_str(&table(&HEAD, report.joints.iter().map(row).collect(), 1));
+    out.push('\n');
+    for joint in &report.joints {
+        let headline = format!("{}: {}", joint.name, format_verdict(joint));
+        out.push_str(&paragraph(&plain(&headline), 2));
+        for line in lines(joint) {
+            out.push_str(&indented(&plain(&line), 2, 4));
+        }
+    }
+    out
 }
 
 fn row(joint: &JointTrend) -> Vec<String> {
     let limit = (joint.limits.iter()).find(|l| matches!(l.limit, Limit::Retension { .. }));
     vec![
-        joint.name.clone(),
+        plain(&joint.name),
         plus_minus(joint.offset_rad, 1e3),
         plus_minus_or_dash(joint.elongation_m, 1e3),
         plus_minus(joint.rate_rad_per_s, 1e3 * MONTH_S),

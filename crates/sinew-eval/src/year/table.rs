@@ -1,12 +1,39 @@
 //! Simulated years as text of at most 80 columns.
 
-use crate::text::{paragraph, plain, table};
-use sinew_eval::year::Summary;
-use sinew_eval::year::chain::{FailureSeen, JointErrors};
+use super::chain::{FailureSeen, JointErrors};
+use super::result::{Forecaster, SessionSource, YearReport, YearSummary};
 use sinew_figure::rounded;
+use sinew_model::Z95;
+use sinew_report::text::{paragraph, plain, table};
+
+/// The years as tables.
+pub fn render_table(report: &YearReport) -> String {
+    match &report.sessions {
+        SessionSource::Drawn { .. } => render_summary(&report.summary),
+        SessionSource::Simulated {
+            errors, failures, ..
+        } => {
+            let mut text = render_errors(errors, failures);
+            if !report.years.is_empty() {
+                text.push('\n');
+                text.push_str(&render_summary(&report.summary));
+            }
+            text
+        }
+    }
+}
+
+fn forecaster_name(forecaster: Forecaster) -> String {
+    let name = match forecaster {
+        Forecaster::Rope => "rope known",
+        Forecaster::Generic => "no rope",
+        Forecaster::Oracle => "true law known",
+    };
+    name.into()
+}
 
 /// What the years came to.
-pub(super) fn told(summaries: &[Summary]) -> String {
+fn render_summary(summaries: &[YearSummary]) -> String {
     let head = [
         "forecaster",
         "robots",
@@ -19,12 +46,12 @@ pub(super) fn told(summaries: &[Summary]) -> String {
         .iter()
         .map(|s| {
             vec![
-                s.forecaster.name().into(),
+                forecaster_name(s.forecaster),
                 s.robots.to_string(),
                 format!("{} of {}", s.found_two_days, s.failures),
                 rounded(s.false_alarms_per_robot_year, 2),
                 s.sudden_creep.to_string(),
-                rounded(s.tracking_rms_mrad, 2),
+                rounded(1e3 * s.tracking_rms_rad, 2),
             ]
         })
         .collect();
@@ -43,13 +70,13 @@ pub(super) fn told(summaries: &[Summary]) -> String {
     for s in summaries {
         for f in &s.forecasts {
             rows.push(vec![
-                s.forecaster.name().into(),
+                forecaster_name(s.forecaster),
                 rounded(f.made_day, 3),
                 f.forecasts.to_string(),
-                rounded(f.error_of_day_percent, 2),
-                rounded(f.error_of_rest_percent, 2),
-                rounded(f.covered_90_percent, 2),
-                rounded(f.covered_95_percent, 2),
+                number(f.error_of_day_ratio, 100.0),
+                number(f.error_of_rest_ratio, 100.0),
+                rounded(100.0 * f.covered_90_share, 2),
+                rounded(100.0 * f.covered_95_share, 2),
             ]);
         }
     }
@@ -63,9 +90,13 @@ pub(super) fn told(summaries: &[Summary]) -> String {
     )
 }
 
+/// Two digits of a number in a unit of which `factor` make one of SI, or a dash.
+fn number(value: Option<f64>, factor: f64) -> String {
+    rounded(value.map_or(f64::NAN, |v| factor * v), 2)
+}
+
 /// How wrong simulated sessions were.
-pub(super) fn errors_told(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
-    let number = |v: f64| rounded(v, 2);
+fn render_errors(errors: &[JointErrors], failures: &[FailureSeen]) -> String {
     let head = ["sessions' errors"]
         .into_iter()
         .map(String::from)
@@ -81,30 +112,34 @@ pub(super) fn errors_told(errors: &[JointErrors], failures: &[FailureSeen]) -> S
         row("robots, sessions", &|e| {
             format!("{}, {}", e.robots, e.sessions)
         }),
-        row("couldn't tell, %", &|e| number(e.refused_percent)),
-        row("RMS, mrad", &|e| number(e.rms_mrad)),
-        row("constant, mrad", &|e| number(e.bias_mrad)),
-        row("drift, mrad/K", &|e| number(e.drift_mrad_per_k)),
-        row("scatter, mrad", &|e| number(e.scatter_mrad)),
-        row("99 % over 68 % of it", &|e| number(e.tails)),
+        row("couldn't tell, %", &|e| number(e.refused_share, 100.0)),
+        row("RMS, mrad", &|e| number(e.rms_rad, 1e3)),
+        row("constant, mrad", &|e| number(e.bias_rad, 1e3)),
+        row("drift, mrad/K", &|e| number(e.drift_rad_per_k, 1e3)),
+        row("scatter, mrad", &|e| number(e.scatter_rad, 1e3)),
+        row("99 % over 68 % of it", &|e| number(e.tails_ratio, 1.0)),
     ];
     let lags = errors.first().map_or(0, |e| e.correlation.len());
     for k in 0..lags {
-        let lag = errors[0].correlation[k].0;
+        let lag = errors[0].correlation[k].lag_days;
         rows.push(row(&format!("correlation, {lag} d apart"), &|e| {
-            e.correlation.get(k).map_or("–".into(), |c| number(c.1))
+            number(e.correlation.get(k).map(|c| c.correlation), 1.0)
         }));
     }
     rows.extend([
-        row("stated ± (95 %), mrad", &|e| number(e.stated_95_mrad)),
-        row("inside it, %", &|e| rounded(e.inside_95_percent, 3)),
+        row("stated ± (95 %), mrad", &|e| {
+            number(e.stated_rad, 1e3 * Z95)
+        }),
+        row("inside it, %", &|e| {
+            rounded(e.inside_95_share.map_or(f64::NAN, |v| 100.0 * v), 3)
+        }),
         row("stiffness: scatter, %", &|e| {
-            number(e.stiffness_scatter_percent)
+            number(e.stiffness_scatter_ratio, 100.0)
         }),
         row("stiffness: drift, %/K", &|e| {
-            number(e.stiffness_drift_percent_per_k)
+            number(e.stiffness_drift_ratio_per_k, 100.0)
         }),
-        row("jumps within, %", &|e| number(e.steps_percent)),
+        row("jumps within, %", &|e| number(e.steps_share, 100.0)),
     ]);
     let mut out = table(&head, rows, 1);
     out.push('\n');
@@ -131,10 +166,10 @@ pub(super) fn errors_told(errors: &[JointErrors], failures: &[FailureSeen]) -> S
             vec![
                 plain(&f.joint),
                 f.seed.to_string(),
-                number(f.size_mrad),
-                number(f.seen_mrad),
-                number(f.lost_percent),
-                number(f.seen_lost_percent),
+                rounded(1e3 * f.size_rad, 2),
+                rounded(1e3 * f.seen_rad, 2),
+                rounded(100.0 * f.lost_ratio, 2),
+                rounded(100.0 * f.seen_lost_ratio, 2),
             ]
         })
         .collect();

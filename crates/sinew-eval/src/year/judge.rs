@@ -1,73 +1,24 @@
 //! One robot's year, seen by every forecaster.
 
 use super::chain::Session;
-use super::forecaster::Forecaster;
-use super::life::{Life, Roped, WATCHED, roped};
+use super::result::{DayForecast, DayInterval, Forecaster, RobotYear, TendonResult};
+use super::simulated_year::{Roped, SimulatedYear, WATCHED, roped};
 use super::surrogate::{self, Failure};
 use super::truth::TendonYear;
 use super::{YearError, YearRequest};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use serde::{Deserialize, Serialize};
-use sinew_model::Gaussian;
-use sinew_model::Z95;
+use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::quantile;
 use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, first_passage};
 use sinew_rope::Catalogue;
 
-const DAY_S: f64 = 86_400.0;
 /// Days forecasts are made on.
 const FORECAST_DAYS: [usize; 3] = [60, 90, 120];
 /// An alarm belongs to a failure when its record is this close to it, days.
 const NEAR_DAYS: f64 = 3.0;
-
-/// One robot's year.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RobotYear {
-    /// Seed.
-    pub seed: u64,
-    /// Joint whose strand failed.
-    pub failed_joint: String,
-    /// The failure.
-    pub failure: Failure,
-    /// One entry per forecaster and tendon.
-    pub tendons: Vec<TendonResult>,
-}
-
-/// What a forecaster made of one tendon.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TendonResult {
-    /// Who.
-    pub forecaster: Forecaster,
-    /// Joint.
-    pub joint: String,
-    /// Days from the first session after the failure to its confirmation; `None`: not found, or
-    /// no failure here.
-    pub found_after_days: Option<f64>,
-    /// Days of confirmed changes that weren't there.
-    pub false_alarm_days: Vec<f64>,
-    /// Days of confirmed changes that were there and no failure: a hard day's work stretched the rope.
-    pub sudden_creep_days: Vec<f64>,
-    /// RMS of the filtered offset against the truth, mrad.
-    pub error_rms_mrad: f64,
-    /// Forecasts.
-    pub forecasts: Vec<Forecast>,
-}
-
-/// A forecast of the day a limit is passed, no further failure supposed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Forecast {
-    /// Day it was made.
-    pub made_day: f64,
-    /// True day, had nothing failed since.
-    pub true_day: f64,
-    /// Median; `None`: beyond ten years.
-    pub median_day: Option<f64>,
-    /// Quantiles of 2.5, 5, 95 and 97.5 %; infinite ones as `None`.
-    pub quantile_days: [Option<f64>; 4],
-}
 
 /// What all years share.
 pub(super) struct Fleet<'a> {
@@ -101,8 +52,8 @@ impl<'a> Fleet<'a> {
     }
 
     /// What truly happens to the robot of a seed.
-    pub(super) fn life(&self, seed: u64) -> Result<Life, YearError> {
-        Life::draw(seed, &self.roped)
+    pub(super) fn life(&self, seed: u64) -> Result<SimulatedYear, YearError> {
+        SimulatedYear::draw(seed, &self.roped)
     }
 
     /// The year of a seed, its sessions drawn.
@@ -126,7 +77,7 @@ impl<'a> Fleet<'a> {
     /// The year of a life whose sessions were simulated.
     pub(super) fn chained(
         &self,
-        life: &Life,
+        life: &SimulatedYear,
         sessions: &[Session],
     ) -> Result<RobotYear, YearError> {
         let records: Vec<Vec<Record>> = life
@@ -139,16 +90,19 @@ impl<'a> Fleet<'a> {
     }
 
     /// Gives each watched tendon's records to the forecasters.
-    fn judge(&self, life: &Life, records: &[Vec<Record>]) -> Result<RobotYear, YearError> {
+    fn judge(&self, life: &SimulatedYear, records: &[Vec<Record>]) -> Result<RobotYear, YearError> {
         let mut tendons = Vec::new();
         for (i, priors) in self.priors.iter().enumerate() {
             let (joint, year) = &life.tendons[i];
             let own = life.failure_of(joint);
             for (who, prior) in priors {
                 let reference_c = life.temperature_c[0];
-                let mut result = watch(prior, reference_c, &records[i], year, own, life.seed)?;
-                result.forecaster = *who;
-                result.joint.clone_from(joint);
+                let prior = Prior {
+                    temperature_ref_c: reference_c,
+                    ..prior.clone()
+                };
+                let mut result = TendonResult::new(*who, joint);
+                follow(prior, &records[i], year, own, life.seed, &mut result)?;
                 tendons.push(result);
             }
         }
@@ -166,42 +120,26 @@ fn record(session: &Session, joint: &str) -> Option<Record> {
     let own = session.joints.iter().find(|j| j.name == joint)?;
     Some(Record {
         time_s: session.day as f64 * DAY_S,
-        offset_rad: own
-            .offset_mrad
-            .map(|[y, i]| Gaussian::new(1e-3 * y, 1e-3 * i / Z95)),
+        offset_rad: own.offset_rad,
         temperature_c: Some(session.temperature_c),
-        stiffness: Some(own.stiffness_percent.map(|v| 0.01 * v))
-            .map(|[v, i]| Gaussian::new(v, i / Z95)),
+        stiffness: Some(own.stiffness_ratio),
     })
 }
 
 /// Gives a year's records to a trend, day by day.
-fn watch(
-    prior: &Prior,
-    reference_c: f64,
+fn follow(
+    prior: Prior,
     records: &[Record],
     year: &TendonYear,
     failure: Option<Failure>,
     seed: u64,
-) -> Result<TendonResult, YearError> {
-    let prior = Prior {
-        temperature_ref_c: reference_c,
-        ..prior.clone()
-    };
+    out: &mut TendonResult,
+) -> Result<(), YearError> {
     let mut trend = Trend::new(prior, TrendConfig::default())?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x00f0_7eca_5700);
-    let mut out = TendonResult {
-        forecaster: Forecaster::Rope,
-        joint: String::new(),
-        found_after_days: None,
-        false_alarm_days: Vec::new(),
-        sudden_creep_days: Vec::new(),
-        error_rms_mrad: 0.0,
-        forecasts: Vec::new(),
-    };
     let true_rad = |day: usize, failed_by: usize| {
         let jump = failure.filter(|f| day >= f.day && f.day <= failed_by);
-        year.creep_rad[day] + jump.map_or(0.0, |f| 1e-3 * f.size_mrad)
+        year.creep_rad[day] + jump.map_or(0.0, |f| f.size_rad)
     };
     let (mut squares, mut counted) = (0.0, 0.0);
     for record in records {
@@ -236,8 +174,8 @@ fn watch(
             }
         }
     }
-    out.error_rms_mrad = 1e3 * (squares / f64::max(counted, 1.0)).sqrt();
-    Ok(out)
+    out.error_rms_rad = (squares / f64::max(counted, 1.0)).sqrt();
+    Ok(())
 }
 
 /// Whether the rope itself grew by at least as much as is reported more than on the days around, within a day
@@ -270,7 +208,7 @@ fn forecast(
     true_day: f64,
     limit_rad: f64,
     rng: &mut ChaCha8Rng,
-) -> Forecast {
+) -> DayForecast {
     const PATHS: usize = 1000;
     const STEPS: i32 = 120;
     const HORIZON_DAYS: f64 = 3652.5;
@@ -285,10 +223,17 @@ fn forecast(
         let t = quantile(&found, share);
         t.is_finite().then_some(t / DAY_S)
     };
-    Forecast {
+    DayForecast {
         made_day: day as f64,
         true_day,
         median_day: at(0.5),
-        quantile_days: [at(0.025), at(0.05), at(0.95), at(0.975)],
+        interval_90_day: DayInterval {
+            low: at(0.05),
+            high: at(0.95),
+        },
+        interval_95_day: DayInterval {
+            low: at(0.025),
+            high: at(0.975),
+        },
     }
 }

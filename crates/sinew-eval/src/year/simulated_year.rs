@@ -59,7 +59,7 @@ pub(super) fn roped<'a>(
 
 /// A robot's year, as it truly goes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Life {
+pub(super) struct SimulatedYear {
     /// Seed.
     pub seed: u64,
     /// True air temperature on each morning, °C; entry 0 is the baseline's.
@@ -72,7 +72,7 @@ pub(super) struct Life {
     pub tendons: Vec<(String, TendonYear)>,
 }
 
-impl Life {
+impl SimulatedYear {
     /// Draws the year of a seed; a strand of one of the watched tendons fails.
     pub(super) fn draw(seed: u64, roped: &[Roped<'_>]) -> Result<Self, YearError> {
         // Seeds of neighbours and tendons must not be each other's.
@@ -83,8 +83,8 @@ impl Life {
         let failed = rng.random_range(0..watched);
         let failure = Failure {
             day: rng.random_range(10..WATCHED - 10),
-            size_mrad: rng.random_range(2.0..4.0),
-            stiffness_percent: rng.random_range(2.0..8.0),
+            size_rad: 1e-3 * rng.random_range(2.0..4.0),
+            stiffness_ratio: 0.01 * rng.random_range(2.0..8.0),
         };
         let mut tendons = Vec::with_capacity(roped.len());
         for (i, r) in roped.iter().enumerate() {
@@ -111,6 +111,6 @@ impl Life {
         let creep = self.tendons.iter().find(|(name, _)| name == joint);
         let creep = creep.map_or(0.0, |(_, year)| year.creep_rad[day.min(DAYS)]);
         let failed = self.failure_of(joint).filter(|f| day >= f.day);
-        creep + failed.map_or(0.0, |f| 1e-3 * f.size_mrad)
+        creep + failed.map_or(0.0, |f| f.size_rad)
     }
 }
