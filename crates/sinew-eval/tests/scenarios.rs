@@ -1,6 +1,7 @@
 //! The scenario bench: resumable, repeatable, and its draws are the protocol's.
 
-use sinew_eval::scenarios::{Options, Plan, Summary, record, run};
+use sinew_eval::scenarios::{Options, Plan, ScenarioReport, record, run};
+use sinew_model::Z95;
 use sinew_sim::scenario::{Draw, PerJoint};
 use std::path::Path;
 
@@ -19,7 +20,7 @@ fn options(out: Option<&Path>, n: u64) -> Options {
     }
 }
 
-fn ran(options: &Options) -> Summary {
+fn ran(options: &Options) -> ScenarioReport {
     run(options, &mut |_, _| {}).unwrap()
 }
 
@@ -153,12 +154,12 @@ fn one_recording_is_judged_against_its_own_truth() {
     let plan = Plan::named("S8").unwrap();
     let recording = record(&plan, 3, true).unwrap();
     let truth = |name: &str| recording.joints.iter().find(|j| j.name == name).unwrap();
-    assert_eq!(truth("shoulder_pitch").truth_mrad, 10.0);
-    assert!((0.0..12.0).contains(&truth("wrist").truth_mrad));
+    assert_eq!(1e3 * truth("shoulder_pitch").truth_rad, 10.0);
+    assert!((0.0..12.0).contains(&(1e3 * truth("wrist").truth_rad)));
     let slips: Vec<(&str, f64)> = recording
         .steps
         .iter()
-        .map(|s| (s.joint.as_str(), s.size_mrad))
+        .map(|s| (s.joint.as_str(), 1e3 * s.size_rad))
         .collect();
     assert_eq!(slips, [("shoulder_pitch", 5.0), ("elbow", 5.0)]);
     assert!((128.0..132.0).contains(&recording.steps[0].at_s));
@@ -166,9 +167,9 @@ fn one_recording_is_judged_against_its_own_truth() {
     for joint in &recording.joints {
         // The payload alone reads as tens of milliradians in the paper's estimate; the bound is
         // what drift of 0.1 mrad/K over up to 15 K leaves, and no estimate is ten times better.
-        let bound = joint.bound_mrad.unwrap();
+        let bound = 1e3 * joint.bound_rad.unwrap();
         assert!(bound > 0.01 && bound < 2.0, "{} {bound}", joint.name);
-        assert!(joint.interval_95_mrad > 0.2 * bound);
+        assert!(1e3 * joint.error_rad.half_width_95() > 0.2 * bound);
     }
 }
 
@@ -178,7 +179,7 @@ fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
     for seed in [4002, 4008] {
         let recording = record(&plan, seed, false).unwrap();
         for joint in &recording.joints {
-            let (error, interval) = (joint.error_mrad, joint.interval_95_mrad);
+            let (error, interval) = (joint.error_rad.mean, joint.error_rad.half_width_95());
             assert!(
                 error.abs() < interval,
                 "{seed} {}: {error} ± {interval}",
@@ -290,7 +291,7 @@ fn offsets_of_another_arm_are_inside_their_intervals() {
     let said = &summary.scenarios[0];
     assert_eq!((said.robot.as_str(), said.joints.len()), ("other", 3));
     let count = said.recordings as f64;
-    let inside: f64 = said.joints.iter().map(|j| count * j.coverage).sum();
+    let inside: f64 = said.joints.iter().map(|j| count * j.coverage_share).sum();
     eprintln!("{inside} of {} inside", 3.0 * count);
     assert!(
         inside >= 0.9 * 3.0 * count - 1.0,
@@ -299,16 +300,10 @@ fn offsets_of_another_arm_are_inside_their_intervals() {
     );
     for joint in &said.joints {
         // The paper's estimate is off by what the load does, here tens of milliradians.
-        let [is, paper] = [joint.rmse_mrad, joint.paper_rmse_mrad.unwrap()];
-        eprintln!(
-            "{}: {is} ± {}, paper {paper}",
-            joint.name, joint.interval_95_mrad
-        );
-        assert!(
-            is < 0.6 && joint.interval_95_mrad < 1.2,
-            "{}: {is}",
-            joint.name
-        );
+        let [is, paper] = [joint.rmse_rad, joint.paper_rmse_rad.unwrap()].map(|v| 1e3 * v);
+        let interval = 1e3 * Z95 * joint.stated_rad;
+        eprintln!("{}: {is} ± {interval}, paper {paper}", joint.name);
+        assert!(is < 0.6 && interval < 1.2, "{}: {is}", joint.name);
         assert!(paper > 3.0 * is, "{}: {is}, paper {paper}", joint.name);
     }
 }
@@ -383,11 +378,18 @@ fn arms_of_other_sizes_are_no_worse() {
         for said in &ran(&options).scenarios {
             let count = (said.joints.len() * said.recordings) as f64;
             let per_joint = said.recordings as f64;
-            let inside: f64 = said.joints.iter().map(|j| per_joint * j.coverage).sum();
-            let most = |of: fn(&sinew_eval::scenarios::JointSummary) -> f64| {
+            let inside: f64 = said
+                .joints
+                .iter()
+                .map(|j| per_joint * j.coverage_share)
+                .sum();
+            let most = |of: fn(&sinew_eval::scenarios::ScenarioJoint) -> f64| {
                 said.joints.iter().map(of).fold(0.0, f64::max)
             };
-            let (rmse, wide) = (most(|j| j.rmse_mrad), most(|j| j.interval_95_mrad));
+            let (rmse, wide) = (
+                1e3 * most(|j| j.rmse_rad),
+                1e3 * Z95 * most(|j| j.stated_rad),
+            );
             println!(
                 "{name} {}: {inside} of {count} inside, at most {rmse:.2} mrad RMSE, ± {wide:.2}",
                 said.scenario

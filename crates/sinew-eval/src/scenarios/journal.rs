@@ -4,7 +4,7 @@ use crate::journal;
 use serde::{Deserialize, Serialize};
 
 /// Another simulation or estimator: what older files hold can't go on.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// What all recordings of a file have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

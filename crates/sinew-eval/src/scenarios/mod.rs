@@ -1,7 +1,7 @@
 //! The scenario bench: how good is the absolute offset, over many recordings with known truth?
 //!
 //! Reading order: [`Plan`] (a scenario of the protocol: arm, motion, what is drawn), [`record`]
-//! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`Summary`]
+//! (one recording, simulated and judged), [`run`] (many, in parallel, resumable), [`ScenarioReport`]
 //! (what they say together).
 
 mod adapted;
@@ -11,14 +11,17 @@ mod estimator;
 mod journal;
 mod paper;
 mod recording;
+mod result;
 mod run;
 mod simulated;
 mod summary;
+mod table;
 
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
 pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
+pub use result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
 pub use run::{Options, run};
-pub use summary::{JointSummary, ScenarioSummary, StepSummary, Summary};
+pub use table::render_table;
 
 use crate::journal::JournalError;
 use sinew_estimate::absolute::AbsoluteError;

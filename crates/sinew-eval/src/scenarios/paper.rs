@@ -46,9 +46,9 @@ impl PaperMeans {
         }
     }
 
-    /// Mean of joint `i` over a session, mrad.
-    pub(super) fn mean_mrad(&self, session: usize, i: usize) -> Option<f64> {
+    /// Mean of joint `i` over a session, rad.
+    pub(super) fn mean_rad(&self, session: usize, i: usize) -> Option<f64> {
         let (sum, count) = self.sums[session][i];
-        (count > 0).then(|| 1e3 * sum / f64::from(count))
+        (count > 0).then(|| sum / f64::from(count))
     }
 }

@@ -5,6 +5,7 @@ use super::simulated::Simulated;
 use super::{Plan, ScenarioError, estimator};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::absolute::{Absolute, Baseline, Recorded, Step};
+use sinew_model::{Gaussian, Interval95, Z95};
 
 /// How one recording came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,19 +20,17 @@ pub struct Recording {
     /// The slips of session C; empty when it was left out.
     pub steps: Vec<StepScore>,
     /// Sudden changes reported where there was none, in B and C: the probability stated of each, 1 of
-    /// what is said of the time before.
+    /// what is reported of the time before.
     pub false_alarms: Vec<f64>,
     /// Time they were looked for, s.
     pub watched_s: f64,
-    /// Payload estimated less the true one at the end of B, kg.
-    pub payload_error_kg: f64,
-    /// Half of its 95 % interval, kg.
-    pub payload_interval_95_kg: f64,
+    /// Payload estimated less the true one at the end of B, with the deviation stated.
+    pub payload_error_kg: Gaussian,
     /// Share of B left out as contact or disturbance.
     pub left_out_share: f64,
     /// Distinct poses of B.
     pub poses: usize,
-    /// What baseline and watch warned of.
+    /// What baseline and estimate warned of.
     pub warnings: Vec<String>,
 }
 
@@ -41,24 +40,22 @@ pub struct Recording {
 pub struct JointScore {
     /// Joint.
     pub name: String,
-    /// True offset, mrad.
-    pub truth_mrad: f64,
-    /// Error of the absolute estimate, mrad.
-    pub error_mrad: f64,
-    /// Half of its 95 % interval, mrad.
-    pub interval_95_mrad: f64,
-    /// Its verdict in a word.
-    pub verdict: String,
-    /// Error of the paper's mean over B, mrad.
-    pub paper_error_mrad: Option<f64>,
+    /// True offset, rad.
+    pub truth_rad: f64,
+    /// Error of the estimate, with the deviation stated.
+    pub error_rad: Gaussian,
+    /// Whether the estimate says whether the tendon has changed.
+    pub can_tell: bool,
+    /// Error of the paper's mean over B, rad.
+    pub paper_error_rad: Option<f64>,
     /// The same minus its mean over A.
-    pub paper_minus_baseline_error_mrad: Option<f64>,
-    /// Error of the mean over B with matched filters, mrad.
-    pub matched_error_mrad: Option<f64>,
+    pub paper_minus_baseline_error_rad: Option<f64>,
+    /// Error of the mean over B with matched filters, rad.
+    pub matched_error_rad: Option<f64>,
     /// The same minus its mean over A.
-    pub matched_minus_baseline_error_mrad: Option<f64>,
-    /// Bayesian Cramér–Rao bound at this recording's truth, mrad.
-    pub bound_mrad: Option<f64>,
+    pub matched_minus_baseline_error_rad: Option<f64>,
+    /// Bayesian Cramér–Rao bound at this recording's truth, rad.
+    pub bound_rad: Option<f64>,
 }
 
 /// A slip of session C.
@@ -69,34 +66,35 @@ pub struct StepScore {
     pub joint: String,
     /// When, s.
     pub at_s: f64,
-    /// True size, mrad.
-    pub size_mrad: f64,
+    /// True size, rad.
+    pub size_rad: f64,
     /// As it was found with 20 s after it; none: not found.
     pub found: Option<FoundStep>,
     /// Seconds of recording after the slip from which on it is found.
     pub delay_s: Option<f64>,
 }
 
-/// What was said of a slip.
+/// What was found of a slip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FoundStep {
-    /// Size, mrad.
-    pub size_mrad: f64,
-    /// Moment, s.
+    /// Size, rad.
+    pub size_rad: f64,
+    /// Time of the change, s.
     pub time_s: f64,
-    /// 95 % interval of the moment, s.
-    pub between_s: [f64; 2],
+    /// It lies within, s.
+    pub interval_95_s: Interval95,
     /// Probability stated.
     pub probability: f64,
 }
 
 impl FoundStep {
     fn of(step: &Step) -> Self {
+        let [low, high] = step.between_s.unwrap_or([step.time_s; 2]);
         Self {
-            size_mrad: step.size_mrad,
+            size_rad: 1e-3 * step.size_mrad,
             time_s: step.time_s,
-            between_s: step.between_s.unwrap_or([step.time_s; 2]),
+            interval_95_s: Interval95::new(low, high),
             probability: stated(step),
         }
     }
@@ -108,15 +106,14 @@ fn stated(step: &Step) -> f64 {
 }
 
 impl StepScore {
-    /// Size found less true size, mrad; a slip not found was taken for none.
-    pub fn error_mrad(&self) -> f64 {
-        self.found.map_or(0.0, |f| f.size_mrad) - self.size_mrad
+    /// Size found less true size, rad; a slip not found was taken for none.
+    pub fn error_rad(&self) -> f64 {
+        self.found.map_or(0.0, |f| f.size_rad) - self.size_rad
     }
 
-    /// Whether it happened when it was said to have; `None`: not found.
-    pub fn is_moment_inside(&self) -> Option<bool> {
-        let [from_s, to_s] = self.found?.between_s;
-        Some((from_s..=to_s).contains(&self.at_s))
+    /// Whether it happened within the interval stated; `None`: not found.
+    pub fn is_time_inside(&self) -> Option<bool> {
+        Some(self.found?.interval_95_s.contains(self.at_s))
     }
 }
 
@@ -169,21 +166,23 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
         .iter()
         .filter_map(|joint| {
             let i = plan.robot.arm.joint_index(&joint.name)?;
-            let truth_mrad = simulated.truth_mrad[i];
+            let truth_rad = simulated.truth_rad[i];
             let [lagging, matched] = &simulated.means;
-            let plain = |m: &PaperMeans| Some(m.mean_mrad(1, i)? - truth_mrad);
-            let minus = |m: &PaperMeans| Some(plain(m)? - m.mean_mrad(0, i)?);
+            let plain = |m: &PaperMeans| Some(m.mean_rad(1, i)? - truth_rad);
+            let minus = |m: &PaperMeans| Some(plain(m)? - m.mean_rad(0, i)?);
             Some(JointScore {
                 name: joint.name.clone(),
-                truth_mrad,
-                error_mrad: joint.offset_mrad - truth_mrad,
-                interval_95_mrad: joint.interval_95_mrad,
-                verdict: joint.verdict.clone(),
-                paper_error_mrad: plain(lagging),
-                paper_minus_baseline_error_mrad: minus(lagging),
-                matched_error_mrad: plain(matched),
-                matched_minus_baseline_error_mrad: minus(matched),
-                bound_mrad: simulated.bound_rad.as_ref().map(|b| 1e3 * b[i]),
+                truth_rad,
+                error_rad: Gaussian::new(
+                    1e-3 * joint.offset_mrad - truth_rad,
+                    1e-3 * joint.interval_95_mrad / Z95,
+                ),
+                can_tell: joint.verdict != "can't tell",
+                paper_error_rad: plain(lagging),
+                paper_minus_baseline_error_rad: minus(lagging),
+                matched_error_rad: plain(matched),
+                matched_minus_baseline_error_rad: minus(matched),
+                bound_rad: simulated.bound_rad.as_ref().map(|b| b[i]),
             })
         })
         .collect();
@@ -197,8 +196,10 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
             .flat_map(|j| j.steps.iter().map(stated))
             .collect(),
         watched_s: simulated.sessions[1].duration_s,
-        payload_error_kg: watched.payload_kg[0] - simulated.payload_kg,
-        payload_interval_95_kg: watched.payload_kg[1],
+        payload_error_kg: Gaussian::new(
+            watched.payload_kg[0] - simulated.payload_kg,
+            watched.payload_kg[1] / Z95,
+        ),
         left_out_share: watched.left_out_share,
         poses: watched.poses,
         warnings: Vec::new(),
@@ -226,17 +227,18 @@ fn watch_slips(
             ..whole.clone()
         };
         // C goes on where B ended, as one recording would.
-        estimator::watch(&plan.robot, &part, "session C", baseline, payload).map(|(said, _)| said)
+        estimator::watch(&plan.robot, &part, "session C", baseline, payload)
+            .map(|(estimate, _)| estimate)
     };
-    let reported = |said: &Absolute, name: &str, at_s: f64| -> Option<FoundStep> {
-        let joint = said.joints.iter().find(|j| j.name == name)?;
+    let reported = |estimate: &Absolute, name: &str, at_s: f64| -> Option<FoundStep> {
+        let joint = estimate.joints.iter().find(|j| j.name == name)?;
         let step = joint
             .steps
             .iter()
             .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
         Some(FoundStep::of(step))
     };
-    for &(joint, at_s, size_mrad) in &simulated.slips {
+    for &(joint, at_s, size_rad) in &simulated.slips {
         let name = &names[joint];
         let found = reported(&until(at_s + f64::from(WITHIN_S))?, name, at_s);
         let mut delay_s = None;
@@ -256,13 +258,13 @@ fn watch_slips(
         out.steps.push(StepScore {
             joint: name.clone(),
             at_s,
-            size_mrad,
+            size_rad,
             found,
             delay_s,
         });
     }
-    let said = until(f64::INFINITY)?;
-    for joint in &said.joints {
+    let estimate = until(f64::INFINITY)?;
+    for joint in &estimate.joints {
         let known = |time_s: f64| {
             out.steps
                 .iter()

@@ -1,7 +1,9 @@
 //! Many recordings, in parallel, resumable.
 
 use super::journal::Settings;
-use super::{Plan, Recording, ScenarioError, Summary, record};
+use super::result::ScenarioReport;
+use super::summary::summarise;
+use super::{Plan, Recording, ScenarioError, record};
 use crate::journal::Journal;
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
@@ -37,7 +39,7 @@ pub struct Options {
 pub fn run(
     options: &Options,
     progress: &mut (dyn FnMut(usize, usize) + Send),
-) -> Result<Summary, ScenarioError> {
+) -> Result<ScenarioReport, ScenarioError> {
     let mut plans = plans(options)?;
     if !options.motor_torque {
         for plan in &mut plans {
@@ -87,7 +89,7 @@ pub fn run(
     )?;
     // In the order of seeds, whoever was first: sums come out the same to the last bit.
     recordings.sort_by_key(|r| r.seed);
-    Ok(Summary::of(&plans, &recordings, options))
+    Ok(summarise(&plans, &recordings, options))
 }
 
 /// What is to be run, each by a name of its own.

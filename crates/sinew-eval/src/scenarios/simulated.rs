@@ -11,8 +11,8 @@ use sinew_sim::{FaultyLine, SimulateError, Simulation};
 /// Blocks of the sessions and the truth behind them.
 pub(super) struct Simulated {
     pub(super) sessions: Vec<Recorded>,
-    pub(super) truth_mrad: Vec<f64>,
-    /// Joint, time and size (mrad) of every slip after B.
+    pub(super) truth_rad: Vec<f64>,
+    /// Joint, time and size (rad) of every slip after B.
     pub(super) slips: Vec<(usize, f64, f64)>,
     pub(super) payload_kg: f64,
     /// Bound per joint, rad.
@@ -105,21 +105,21 @@ impl Simulated {
             Some(_) => None,
         };
         // Just before the end: a step that opens C isn't part of B.
-        let told_s = end_of_b_s - 1.0 / plan.scenario.sample_rate_hz;
+        let at_s = end_of_b_s - 1.0 / plan.scenario.sample_rate_hz;
         Self {
-            truth_mrad: (0..plan.robot.arm.dof())
-                .map(|i| 1e3 * simulation.offset_at(i, told_s).sum())
+            truth_rad: (0..plan.robot.arm.dof())
+                .map(|i| simulation.offset_at(i, at_s).sum())
                 .collect(),
             slips: simulation
                 .offsets()
                 .iter()
-                .filter_map(|o| Some((o.joint, o.shape.step_s()?, 1e3 * o.size_rad)))
+                .filter_map(|o| Some((o.joint, o.shape.step_s()?, o.size_rad)))
                 .filter(|slip| slip.1 >= end_of_b_s)
                 .collect(),
             payload_kg: simulation
                 .payloads()
                 .iter()
-                .filter(|p| p.attach_s <= told_s && told_s < p.release_s)
+                .filter(|p| p.attach_s <= at_s && at_s < p.release_s)
                 .map(|p| p.mass_kg)
                 .sum(),
             sessions,

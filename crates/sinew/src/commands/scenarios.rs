@@ -2,11 +2,11 @@
 
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer};
-use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_eval::scenarios;
-use sinew_eval::scenarios::{DEFAULT, Options, Plan, ScenarioSummary, UNMODELLED};
+use sinew_eval::scenarios::{DEFAULT, Options, Plan, UNMODELLED};
+use sinew_files::JsonDocument as _;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -119,126 +119,14 @@ impl Run {
             out: self.out.clone(),
         };
         let bar = Bar::new("recordings", self.quiet);
-        let summary = scenarios::run(&options, &mut |done, all| bar.set(done as f64, all as f64));
+        let mut progress = |done, all| bar.set(done as f64, all as f64);
+        let report = scenarios::run(&options, &mut progress)?;
         drop(bar);
-        let summary = summary?;
         if self.json {
-            answer(&(serde_json::to_string_pretty(&summary)? + "\n"))?;
+            answer(&report.to_json()?)?;
         } else {
-            answer(&told(&summary.scenarios, options.steps))?;
+            answer(&scenarios::render_table(&report))?;
         }
         Ok(Finish::Complete)
-    }
-}
-
-/// Results as text of at most 80 columns.
-fn told(summaries: &[ScenarioSummary], steps: bool) -> String {
-    let robots: BTreeSet<String> = summaries.iter().map(|s| plain(&s.robot)).collect();
-    let robots = Vec::from_iter(robots).join(", ");
-    let mut text = format!("{robots}: offset at the end of session B, mrad; estimate less truth\n");
-    let mut rows = Vec::new();
-    for s in summaries {
-        let mut head = vec![format!("{}, n = {}", s.scenario, s.recordings)];
-        head.resize(9, String::new());
-        rows.push(head);
-        for j in &s.joints {
-            rows.push(vec![
-                plain(&j.name),
-                short(j.bias_mrad),
-                short(j.rmse_mrad),
-                short(j.q95_error_mrad),
-                short(j.interval_95_mrad),
-                short(100.0 * j.coverage),
-                optional(j.bound_mrad),
-                optional(j.paper_rmse_mrad),
-                optional(j.paper_minus_baseline_rmse_mrad),
-            ]);
-        }
-    }
-    let head = [
-        "joint", "bias", "RMSE", "95 %", "±", "in, %", "bound", "paper", "−A",
-    ];
-    text.push_str(&table(&head, rows, 1));
-    text.push('\n');
-    text.push_str(&paragraph(
-        "95 %: quantile of the size of the error; ±: mean half-width of the 95 % interval; \
-         in: truths inside it; bound: Bayesian Cramér–Rao; paper: RMSE of the paper's mean, −A: less its own \
-         of session A",
-        0,
-    ));
-    for s in summaries {
-        if let Some(about) = &s.about {
-            text.push_str(&paragraph(&format!("{}: {about}", s.scenario), 2));
-        }
-    }
-    if steps {
-        text.push_str("\nSlips in session C, with 20 s of recording after them\n");
-        text.push_str(&slips(summaries));
-    }
-    text.push_str(&warned(summaries));
-    text
-}
-
-/// Three digits or so, in five characters.
-fn short(v: f64) -> String {
-    let decimals = match v.abs() {
-        x if x < 9.995 => 2,
-        x if x < 99.95 => 1,
-        _ => 0,
-    };
-    format!("{v:.decimals$}").replace('-', "−")
-}
-
-fn optional(v: Option<f64>) -> String {
-    v.map_or("–".into(), short)
-}
-
-fn slips(summaries: &[ScenarioSummary]) -> String {
-    let mut rows = Vec::new();
-    for s in summaries {
-        for (k, step) in s.steps.iter().enumerate() {
-            let first = |text: String| if k == 0 { text } else { String::new() };
-            rows.push(vec![
-                first(s.scenario.clone()),
-                plain(&step.joint),
-                short(100.0 * step.found),
-                optional(step.found_rmse_mrad),
-                optional(step.moment_interval_95_s),
-                optional(step.moment_coverage.map(|c| 100.0 * c)),
-                optional(step.delay_s),
-                optional(step.delay_90_s),
-                first(short(s.false_alarms_per_hour)),
-            ]);
-        }
-    }
-    let head = [
-        "",
-        "joint",
-        "found\n%",
-        "RMSE\nmrad",
-        "moment\n± s",
-        "in\n%",
-        "delay\ns",
-        "90 %\ns",
-        "false\n1/h",
-    ];
-    table(&head, rows, 2)
-}
-
-/// Which warnings were given how often.
-fn warned(summaries: &[ScenarioSummary]) -> String {
-    let mut text = String::new();
-    for s in summaries {
-        for (warning, share) in &s.warnings {
-            text.push_str(&paragraph(
-                &format!("{}, {:.0} %: {}", s.scenario, 100.0 * share, plain(warning)),
-                2,
-            ));
-        }
-    }
-    if text.is_empty() {
-        text
-    } else {
-        format!("\nWarnings, and in how many of the recordings\n{text}")
     }
 }
