@@ -4,7 +4,7 @@ use crate::pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, p
 use sinew_model::Gaussian;
 use sinew_model::offset::{
     Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,
-    Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD,
+    Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD, Termination,
     UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
@@ -29,6 +29,13 @@ fn offset_and_stiffness_are_told_apart_by_a_swing_and_not_by_a_stand() {
         "{offset} ± {deviation}"
     );
     assert!(deviation < 1.5e-3, "{deviation}");
+    // The schedule is ten steps long; the last one hardly moved the state.
+    let end = map.convergence;
+    assert_eq!(
+        (end.termination, end.iterations),
+        (Termination::SmallStep, 10)
+    );
+    assert!(end.last_step < 0.1 && end.cost > 0.0, "{end:?}");
     let belief = map.belief(estimator.prior());
     let place = estimator.prior().place(0, JointParameter::Compliance);
     let Gaussian {
@@ -379,7 +386,7 @@ fn tolerances_come_from_the_robot_file() {
         ),
         (
             "[tolerances]\nmass_percent = nan\n",
-            "tolerances.mass_percent = NaN",
+            "tolerances.mass_percent = nan",
         ),
     ] {
         let error = pendulum(text).unwrap_err().to_string();
