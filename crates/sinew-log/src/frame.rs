@@ -1,7 +1,11 @@
 //! What was measured at one instant, and which quantities a recording holds.
 
+use serde::{Deserialize, Serialize};
+
 /// The quantities of a joint, in the order used inside the crate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Link-side joint position, rad.
     Q,

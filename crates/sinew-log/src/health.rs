@@ -1,5 +1,7 @@
 //! What was lost, repaired or suspicious in a recording, and why.
 
+use serde::{Deserialize, Serialize};
+
 use crate::frame::Quantity;
 
 /// How many events are kept; later ones are only counted.
@@ -8,7 +10,9 @@ pub const EVENT_LIMIT: usize = 256;
 pub(crate) const UNKNOWN_LIMIT: usize = 64;
 
 /// What kind of thing happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum EventKind {
     /// A pause longer than the gap limit.
     Gap,
@@ -25,7 +29,8 @@ pub enum EventKind {
 }
 
 /// Something that happened while reading.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Event {
     /// Time of the recording at which it happened, ns; 0 where unknown.
     pub time_ns: i64,
@@ -36,7 +41,8 @@ pub struct Event {
 }
 
 /// A part of the file that could not be read.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Damage {
     /// Byte offset where the damage starts.
     pub offset: u64,
@@ -49,7 +55,8 @@ pub struct Damage {
 }
 
 /// Bad samples of one signal.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SignalCount {
     /// The quantity.
     pub quantity: Quantity,
@@ -60,7 +67,8 @@ pub struct SignalCount {
 }
 
 /// What was read, what was lost and why. Complete after the last frame.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Health {
     /// Frames handed out.
     pub frames: u64,

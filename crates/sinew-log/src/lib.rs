@@ -94,6 +94,7 @@ mod error;
 mod files;
 mod frame;
 mod health;
+mod info;
 mod mapping;
 mod options;
 
@@ -108,5 +109,6 @@ pub use files::{
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
+pub use info::{JointInfo, Pace, RecordingInfo};
 pub use mapping::{JointEffort, Mapping};
 pub use options::OpenOptions;

@@ -10,6 +10,8 @@ use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
 use crate::assemble::Joiner;
+use serde::{Deserialize, Serialize};
+
 use crate::error::LogError;
 use crate::frame::{Channels, Frame};
 use crate::health::Health;
@@ -17,7 +19,9 @@ use crate::options::OpenOptions;
 use sinew_files::names::{list, nearest};
 
 /// The format of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Format {
     /// MCAP as ROS 2 writes it.
     Mcap,

@@ -1,0 +1,120 @@
+//! What a recording holds: the answer of `sinew log info`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::{Format, Recording};
+use crate::frame::Quantity;
+use crate::health::Health;
+
+/// What a recording holds, and how well it could be read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordingInfo {
+    /// File as the user named it.
+    pub file: String,
+    /// Its format.
+    pub format: Format,
+    /// Frames.
+    pub frames: u64,
+    /// Time of the first frame, ns since the epoch of the recording's clock.
+    pub start_time_ns: Option<i64>,
+    /// From the first frame to the last, s.
+    pub duration_s: Option<f64>,
+    /// Frames per second within segments.
+    pub mean_rate_hz: Option<f64>,
+    /// Shortest step from frame to frame within a segment, s.
+    pub shortest_step_s: Option<f64>,
+    /// Longest step from frame to frame within a segment, s.
+    pub longest_step_s: Option<f64>,
+    /// Parts without a gap, clock jump or damage.
+    pub segments: u32,
+    /// Joints in the recording's order.
+    pub joints: Vec<JointInfo>,
+    /// Whether a temperature is recorded.
+    pub temperature: bool,
+    /// Whether the recording holds the robot's URDF.
+    pub robot_description: bool,
+    /// Whether anything was lost.
+    pub lossy: bool,
+    /// What was lost or repaired.
+    pub health: Health,
+}
+
+/// What is recorded of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointInfo {
+    /// Its name.
+    pub name: String,
+    /// Quantities recorded.
+    pub channels: Vec<Quantity>,
+}
+
+impl sinew_files::JsonDocument for RecordingInfo {
+    const SCHEMA: &'static str = "sinew/log-info/1";
+}
+
+/// Time stamps of a recording, counted frame by frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Pace {
+    frames: u64,
+    first_ns: Option<i64>,
+    last: Option<(i64, u32)>,
+    steps: u64,
+    within_ns: i64,
+    shortest_ns: Option<i64>,
+    longest_ns: Option<i64>,
+}
+
+impl Pace {
+    /// Counts the next frame.
+    pub fn frame(&mut self, time_ns: i64, segment: u32) {
+        self.frames += 1;
+        self.first_ns.get_or_insert(time_ns);
+        if let Some((last_ns, last_segment)) = self.last
+            && last_segment == segment
+        {
+            let step = time_ns.saturating_sub(last_ns);
+            self.steps += 1;
+            self.within_ns = self.within_ns.saturating_add(step);
+            self.shortest_ns = Some(self.shortest_ns.map_or(step, |s| s.min(step)));
+            self.longest_ns = Some(self.longest_ns.map_or(step, |s| s.max(step)));
+        }
+        self.last = Some((time_ns, segment));
+    }
+
+    /// Frames counted.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// What `recording`, read to its end, holds; `file` is its name.
+    pub fn info(&self, recording: &Recording, file: &str) -> RecordingInfo {
+        let channels = recording.channels();
+        let joints = recording.joints().iter().zip(&channels.joints);
+        let seconds = |ns: i64| 1e-9 * ns as f64;
+        let ends = self.first_ns.zip(self.last);
+        let rate_hz = self.steps as f64 / (1e-9 * self.within_ns as f64);
+        RecordingInfo {
+            file: file.to_owned(),
+            format: recording.format(),
+            frames: self.frames,
+            start_time_ns: self.first_ns,
+            duration_s: ends.map(|(first, (last, _))| seconds(last.saturating_sub(first))),
+            mean_rate_hz: Some(rate_hz).filter(|rate| rate.is_finite()),
+            shortest_step_s: self.shortest_ns.map(seconds),
+            longest_step_s: self.longest_ns.map(seconds),
+            segments: self.last.map_or(0, |(_, segment)| segment + 1),
+            joints: joints
+                .map(|(name, has)| JointInfo {
+                    name: name.clone(),
+                    channels: has.iter().collect(),
+                })
+                .collect(),
+            temperature: channels.temperature,
+            robot_description: recording.robot_description().is_some(),
+            lossy: recording.health().is_lossy(),
+            health: recording.health().clone(),
+        }
+    }
+}
