@@ -59,6 +59,7 @@ pub(crate) fn parse_ns(text: &[u8], exponent: i32) -> Option<i64> {
     i64::try_from(if negative { -value } else { value }).ok()
 }
 
+#[cfg(feature = "parquet")]
 /// Nanoseconds of a floating-point time, without losing what the double holds.
 pub(crate) fn float_ns(value: f64, exponent: i32) -> Option<i64> {
     if !value.is_finite() {
