@@ -1,6 +1,7 @@
 """What has changed between two records of golden.py, by the rules of rules.toml."""
 
 import csv
+import datetime
 import difflib
 import fnmatch
 import html
@@ -82,6 +83,7 @@ class Rules:
         self.rename = [dict(r, match=pattern(r["old"])) for r in rules.get("rename", [])]
         self.added = [dict(r, match=pattern(r["new"])) for r in rules.get("added", [])]
         self.dropped = [dict(r, match=pattern(r["old"])) for r in rules.get("dropped", [])]
+        self.words = [dict(r, match=pattern(r["old"])) for r in rules.get("words", [])]
         self.value = rules.get("value", [])
         self.normalise = [dict(r, match=re.compile(r["match"])) for r in rules.get("normalise", [])]
         self.sort = rules.get("sort", [])
@@ -137,7 +139,12 @@ class Outcome:
             self.lines.append(f"[{level}] {line}")
 
 
-ALLOWED = {"sqrt": math.sqrt, "abs": abs, "len": len, "float": float, "str": str}
+def day(time_utc_s):
+    """Day of a time since 1970, as the program writes it."""
+    return datetime.datetime.fromtimestamp(math.floor(time_utc_s), datetime.UTC).strftime("%Y-%m-%d")
+
+
+ALLOWED = {"sqrt": math.sqrt, "abs": abs, "len": len, "float": float, "str": str, "day": day}
 
 
 def was(rule, values):
@@ -204,6 +211,11 @@ def compare_trees(old, new, rules, outcome, file):
             continue
         if new.has(target) and (target in new.at or value is None):
             found = new.get(target)
+            word = next((k for k, r in rules.of("words", outcome.case, file) if r["match"].fullmatch(target)), None)
+            if word and isinstance(value, str) and isinstance(found, str):
+                rules.used.add(word)
+                outcome.note("renamed")
+                continue
             off = same_leaf(value, found, rules, outcome.case, file)
             if target != path:
                 outcome.renamed += 1
@@ -372,6 +384,11 @@ def files_of(folder):
 def compare_case(case, before, after, rules):
     outcome = Outcome(case)
     old, new = files_of(before / case), files_of(after / case)
+    for key, rule in rules.of("explained", case, "case"):
+        if rule.get("whole") == [int(old["exit"]), int(new["exit"])] and not any(b"panicked at" in t for t in new.values()):
+            rules.used.add(key)
+            outcome.note("explained", rule["why"])
+            return outcome
     for key, rule in rules.of("explained", case, "path"):
         if "old_path" in rule and rule["old_path"] in old and rule["new_path"] in new:
             rules.used.add(key)
@@ -424,7 +441,7 @@ def compare(arguments):
     ):
         if names:
             summary.append(f"  {title}: {' '.join(names)}")
-    everything = [(kind, i) for kind in ("move", "rename", "added", "dropped", "value", "explained") for i in range(len(getattr(rules, kind)))]
+    everything = [(kind, i) for kind in ("move", "rename", "added", "dropped", "value", "words", "explained") for i in range(len(getattr(rules, kind)))]
     unused = [f"{kind} {i + 1}" for kind, i in everything if (kind, i) not in rules.used]
     if unused:
         summary.append(f"  rules that met nothing: {', '.join(unused)}")

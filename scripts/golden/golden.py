@@ -111,7 +111,8 @@ def run_story(arguments, scratch, name, inputs, cases):
         began = time.monotonic()
         to_file = words[-1] if words[-2:-1] == [">"] else None
         result = subprocess.run(
-            words if words[:1] == ["cp"] else [arguments.binary, *(words[:-2] if to_file else words)],
+            words if words[:1] == ["cp"] else ["sinew", *(words[:-2] if to_file else words)],
+            executable=None if words[:1] == ["cp"] else arguments.binary,
             cwd=tree,
             env=environment,
             stdin=subprocess.DEVNULL,
