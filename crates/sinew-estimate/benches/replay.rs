@@ -3,8 +3,8 @@
 //! `cargo bench -p sinew-estimate --bench replay` prints samples/s and MB/s of `estimate` and of
 //! reading and decompressing the same MCAP with the `mcap` crate, and their ratio.
 
-use sinew_estimate::estimate;
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
 use sinew_log::{Compression, FrameWriter, McapOptions, McapWriter};
 use sinew_sim::{Scenario, Simulation};
@@ -86,7 +86,7 @@ fn merely_read(log: &Path) -> u64 {
 fn run(log: &Path, robot: &Path) -> u64 {
     let mut request = Request::new(log.to_path_buf());
     request.robot = Some(PathBuf::from(robot));
-    estimate::run(&request, &mut |_| {})
+    replay::run(&request, &mut |_| {})
         .expect("estimate")
         .recording
         .frames

@@ -7,11 +7,12 @@
 //! recursive.
 
 use cpu_time::ProcessTime;
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Baseline, Recorded, Recorder, WatchOptions, Window};
-use sinew_estimate::estimate;
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorded, Recorder, SessionOptions, Window};
 use sinew_log::{CsvWriter, Frame, FrameWriter, McapOptions, McapWriter, OpenOptions, Quantities};
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
@@ -38,7 +39,7 @@ fn main() {
     for &rate_hz in rates {
         let (a, b) = sessions(&root, &robot, rate_hz);
         let (baseline, _) =
-            absolute::learn_recorded(&robot, &recorded(&robot, &a), "A").expect("baseline");
+            session::learn_recorded(&robot, &recorded(&robot, &a), "A").expect("baseline");
         println!("{SESSION_S} s at {rate_hz} Hz, {} frames", b.len());
         let csv = folder.path().join("b.csv");
         let mcap = folder.path().join("b.mcap");
@@ -150,7 +151,7 @@ fn stages(
     let mut request = Request::new(log.to_path_buf());
     request.robot = Some(PathBuf::from(place));
     let with = Some((baseline, "A"));
-    let options = WatchOptions::default();
+    let options = SessionOptions::default();
     let mut stage: [Stage; 6] = Default::default();
     for _ in 0..rounds {
         let mut kept = Recorded::default();
@@ -159,20 +160,20 @@ fn stages(
         });
         stage[1].run(|| kept = features(log, robot, window));
         stage[2].run(|| {
-            let said = absolute::watch_recorded(robot, &kept, "B", with, &options);
+            let said = session::estimate_recorded(robot, &kept, "B", with, &options);
             drop(black_box(said.expect("estimate")));
         });
         stage[3].run(|| {
             drop(black_box(
-                estimate::run(&request, &mut |_| {}).expect("estimate"),
+                replay::run(&request, &mut |_| {}).expect("estimate"),
             ))
         });
         stage[4].run(|| {
-            let said = absolute::watch(&request, window, with, &options, &mut |_| {});
+            let said = session::estimate(&request, window, with, &options, &mut |_| {});
             drop(black_box(said.expect("estimate")));
         });
         stage[5].run(|| {
-            let said = absolute::watch_beside_paper(&request, window, with, &options, &mut |_| {});
+            let said = session::estimate_with_replay(&request, window, with, &options, &mut |_| {});
             drop(black_box(said.expect("estimate")));
         });
     }
@@ -253,14 +254,14 @@ fn parquet(root: &Path, place: &Path, robot: &Robot, rounds: usize) {
     };
     let part = |from_s, to_s| Window { from_s, to_s };
     let a = features(&log, robot, part(0.0, SESSION_S));
-    let (baseline, _) = absolute::learn_recorded(robot, &a, "A").expect("baseline");
+    let (baseline, _) = session::learn_recorded(robot, &a, "A").expect("baseline");
     let b = part(SESSION_S, 2.0 * SESSION_S);
     stages("Parquet", &log, place, robot, b, &baseline, rounds);
 }
 
 /// Cost of a step of the features, of a block of the recursive form, and of the batch.
 fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
-    let options = WatchOptions::default();
+    let options = SessionOptions::default();
     let blocks = recorded(robot, frames);
     let dt_s = SESSION_S / frames.len() as f64;
     let mut stage: [Stage; 3] = Default::default();
@@ -271,7 +272,7 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
                 let _ = black_box(observer.step(dt_s, &f.q, &f.theta, &f.tau_m, f.temperature_c));
             }
         });
-        let mut filter = absolute::live(robot, (baseline, "A"), &options).expect("filter");
+        let mut filter = session::live(robot, (baseline, "A"), &options).expect("filter");
         stage[1].run(|| {
             for block in &blocks.blocks {
                 let _ = black_box(filter.step(block));
@@ -279,7 +280,7 @@ fn steps(robot: &Robot, frames: &[Frame], baseline: &Baseline, rounds: usize) {
         });
         stage[2].run(|| {
             let with = Some((baseline, "A"));
-            let said = absolute::watch_recorded(robot, &blocks, "B", with, &options);
+            let said = session::estimate_recorded(robot, &blocks, "B", with, &options);
             drop(black_box(said.expect("estimate")));
         });
     }

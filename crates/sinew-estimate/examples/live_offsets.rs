@@ -8,10 +8,11 @@
 //! comments "Sample" and "Output": nothing there allocates, locks, panics or prints, so that it may
 //! stand in a control thread.
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Baseline, WatchOptions};
+use sinew_estimate::baseline::Baseline;
 use sinew_estimate::feeder::{Feeder, FeederOptions};
 use sinew_estimate::robot_dir;
+use sinew_estimate::session;
+use sinew_estimate::session::SessionOptions;
 use sinew_log::OpenOptions;
 use sinew_model::Gaussian;
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
@@ -46,7 +47,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let baseline = Baseline::read(Path::new(file))?;
     let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
     let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
-    let mut offsets = absolute::live(&robot, (&baseline, file), &WatchOptions::default())?;
+    let mut offsets = session::live(&robot, (&baseline, file), &SessionOptions::default())?;
 
     let mut first_ns = None;
     let mut last_ns = None;
@@ -88,7 +89,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         return Err(format!("{log} has nothing from {from_s} s on").into());
     };
     if let Some(save) = rest.get(1) {
-        let next = absolute::live_saved(&robot, &baseline, &offsets, (log, end_ns))?;
+        let next = session::live_saved(&robot, &baseline, &offsets, (log, end_ns))?;
         next.write(Path::new(save))?;
         println!("{save}: what is known now");
     }

@@ -1,9 +1,30 @@
 //! From frames to tendon offsets: replay, session estimate, baseline, trend of records.
+//!
+//! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
+//! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
+//! [`trend`] (sessions over months). Results are data in SI; their words are `sinew-report`'s.
 
-pub mod absolute;
-pub mod estimate;
+pub mod baseline;
+mod cause;
+mod document;
+mod error;
+mod estimator;
 pub mod executor;
 pub mod feeder;
+pub mod jumps;
+mod nuisance;
+mod recording;
+pub mod replay;
+mod request;
 pub mod robot_dir;
+pub mod session;
 pub mod strand_duty;
 pub mod trend;
+mod warning;
+
+pub use cause::{Cause, UnknownCause};
+pub use document::{BaselineDocument, EstimateDocument};
+pub use error::EstimateError;
+pub use nuisance::NuisanceChange;
+pub use request::{Progress, Request};
+pub use warning::RecordingWarning;

@@ -1,6 +1,6 @@
 //! A recording's own torques as a rope's duty.
 
-use crate::estimate::{JointEstimate, Series};
+use crate::replay::{JointEstimate, Series};
 use sinew_model::rope::RopeLoad;
 use sinew_model::transmission::Tendon;
 use sinew_rope::{Duty, Stretch};

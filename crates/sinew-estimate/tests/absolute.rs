@@ -6,9 +6,9 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{WatchOptions, Window};
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::session;
+use sinew_estimate::session::{SessionOptions, Window};
 use sinew_sim::{Scenario, SimulateOptions};
 use support::{biorob_like, biorob_like_folder, repository, seeds};
 
@@ -35,23 +35,27 @@ fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
         let mut request = Request::new(log);
         request.robot = Some(place.clone());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
-        let (baseline, _) = absolute::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
-        let (watched, _) = absolute::watch(
+        let (baseline, _) = session::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
+        let (watched, _) = session::estimate(
             &request,
             window(60.0, 120.0),
             Some((&baseline, "baseline")),
-            &WatchOptions::default(),
+            &SessionOptions::default(),
             &mut |_| {},
         )
         .unwrap();
         let mut line = format!("seed {:4}", scenario.seed);
         for (joint, errors) in ["shoulder_pitch", "elbow"].iter().zip(&mut errors) {
             let found = watched.joints.iter().find(|j| j.name == *joint).unwrap();
-            let error = found.offset_mrad - 1e3 * truth["offset_rad"][joint].as_f64().unwrap();
-            line += &format!(" {joint} {error:+.2} ±{:.2}", found.interval_95_mrad);
+            let error =
+                1e3 * found.offset_rad.mean - 1e3 * truth["offset_rad"][joint].as_f64().unwrap();
+            line += &format!(
+                " {joint} {error:+.2} ±{:.2}",
+                1e3 * found.offset_rad.half_width_95()
+            );
             errors.push(error);
             all += 1;
-            inside += usize::from(error.abs() <= found.interval_95_mrad);
+            inside += usize::from(error.abs() <= 1e3 * found.offset_rad.half_width_95());
         }
         println!("{line}");
     }

@@ -2,9 +2,9 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Payload, WatchOptions};
-use sinew_model::Gaussian;
+use sinew_estimate::session;
+use sinew_estimate::session::{MotorTorque, Payload, SessionOptions, TendonChangeKind, Warning};
+use sinew_model::{Gaussian, Interval95};
 use support::{biorob_like, block_by_block, seeds, work_session};
 
 const PITCH: usize = 1;
@@ -23,21 +23,24 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
             .replace("attach_s = 60.0", "attach_s = 91.0")
     };
     let (parts, truth) = work_session(&robot, 11, load, &[60.0, 120.0]);
-    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-    let (said, _) = absolute::watch_recorded(
+    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (said, _) = session::estimate_recorded(
         &robot,
         &parts[1],
         "B",
         Some((&baseline, "baseline")),
-        &WatchOptions::default(),
+        &SessionOptions::default(),
     )
     .unwrap();
     println!("{:?} {:?}", said.payload_changes, said.payload_kg);
     assert_eq!(said.payload_changes.len(), 1, "{:?}", said.payload_changes);
     let change = &said.payload_changes[0];
     assert!((change.time_s - 91.0).abs() < 1.5, "{change:?}");
-    assert!((change.change_kg - 0.4).abs() < 0.1, "{change:?}");
-    let [from_s, to_s] = change.between_s.unwrap();
+    assert!((change.change_kg.mean - 0.4).abs() < 0.1, "{change:?}");
+    let Interval95 {
+        low: from_s,
+        high: to_s,
+    } = change.interval_s.unwrap();
     assert!(
         from_s < 91.0 && 91.0 < to_s && to_s - from_s < 3.0,
         "{change:?}"
@@ -45,21 +48,25 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
     assert!(change.probability.unwrap() > 0.99, "{change:?}");
     for joint in [PITCH, ELBOW] {
         let found = &said.joints[joint];
-        let error = found.offset_mrad - truth[joint];
-        println!("{} {error:+.2} ± {:.2}", found.name, found.interval_95_mrad);
+        let error = 1e3 * found.offset_rad.mean - truth[joint];
+        println!(
+            "{} {error:+.2} ± {:.2}",
+            found.name,
+            1e3 * found.offset_rad.half_width_95()
+        );
         assert!(
-            error.abs() < found.interval_95_mrad && error.abs() < 1.0,
+            error.abs() < 1e3 * found.offset_rad.half_width_95() && error.abs() < 1.0,
             "{error}"
         );
-        assert!(found.steps.is_empty(), "{:?}", found.steps);
+        assert!(found.changes.is_empty(), "{:?}", found.changes);
     }
     // Nothing in the gripper is something else: told so, the same load reads as stretch or as
     // disturbance, and the answer says that much did not fit.
-    let empty = WatchOptions {
+    let empty = SessionOptions {
         payload: Payload::Empty,
-        ..WatchOptions::default()
+        ..SessionOptions::default()
     };
-    let (said, _) = absolute::watch_recorded(
+    let (said, _) = session::estimate_recorded(
         &robot,
         &parts[1],
         "B",
@@ -83,18 +90,18 @@ fn a_load_below_nothing_is_no_load() {
             .replace("attach_s = 60.0", "attach_s = 0.0\nrelease_s = 60.0")
     };
     let (parts, _) = work_session(&robot, 11, load, &[60.0, 120.0]);
-    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
     let watched = |part: usize| {
         let baseline = Some((&baseline, "A"));
-        let options = WatchOptions::default();
+        let options = SessionOptions::default();
         let (said, _) =
-            absolute::watch_recorded(&robot, &parts[part], "B", baseline, &options).unwrap();
+            session::estimate_recorded(&robot, &parts[part], "B", baseline, &options).unwrap();
         let warned = said
             .warnings
             .iter()
-            .any(|w| w.contains("less than nothing"));
+            .any(|w| matches!(w, Warning::NegativePayload { .. }));
         println!("{:?} {:?}", said.payload_kg, said.warnings);
-        (said.payload_kg[0], warned)
+        (said.payload_kg.mean, warned)
     };
     let (payload_kg, warned) = watched(1);
     assert!(payload_kg < -0.1 && warned, "{payload_kg}");
@@ -111,31 +118,50 @@ fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
     };
     let watch = |cuts: &[f64]| {
         let (parts, truth) = work_session(&robot, 14, late, cuts);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
         let baseline = Some((&baseline, "A"));
-        let options = WatchOptions::default();
+        let options = SessionOptions::default();
         let (said, _) =
-            absolute::watch_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
-        let doubted = said.warnings.iter().any(|w| w.contains("holds both"));
+            session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+        let doubted = said
+            .warnings
+            .iter()
+            .any(|w| matches!(w, Warning::ChangeMayEnd { .. }));
         let joint = said.joints[PITCH].clone();
-        let error = joint.offset_mrad - truth[PITCH];
+        let error = 1e3 * joint.offset_rad.mean - truth[PITCH];
         println!(
             "{error:+.2} ± {:.2} {:?}",
-            joint.interval_95_mrad, joint.steps
+            1e3 * joint.offset_rad.half_width_95(),
+            joint.changes
         );
-        assert_eq!(joint.steps.len(), 1);
-        assert!(error.abs() < joint.interval_95_mrad, "{error}");
+        assert_eq!(joint.changes.len(), 1);
+        assert!(
+            error.abs() < 1e3 * joint.offset_rad.half_width_95(),
+            "{error}"
+        );
         // What is said over time is as wide as the last word, and no wider before.
-        let last = said.course.last().unwrap().interval_95_mrad[PITCH];
-        assert!((last - joint.interval_95_mrad).abs() < 1e-9, "{last}");
-        let end = said.series.last().unwrap().interval_95_mrad[PITCH];
-        assert!((end - joint.interval_95_mrad).abs() < 1e-9, "{end}");
-        let before = said.course.iter().find(|c| c.time_s > 40.0).unwrap();
-        assert!(before.interval_95_mrad[PITCH] < 2.0, "{before:?}");
-        let [from_s, to_s] = joint.steps[0].between_s.unwrap();
+        let last = 1e3 * said.blocks.last().unwrap().offset_rad[PITCH].half_width_95();
+        assert!(
+            (last - 1e3 * joint.offset_rad.half_width_95()).abs() < 1e-9,
+            "{last}"
+        );
+        let end = 1e3 * said.segments.last().unwrap().offset_rad[PITCH].half_width_95();
+        assert!(
+            (end - 1e3 * joint.offset_rad.half_width_95()).abs() < 1e-9,
+            "{end}"
+        );
+        let before = said.blocks.iter().find(|c| c.time_s > 40.0).unwrap();
+        assert!(
+            1e3 * before.offset_rad[PITCH].half_width_95() < 2.0,
+            "{before:?}"
+        );
+        let Interval95 {
+            low: from_s,
+            high: to_s,
+        } = joint.changes[0].interval_s.unwrap();
         assert!(from_s < 114.0 && 114.0 < to_s, "{from_s} {to_s}");
-        let probability = joint.steps[0].probability.unwrap();
-        (joint.interval_95_mrad, doubted, probability)
+        let probability = joint.changes[0].probability.unwrap();
+        (1e3 * joint.offset_rad.half_width_95(), doubted, probability)
     };
     let (interval, doubted, probability) = watch(&[60.0, 120.0]);
     assert!(doubted && interval > 4.5, "{interval}");
@@ -159,18 +185,24 @@ fn a_tendon_that_somebody_tensioned_again_is_told_from_one_that_slipped_back() {
         no_contact(text) + &step("shoulder_pitch", 85.0, -9e-3) + &step("elbow", 100.0, -3e-3)
     };
     let (parts, truth) = work_session(&robot, 14, shorter, &[60.0, 120.0]);
-    let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-    let (baseline, options) = (Some((&baseline, "A")), WatchOptions::default());
-    let (said, _) = absolute::watch_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
-    for (joint, at_s, kind) in [(PITCH, 85.0, "re-tensioned"), (ELBOW, 100.0, "slip")] {
+    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, options) = (Some((&baseline, "A")), SessionOptions::default());
+    let (said, _) = session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+    for (joint, at_s, kind) in [
+        (PITCH, 85.0, TendonChangeKind::Retensioned),
+        (ELBOW, 100.0, TendonChangeKind::Slip),
+    ] {
         let found = &said.joints[joint];
-        println!("{:?}", found.steps);
-        assert_eq!(found.steps.len(), 1);
-        let step = &found.steps[0];
+        println!("{:?}", found.changes);
+        assert_eq!(found.changes.len(), 1);
+        let step = &found.changes[0];
         assert_eq!(step.kind, kind);
         assert!((step.time_s - at_s).abs() < 0.5, "{step:?}");
-        let error = found.offset_mrad - truth[joint];
-        assert!(error.abs() < found.interval_95_mrad, "{error}");
+        let error = 1e3 * found.offset_rad.mean - truth[joint];
+        assert!(
+            error.abs() < 1e3 * found.offset_rad.half_width_95(),
+            "{error}"
+        );
     }
 }
 
@@ -190,22 +222,30 @@ fn a_rope_that_goes_on_stretching_widens_the_interval_and_is_named() {
                 )
             };
             let (parts, truth) = work_session(&robot, 40 + seed, creeping, &[60.0, 120.0]);
-            let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-            let (baseline, options) = (Some((&baseline, "A")), WatchOptions::default());
+            let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+            let (baseline, options) = (Some((&baseline, "A")), SessionOptions::default());
             let (said, _) =
-                absolute::watch_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
-            let named = said.warnings.iter().filter(|w| w.contains("half a minute"));
+                session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
+            let named = said
+                .warnings
+                .iter()
+                .filter(|w| matches!(w, Warning::RopeCreeps { .. }));
             said_of[k] += named.count();
             for i in [PITCH, ELBOW] {
                 let joint = &said.joints[i];
-                let error = joint.offset_mrad - truth[i];
+                let error = 1e3 * joint.offset_rad.mean - truth[i];
                 println!(
                     "{share} {}: {error:+.2} ± {:.2}",
-                    joint.name, joint.interval_95_mrad
+                    joint.name,
+                    1e3 * joint.offset_rad.half_width_95()
                 );
-                half[k] += joint.interval_95_mrad;
-                inside += usize::from(k == 1 && error.abs() < joint.interval_95_mrad);
-                assert!(error.abs() < 1.5 * joint.interval_95_mrad, "{error}");
+                half[k] += 1e3 * joint.offset_rad.half_width_95();
+                inside +=
+                    usize::from(k == 1 && error.abs() < 1e3 * joint.offset_rad.half_width_95());
+                assert!(
+                    error.abs() < 1.5 * 1e3 * joint.offset_rad.half_width_95(),
+                    "{error}"
+                );
             }
         }
     }
@@ -231,26 +271,31 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
                 )
         };
         let (parts, truth) = work_session(&robot, 40 + seed, weaker, &[60.0, 120.0]);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-        let options = WatchOptions {
+        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let options = SessionOptions {
             payload: Payload::Empty,
-            ..WatchOptions::default()
+            ..SessionOptions::default()
         };
         let since = Some((&baseline, "A"));
-        let (said, _) = absolute::watch_recorded(&robot, &parts[1], "B", since, &options).unwrap();
+        let (said, _) =
+            session::estimate_recorded(&robot, &parts[1], "B", since, &options).unwrap();
         for i in [PITCH, ELBOW] {
             let joint = &said.joints[i];
-            let (error, half) = (joint.offset_mrad - truth[i], joint.interval_95_mrad);
+            let (error, half) = (
+                1e3 * joint.offset_rad.mean - truth[i],
+                1e3 * joint.offset_rad.half_width_95(),
+            );
             println!("seed {seed} {}: {error:+.2} ± {half:.2}", joint.name);
             all += 1;
             inside += usize::from(error.abs() < half);
             squares += (error / half).powi(2);
         }
-        others_mrad += said.joints[ELBOW].interval_95_mrad;
+        others_mrad += 1e3 * said.joints[ELBOW].offset_rad.half_width_95();
         let since = |i: usize| said.joints[i].stiffness_since_before.unwrap();
         println!("{:?} {:?}", since(PITCH), since(ELBOW));
         assert!(since(ELBOW).probability < 0.5);
-        let [loss, unsure] = since(PITCH).change_percent;
+        let change = since(PITCH).change_ratio;
+        let (loss, unsure) = (100.0 * change.mean, 100.0 * change.half_width_95());
         assert!((loss + 3.0).abs() < 1.5 * unsure, "{loss} ± {unsure}");
         let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
         let Gaussian {
@@ -258,7 +303,7 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
             deviation,
         } = filter.offset(PITCH).scaled(1e3);
         let (apart, half) = (
-            (offset - said.joints[PITCH].offset_mrad).abs(),
+            (offset - 1e3 * said.joints[PITCH].offset_rad.mean).abs(),
             1.96 * deviation,
         );
         println!(
@@ -267,8 +312,8 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
         );
         assert!((offset - truth[PITCH]).abs() < 1.7 * half, "{offset}");
         assert!(apart < 0.5 * half, "{apart} apart");
-        let about = |w: &&String| w.starts_with("shoulder_pitch: stiffness");
-        warned += u64::from(said.warnings.iter().any(|w| about(&w)));
+        let about = |w: &Warning| matches!(w, Warning::StiffnessChangedBefore { joint, .. } if joint == "shoulder_pitch");
+        warned += u64::from(said.warnings.iter().any(about));
         println!("{:?}", said.warnings);
     }
     let (rms, others_mrad) = (f64::sqrt(squares / all as f64), others_mrad / seeds as f64);
@@ -288,11 +333,11 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
 #[test]
 fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     let robot = biorob_like();
-    let options = WatchOptions::default();
+    let options = SessionOptions::default();
     let (whole, _) = work_session(&robot, 12, no_contact, &[60.0]);
     let (cut, truth) = work_session(&robot, 12, no_contact, &[60.0, 118.0]);
-    let (baseline, _) = absolute::learn_recorded(&robot, &whole[0], "A").unwrap();
-    let (once, _) = absolute::watch_recorded(
+    let (baseline, _) = session::learn_recorded(&robot, &whole[0], "A").unwrap();
+    let (once, _) = session::estimate_recorded(
         &robot,
         &whole[1],
         "BC",
@@ -300,7 +345,7 @@ fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
         &options,
     )
     .unwrap();
-    let (first, next) = absolute::watch_recorded(
+    let (first, next) = session::estimate_recorded(
         &robot,
         &cut[1],
         "B",
@@ -309,27 +354,38 @@ fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     )
     .unwrap();
     let (second, last) =
-        absolute::watch_recorded(&robot, &cut[2], "C", Some((&next, "next")), &options).unwrap();
+        session::estimate_recorded(&robot, &cut[2], "C", Some((&next, "next")), &options).unwrap();
     assert_eq!(last.recordings, ["A", "B", "C"]);
     for (a, b) in once.joints.iter().zip(&second.joints) {
-        let apart = (a.offset_mrad - b.offset_mrad).abs();
+        let apart = (1e3 * a.offset_rad.mean - 1e3 * b.offset_rad.mean).abs();
         println!(
             "{}: {:.3} ± {:.2} at once, {:.3} ± {:.2} in two",
-            a.name, a.offset_mrad, a.interval_95_mrad, b.offset_mrad, b.interval_95_mrad
+            a.name,
+            1e3 * a.offset_rad.mean,
+            1e3 * a.offset_rad.half_width_95(),
+            1e3 * b.offset_rad.mean,
+            1e3 * b.offset_rad.half_width_95()
         );
-        assert!(apart < 0.35 * a.interval_95_mrad, "{apart}");
-        assert!(b.interval_95_mrad < 1.6 * a.interval_95_mrad);
-        assert_eq!(a.steps.len(), b.steps.len(), "{:?} {:?}", a.steps, b.steps);
+        assert!(apart < 0.35 * 1e3 * a.offset_rad.half_width_95(), "{apart}");
+        assert!(1e3 * b.offset_rad.half_width_95() < 1.6 * 1e3 * a.offset_rad.half_width_95());
+        assert_eq!(
+            a.changes.len(),
+            b.changes.len(),
+            "{:?} {:?}",
+            a.changes,
+            b.changes
+        );
     }
     for (joint, at_s) in [(PITCH, 130.0), (ELBOW, 150.0)] {
-        let step = &second.joints[joint].steps[0];
+        let step = &second.joints[joint].changes[0];
         assert!((step.time_s - at_s).abs() < 2.0, "{step:?}");
         assert!(
-            (step.size_mrad - 5.0).abs() < step.interval_95_mrad,
+            (1e3 * step.size_rad.unwrap().mean - 5.0).abs()
+                < 1e3 * step.size_rad.unwrap().half_width_95(),
             "{step:?}"
         );
-        let error = first.joints[joint].offset_mrad - truth[joint];
-        assert!(error.abs() < first.joints[joint].interval_95_mrad);
+        let error = 1e3 * first.joints[joint].offset_rad.mean - truth[joint];
+        assert!(error.abs() < 1e3 * first.joints[joint].offset_rad.half_width_95());
     }
 }
 
@@ -338,17 +394,20 @@ fn a_baseline_leaves_the_motor_torque_out_when_told_so() {
     let robot = biorob_like();
     let (parts, _) = work_session(&robot, 11, no_contact, &[30.0, 32.0]);
     let learn = |motor_torque: bool| {
-        let learning = absolute::Learning {
+        let learning = session::Learning {
             motor_torque,
-            ..absolute::Learning::default()
+            ..session::Learning::default()
         };
-        let learned = absolute::learn_recorded_from(&robot, &parts[0], "A", &learning);
+        let learned = session::learn_recorded_from(&robot, &parts[0], "A", &learning);
         let (_, said) = learned.unwrap();
         let drive = said
             .nuisance
             .iter()
-            .find(|m| m.joint == "elbow" && m.name.contains("drive Coulomb"));
-        (said.motor_torque, drive.unwrap().moved)
+            .find(|m| m.joint.as_deref() == Some("elbow") && m.name.contains("drive Coulomb"));
+        (
+            said.motor_torque != MotorTorque::Unused,
+            drive.unwrap().moved,
+        )
     };
     assert_eq!((learn(true), learn(false)), ((true, true), (false, false)));
 }
@@ -360,33 +419,33 @@ fn without_a_baseline_the_answer_is_wider_and_still_right() {
     for seed in 0..seeds(2) {
         let (parts, truth) = work_session(&robot, 13 + seed, no_contact, &[60.0, 120.0]);
         for motor_torque in [false, true] {
-            let options = WatchOptions {
+            let options = SessionOptions {
                 motor_torque,
-                ..WatchOptions::default()
+                ..SessionOptions::default()
             };
-            let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+            let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
             let with = Some((&baseline, "baseline"));
             let (sure, _) =
-                absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+                session::estimate_recorded(&robot, &parts[1], "B", with, &options).unwrap();
             let (said, _) =
-                absolute::watch_recorded(&robot, &parts[1], "B", None, &options).unwrap();
+                session::estimate_recorded(&robot, &parts[1], "B", None, &options).unwrap();
             print!("seed {seed}, motor torque {motor_torque}:");
             for (joint, (with, without)) in sure.joints.iter().zip(&said.joints).enumerate() {
-                let error = without.offset_mrad - truth[joint];
+                let error = 1e3 * without.offset_rad.mean - truth[joint];
                 print!(
                     " {} {error:+.2} ± {:.2}",
-                    without.name, without.interval_95_mrad
+                    without.name,
+                    1e3 * without.offset_rad.half_width_95()
                 );
                 all += 1;
-                inside += usize::from(error.abs() < without.interval_95_mrad);
-                assert!(without.interval_95_mrad > with.interval_95_mrad);
+                inside += usize::from(error.abs() < 1e3 * without.offset_rad.half_width_95());
+                assert!(
+                    1e3 * without.offset_rad.half_width_95()
+                        > 1e3 * with.offset_rad.half_width_95()
+                );
             }
             println!();
-            assert!(
-                said.warnings
-                    .iter()
-                    .any(|w| w.contains("without a baseline"))
-            );
+            assert!(said.warnings.contains(&Warning::NoBaseline));
             assert!(
                 said.nuisance.iter().any(|m| m.moved) && said.nuisance.iter().any(|m| !m.moved)
             );

@@ -2,8 +2,9 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Baseline, MergeOptions, Recorded, Recorder, merge};
+use sinew_estimate::baseline::{Baseline, MergeOptions, merge};
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorded, Recorder};
 use sinew_model::arm::BodyInertia;
 use sinew_model::offset::{
     Belief, FeatureConfig, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs,
@@ -22,7 +23,7 @@ const FLEET: MergeOptions = MergeOptions {
 };
 
 fn prior(robot: &Robot) -> Prior {
-    absolute::estimator(robot, &absolute::WatchOptions::default())
+    session::estimator(robot, &session::SessionOptions::default())
         .prior()
         .clone()
 }
@@ -81,7 +82,7 @@ fn open(prior: &Prior, belief: &mut Belief) {
 fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> Baseline {
     let d = belief.mean.len();
     let simplest = Recorder::new(robot, &FeatureConfig::default(), 0.5).finish();
-    assert!(absolute::learn_recorded(robot, &simplest, "empty").is_err());
+    assert!(session::learn_recorded(robot, &simplest, "empty").is_err());
     Baseline {
         format: "sinew-baseline".into(),
         version: 4,
@@ -312,14 +313,14 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
     let prior = prior(&robot);
     let ([first, _], _) = sessions(&robot, 5, 51);
     let ([second, _], _) = sessions(&robot, 5, 52);
-    let (a, _) = absolute::learn_recorded(&robot, &first, "a").unwrap();
-    let (b, _) = absolute::learn_recorded(&robot, &second, "b").unwrap();
+    let (a, _) = session::learn_recorded(&robot, &first, "a").unwrap();
+    let (b, _) = session::learn_recorded(&robot, &second, "b").unwrap();
     let (merged, _) = merge(&robot, &[(&a, "a"), (&b, "b")], None, &ROBOT).unwrap();
-    let going_on = absolute::Learning {
+    let going_on = session::Learning {
         known: Some((&a, "a")),
-        ..absolute::Learning::default()
+        ..session::Learning::default()
     };
-    let (chained, _) = absolute::learn_recorded_from(&robot, &second, "b", &going_on).unwrap();
+    let (chained, _) = session::learn_recorded_from(&robot, &second, "b", &going_on).unwrap();
     let [merged, mut chained] =
         [merged, chained].map(|m| m.belief(&robot, &prior, "merged").unwrap());
     open(&prior, &mut chained);
@@ -344,7 +345,7 @@ fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
     let files: Vec<(Baseline, String)> = (0..3)
         .map(|k| {
             let ([a, _], _) = sessions(&robot, 60 + k, 160 + k);
-            let (learned, _) = absolute::learn_recorded(&robot, &a, &format!("arm-{k}")).unwrap();
+            let (learned, _) = session::learn_recorded(&robot, &a, &format!("arm-{k}")).unwrap();
             (learned, format!("arm-{k}.baseline"))
         })
         .collect();
@@ -369,22 +370,27 @@ fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
 
     // A further arm that is never seen right after tensioning: offsets against the encoders' zero.
     let ([_, b], truth) = sessions(&robot, 70, 170);
-    let options = absolute::WatchOptions::default();
+    let options = session::SessionOptions::default();
     let with = Some((&known, "known"));
-    let (taught, _) = absolute::watch_recorded(&robot, &b, "B", with, &options).unwrap();
-    let (alone, _) = absolute::watch_recorded(&robot, &b, "B", None, &options).unwrap();
+    let (taught, _) = session::estimate_recorded(&robot, &b, "B", with, &options).unwrap();
+    let (alone, _) = session::estimate_recorded(&robot, &b, "B", None, &options).unwrap();
     let mut narrower = 0;
     for (i, (taught, alone)) in taught.joints.iter().zip(&alone.joints).enumerate() {
         println!(
             "{}: {:+.2} ± {:.2} mrad with the type's masses, {:+.2} ± {:.2} without",
             taught.name,
-            taught.offset_mrad - truth[i],
-            taught.interval_95_mrad,
-            alone.offset_mrad - truth[i],
-            alone.interval_95_mrad
+            1e3 * taught.offset_rad.mean - truth[i],
+            1e3 * taught.offset_rad.half_width_95(),
+            1e3 * alone.offset_rad.mean - truth[i],
+            1e3 * alone.offset_rad.half_width_95()
         );
-        assert!((taught.offset_mrad - truth[i]).abs() < 1.5 * taught.interval_95_mrad);
-        narrower += usize::from(taught.interval_95_mrad < 0.97 * alone.interval_95_mrad);
+        assert!(
+            (1e3 * taught.offset_rad.mean - truth[i]).abs()
+                < 1.5 * 1e3 * taught.offset_rad.half_width_95()
+        );
+        narrower += usize::from(
+            1e3 * taught.offset_rad.half_width_95() < 0.97 * 1e3 * alone.offset_rad.half_width_95(),
+        );
     }
     assert!(narrower > 0);
 }

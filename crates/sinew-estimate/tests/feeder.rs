@@ -2,8 +2,8 @@
 
 use crate::support::biorob_like;
 
-use sinew_estimate::absolute::Recorder;
 use sinew_estimate::feeder::{Fed, Feeder, FeederOptions, Refusal};
+use sinew_estimate::session::Recorder;
 use sinew_log::Frame;
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;

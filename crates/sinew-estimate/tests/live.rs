@@ -2,20 +2,21 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::WatchOptions;
+use sinew_estimate::session;
+use sinew_estimate::session::SessionOptions;
 use sinew_model::Gaussian;
 use support::{asked_seeds, biorob_like, block_by_block, seeds, work_session};
 
 #[test]
 fn block_by_block_gives_what_all_at_once_gives() {
     let robot = biorob_like();
-    let options = WatchOptions::default();
+    let options = SessionOptions::default();
     for seed in 0..seeds(3) {
         let (parts, truth) = work_session(&robot, 40 + seed, |t| t, &[60.0, 120.0]);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
         let with = Some((&baseline, "baseline"));
-        let (batch, _) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+        let (batch, _) =
+            session::estimate_recorded(&robot, &parts[1], "B", with, &options).unwrap();
         let (filter, weights) = block_by_block(&robot, &baseline, &options, &parts[1]);
         print!(
             "seed {seed}: mean weight {:.2}",
@@ -35,15 +36,15 @@ fn block_by_block_gives_what_all_at_once_gives() {
             print!(
                 ", {}: {:+.2} ± {:.2} batch, {:+.2} ± {interval:.2} recursive",
                 said.name,
-                said.offset_mrad - truth[joint],
-                said.interval_95_mrad,
+                1e3 * said.offset_rad.mean - truth[joint],
+                1e3 * said.offset_rad.half_width_95(),
                 offset - truth[joint]
             );
             assert!(
-                (offset - truth[joint]).abs() < interval.max(said.interval_95_mrad),
+                (offset - truth[joint]).abs() < interval.max(1e3 * said.offset_rad.half_width_95()),
                 "{offset}"
             );
-            assert!(interval < 2.0 * said.interval_95_mrad);
+            assert!(interval < 2.0 * 1e3 * said.offset_rad.half_width_95());
         }
         println!();
     }
@@ -53,16 +54,16 @@ fn block_by_block_gives_what_all_at_once_gives() {
 #[test]
 fn what_is_saved_goes_on_in_the_next_session() {
     let robot = biorob_like();
-    let options = WatchOptions::default();
+    let options = SessionOptions::default();
     for seed in 0..seeds(2) {
         let no_slips = |text: String| text.replace("rad = 0.005", "rad = 0.0");
         let cuts = [60.0, 120.0];
         let (parts, truth) = work_session(&robot, 40 + seed, no_slips, &cuts);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-        let mut early = absolute::live(&robot, (&baseline, "A"), &options).unwrap();
+        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let mut early = session::live(&robot, (&baseline, "A"), &options).unwrap();
         early.step(&parts[1].blocks[0]).unwrap();
         let end = ("B", parts[1].end_time_ns);
-        let refused = absolute::live_saved(&robot, &baseline, &early, end).unwrap_err();
+        let refused = session::live_saved(&robot, &baseline, &early, end).unwrap_err();
         assert!(
             refused.to_string().contains("B: the offsets are in doubt"),
             "{refused}"
@@ -73,14 +74,15 @@ fn what_is_saved_goes_on_in_the_next_session() {
             assert!(asked_seeds().is_some(), "nothing happened");
             continue;
         }
-        let saved = absolute::live_saved(&robot, &baseline, &filter, end).unwrap();
+        let saved = session::live_saved(&robot, &baseline, &filter, end).unwrap();
         let with = Some((&baseline, "A"));
-        let (_, batch) = absolute::watch_recorded(&robot, &parts[1], "B", with, &options).unwrap();
+        let (_, batch) =
+            session::estimate_recorded(&robot, &parts[1], "B", with, &options).unwrap();
         assert_eq!(saved.recordings, batch.recordings);
         assert_eq!(saved.end_time_ns, batch.end_time_ns);
         let [from_saved, from_batch] = [&saved, &batch].map(|baseline| {
             let with = Some((baseline, "B"));
-            absolute::watch_recorded(&robot, &parts[2], "C", with, &options)
+            session::estimate_recorded(&robot, &parts[2], "C", with, &options)
                 .unwrap()
                 .0
         });
@@ -88,14 +90,20 @@ fn what_is_saved_goes_on_in_the_next_session() {
             println!(
                 "seed {seed} {}: {:+.2} ± {:.2} from the recursive form, {:+.2} ± {:.2} from the batch",
                 a.name,
-                a.offset_mrad - truth,
-                a.interval_95_mrad,
-                b.offset_mrad - truth,
-                b.interval_95_mrad
+                1e3 * a.offset_rad.mean - truth,
+                1e3 * a.offset_rad.half_width_95(),
+                1e3 * b.offset_rad.mean - truth,
+                1e3 * b.offset_rad.half_width_95()
             );
-            assert!((a.offset_mrad - truth).abs() < a.interval_95_mrad.max(b.interval_95_mrad));
-            assert!((a.offset_mrad - b.offset_mrad).abs() < 0.5 * b.interval_95_mrad);
-            let wider = a.interval_95_mrad / b.interval_95_mrad;
+            assert!(
+                (1e3 * a.offset_rad.mean - truth).abs()
+                    < (1e3 * a.offset_rad.half_width_95()).max(1e3 * b.offset_rad.half_width_95())
+            );
+            assert!(
+                (1e3 * a.offset_rad.mean - 1e3 * b.offset_rad.mean).abs()
+                    < 0.5 * 1e3 * b.offset_rad.half_width_95()
+            );
+            let wider = 1e3 * a.offset_rad.half_width_95() / (1e3 * b.offset_rad.half_width_95());
             assert!((0.75..1.5).contains(&wider), "{wider}");
         }
     }
@@ -114,9 +122,9 @@ fn a_slip_is_doubted_and_then_followed() {
     let (mut all, mut ends, mut doubts) = ([0, 0], [0, 0], 0);
     for seed in 0..seeds(3) {
         let (parts, truth) = work_session(&robot, 60 + seed, |t| t, &[60.0]);
-        let (baseline, _) = absolute::learn_recorded(&robot, &parts[0], "A").unwrap();
-        let options = WatchOptions::default();
-        let mut filter = absolute::live(&robot, (&baseline, "A"), &options).unwrap();
+        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let options = SessionOptions::default();
+        let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
         let (mut doubted, mut inside, mut sure) = (0, 0, 0);
         let mut seen_s = [f64::NAN; SLIPS.len()];
         for block in &parts[1].blocks {

@@ -7,8 +7,8 @@ use crate::support;
 use rand::SeedableRng;
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Normal};
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Absolute, Recorded, WatchOptions};
+use sinew_estimate::session;
+use sinew_estimate::session::{MotorTorque, Recorded, SessionEstimate, SessionOptions};
 use sinew_model::robot::Robot;
 use support::{asked_seeds, biorob_like, work_session};
 
@@ -20,23 +20,23 @@ enum Witness {
 }
 
 /// What is said of session B since A.
-fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> Absolute {
+fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> SessionEstimate {
     let [a, b] = [0, 1].map(|k| Recorded {
         motor_current: witness == Witness::Current,
         ..sessions[k].clone()
     });
     let motor_torque = witness != Witness::None;
-    let learning = absolute::Learning {
+    let learning = session::Learning {
         motor_torque,
-        ..absolute::Learning::default()
+        ..session::Learning::default()
     };
-    let (baseline, _) = absolute::learn_recorded_from(robot, &a, "A", &learning).unwrap();
-    let options = WatchOptions {
+    let (baseline, _) = session::learn_recorded_from(robot, &a, "A", &learning).unwrap();
+    let options = SessionOptions {
         motor_torque,
-        ..WatchOptions::default()
+        ..SessionOptions::default()
     };
     let with = Some((&baseline, "A"));
-    absolute::watch_recorded(robot, &b, "B", with, &options)
+    session::estimate_recorded(robot, &b, "B", with, &options)
         .unwrap()
         .0
 }
@@ -64,16 +64,20 @@ fn a_torque_constant_a_tenth_off_is_within_what_is_believed_of_a_current() {
                 }
             }
             let said = watched(&robot, &parts, witness);
-            assert_eq!(said.motor_current, witness == Witness::Current);
+            assert_eq!(
+                said.motor_torque == MotorTorque::FromCurrent,
+                witness == Witness::Current
+            );
             for (i, joint) in said.joints.iter().enumerate() {
-                let error = joint.offset_mrad - truth[i];
-                inside += usize::from(error.abs() <= joint.interval_95_mrad);
+                let error = 1e3 * joint.offset_rad.mean - truth[i];
+                inside += usize::from(error.abs() <= 1e3 * joint.offset_rad.half_width_95());
                 count += 1;
                 squares[i] += error * error / recordings as f64;
-                let own =
-                    |n: &&absolute::Moved| n.joint == joint.name && n.name == "motor torque scale";
-                let [found, unsure] = said.nuisance.iter().find(own).unwrap().posterior;
-                let off = (found - (scale[i] - 1.0)).abs() / unsure;
+                let own = |n: &&sinew_estimate::NuisanceChange| {
+                    n.joint.as_ref() == Some(&joint.name) && n.name == "motor torque scale"
+                };
+                let scaled = said.nuisance.iter().find(own).unwrap().posterior;
+                let off = (scaled.mean - (scale[i] - 1.0)).abs() / scaled.deviation;
                 scales += usize::from(off < 1.96);
             }
         }

@@ -3,9 +3,9 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{WatchOptions, Window};
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::session;
+use sinew_estimate::session::{SessionOptions, Window};
 use std::path::PathBuf;
 use support::{biorob_like_folder, shared};
 
@@ -30,20 +30,20 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         let mut request = Request::new(file.clone());
         request.robot = Some(biorob_like_folder());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
-        let (baseline, _) = absolute::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
-        let (watched, _) = absolute::watch(
+        let (baseline, _) = session::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
+        let (watched, _) = session::estimate(
             &request,
             window(60.0, 120.0),
             Some((&baseline, "baseline")),
-            &WatchOptions::default(),
+            &SessionOptions::default(),
             &mut |_| {},
         )
         .unwrap();
         let mut line = format!("{scenario:4}");
         for joint in &watched.joints {
-            let error =
-                joint.offset_mrad - 1e3 * truth["offset_rad"][&joint.name].as_f64().unwrap();
-            let interval = joint.interval_95_mrad;
+            let error = 1e3 * joint.offset_rad.mean
+                - 1e3 * truth["offset_rad"][&joint.name].as_f64().unwrap();
+            let interval = 1e3 * joint.offset_rad.half_width_95();
             all += 1;
             inside += usize::from(error.abs() <= interval);
             line += &format!(" {} {error:+.2} ±{interval:.2}", joint.name);
@@ -54,29 +54,29 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         }
         println!(
             "{line}; payload {:.3} kg, {:.0} % left out, {} poses",
-            watched.payload_kg[0],
+            watched.payload_kg.mean,
             100.0 * watched.left_out_share,
             watched.poses
         );
         if scenario == "S9c" {
             // Standing still: nothing can be told, and nothing may be claimed.
             for joint in &watched.joints[1..] {
-                assert_eq!(joint.verdict, "can't tell", "{joint:?}");
+                assert_eq!(joint.verdict, session::Verdict::CannotTell, "{joint:?}");
             }
             assert!(!watched.warnings.is_empty());
         }
         // The slips of session C, in the recordings without contacts.
         if ["S5", "S6"].contains(&scenario) {
-            let (late, _) = absolute::watch(
+            let (late, _) = session::estimate(
                 &request,
                 window(60.0, 180.0),
                 Some((&baseline, "baseline")),
-                &WatchOptions::default(),
+                &SessionOptions::default(),
                 &mut |_| {},
             )
             .unwrap();
             for joint in &late.joints {
-                println!("     {}: steps {:?}", joint.name, joint.steps);
+                println!("     {}: steps {:?}", joint.name, joint.changes);
             }
         }
     }

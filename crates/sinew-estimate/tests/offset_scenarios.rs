@@ -5,8 +5,8 @@
 
 use crate::support;
 
-use sinew_estimate::estimate;
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::replay;
 use std::path::PathBuf;
 use support::{biorob_like_folder, shared};
 
@@ -25,11 +25,11 @@ fn scenario_recordings_open_as_they_are() {
     for file in files {
         let mut request = Request::new(file.clone());
         request.robot = Some(biorob_like_folder());
-        let estimate = estimate::run(&request, &mut |_| {})
+        let estimate = replay::run(&request, &mut |_| {})
             .unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-        assert_eq!(estimate.recording.format, "Parquet");
+        assert_eq!(estimate.recording.format, replay::RecordingFormat::Parquet);
         assert_eq!(estimate.recording.frames, 45_000);
-        assert!((estimate.recording.rate_hz - 250.0).abs() < 0.01);
+        assert!((estimate.recording.rate_hz.unwrap() - 250.0).abs() < 0.01);
         assert!(!estimate.damaged);
         let truth: serde_json::Value = serde_json::from_str(
             &std::fs::read_to_string(file.with_extension("truth.json")).unwrap(),
@@ -45,9 +45,9 @@ fn scenario_recordings_open_as_they_are() {
                 let inside: Vec<f64> = s
                     .time_s
                     .iter()
-                    .zip(&s.delta_e_mrad)
+                    .zip(&s.offset_rad)
                     .filter(|(t, d)| (from..to).contains(*t) && d.is_finite())
-                    .map(|(_, d)| *d)
+                    .map(|(_, d)| 1e3 * d)
                     .collect();
                 inside.iter().sum::<f64>() / inside.len() as f64
             };

@@ -11,10 +11,11 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Absolute, Baseline, Payload, WatchOptions, Window};
-use sinew_estimate::estimate::Request;
+use sinew_estimate::Request;
+use sinew_estimate::baseline::Baseline;
 use sinew_estimate::feeder::Injection;
+use sinew_estimate::session;
+use sinew_estimate::session::{Payload, SessionEstimate, SessionOptions, Window};
 use sinew_log::Mapping;
 use std::path::Path;
 use support::{repository, shared};
@@ -68,7 +69,7 @@ impl Arm {
 
     fn learn(&mut self, part: Window) -> Baseline {
         self.request.injections.clear();
-        let (baseline, said) = absolute::learn(&self.request, part, &mut |_| {}).unwrap();
+        let (baseline, said) = session::learn(&self.request, part, &mut |_| {}).unwrap();
         // All of the arm moves all of the time.
         assert!(said.poses > 15 && said.left_out_share < 0.05, "{said:?}");
         baseline
@@ -80,19 +81,20 @@ impl Arm {
         part: Window,
         baseline: &Baseline,
         offsets_mrad: [f64; JOINTS],
-    ) -> Absolute {
+    ) -> SessionEstimate {
         let added = offsets_mrad.iter().enumerate().map(|(i, mrad)| Injection {
             joint: format!("lwr_{i}_joint"),
             offset_rad: 1e-3 * mrad,
             from_s: None,
         });
         self.request.injections = added.collect();
-        let options = WatchOptions {
+        let options = SessionOptions {
             payload: Payload::Empty,
-            ..WatchOptions::default()
+            ..SessionOptions::default()
         };
         let with = Some((baseline, "baseline"));
-        let (said, _) = absolute::watch(&self.request, part, with, &options, &mut |_| {}).unwrap();
+        let (said, _) =
+            session::estimate(&self.request, part, with, &options, &mut |_| {}).unwrap();
         assert_eq!(said.joints.len(), JOINTS);
         said
     }
@@ -141,13 +143,17 @@ fn added_offsets_lie_inside_their_interval() {
             for offsets in added {
                 let said = arm.watch(watch, &baseline, *offsets);
                 for (i, joint) in said.joints.iter().enumerate() {
-                    let error = joint.offset_mrad - offsets[i];
+                    let error = 1e3 * joint.offset_rad.mean - offsets[i];
                     squares[i] += error * error / added.len() as f64;
-                    widths[i] += joint.interval_95_mrad / added.len() as f64;
-                    held += usize::from(error.abs() < joint.interval_95_mrad);
-                    let useless = joint.interval_95_mrad > 5.0;
-                    assert_eq!(useless, joint.verdict == "can't tell", "{joint:?}");
-                    assert!(joint.steps.is_empty(), "{:?}", joint.steps);
+                    widths[i] += 1e3 * joint.offset_rad.half_width_95() / added.len() as f64;
+                    held += usize::from(error.abs() < 1e3 * joint.offset_rad.half_width_95());
+                    let useless = 1e3 * joint.offset_rad.half_width_95() > 5.0;
+                    assert_eq!(
+                        useless,
+                        joint.verdict == session::Verdict::CannotTell,
+                        "{joint:?}"
+                    );
+                    assert!(joint.changes.is_empty(), "{:?}", joint.changes);
                 }
             }
             print!("K {k}, described {described}:");
@@ -175,13 +181,13 @@ fn a_zero_believed_to_be_known_is_complained_of() {
     let off = said
         .joints
         .iter()
-        .filter(|j| j.offset_mrad.abs() > j.interval_95_mrad);
+        .filter(|j| (1e3 * j.offset_rad.mean).abs() > 1e3 * j.offset_rad.half_width_95());
     assert!(off.count() >= 3, "{:?}", said.joints);
-    let (_, learned) = absolute::learn(&arm.request, FIRST, &mut |_| {}).unwrap();
+    let (_, learned) = session::learn(&arm.request, FIRST, &mut |_| {}).unwrap();
     for joint in ["lwr_0_joint", "lwr_4_joint", "lwr_5_joint"] {
-        let complaint = |w: &&String| w.starts_with(joint) && w.contains("zero_mrad");
+        let complaint = |w: &session::Warning| matches!(w, session::Warning::Unexplained { joint: of, .. } if of == joint);
         assert!(
-            learned.warnings.iter().any(|w| complaint(&w)),
+            learned.warnings.iter().any(complaint),
             "{:?}",
             learned.warnings
         );

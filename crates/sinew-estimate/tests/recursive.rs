@@ -5,8 +5,8 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Recorded, Recorder};
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorded, Recorder};
 use sinew_eval::scenarios::Plan;
 use sinew_model::Gaussian;
 use sinew_model::offset::FeatureConfig;
@@ -58,11 +58,11 @@ fn the_recursive_form_says_what_the_batch_says() {
         let (mut blocks, mut doubted, mut doubts) = (0, 0, 0);
         for seed in 0..seeds {
             let ([a, b], truth) = sessions(&plan, 500 + seed);
-            let (baseline, _) = absolute::learn_recorded(&plan.robot, &a, "A").unwrap();
+            let (baseline, _) = session::learn_recorded(&plan.robot, &a, "A").unwrap();
             let with = Some((&baseline, "A"));
             let (batch, _) =
-                absolute::watch_recorded(&plan.robot, &b, "B", with, &options).unwrap();
-            let mut filter = absolute::live(&plan.robot, (&baseline, "A"), &options).unwrap();
+                session::estimate_recorded(&plan.robot, &b, "B", with, &options).unwrap();
+            let mut filter = session::live(&plan.robot, (&baseline, "A"), &options).unwrap();
             let first_s = b.blocks[0].time_s;
             for block in &b.blocks {
                 filter.step(block).unwrap();
@@ -77,19 +77,20 @@ fn the_recursive_form_says_what_the_batch_says() {
                 assert!(asked.is_some(), "nothing happened");
                 continue;
             }
-            let changes: usize = batch.joints.iter().map(|j| j.steps.len()).sum();
+            let changes: usize = batch.joints.iter().map(|j| j.changes.len()).sum();
             for (i, said) in batch.joints.iter().enumerate() {
                 let Gaussian {
                     mean: offset,
                     deviation,
                 } = filter.offset(i);
                 let (offset, interval) = (1e3 * offset, 1.96e3 * deviation);
-                let share = (offset - said.offset_mrad).abs() / said.interval_95_mrad;
+                let share = (offset - 1e3 * said.offset_rad.mean).abs()
+                    / (1e3 * said.offset_rad.half_width_95());
                 apart.push(share);
-                let errors = [said.offset_mrad - truth[i], offset - truth[i]];
+                let errors = [1e3 * said.offset_rad.mean - truth[i], offset - truth[i]];
                 for (k, (error, interval)) in errors
                     .iter()
-                    .zip([said.interval_95_mrad, interval])
+                    .zip([1e3 * said.offset_rad.half_width_95(), interval])
                     .enumerate()
                 {
                     squares[k] += error * error;
@@ -99,7 +100,7 @@ fn the_recursive_form_says_what_the_batch_says() {
                     "{name} seed {seed} {}: batch {:+.2} ± {:.2}, recursive {:+.2} ± {interval:.2}, apart {share:.2} of the interval; {changes} changes, {} loads, {:.0} % left out",
                     said.name,
                     errors[0],
-                    said.interval_95_mrad,
+                    1e3 * said.offset_rad.half_width_95(),
                     errors[1],
                     batch.payload_changes.len(),
                     100.0 * batch.left_out_share,
@@ -107,7 +108,10 @@ fn the_recursive_form_says_what_the_batch_says() {
                 if asked.is_none() {
                     // 0.18 at worst of these scenarios in docs/src/science/recursive.md.
                     assert!(share < 0.2, "{share}");
-                    assert!(interval < 2.0 * said.interval_95_mrad, "{interval}");
+                    assert!(
+                        interval < 2.0 * 1e3 * said.offset_rad.half_width_95(),
+                        "{interval}"
+                    );
                 }
             }
         }

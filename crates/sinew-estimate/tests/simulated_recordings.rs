@@ -1,7 +1,8 @@
 //! Simulate, write, read, estimate: the whole way, against the simulation's own truth.
 
-use sinew_estimate::estimate;
-use sinew_estimate::estimate::{Estimate, Request};
+use sinew_estimate::Request;
+use sinew_estimate::replay;
+use sinew_estimate::replay::Estimate;
 use sinew_estimate::robot_dir;
 use sinew_model::offset::{TorqueSource, VelocityFilter};
 use sinew_sim::scenario::{
@@ -42,7 +43,7 @@ fn estimated(log: &Path, reference: Option<&Path>, source: TorqueSource) -> Esti
         source,
         ..Request::new(log.to_path_buf())
     };
-    estimate::run(&request, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+    replay::run(&request, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn offset(joint: &str, rad: f64) -> Offset {
@@ -134,12 +135,13 @@ fn a_robot_as_described_is_estimated_exactly() {
             velocity_filter,
             ..Request::new(log.clone())
         };
-        let estimate = estimate::run(&request, &mut |_| {}).expect("an estimate");
+        let estimate = replay::run(&request, &mut |_| {}).expect("an estimate");
         for (joint, truth) in estimate.joints.iter().zip(truth) {
-            let error = joint.delta_e_mrad - 1e3 * truth;
+            let error = 1e3 * joint.offset_rad.unwrap() - 1e3 * truth;
             println!(
                 "{source:?}, {velocity_filter:?}, {}: error {error:.1e} mrad, scatter {:.1e}",
-                joint.name, joint.scatter_mrad
+                joint.name,
+                1e3 * joint.scatter_rad.unwrap()
             );
             assert!(error.abs() < bar, "{}: {error} mrad", joint.name);
         }
@@ -169,14 +171,12 @@ fn the_difference_to_an_earlier_recording_forgets_model_errors() {
     // Elbow: 9 mrad for 24 s of 40, 15 mrad after.
     let expected = [0.0, 14.0, 9.0 + 6.0 * 16.0 / 40.0, 0.0];
     for (joint, expected) in estimate.joints.iter().zip(expected) {
-        let difference = joint
-            .difference
-            .as_ref()
-            .expect("a reference")
-            .difference_mrad;
+        let difference = joint.difference.as_ref().expect("a reference");
+        let difference = 1e3 * difference.difference_rad;
         println!(
             "{}: {:.3} mrad alone, difference {difference:.3}, expected {expected:.3}",
-            joint.name, joint.delta_e_mrad
+            joint.name,
+            1e3 * joint.offset_rad.unwrap()
         );
         // Friction leaves what depends on the poses visited, which are others in the reference.
         // Half a milliradian is below the 0.67 mrad RMSE that the paper's estimate minus a fresh

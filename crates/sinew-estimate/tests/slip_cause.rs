@@ -2,10 +2,14 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Cause, Jumps, Recorder, WatchOptions, Why};
+use sinew_estimate::jumps::Jumps;
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorder, SessionEstimate, SessionOptions, TendonChangeKind};
+use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
+use sinew_report::slip_cause;
 use sinew_sim::{Scenario, Simulation};
 use support::{biorob_like, repository, seeds};
 
@@ -37,7 +41,7 @@ fn slip(rise_s: f64) -> impl Fn(f64) -> f64 {
 #[test]
 fn which_reading_jumped_is_seen_in_the_samples() {
     let none = |_: f64| 0.0;
-    let at = |jumps: &Jumps| jumps.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS);
+    let at = |jumps: &Jumps| jumps.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS);
     assert_eq!(at(&swing(250.0, slip(1e-6), none)), Cause::MotorEncoder);
     assert_eq!(
         at(&swing(250.0, none, |t| -slip(1e-6)(t))),
@@ -51,7 +55,7 @@ fn which_reading_jumped_is_seen_in_the_samples() {
     assert_eq!(at(&swing(250.0, motor, joint)), Cause::Rope);
     assert_eq!(
         at(&swing(250.0, slip(1e-6), |t| -slip(1e-6)(t))),
-        Cause::Unknown(Why::Both)
+        Cause::Unknown(UnknownCause::Both)
     );
 }
 
@@ -59,21 +63,26 @@ fn which_reading_jumped_is_seen_in_the_samples() {
 fn what_cannot_be_told_is_not_told() {
     let none = |_: f64| 0.0;
     let jumps = swing(250.0, slip(1e-6), none);
-    let cause = |size: f64, quickness: f64| jumps.cause(0, 30.6, [size, 0.3e-3], quickness);
+    let cause = |size: f64, quickness: f64| {
+        jumps.cause(0, 30.6, Gaussian::new(size, 0.3e-3 / Z95), quickness)
+    };
     // Half a milliradian is less than a step of the joint's encoder.
-    assert_eq!(cause(0.5e-3, QUICKNESS), Cause::Unknown(Why::Noise));
+    assert_eq!(
+        cause(0.5e-3, QUICKNESS),
+        Cause::Unknown(UnknownCause::Noise)
+    );
     // 1.4 · 5000 / 250² = 0.11, 1.4 · 20000 / 250² = 0.45 of a slip.
     assert_eq!(cause(5e-3, 5e3), Cause::MotorEncoder);
-    assert_eq!(cause(5e-3, 2e4), Cause::Unknown(Why::Rate));
-    assert_eq!(cause(5e-3, f64::NAN), Cause::Unknown(Why::Rate));
+    assert_eq!(cause(5e-3, 2e4), Cause::Unknown(UnknownCause::Rate));
+    assert_eq!(cause(5e-3, f64::NAN), Cause::Unknown(UnknownCause::Rate));
     assert_eq!(
-        jumps.cause(7, 30.6, [5e-3, 0.3e-3], QUICKNESS),
-        Cause::Unknown(Why::Missing)
+        jumps.cause(7, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
+        Cause::Unknown(UnknownCause::Missing)
     );
     let slow = swing(25.0, slip(1e-6), none);
     assert_eq!(
-        slow.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS),
-        Cause::Unknown(Why::Rate)
+        slow.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
+        Cause::Unknown(UnknownCause::Rate)
     );
     // A hole of 40 ms at the slip.
     let mut holed = Jumps::new(1);
@@ -84,16 +93,19 @@ fn what_cannot_be_told_is_not_told() {
         }
     }
     assert_eq!(
-        holed.cause(0, 30.6, [5e-3, 0.3e-3], QUICKNESS),
-        Cause::Unknown(Why::Missing)
+        holed.cause(0, 30.6, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
+        Cause::Unknown(UnknownCause::Missing)
     );
     // Elsewhere the same recording tells.
-    assert_eq!(holed.cause(0, 50.0, [5e-3, 0.3e-3], QUICKNESS), Cause::Rope);
+    assert_eq!(
+        holed.cause(0, 50.0, Gaussian::new(5e-3, 0.3e-3 / Z95), QUICKNESS),
+        Cause::Rope
+    );
 }
 
 /// The work session of the examples, sessions A and C, its two slips of `kind`; every `every`th
 /// frame is recorded.
-fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Absolute {
+fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> SessionEstimate {
     let place = repository().join("examples/scenarios");
     let text = std::fs::read_to_string(place.join("work-session.toml")).unwrap();
     let (before, slips) = text.split_at(text.find("at_s = 130.0").unwrap() - 60);
@@ -117,9 +129,9 @@ fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Abso
         }
         k += 1;
     }
-    let (baseline, _) = absolute::learn_recorded(robot, &first.finish(), "A").unwrap();
+    let (baseline, _) = session::learn_recorded(robot, &first.finish(), "A").unwrap();
     let with = Some((&baseline, "baseline"));
-    absolute::watch_recorded(robot, &last.finish(), "C", with, &WatchOptions::default())
+    session::estimate_recorded(robot, &last.finish(), "C", with, &SessionOptions::default())
         .unwrap()
         .0
 }
@@ -128,23 +140,28 @@ fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> absolute::Abso
 fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
     let robot = biorob_like();
     for (kind, expected) in [
-        ("physical", "rope"),
-        ("motor-encoder", "motor encoder"),
-        ("joint-encoder", "joint encoder"),
+        ("physical", Cause::Rope),
+        ("motor-encoder", Cause::MotorEncoder),
+        ("joint-encoder", Cause::JointEncoder),
     ] {
         let (mut found, mut right, mut open) = (0, 0, 0);
         for seed in 0..seeds(1) {
             let said = watched(&robot, 70 + seed, kind, 1);
             for (joint, at_s) in [(PITCH, 130.0), (ELBOW, 150.0)] {
-                let steps = said.joints[joint].steps.iter();
-                for step in steps.filter(|s| (s.time_s - at_s).abs() < 2.5 && s.kind == "slip") {
+                let steps = said.joints[joint].changes.iter();
+                for step in steps
+                    .filter(|s| (s.time_s - at_s).abs() < 2.5 && s.kind == TendonChangeKind::Slip)
+                {
                     println!(
                         "{kind} seed {seed}: {:+.2} ± {:.2} mrad at {:.1} s: {}",
-                        step.size_mrad, step.interval_95_mrad, step.time_s, step.cause_said
+                        1e3 * step.size_rad.unwrap().mean,
+                        1e3 * step.size_rad.unwrap().half_width_95(),
+                        step.time_s,
+                        slip_cause(step.cause.unwrap())
                     );
                     found += 1;
-                    right += usize::from(step.cause == expected);
-                    open += usize::from(step.cause == "can't be told");
+                    right += usize::from(step.cause == Some(expected));
+                    open += usize::from(matches!(step.cause, Some(Cause::Unknown(_))));
                 }
             }
         }
@@ -156,8 +173,12 @@ fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
     // At 25 Hz an arm moves as fast as an encoder jumps.
     let said = watched(&robot, 70, "motor-encoder", 10);
     for joint in &said.joints {
-        for step in joint.steps.iter().filter(|s| s.kind == "slip") {
-            assert_eq!(step.cause, "can't be told", "{step:?}");
+        for step in joint
+            .changes
+            .iter()
+            .filter(|s| s.kind == TendonChangeKind::Slip)
+        {
+            assert!(matches!(step.cause, Some(Cause::Unknown(_))), "{step:?}");
         }
     }
 }

@@ -5,8 +5,8 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Absolute, Recorded, Recorder};
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorded, Recorder, SessionEstimate};
 use sinew_eval::scenarios::Plan;
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
@@ -16,7 +16,7 @@ use support::{asked_seeds, watching};
 type Slip = (String, f64);
 
 /// What is said of session C, the true offsets at its end, mrad, and its slips.
-fn third_session(plan: &Plan, seed: u64) -> (Absolute, Vec<f64>, Vec<Slip>) {
+fn third_session(plan: &Plan, seed: u64) -> (SessionEstimate, Vec<f64>, Vec<Slip>) {
     let mut scenario = plan.scenario.clone();
     scenario.seed = seed;
     let mut simulation = Simulation::new(&plan.simulated, &scenario).unwrap();
@@ -47,9 +47,9 @@ fn third_session(plan: &Plan, seed: u64) -> (Absolute, Vec<f64>, Vec<Slip>) {
     }
     let sessions: Vec<Recorded> = recorders.into_iter().map(Recorder::finish).collect();
     let options = watching(plan);
-    let (baseline, _) = absolute::learn_recorded(&plan.robot, &sessions[0], "A").unwrap();
+    let (baseline, _) = session::learn_recorded(&plan.robot, &sessions[0], "A").unwrap();
     let watch = |part: &Recorded, with| {
-        absolute::watch_recorded(&plan.robot, part, "part", Some((with, "before")), &options)
+        session::estimate_recorded(&plan.robot, part, "part", Some((with, "before")), &options)
     };
     let (_, next) = watch(&sessions[1], &baseline).unwrap();
     let (said, _) = watch(&sessions[2], &next).unwrap();
@@ -73,22 +73,23 @@ fn slips_are_no_noise_and_no_lost_stiffness() {
         for seed in seeds {
             let (said, truth, slips) = third_session(&plan, seed);
             for (joint, truth) in said.joints.iter().zip(&truth) {
-                let error = joint.offset_mrad - truth;
-                let is_inside = error.abs() < joint.interval_95_mrad;
+                let error = 1e3 * joint.offset_rad.mean - truth;
+                let is_inside = error.abs() < 1e3 * joint.offset_rad.half_width_95();
                 inside += usize::from(is_inside);
                 offsets += 1;
                 let own = slips.iter().filter(|(name, _)| *name == joint.name);
                 for (_, at_s) in own {
                     slipped += 1;
-                    let near = |s: &&absolute::Step| (s.time_s - at_s).abs() < 5.0;
-                    let step = joint.steps.iter().find(near);
-                    let as_slip = step.is_some_and(|s| s.kind == "slip");
+                    let near = |s: &&session::TendonChange| (s.time_s - at_s).abs() < 5.0;
+                    let step = joint.changes.iter().find(near);
+                    let as_slip = step.is_some_and(|s| s.kind == session::TendonChangeKind::Slip);
                     found += usize::from(as_slip);
                     late_s.extend(step.map(|s| s.time_s - at_s));
                     if !(as_slip && is_inside) {
                         println!(
                             "{name} {seed} {}: {error:+.2} ± {:.2}, slip at {at_s:.1} s, {step:?}",
-                            joint.name, joint.interval_95_mrad
+                            joint.name,
+                            1e3 * joint.offset_rad.half_width_95()
                         );
                     }
                     assert!(asked.is_some() || (as_slip && is_inside), "{name} {seed}");

@@ -2,6 +2,9 @@
 
 use crate::support;
 
+use sinew_estimate::session::{
+    MotorTorque, SessionEstimate, TendonEstimate, TorqueRange, Verdict, Warning,
+};
 use sinew_estimate::trend::{RecordError, records_from_csv, records_from_json, sort};
 use sinew_model::{Gaussian, Z95};
 use sinew_report::trend::format_note;
@@ -45,29 +48,75 @@ fn csv_says_line_and_cure() {
     assert!(error.contains("no column 'offset_mrad'"), "{error}");
 }
 
+/// A session that saw the elbow longer and could not tell of the wrist.
+fn session() -> SessionEstimate {
+    let tendon = |name: &str, [offset, half]: [f64; 2], verdict| TendonEstimate {
+        name: name.into(),
+        offset_rad: Gaussian::new(1e-3 * offset, 1e-3 * half / Z95),
+        elongation_m: None,
+        verdict,
+        retension: None,
+        changes: Vec::new(),
+        stiffness_change_ratio: Gaussian::new(-0.02, 0.01 / Z95),
+        stiffness_since_before: None,
+        slack_rad: None,
+        torque_nm: TorqueRange {
+            min: -1.0,
+            max: 2.0,
+        },
+        noise_rad: 1e-4,
+    };
+    SessionEstimate {
+        robot: "arm".into(),
+        recording: "a.mcap".into(),
+        baseline: Some("b".into()),
+        start_time_utc_s: None,
+        duration_s: 60.0,
+        temperature_c: Some(22.5),
+        reference_temperature_c: None,
+        joints: vec![
+            tendon("elbow", [1.5, 0.4], Verdict::Longer),
+            tendon("wrist", [9.0, 16.0], Verdict::CannotTell),
+        ],
+        segments: Vec::new(),
+        blocks: Vec::new(),
+        payload_kg: Gaussian::default(),
+        payload_changes: Vec::new(),
+        motor_torque: MotorTorque::Unused,
+        left_out_share: 0.0,
+        left_out: Vec::new(),
+        poses: 12,
+        nuisance: Vec::new(),
+        damaged: false,
+        warnings: vec![Warning::FramesMissing { frames: 3 }],
+    }
+}
+
+/// The same as a document of its own, with a date.
+fn dated() -> String {
+    let dated = SessionEstimate {
+        start_time_utc_s: Some(1_772_353_800.0),
+        ..session()
+    };
+    serde_json::to_string(&dated).unwrap()
+}
+
 #[test]
 fn what_estimate_prints_is_read() {
-    let joints = r#"[{"name": "elbow", "offset_mrad": 1.5, "interval_95_mrad": 0.4, "verdict": "longer",
-        "stiffness_change_percent": [-2.0, 1.0]},
-        {"name": "wrist", "offset_mrad": 9.0, "interval_95_mrad": 16.0, "verdict": "can't tell"}]"#;
     let estimate = format!(
         r#"{{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}},
-            "robot": {{"name": "arm"}}, "joints": [],
-            "absolute": {{"recording": "a.mcap", "baseline": "b", "duration_s": 60.0, "joints": {joints}}}}}"#
+            "robot": {{"name": "arm"}}, "joints": [], "session": {}}}"#,
+        serde_json::to_string(&session()).unwrap()
     );
     let read = records_from_json(&estimate, "a.json").unwrap();
     assert_eq!(read.len(), 2);
     assert_eq!(read[0].time_utc_s, 1_772_353_800.0);
     assert_eq!(read[0].robot.as_deref(), Some("arm"));
-    assert_eq!(
-        read[0].stiffness_ratio,
-        Some(Gaussian::new(-0.02, 0.01 / Z95))
-    );
+    let change = read[0].stiffness_ratio.unwrap();
+    assert!((change.mean + 0.02).abs() < 1e-14 && (change.deviation - 0.01 / Z95).abs() < 1e-14);
     assert_eq!(read[1].offset_rad, None, "it couldn't tell");
-    // The absolute estimate alone, with a date of its own; a list; one document after another.
-    let alone = format!(
-        r#"{{"start_time_utc_s": 1772353800.0, "temperature_c": 22.5, "joints": {joints}}}"#
-    );
+    // The session's estimate alone, with a date of its own; a list; one document after another.
+    let alone = dated();
     assert_eq!(
         records_from_json(&alone, "a.json").unwrap()[0].temperature_c,
         Some(22.5)
@@ -97,7 +146,10 @@ fn what_estimate_prints_is_read() {
         ("{}".into(), "not a session's estimate"),
         ("[1, 2".into(), "not JSON"),
         (" ".into(), "is empty"),
-        (alone.replace("0.4", "-1"), "above 0 mrad"),
+        (
+            alone.replace(&(0.4e-3 / Z95).to_string(), "-1"),
+            "above 0 mrad",
+        ),
     ] {
         let error = records_from_json(&text, "a.json").unwrap_err().to_string();
         assert!(
@@ -169,8 +221,7 @@ fn records_are_put_in_order_and_freed_of_repeats() {
 fn damaged_files_are_refused_and_never_break_anything() {
     let csv = "time,joint,offset_mrad,interval_95_mrad,temperature_c,stiffness_change_percent\n\
                2026-03-01T08:30Z,elbow,1.5,0.4,21,-2\n2026-03-02,elbow,,,,\n";
-    let json = r#"{"start_time_utc_s": 1772353800.0, "joints": [{"name": "elbow", "offset_mrad": 1.5,
-        "interval_95_mrad": 0.4, "verdict": "longer", "stiffness_change_percent": [-2.0, 1.0]}]}"#;
+    let json = &dated()[..];
     // Bytes replaced, cut out and doubled at places of a simple generator.
     let mut state = 7_u64;
     let mut next = |most: usize| {

@@ -122,10 +122,10 @@ fn what_is_stated_is_what_is_corrected() {
 #[test]
 fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     let robot = biorob_like();
-    let json = r#"{"joints": [{"name": "elbow", "delta_e_mrad": 99.0, "standard_error_mrad": 1.0}],
-        "absolute": {"joints": [
-            {"name": "shoulder_pitch", "offset_mrad": 10.0, "interval_95_mrad": 0.98},
-            {"name": "elbow", "offset_mrad": -6.0, "interval_95_mrad": 0.49}]}}"#;
+    let json = r#"{"joints": [{"name": "elbow", "offset_rad": 0.099, "standard_error_rad": 0.001}],
+        "session": {"joints": [
+            {"name": "shoulder_pitch", "offset_rad": {"mean": 0.01, "deviation": 0.0005}},
+            {"name": "elbow", "offset_rad": {"mean": -0.006, "deviation": 0.00025}}]}}"#;
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("since.json"), json).unwrap();
     let mut s = with("[correction]\nestimate = \"since.json\"\n");
@@ -148,15 +148,15 @@ fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     };
     assert!(refuse("nonsense").contains("since.json"));
     assert!(refuse("{}").contains("no joints"));
-    assert!(refuse(r#"{"joints": [{"delta_e_mrad": 1}]}"#).contains("no name"));
-    let message = refuse(r#"{"joints": [{"name": "elbow", "delta_e_mrad": null}]}"#);
+    assert!(refuse(r#"{"joints": [{"offset_rad": 1}]}"#).contains("no name"));
+    let message = refuse(r#"{"joints": [{"name": "elbow", "offset_rad": null}]}"#);
     assert!(
-        message.contains("'elbow'") && message.contains("delta_e_mrad"),
+        message.contains("'elbow'") && message.contains("offset_rad"),
         "{message}"
     );
     // A joint this robot hasn't.
     let mut s = with("[correction]\nestimate = \"since.json\"\n");
-    let odd = r#"{"joints": [{"name": "hip", "delta_e_mrad": 1, "standard_error_mrad": 0}]}"#;
+    let odd = r#"{"joints": [{"name": "hip", "offset_rad": 1, "standard_error_rad": 0}]}"#;
     s.correction.take_estimate(odd, "since.json").unwrap();
     let message = Simulation::new(&robot, &s).unwrap_err().to_string();
     assert!(message.contains("'hip'"), "{message}");

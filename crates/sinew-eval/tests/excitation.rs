@@ -5,8 +5,8 @@
 
 use crate::support;
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Recorder, WatchOptions};
+use sinew_estimate::session;
+use sinew_estimate::session::{Recorder, SessionOptions};
 use sinew_eval::excitation::{Options, Proposal, propose};
 use sinew_eval::scenarios::Plan;
 use sinew_model::offset::FeatureConfig;
@@ -66,7 +66,7 @@ fn proposed_poses_are_within_limits_and_better_than_random_ones() {
 }
 
 /// Blocks of a simulated recording.
-fn recorded(robot: &Robot, scenario: &Scenario) -> absolute::Recorded {
+fn recorded(robot: &Robot, scenario: &Scenario) -> session::Recorded {
     let mut simulation = Simulation::new(robot, scenario).unwrap();
     let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 1.0);
     let start_ns = scenario.start_time_ns;
@@ -102,18 +102,24 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
             later_s: Draw::Fixed(0.0),
         })
         .collect();
-    let (baseline, _) = absolute::learn_recorded(robot, &recorded(robot, &first), "first").unwrap();
-    let (said, _) = absolute::watch_recorded(
+    let (baseline, _) = session::learn_recorded(robot, &recorded(robot, &first), "first").unwrap();
+    let (said, _) = session::estimate_recorded(
         robot,
         &recorded(robot, &second),
         "second",
         Some((&baseline, "first")),
-        &WatchOptions::default(),
+        &SessionOptions::default(),
     )
     .unwrap();
     said.joints
         .iter()
-        .map(|j| (j.name.clone(), j.offset_mrad - 10.0, j.interval_95_mrad))
+        .map(|j| {
+            (
+                j.name.clone(),
+                1e3 * j.offset_rad.mean - 10.0,
+                1e3 * j.offset_rad.half_width_95(),
+            )
+        })
         .collect()
 }
 

@@ -2,10 +2,13 @@
 
 use super::figures;
 use super::sentences::{doubt, headline};
-use sinew_estimate::absolute::Absolute;
-use sinew_estimate::estimate::{Estimate, JointEstimate, Loss};
+use super::warnings::recording_warning;
+use super::words::{basis_row, joint_refusal, loss_reason};
+use sinew_estimate::replay::{Estimate, JointEstimate, Loss, RecordingFormat};
+use sinew_estimate::session::SessionEstimate;
 use sinew_figure::{Block, Page, Table, count, duration, given, rounded, share, with_error};
 use sinew_files::date::utc_text;
+use sinew_model::offset::{Comparison, TorqueSource};
 
 /// The estimate as one HTML file that opens offline.
 ///
@@ -16,8 +19,8 @@ pub fn html(estimate: &Estimate) -> String {
     html_with(estimate, None)
 }
 
-/// [`html`] with the absolute estimate of the same recording before it.
-pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
+/// [`html`] with the session's estimate of the same recording before it.
+pub fn html_with(estimate: &Estimate, session: Option<&SessionEstimate>) -> String {
     let mut page = Page::new(format!("Tendon stretch of {}", estimate.robot.name));
     page.subtitle = format!(
         "{}, {}, {} frames",
@@ -41,9 +44,9 @@ pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
             .collect(),
     ));
     opening.push(Block::Paragraph(how_sure(estimate)));
-    let mut page = match absolute {
-        Some(said) => {
-            let page = super::absolute::sections(page, said);
+    let mut page = match session {
+        Some(session) => {
+            let page = super::session::sections(page, session);
             page.section("From this recording alone, as in the paper", opening)
         }
         None => page.section("", opening),
@@ -63,7 +66,8 @@ pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
     page = page.section("Numbers", numbers);
 
     if !estimate.warnings.is_empty() {
-        page = page.section("Warnings", vec![Block::List(estimate.warnings.clone())]);
+        let warnings = estimate.warnings.iter().map(recording_warning).collect();
+        page = page.section("Warnings", vec![Block::List(warnings)]);
     }
     for joint in &estimate.joints {
         page = page.section(format!("Joint {}", joint.name), of_joint(estimate, joint));
@@ -83,7 +87,7 @@ pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
                 rows: estimate
                     .basis
                     .iter()
-                    .map(|b| vec![b.quantity.clone(), b.rests_on.clone()])
+                    .map(|b| basis_row(estimate, b).to_vec())
                     .collect(),
                 ..Table::default()
             }),
@@ -92,11 +96,27 @@ pub fn html_with(estimate: &Estimate, absolute: Option<&Absolute>) -> String {
     .html()
 }
 
+/// What isn't known is shown as the tables show NaN.
+pub(crate) fn or_nan(x: Option<f64>) -> f64 {
+    x.unwrap_or(f64::NAN)
+}
+
+/// From rad per relative error to mrad per percent.
+pub(crate) const MRAD_PER_PERCENT: f64 = 1e3 * 0.01;
+
+fn format_name(format: RecordingFormat) -> &'static str {
+    match format {
+        RecordingFormat::Mcap => "MCAP",
+        RecordingFormat::Csv => "CSV",
+        RecordingFormat::Parquet => "Parquet",
+    }
+}
+
 fn how_sure(estimate: &Estimate) -> String {
-    let masses = match estimate.settings.source.as_str() {
-        "torque-sensor" => "the torque sensor",
-        "motor" => "the motor torque, its friction",
-        _ => "the masses in the robot's description",
+    let masses = match estimate.settings.source {
+        TorqueSource::TorqueSensor => "the torque sensor",
+        TorqueSource::Motor => "the motor torque, its friction",
+        TorqueSource::Observer => "the masses in the robot's description",
     };
     let absolute = format!(
         "The method is right in differences: what changed between two recordings of like motion. The absolute value rests on the stiffness and on {masses}, and on a payload and contacts being known; the table says what 1 % of error there adds."
@@ -131,17 +151,20 @@ fn offsets(estimate: &Estimate) -> Table {
             .map(|j| {
                 let none = || "–".to_string();
                 let optional = |v: Option<f64>| v.map_or_else(none, |v| rounded(v, 3));
-                let error_mm = j.elongation_standard_error_mm.unwrap_or(f64::NAN);
+                let error_mm = 1e3 * or_nan(j.elongation_standard_error_m);
                 vec![
                     j.name.clone(),
-                    rounded(j.delta_e_mrad, 4),
-                    rounded(j.scatter_mrad, 2),
-                    rounded(j.standard_error_mrad, 2),
-                    j.elongation_mm
-                        .map_or_else(none, |mm| with_error(mm, error_mm)),
-                    optional(j.strain_percent),
+                    rounded(1e3 * or_nan(j.offset_rad), 4),
+                    rounded(1e3 * or_nan(j.scatter_rad), 2),
+                    rounded(1e3 * or_nan(j.standard_error_rad), 2),
+                    j.elongation_m
+                        .map_or_else(none, |m| with_error(1e3 * m, error_mm)),
+                    optional(j.strain_ratio.map(|strain| 100.0 * strain)),
                     share(j.usable_share),
-                    rounded(j.stiffness_error_mrad_per_percent, 2),
+                    rounded(
+                        MRAD_PER_PERCENT * or_nan(j.offset_per_stiffness_error_rad),
+                        2,
+                    ),
                 ]
             })
             .collect(),
@@ -173,10 +196,10 @@ fn differences(estimate: &Estimate) -> Table {
             .map(|(j, d)| {
                 vec![
                     j.name.clone(),
-                    rounded(d.reference_mrad, 4),
-                    with_error(d.difference_mrad, d.standard_error_mrad),
-                    d.elongation_mm.map_or("–".into(), |mm| rounded(mm, 3)),
-                    rounded(d.stiffness_error_mrad_per_percent, 2),
+                    rounded(1e3 * d.reference_rad, 4),
+                    with_error(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
+                    d.elongation_m.map_or("–".into(), |m| rounded(1e3 * m, 3)),
+                    rounded(MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad, 2),
                 ]
             })
             .collect(),
@@ -184,16 +207,21 @@ fn differences(estimate: &Estimate) -> Table {
 }
 
 fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
-    if let Some(why) = &joint.refused {
+    if let Some(why) = joint.refused {
+        let why = joint_refusal(why);
         return vec![Block::Paragraph(format!("No estimate: {why}."))];
     }
     let (figure, caption) = figures::joint(estimate, joint);
-    let [low, mean, high] = joint.tau_el_nm.map(|t| rounded(t, 3));
+    let tau_el = joint.tau_el_nm;
+    let shown = |t: Option<f64>| rounded(or_nan(t), 3);
+    let low = shown(tau_el.map(|t| t.min));
+    let mean = shown(tau_el.map(|t| t.mean));
+    let high = shown(tau_el.map(|t| t.max));
     let mut blocks = vec![
         Block::Figure(Box::new(figure), caption),
         Block::Paragraph(format!(
             "Stiffness {} N·m/rad; elastic torque from {low} to {high} N·m, {mean} N·m on average; {} of {} frames used ({}).",
-            given(joint.stiffness_nm_per_rad),
+            given(or_nan(joint.stiffness_nm_per_rad)),
             count(joint.usable_frames),
             count(estimate.recording.frames),
             share(joint.usable_share)
@@ -223,7 +251,13 @@ fn loss_table(caption: &str, losses: &[Loss]) -> Block {
             .to_vec(),
         rows: losses
             .iter()
-            .map(|l| vec![l.reason.clone(), count(l.frames), share(l.share)])
+            .map(|l| {
+                vec![
+                    loss_reason(l.reason).into(),
+                    count(l.frames),
+                    share(l.share),
+                ]
+            })
             .collect(),
     })
 }
@@ -234,7 +268,7 @@ fn circumstances(estimate: &Estimate) -> Table {
     let mut add = |name: &str, value: String| rows.push([name.to_string(), value]);
     add(
         "recording",
-        format!("{} ({})", recording.path, recording.format),
+        format!("{} ({})", recording.path, format_name(recording.format)),
     );
     if let Some(date) = utc_text(recording.start_time_ns) {
         add("begins", date);
@@ -245,7 +279,7 @@ fn circumstances(estimate: &Estimate) -> Table {
             "{}, {} frames at {} Hz, {}",
             duration(recording.duration_s),
             count(recording.frames),
-            rounded(recording.rate_hz, 4),
+            rounded(or_nan(recording.rate_hz), 4),
             match recording.segments {
                 1 => "without a gap".to_string(),
                 n => format!("in {n} stretches"),
@@ -256,19 +290,17 @@ fn circumstances(estimate: &Estimate) -> Table {
     add("URDF", robot.urdf.clone());
     add(
         "elastic torque from",
-        match settings.source.as_str() {
-            "observer" => "the momentum observer".into(),
-            "torque-sensor" => "the joint torque sensors".into(),
-            "motor" => "the motor torque".into(),
-            other => other.to_string(),
+        match settings.source {
+            TorqueSource::Observer => "the momentum observer".into(),
+            TorqueSource::TorqueSensor => "the joint torque sensors".into(),
+            TorqueSource::Motor => "the motor torque".into(),
         },
     );
     add(
         "comparison",
-        match settings.comparison.as_str() {
-            "matched" => "matched: θ − q passes the same filters as the torque".into(),
-            "paper" => "the paper's: θ − q unfiltered against a filtered torque".into(),
-            other => other.to_string(),
+        match settings.comparison {
+            Comparison::Matched => "matched: θ − q passes the same filters as the torque".into(),
+            Comparison::Paper => "the paper's: θ − q unfiltered against a filtered torque".into(),
         },
     );
     add(

@@ -1,8 +1,10 @@
 //! The figure of one joint: offset with its band, torque, motion.
 
-use sinew_estimate::estimate::{Estimate, JointEstimate, Series};
+use super::estimate::or_nan;
+use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{duration, given, rounded};
+use sinew_model::offset::TorqueSource;
 
 /// Most unused stretches that are shaded; there are only so many px.
 const MOST_SPANS: usize = 60;
@@ -31,13 +33,13 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         .band(Band::new(
             "smallest to largest",
             time.clone(),
-            series.delta_e_min_mrad.clone(),
-            series.delta_e_max_mrad.clone(),
+            mrad(&series.offset_min_rad),
+            mrad(&series.offset_max_rad),
         ))
         .line(Line::new(
             "estimate",
             time.clone(),
-            series.delta_e_mrad.clone(),
+            mrad(&series.offset_rad),
         ));
     if let Some((low, high)) = range {
         offset = offset.y_range(low, high);
@@ -53,24 +55,23 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
             offset = offset.event(from / seconds, format!("{size} mrad injected"));
         }
     }
-    if joint.delta_e_mrad.is_finite() {
-        let mean = format!("mean {} mrad", rounded(joint.delta_e_mrad, 3));
-        offset = offset.reference(joint.delta_e_mrad, mean);
+    if let Some(mean_mrad) = joint.offset_rad.map(|x| 1e3 * x) {
+        let mean = format!("mean {} mrad", rounded(mean_mrad, 3));
+        offset = offset.reference(mean_mrad, mean);
     }
     if let Some(d) = &joint.difference {
-        let then = format!("reference {} mrad", rounded(d.reference_mrad, 3));
-        offset = offset.reference(d.reference_mrad, then);
+        let then = format!("reference {} mrad", rounded(1e3 * d.reference_rad, 3));
+        offset = offset.reference(1e3 * d.reference_rad, then);
     }
-    if let Some(mm) = joint.elongation_mm
-        && (mm / joint.delta_e_mrad).is_finite()
-    {
-        offset = offset.y_right("elongation (mm)", mm / joint.delta_e_mrad);
+    let per_mrad = or_nan(joint.elongation_m) / or_nan(joint.offset_rad);
+    if per_mrad.is_finite() {
+        offset = offset.y_right("elongation (mm)", per_mrad);
     }
 
-    let source = match estimate.settings.source.as_str() {
-        "torque-sensor" => "measured τ_{el}",
-        "motor" => "τ_{el} from the motor",
-        _ => "observed τ_{el}",
+    let source = match estimate.settings.source {
+        TorqueSource::TorqueSensor => "measured τ_{el}",
+        TorqueSource::Motor => "τ_{el} from the motor",
+        TorqueSource::Observer => "observed τ_{el}",
     };
     let torque = framed(Panel::new("Torque", "", "torque (N·m)"))
         .line(Line::new(source, time.clone(), series.tau_el_nm.clone()))
@@ -103,6 +104,10 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
     (figure, caption)
 }
 
+fn mrad(rad: &[f64]) -> Vec<f64> {
+    rad.iter().map(|x| 1e3 * x).collect()
+}
+
 fn time_unit(duration_s: f64) -> (&'static str, f64) {
     match duration_s {
         d if d > 3.0 * 3600.0 => ("h", 3600.0),
@@ -116,14 +121,14 @@ fn time_unit(duration_s: f64) -> (&'static str, f64) {
 /// A single spike must not flatten the curve that the figure is about.
 fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, String) {
     let finite = |v: &[f64]| -> Vec<f64> {
-        let mut v: Vec<f64> = v.iter().copied().filter(|x| x.is_finite()).collect();
+        let mut v: Vec<f64> = mrad(v).into_iter().filter(|x| x.is_finite()).collect();
         v.sort_by(f64::total_cmp);
         v
     };
     let (means, lows, highs) = (
-        finite(&series.delta_e_mrad),
-        finite(&series.delta_e_min_mrad),
-        finite(&series.delta_e_max_mrad),
+        finite(&series.offset_rad),
+        finite(&series.offset_min_rad),
+        finite(&series.offset_max_rad),
     );
     let (Some(&mean_low), Some(&mean_high)) = (means.first(), means.last()) else {
         return (None, String::new());
@@ -134,11 +139,9 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
     };
     let mut low = mean_low.min(at(&lows, 0.01).unwrap_or(mean_low));
     let mut high = mean_high.max(at(&highs, 0.99).unwrap_or(mean_high));
-    if let Some(d) = &joint.difference
-        && d.reference_mrad.is_finite()
-    {
-        low = low.min(d.reference_mrad);
-        high = high.max(d.reference_mrad);
+    if let Some(d) = &joint.difference {
+        low = low.min(1e3 * d.reference_rad);
+        high = high.max(1e3 * d.reference_rad);
     }
     let margin = 0.08 * (high - low);
     let (low, high) = (low - margin, high + margin);
@@ -202,9 +205,9 @@ fn coarse(series: &Series) -> Series {
     };
     Series {
         time_s: mean_of(&series.time_s),
-        delta_e_mrad: mean_of(&series.delta_e_mrad),
-        delta_e_min_mrad: extreme(&series.delta_e_min_mrad, f64::min),
-        delta_e_max_mrad: extreme(&series.delta_e_max_mrad, f64::max),
+        offset_rad: mean_of(&series.offset_rad),
+        offset_min_rad: extreme(&series.offset_min_rad, f64::min),
+        offset_max_rad: extreme(&series.offset_max_rad, f64::max),
         tau_el_nm: mean_of(&series.tau_el_nm),
         tau_spring_nm: mean_of(&series.tau_spring_nm),
         q_rad: mean_of(&series.q_rad),

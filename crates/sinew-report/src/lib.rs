@@ -1,20 +1,27 @@
 //! Reports: one HTML file each, that opens offline, prints, and can be read on a telephone.
 //!
-//! [`html`] tells an [`Estimate`](sinew_estimate::estimate::Estimate); [`Page`](sinew_figure::Page) is what it and the paper's
+//! [`html`] tells an [`Estimate`](sinew_estimate::replay::Estimate); [`Page`](sinew_figure::Page) is what it and the paper's
 //! figures are built with. A page holds its style and its figures; it loads nothing and runs no
 //! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
 //! date, no path that wasn't given.
 
-mod absolute;
 pub mod creep;
 mod estimate;
 mod figures;
 pub mod rope;
 mod sentences;
+mod session;
+mod session_sentences;
+pub mod tables;
 #[cfg(test)]
 mod tests;
 pub mod text;
 pub mod trend;
+mod warnings;
+mod words;
 
 pub use estimate::{html, html_with};
 pub use sentences::headline;
+pub use session_sentences::{session_sentences, slip_cause};
+pub use warnings::{recording_warning, session_warning};
+pub use words::{joint_refusal, loss_reason};

@@ -1,6 +1,8 @@
 //! An estimate in words.
 
-use sinew_estimate::estimate::{Estimate, JointEstimate};
+use super::estimate::{MRAD_PER_PERCENT, or_nan};
+use super::words::joint_refusal;
+use sinew_estimate::replay::{Estimate, JointEstimate};
 use sinew_figure::{rounded, with_error};
 
 /// Beyond this many standard errors a change is called seen; closer, it is said not to be.
@@ -16,24 +18,24 @@ const ORDINARY_ERROR_PERCENT: f64 = 10.0;
 /// One joint in one sentence: how much longer its tendon is, than what, and how sure that is.
 pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
     let name = &joint.name;
-    if let Some(why) = &joint.refused {
-        return format!("{name}: no estimate; {why}");
+    if let Some(why) = joint.refused {
+        return format!("{name}: no estimate; {}", joint_refusal(why));
     }
-    let (value, error, elongation_mm, than) =
-        match (&joint.difference, &estimate.settings.reference) {
-            (Some(d), Some(reference)) => (
-                d.difference_mrad,
-                d.standard_error_mrad,
-                d.elongation_mm,
-                format!("in the reference {reference}"),
-            ),
-            _ => (
-                joint.delta_e_mrad,
-                joint.standard_error_mrad,
-                joint.elongation_mm,
-                "at the encoders' calibration".to_string(),
-            ),
-        };
+    let (value, error, elongation_m, than) = match (&joint.difference, &estimate.settings.reference)
+    {
+        (Some(d), Some(reference)) => (
+            1e3 * d.difference_rad,
+            1e3 * or_nan(d.standard_error_rad),
+            d.elongation_m,
+            format!("in the reference {reference}"),
+        ),
+        _ => (
+            1e3 * or_nan(joint.offset_rad),
+            1e3 * or_nan(joint.standard_error_rad),
+            joint.elongation_m,
+            "at the encoders' calibration".to_string(),
+        ),
+    };
     if !value.is_finite() {
         return format!("{name}: no estimate");
     }
@@ -49,7 +51,7 @@ pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
     if error.is_finite() && value.abs() < seen(error) {
         return format!("{name}: no stretch seen ({offset})");
     }
-    match elongation_mm.filter(|mm| mm.is_finite()) {
+    match elongation_m.map(|m| 1e3 * m).filter(|mm| mm.is_finite()) {
         Some(mm) => {
             let word = if mm < 0.0 { "shorter" } else { "longer" };
             let mm = rounded(mm.abs(), 2);
@@ -74,20 +76,20 @@ pub(super) fn doubt(joint: &JointEstimate) -> Option<String> {
     }
     let (value, per_percent, what) = match &joint.difference {
         Some(d) => (
-            d.difference_mrad,
-            d.stiffness_error_mrad_per_percent,
+            1e3 * d.difference_rad,
+            MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad,
             "difference",
         ),
         None => (
-            joint.delta_e_mrad,
-            joint.stiffness_error_mrad_per_percent,
+            1e3 * or_nan(joint.offset_rad),
+            MRAD_PER_PERCENT * or_nan(joint.offset_per_stiffness_error_rad),
             "offset",
         ),
     };
-    let error = joint
-        .difference
-        .as_ref()
-        .map_or(joint.standard_error_mrad, |d| d.standard_error_mrad);
+    let error = match &joint.difference {
+        Some(d) => 1e3 * or_nan(d.standard_error_rad),
+        None => 1e3 * or_nan(joint.standard_error_rad),
+    };
     let percent = (value / per_percent).abs();
     // What isn't seen needs no doubt.
     if !percent.is_finite() || value.abs() < seen(error) {

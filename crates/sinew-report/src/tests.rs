@@ -1,7 +1,9 @@
 use super::*;
-use sinew_estimate::estimate::*;
+use sinew_estimate::RecordingWarning;
 use sinew_estimate::feeder::Injection;
+use sinew_estimate::replay::*;
 use sinew_figure::{Block, Page, Sentence};
+use sinew_model::offset::{Comparison, TorqueSource};
 
 /// An estimate of two joints and a refused one, made up.
 pub(super) fn made_up() -> Estimate {
@@ -27,29 +29,32 @@ pub(super) fn made_up() -> Estimate {
         JointEstimate {
             name: name.into(),
             refused: None,
-            delta_e_rad: 1e-3 * offset,
-            delta_e_mrad: offset,
-            scatter_mrad: 0.41,
-            standard_error_mrad: 0.052,
-            elongation_mm: Some(0.025 * offset),
-            elongation_standard_error_mm: Some(0.025 * 0.052),
-            strain_percent: Some(100.0 * 0.025 * offset / 700.0),
+            offset_rad: Some(1e-3 * offset),
+            scatter_rad: Some(0.41e-3),
+            standard_error_rad: Some(0.052e-3),
+            elongation_m: Some(0.025e-3 * offset),
+            elongation_standard_error_m: Some(0.025e-3 * 0.052),
+            strain_ratio: Some(0.025 * offset / 700.0),
             usable_frames: 36_500,
             usable_share: 0.9125,
             losses: vec![Loss {
-                reason: "settling after the start or a gap".into(),
+                reason: LossReason::Settling,
                 frames: 3_500,
                 share: 0.0875,
             }],
-            stiffness_nm_per_rad: stiffness,
-            tau_el_nm: [-3.4, -1.0, 1.4],
-            stiffness_error_mrad_per_percent: -10.0 / stiffness,
+            stiffness_nm_per_rad: Some(stiffness),
+            tau_el_nm: Some(TorqueStatistics {
+                min: -3.4,
+                mean: -1.0,
+                max: 1.4,
+            }),
+            offset_per_stiffness_error_rad: Some(-1.0 / stiffness),
             difference: None,
             series: Series {
-                delta_e_mrad: of(&delta),
-                delta_e_min_mrad: of(&|t| delta(t) - 0.8),
-                delta_e_max_mrad: of(&|t| {
-                    delta(t) + if (t - 31.05).abs() < 0.06 { 60.0 } else { 0.9 }
+                offset_rad: of(&|t| 1e-3 * delta(t)),
+                offset_min_rad: of(&|t| 1e-3 * (delta(t) - 0.8)),
+                offset_max_rad: of(&|t| {
+                    1e-3 * (delta(t) + if (t - 31.05).abs() < 0.06 { 60.0 } else { 0.9 })
                 }),
                 tau_el_nm: of(&tau),
                 tau_spring_nm: of(&|t| tau(t) + 1e-3 * offset * stiffness),
@@ -65,29 +70,25 @@ pub(super) fn made_up() -> Estimate {
         joint("wrist", 0.0, 8.0),
     ];
     let wrist = &mut joints[2];
-    wrist.refused = Some("its motor position is not recorded".into());
+    wrist.refused = Some(JointRefusal::NoMotorPosition);
     wrist.series = Series::default();
-    for v in [
-        &mut wrist.delta_e_rad,
-        &mut wrist.delta_e_mrad,
-        &mut wrist.scatter_mrad,
-        &mut wrist.standard_error_mrad,
-        &mut wrist.stiffness_error_mrad_per_percent,
-    ] {
-        *v = f64::NAN;
-    }
-    (wrist.elongation_mm, wrist.strain_percent) = (None, None);
-    wrist.elongation_standard_error_mm = None;
+    (wrist.offset_rad, wrist.scatter_rad) = (None, None);
+    (
+        wrist.standard_error_rad,
+        wrist.offset_per_stiffness_error_rad,
+    ) = (None, None);
+    (wrist.elongation_m, wrist.strain_ratio) = (None, None);
+    wrist.elongation_standard_error_m = None;
     (wrist.usable_frames, wrist.usable_share) = (0, 0.0);
     Estimate {
         sinew_version: "0.1.0".into(),
         recording: RecordingInfo {
             path: "monday.mcap".into(),
-            format: "MCAP".into(),
+            format: RecordingFormat::Mcap,
             start_time_ns: 1_709_210_096_000_000_000,
             duration_s: 40.0,
             frames: 40_000,
-            rate_hz: 1000.0,
+            rate_hz: Some(1000.0),
             segments: 2,
         },
         robot: RobotInfo {
@@ -96,8 +97,8 @@ pub(super) fn made_up() -> Estimate {
             urdf: "robots/biorob-like/biorob-like.urdf".into(),
         },
         settings: Settings {
-            source: "observer".into(),
-            comparison: "matched".into(),
+            source: TorqueSource::Observer,
+            comparison: Comparison::Matched,
             gain_per_s: 20.0,
             velocity_filter_rad_per_s: Some(60.0),
             tau_ext: false,
@@ -110,15 +111,18 @@ pub(super) fn made_up() -> Estimate {
         },
         joints,
         losses: vec![Loss {
-            reason: "dropped: time stamp seen before".into(),
+            reason: LossReason::Duplicate,
             frames: 12,
             share: 0.0003,
         }],
         damaged: true,
-        warnings: vec!["1 gaps in the recording, the longest 2.0 s".into()],
+        warnings: vec![RecordingWarning::Gaps {
+            count: 1,
+            longest_s: 2.0,
+        }],
         basis: vec![Basis {
-            quantity: "stiffness, N·m/rad".into(),
-            rests_on: "as stated in robot.toml".into(),
+            quantity: Quantity::Transmission,
+            rests_on: Origin::Stated,
         }],
     }
 }
@@ -126,11 +130,11 @@ pub(super) fn made_up() -> Estimate {
 fn with_difference(mut estimate: Estimate, difference_mrad: f64) -> Estimate {
     estimate.settings.reference = Some("sunday.mcap".into());
     estimate.joints[1].difference = Some(Difference {
-        reference_mrad: 10.4 - difference_mrad,
-        difference_mrad,
-        standard_error_mrad: 0.07,
-        elongation_mm: Some(0.025 * difference_mrad),
-        stiffness_error_mrad_per_percent: 0.01,
+        reference_rad: 1e-3 * (10.4 - difference_mrad),
+        difference_rad: 1e-3 * difference_mrad,
+        standard_error_rad: Some(0.07e-3),
+        elongation_m: Some(0.025e-3 * difference_mrad),
+        offset_per_stiffness_error_rad: 0.001,
     });
     estimate
 }
@@ -154,8 +158,8 @@ fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
         "elbow: tendon 0.10 mm shorter than in the reference sunday.mcap (change −4.000 ± 0.070 mrad)"
     );
     let mut bare = made_up();
-    bare.joints[1].elongation_mm = None;
-    bare.joints[1].standard_error_mrad = f64::NAN;
+    bare.joints[1].elongation_m = None;
+    bare.joints[1].standard_error_rad = None;
     let sentence = say(&bare, 1);
     assert!(
         sentence.contains("10.4 mrad") && sentence.contains("too short"),
@@ -170,9 +174,9 @@ fn the_page_stands_alone() {
         "elbow: tendon 0.10 mm longer than in the reference sunday.mcap",
         "right in differences",
         "rests on the stiffness",
-        "settling after the start or a gap",
+        "settling after the start, a gap or missing samples",
         "2024-02-29 12:34:56 UTC",
-        "as stated in robot.toml",
+        "as stated in robots/biorob-like/robot.toml",
         "Made by Sinew 0.1.0",
         "was damaged",
         "10 mrad at elbow from 12 s on",
@@ -216,18 +220,11 @@ fn words_from_files_are_never_markup() {
     e.robot.file = evil.into();
     e.robot.urdf = evil.into();
     e.settings.reference = Some(evil.into());
-    e.settings.source = evil.into();
-    e.settings.comparison = evil.into();
-    e.warnings = vec![evil.into()];
-    e.basis[0].quantity = evil.into();
-    e.basis[0].rests_on = evil.into();
-    e.losses[0].reason = evil.into();
+    e.warnings = vec![RecordingWarning::Robot { text: evil.into() }];
     for joint in &mut e.joints {
         joint.name = evil.into();
-        joint.losses = e.losses.clone();
     }
     e.settings.injected[0].joint = evil.into();
-    e.joints[2].refused = Some(evil.into());
     let page = html(&e);
     assert!(!page.contains("<script") && !page.contains("<img") && !page.contains('\u{0}'));
     assert!(page.contains("&lt;script&gt;"));
@@ -238,12 +235,12 @@ fn an_estimate_of_nothing_is_still_a_page() {
     let mut e = made_up();
     e.joints.truncate(2);
     e.recording.duration_s = 0.0;
-    e.recording.rate_hz = f64::NAN;
+    e.recording.rate_hz = None;
     for joint in &mut e.joints {
         joint.series = Series::default();
-        joint.delta_e_mrad = f64::NAN;
-        joint.elongation_mm = Some(f64::NAN);
-        joint.tau_el_nm = [f64::NAN; 3];
+        joint.offset_rad = None;
+        joint.elongation_m = Some(f64::NAN);
+        joint.tau_el_nm = None;
     }
     let page = html(&e);
     assert!(page.contains("no estimate") && !page.contains("NaN"));

@@ -196,18 +196,16 @@ fn a_motor_current_is_a_witness_like_a_torque_and_known_less_well() {
         let output = sinew(&args, dir.path());
         assert_eq!(code(&output), 0, "{}", err(&output));
         let mut json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
-        json["absolute"].take()
+        json["session"].take()
     });
-    for (said, is_current) in [(&torque, false), (&current, true)] {
-        assert_eq!(said["motor_torque"], true);
-        assert_eq!(said["motor_current"], is_current);
-    }
+    assert_eq!(torque["motor_torque"], "measured");
+    assert_eq!(current["motor_torque"], "from-current");
     let scale = |said: &serde_json::Value| {
         let all = said["nuisance"]
             .as_array()
             .expect("what was estimated along");
         let own = all.iter().find(|n| n["name"] == "motor torque scale");
-        own.expect("its scale")["prior"][1]
+        own.expect("its scale")["prior"]["deviation"]
             .as_f64()
             .expect("a deviation")
     };
@@ -293,21 +291,18 @@ fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     let truth: serde_json::Value = serde_json::from_str(&truth).expect("JSON");
     for joint in joints {
         let name = joint["name"].as_str().expect("a name");
-        let estimate = joint["delta_e_mrad"].as_f64().expect("an estimate");
+        let estimate = 1e3 * joint["offset_rad"].as_f64().expect("an estimate");
         let true_mrad = 1e3 * truth["offset_rad"][name].as_f64().unwrap_or(0.0);
         // Stiffness is up to 3 % and masses up to 2 % off what the robot's description says.
-        let wrong = 5.0
-            * joint["stiffness_error_mrad_per_percent"]
-                .as_f64()
-                .unwrap()
-                .abs();
+        let per_error = joint["offset_per_stiffness_error_rad"].as_f64().unwrap();
+        let wrong = 1e3 * 0.05 * per_error.abs();
         assert!(
             (estimate - true_mrad).abs() < 0.5 + wrong,
             "{name}: {estimate} {true_mrad}"
         );
     }
     // The first intervals settle: no number, so null, not NaN.
-    assert!(joints[0]["series"]["delta_e_mrad"][0].is_null());
+    assert!(joints[0]["series"]["offset_rad"][0].is_null());
 
     let html = std::fs::read_to_string(dir.path().join("e.html")).expect("the report");
     assert!(html.starts_with("<!DOCTYPE html>") && html.contains("tendon"));
@@ -355,9 +350,8 @@ fn an_injected_offset_is_the_difference_to_the_recording_itself() {
     let json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
     for joint in json["joints"].as_array().expect("joints") {
         let expected = if joint["name"] == "elbow" { -4.0 } else { 0.0 };
-        let found = joint["difference"]["difference_mrad"]
-            .as_f64()
-            .expect("a difference");
+        let found = joint["difference"]["difference_rad"].as_f64();
+        let found = 1e3 * found.expect("a difference");
         // An added constant passes the linear filters unchanged: rounding only.
         assert!(
             (found - expected).abs() < 1e-6,

@@ -154,14 +154,14 @@ fn estimate(args: &[&str]) -> serde_json::Value {
 }
 
 fn offset_mrad(estimate: &serde_json::Value, joint: &str) -> f64 {
-    estimate["joints"]
+    let offset_rad = estimate["joints"]
         .as_array()
         .unwrap()
         .iter()
         .find(|j| j["name"] == joint)
-        .unwrap()["delta_e_mrad"]
-        .as_f64()
-        .unwrap()
+        .unwrap()["offset_rad"]
+        .as_f64();
+    1e3 * offset_rad.unwrap()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Records from files.
 //!
 //! JSON: what `sinew estimate LOG --baseline FILE --json` prints, one document per session; several
-//! documents or a list in one file are fine. Its date is `start_time_utc_s` of the absolute estimate
+//! documents or a list in one file are fine. Its date is `start_time_utc_s` of the session's estimate
 //! or, without it, the recording's own clock; a record without a date is refused.
 //!
 //! CSV, one line per session and joint, with a header:
@@ -17,6 +17,7 @@
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
 use super::records::{RecordError, SessionRecord, Sorted, sort};
+use crate::session::{SessionEstimate, Verdict};
 use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
@@ -66,41 +67,16 @@ pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     }
 }
 
+/// The part of an estimate's document that records are made of.
 #[derive(Debug, Deserialize)]
-struct RawEstimate {
-    recording: RawRecording,
-    robot: Option<RawRobot>,
-    absolute: Option<RawAbsolute>,
+struct EstimateParts {
+    recording: RecordingStart,
+    session: Option<SessionEstimate>,
 }
 
 #[derive(Debug, Deserialize)]
-struct RawRecording {
+struct RecordingStart {
     start_time_ns: Option<i64>,
-}
-
-#[derive(Debug, Deserialize)]
-struct RawRobot {
-    name: String,
-}
-
-#[derive(Debug, Deserialize)]
-struct RawAbsolute {
-    recording: Option<String>,
-    robot: Option<String>,
-    baseline: Option<String>,
-    duration_s: Option<f64>,
-    start_time_utc_s: Option<f64>,
-    temperature_c: Option<f64>,
-    joints: Vec<RawJoint>,
-}
-
-#[derive(Debug, Deserialize)]
-struct RawJoint {
-    name: String,
-    offset_mrad: Option<f64>,
-    interval_95_mrad: Option<f64>,
-    verdict: Option<String>,
-    stiffness_change_percent: Option<[f64; 2]>,
 }
 
 /// Reads JSON documents; `file` is their name for messages.
@@ -143,27 +119,18 @@ fn document_records(
         .is_some_and(serde_json::Value::is_object);
     let refuse =
         |e: serde_json::Error| value(place, format!("not a session's estimate: {e}; {MAKE}"));
-    let (absolute, robot, start_ns) = if is_estimate {
-        let raw: RawEstimate = serde_json::from_value(document).map_err(refuse)?;
-        let Some(absolute) = raw.absolute else {
-            return Err(value(
-                place,
-                format!("has no absolute estimate, only differences; {MAKE}"),
-            ));
-        };
-        (
-            absolute,
-            raw.robot.map(|r| r.name),
-            raw.recording.start_time_ns,
-        )
+    let (session, start_ns) = if is_estimate {
+        let parts: EstimateParts = serde_json::from_value(document).map_err(refuse)?;
+        let session = parts.session.ok_or_else(|| {
+            let why = format!("has no absolute estimate, only differences; {MAKE}");
+            value(place, why)
+        })?;
+        (session, parts.recording.start_time_ns)
     } else {
-        (
-            serde_json::from_value::<RawAbsolute>(document).map_err(refuse)?,
-            None,
-            None,
-        )
+        let session: SessionEstimate = serde_json::from_value(document).map_err(refuse)?;
+        (session, None)
     };
-    let time_utc_s = absolute
+    let time_utc_s = session
         .start_time_utc_s
         .or(start_ns.map(|ns| ns as f64 * 1e-9))
         .filter(|t| PLAUSIBLE_S.contains(t))
@@ -175,33 +142,36 @@ fn document_records(
                     .into(),
             )
         })?;
-    for joint in absolute.joints {
+    for joint in session.joints {
         let place = format!("{place}, joint '{}'", joint.name);
-        let can_tell = joint.verdict.as_deref() != Some("can't tell");
-        let offset = can_tell
-            .then_some(joint.offset_mrad.zip(joint.interval_95_mrad))
-            .flatten();
+        let (y, i) = (
+            1e3 * joint.offset_rad.mean,
+            1e3 * joint.offset_rad.half_width_95(),
+        );
+        let checked = || {
+            interval(y, i).map_err(|(key, must)| {
+                let found = if key == "offset_mrad" { y } else { i };
+                value(&place, format!("{key} = {found}: must be {must}"))
+            })?;
+            Ok::<_, RecordError>(joint.offset_rad)
+        };
+        let offset_rad = match joint.verdict {
+            Verdict::CannotTell => None,
+            _ => Some(checked()?),
+        };
+        let change = joint.stiffness_change_ratio;
         out.push(SessionRecord {
-            offset_rad: offset
-                .map(|(y, i)| {
-                    interval(y, i).map_err(|(key, must)| {
-                        let found = if key == "offset_mrad" { y } else { i };
-                        value(&place, format!("{key} = {found}: must be {must}"))
-                    })
-                })
-                .transpose()?,
+            offset_rad,
             source: place,
-            robot: absolute.robot.clone().or(robot.clone()),
-            recording: absolute.recording.clone(),
-            baseline: absolute.baseline.clone(),
+            robot: Some(session.robot.clone()),
+            recording: Some(session.recording.clone()),
+            baseline: session.baseline.clone(),
             time_utc_s,
-            duration_s: absolute.duration_s.filter(|d| *d >= 0.0),
+            duration_s: Some(session.duration_s).filter(|d| *d >= 0.0),
             joint: joint.name,
-            temperature_c: absolute.temperature_c.filter(|t| t.is_finite()),
-            stiffness_ratio: joint
-                .stiffness_change_percent
-                .filter(|[v, i]| v.is_finite() && *i > 0.0 && i.is_finite())
-                .map(|[v, i]| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
+            temperature_c: session.temperature_c.filter(|t| t.is_finite()),
+            stiffness_ratio: Some(change)
+                .filter(|c| c.mean.is_finite() && c.deviation > 0.0 && c.deviation.is_finite()),
         });
     }
     Ok(())

@@ -3,9 +3,10 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Baseline, Payload, Recorded, Recorder, WatchOptions};
+use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
+use sinew_estimate::session;
+use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
 use sinew_estimate::trend::SessionRecord;
 use sinew_eval::scenarios::Plan;
 use sinew_files::date::parse_utc_s;
@@ -116,15 +117,15 @@ pub(crate) fn work_session(
 }
 
 /// How a scenario of the bench is watched.
-pub(crate) fn watching(plan: &Plan) -> WatchOptions {
+pub(crate) fn watching(plan: &Plan) -> SessionOptions {
     let payload = if plan.scenario.payloads.is_empty() {
         Payload::Empty
     } else {
         Payload::Unknown
     };
-    WatchOptions {
+    SessionOptions {
         payload,
-        ..WatchOptions::default()
+        ..SessionOptions::default()
     }
 }
 
@@ -132,10 +133,10 @@ pub(crate) fn watching(plan: &Plan) -> WatchOptions {
 pub(crate) fn block_by_block(
     robot: &Robot,
     baseline: &Baseline,
-    options: &WatchOptions,
+    options: &SessionOptions,
     recorded: &Recorded,
 ) -> (RecursiveOffsets, f64) {
-    let mut filter = absolute::live(robot, (baseline, "baseline"), options).unwrap();
+    let mut filter = session::live(robot, (baseline, "baseline"), options).unwrap();
     let blocks = recorded.blocks.iter();
     let weights = blocks.map(|block| filter.step(block).unwrap()).sum();
     (filter, weights)

@@ -16,7 +16,7 @@ mod visit;
 pub use search::{Expected, Options, Pose, Proposal, propose};
 pub use visit::{Sensors, Visit};
 
-use sinew_estimate::absolute::AbsoluteError;
+use sinew_estimate::session::SessionError;
 use sinew_model::StepError;
 
 /// Why no poses can be proposed.
@@ -51,5 +51,5 @@ pub enum ExcitationError {
     },
     /// The estimator refused.
     #[error(transparent)]
-    Absolute(#[from] Box<AbsoluteError>),
+    Absolute(#[from] Box<SessionError>),
 }

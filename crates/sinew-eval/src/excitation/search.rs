@@ -6,8 +6,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Absolute, Baseline, Payload, WatchOptions};
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session;
+use sinew_estimate::session::{Payload, SessionEstimate, SessionOptions};
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
@@ -168,17 +169,24 @@ pub fn propose(
 }
 
 /// Root mean square of the joints' intervals, mrad.
-fn merit(said: &Absolute) -> f64 {
-    let sum: f64 = said.joints.iter().map(|j| j.interval_95_mrad.powi(2)).sum();
+fn merit(said: &SessionEstimate) -> f64 {
+    let sum: f64 = said
+        .joints
+        .iter()
+        .map(|j| (1e3 * j.offset_rad.half_width_95()).powi(2))
+        .sum();
     (sum / said.joints.len().max(1) as f64).sqrt()
 }
 
 /// Median interval of each joint.
-fn medians(of: &[&Absolute]) -> Vec<f64> {
+fn medians(of: &[&SessionEstimate]) -> Vec<f64> {
     let joints = of.first().map_or(0, |a| a.joints.len());
     (0..joints)
         .map(|i| {
-            let mut values: Vec<f64> = of.iter().map(|a| a.joints[i].interval_95_mrad).collect();
+            let mut values: Vec<f64> = of
+                .iter()
+                .map(|a| 1e3 * a.joints[i].offset_rad.half_width_95())
+                .collect();
             upper_median(&mut values).unwrap_or(f64::NAN)
         })
         .collect()
@@ -240,12 +248,12 @@ impl<'r> Search<'r> {
         let poses = search.random_poses(BASELINE_POSES)?;
         let recorded = search.record(&poses)?;
         let (learned, _) =
-            absolute::learn_recorded(robot, &recorded, "synthetic baseline").map_err(Box::new)?;
+            session::learn_recorded(robot, &recorded, "synthetic baseline").map_err(Box::new)?;
         match given {
             Some((given, file)) => {
                 // Let the estimator say whether it belongs to this robot.
                 let empty = watching(false);
-                absolute::watch_recorded(robot, &recorded, file, Some((given, file)), &empty)
+                session::estimate_recorded(robot, &recorded, file, Some((given, file)), &empty)
                     .map_err(Box::new)?;
                 search.baseline = Baseline {
                     covariance_lower: given.covariance_lower.clone(),
@@ -306,7 +314,7 @@ impl<'r> Search<'r> {
         (0..count).map(|_| self.random_pose()).collect()
     }
 
-    fn record(&self, poses: &[Vec<f64>]) -> Result<absolute::Recorded, ExcitationError> {
+    fn record(&self, poses: &[Vec<f64>]) -> Result<session::Recorded, ExcitationError> {
         // The same noise for every list, so that lists differ by their poses alone.
         Visit::new(self.robot, poses.to_vec(), self.options.pause_s)
             .record(self.robot, self.options.sensors, self.options.seed)
@@ -317,10 +325,10 @@ impl<'r> Search<'r> {
     }
 
     /// What the estimator says of a visit.
-    fn expect(&self, poses: &[Vec<f64>]) -> Result<Absolute, ExcitationError> {
+    fn expect(&self, poses: &[Vec<f64>]) -> Result<SessionEstimate, ExcitationError> {
         let recorded = self.record(poses)?;
         let baseline = Some((&self.baseline, "baseline"));
-        absolute::watch_recorded(
+        session::estimate_recorded(
             self.robot,
             &recorded,
             "proposed poses",
@@ -334,7 +342,7 @@ impl<'r> Search<'r> {
     fn proposal(
         self,
         poses: Vec<Vec<f64>>,
-        said: &Absolute,
+        said: &SessionEstimate,
         random: &[f64],
         lists_tried: usize,
     ) -> Proposal {
@@ -345,7 +353,7 @@ impl<'r> Search<'r> {
             format!("intervals are {SEEN_OVER_NOMINAL} times those of a robot exactly as described, which is what simulated robots of scenario S6 showed on the BioRob-like arm; another arm may differ"),
         ];
         for joint in &said.joints {
-            if SEEN_OVER_NOMINAL * joint.interval_95_mrad > USELESS_MRAD {
+            if SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95() > USELESS_MRAD {
                 notes.push(format!(
                     "{}: no poses found that show its offset; gravity hardly loads it, or its range is too small",
                     joint.name
@@ -372,8 +380,9 @@ impl<'r> Search<'r> {
                 .zip(random)
                 .map(|(joint, random)| Expected {
                     name: joint.name.clone(),
-                    interval_95_mrad: SEEN_OVER_NOMINAL * joint.interval_95_mrad,
-                    interval_95_mm: joint.interval_95_mm.map(|mm| SEEN_OVER_NOMINAL * mm),
+                    interval_95_mrad: SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95(),
+                    interval_95_mm: (joint.elongation_m)
+                        .map(|m| SEEN_OVER_NOMINAL * 1e3 * m.half_width_95()),
                     random_interval_95_mrad: SEEN_OVER_NOMINAL * random,
                 })
                 .collect(),
@@ -387,13 +396,13 @@ impl<'r> Search<'r> {
 }
 
 /// How the session to come will be watched.
-fn watching(payload: bool) -> WatchOptions {
-    WatchOptions {
+fn watching(payload: bool) -> SessionOptions {
+    SessionOptions {
         payload: if payload {
             Payload::Unknown
         } else {
             Payload::Empty
         },
-        ..WatchOptions::default()
+        ..SessionOptions::default()
     }
 }

@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use sinew_estimate::absolute::{Recorded, Recorder};
+use sinew_estimate::session::{Recorded, Recorder};
 use sinew_log::Frame;
 use sinew_model::StepError;
 use sinew_model::arm::ArmWorkspace;

@@ -1,8 +1,9 @@
 //! The one place where the bench calls the estimator it judges.
 
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{
-    Absolute, AbsoluteError, Baseline, Payload, Recorded, Recorder, WatchOptions,
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session;
+use sinew_estimate::session::{
+    Payload, Recorded, Recorder, SessionError, SessionEstimate, SessionOptions,
 };
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
@@ -16,8 +17,8 @@ pub(super) fn recorder(robot: &Robot) -> Recorder {
 pub(super) fn learn(
     robot: &Robot,
     recorded: &Recorded,
-) -> Result<(Baseline, Absolute), AbsoluteError> {
-    absolute::learn_recorded(robot, recorded, "session A")
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    session::learn_recorded(robot, recorded, "session A")
 }
 
 /// The answer and what is known then. `payload`: whether the gripper may hold something, which its user knows.
@@ -27,19 +28,19 @@ pub(super) fn watch(
     name: &str,
     baseline: &Baseline,
     payload: bool,
-) -> Result<(Absolute, Baseline), AbsoluteError> {
-    absolute::watch_recorded(
+) -> Result<(SessionEstimate, Baseline), SessionError> {
+    session::estimate_recorded(
         robot,
         recorded,
         name,
         Some((baseline, "session A")),
-        &WatchOptions {
+        &SessionOptions {
             payload: if payload {
                 Payload::Unknown
             } else {
                 Payload::Empty
             },
-            ..WatchOptions::default()
+            ..SessionOptions::default()
         },
     )
 }

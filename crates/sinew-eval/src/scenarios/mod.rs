@@ -24,8 +24,8 @@ pub use run::{Options, run};
 pub use table::render_table;
 
 use crate::journal::JournalError;
-use sinew_estimate::absolute::AbsoluteError;
 use sinew_estimate::robot_dir::RobotDirError;
+use sinew_estimate::session::SessionError;
 use sinew_files::Located;
 use sinew_model::offset::OffsetConfigError;
 use sinew_sim::SimulateError;
@@ -70,7 +70,7 @@ pub enum ScenarioError {
         /// Its seed.
         seed: u64,
         /// Why.
-        error: Box<AbsoluteError>,
+        error: Box<SessionError>,
     },
     /// There are no threads to work on.
     #[error("can't start threads: {0}")]

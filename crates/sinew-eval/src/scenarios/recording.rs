@@ -4,8 +4,12 @@ use super::paper::PaperMeans;
 use super::simulated::Simulated;
 use super::{Plan, ScenarioError, estimator};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::absolute::{Absolute, Baseline, Recorded, Step};
-use sinew_model::{Gaussian, Interval95, Z95};
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session::{
+    Recorded, SessionError, SessionEstimate, TendonChange, Verdict, Warning,
+};
+use sinew_model::{Gaussian, Interval95};
+use sinew_report::session_warning;
 
 /// How one recording came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,20 +93,20 @@ pub struct FoundStep {
 }
 
 impl FoundStep {
-    fn of(step: &Step) -> Self {
-        let [low, high] = step.between_s.unwrap_or([step.time_s; 2]);
+    fn of(change: &TendonChange) -> Self {
+        let interval_s = change.interval_s;
         Self {
-            size_rad: 1e-3 * step.size_mrad,
-            time_s: step.time_s,
-            interval_95_s: Interval95::new(low, high),
-            probability: stated(step),
+            size_rad: change.size_rad.map_or(0.0, |size| size.mean),
+            time_s: change.time_s,
+            interval_95_s: interval_s.unwrap_or(Interval95::new(change.time_s, change.time_s)),
+            probability: stated(change),
         }
     }
 }
 
 /// Probability stated of a change; what was before the recording comes without one.
-fn stated(step: &Step) -> f64 {
-    step.probability.unwrap_or(1.0)
+fn stated(change: &TendonChange) -> f64 {
+    change.probability.unwrap_or(1.0)
 }
 
 impl StepScore {
@@ -149,9 +153,9 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
         learned
             .warnings
             .iter()
-            .filter(|w| !w.starts_with("without a baseline"))
+            .filter(|w| **w != Warning::NoBaseline)
             .chain(&watched.warnings)
-            .cloned(),
+            .map(session_warning),
     );
     if steps {
         watch_slips(plan, &simulated, &after_b, payload, &mut out).map_err(refused)?;
@@ -160,7 +164,7 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
 }
 
 /// Session B against its truth.
-fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> Recording {
+fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstimate) -> Recording {
     let joints = watched
         .joints
         .iter()
@@ -174,10 +178,10 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
                 name: joint.name.clone(),
                 truth_rad,
                 error_rad: Gaussian::new(
-                    1e-3 * joint.offset_mrad - truth_rad,
-                    1e-3 * joint.interval_95_mrad / Z95,
+                    joint.offset_rad.mean - truth_rad,
+                    joint.offset_rad.deviation,
                 ),
-                can_tell: joint.verdict != "can't tell",
+                can_tell: joint.verdict != Verdict::CannotTell,
                 paper_error_rad: plain(lagging),
                 paper_minus_baseline_error_rad: minus(lagging),
                 matched_error_rad: plain(matched),
@@ -193,12 +197,12 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &Absolute) -> 
         steps: Vec::new(),
         // Nothing slips within B.
         false_alarms: (watched.joints.iter())
-            .flat_map(|j| j.steps.iter().map(stated))
+            .flat_map(|j| j.changes.iter().map(stated))
             .collect(),
         watched_s: simulated.sessions[1].duration_s,
         payload_error_kg: Gaussian::new(
-            watched.payload_kg[0] - simulated.payload_kg,
-            watched.payload_kg[1] / Z95,
+            watched.payload_kg.mean - simulated.payload_kg,
+            watched.payload_kg.deviation,
         ),
         left_out_share: watched.left_out_share,
         poses: watched.poses,
@@ -213,10 +217,10 @@ fn watch_slips(
     baseline: &Baseline,
     payload: bool,
     out: &mut Recording,
-) -> Result<(), sinew_estimate::absolute::AbsoluteError> {
+) -> Result<(), SessionError> {
     let whole = &simulated.sessions[2];
     let names = plan.robot.joint_names();
-    let until = |end_s: f64| -> Result<Absolute, sinew_estimate::absolute::AbsoluteError> {
+    let until = |end_s: f64| -> Result<SessionEstimate, SessionError> {
         let part = Recorded {
             blocks: whole
                 .blocks
@@ -230,10 +234,10 @@ fn watch_slips(
         estimator::watch(&plan.robot, &part, "session C", baseline, payload)
             .map(|(estimate, _)| estimate)
     };
-    let reported = |estimate: &Absolute, name: &str, at_s: f64| -> Option<FoundStep> {
+    let reported = |estimate: &SessionEstimate, name: &str, at_s: f64| -> Option<FoundStep> {
         let joint = estimate.joints.iter().find(|j| j.name == name)?;
         let step = joint
-            .steps
+            .changes
             .iter()
             .find(|s| (s.time_s - at_s).abs() < SAME_S)?;
         Some(FoundStep::of(step))
@@ -270,7 +274,7 @@ fn watch_slips(
                 .iter()
                 .any(|s| s.joint == joint.name && (s.at_s - time_s).abs() < SAME_S)
         };
-        let false_ones = joint.steps.iter().filter(|s| !known(s.time_s));
+        let false_ones = joint.changes.iter().filter(|s| !known(s.time_s));
         let false_ones: Vec<f64> = false_ones.map(stated).collect();
         out.false_alarms.extend(false_ones);
     }

@@ -3,7 +3,7 @@
 use super::bound::BoundRecorder;
 use super::paper::PaperMeans;
 use super::{Plan, ScenarioError, estimator};
-use sinew_estimate::absolute::{Recorded, Recorder};
+use sinew_estimate::session::{Recorded, Recorder};
 use sinew_log::Frame;
 use sinew_model::offset::Comparison;
 use sinew_sim::{FaultyLine, SimulateError, Simulation};

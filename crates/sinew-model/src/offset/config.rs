@@ -4,6 +4,9 @@ use crate::observer::GainError;
 
 /// Where the elastic torque comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TorqueSource {
     /// Link-side momentum observer: needs masses, no torque sensor.
     #[default]
@@ -17,6 +20,9 @@ pub enum TorqueSource {
 
 /// Whether `theta − q` lags like the torque it is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Comparison {
     /// `theta` and `q` go through the same filters as the observed torque: motion cancels.
     #[default]

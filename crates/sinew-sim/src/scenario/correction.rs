@@ -69,7 +69,7 @@ impl Correction {
     /// Takes what is known from an answer of `sinew estimate --json`; `file` is its name for
     /// messages.
     ///
-    /// With a baseline: the absolute offsets, and standard deviations from their 95 % intervals.
+    /// With a baseline: the session's offsets and their standard deviations.
     /// Without: the paper's, which rest on stiffness and masses; their standard error says
     /// nothing of that. Stiffness is left as described: a change seen together with the offset is
     /// partly the same thing.
@@ -82,14 +82,13 @@ impl Correction {
             why,
         };
         let said: Value = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
-        let absolute = said.pointer("/absolute/joints");
-        let (joints, value, spread, per_spread) = match absolute {
-            Some(joints) => (joints, "offset_mrad", "interval_95_mrad", 1.96),
+        let session = said.pointer("/session/joints");
+        let (joints, value, spread) = match session {
+            Some(joints) => (joints, "/offset_rad/mean", "/offset_rad/deviation"),
             None => (
                 said.get("joints").unwrap_or(&Value::Null),
-                "delta_e_mrad",
-                "standard_error_mrad",
-                1.0,
+                "/offset_rad",
+                "/standard_error_rad",
             ),
         };
         let joints = joints
@@ -102,12 +101,13 @@ impl Correction {
             let name = joint.get("name").and_then(Value::as_str);
             let name = name.ok_or_else(|| refuse("a joint has no name".into()))?;
             let number = |key: &str| {
-                let value = joint.get(key).and_then(Value::as_f64);
-                value.ok_or_else(|| refuse(format!("joint '{name}' has no number {key}")))
+                let value = joint.pointer(key).and_then(Value::as_f64);
+                let words = || key.trim_start_matches('/').replace('/', ".");
+                value.ok_or_else(|| refuse(format!("joint '{name}' has no number {}", words())))
             };
             let line = self.estimate_line;
-            let offset = Draw::Fixed(1e-3 * number(value)?);
-            let deviation = Draw::Fixed(1e-3 * number(spread)? / per_spread);
+            let offset = Draw::Fixed(number(value)?);
+            let deviation = Draw::Fixed(number(spread)?);
             offsets.by_joint.push((name.into(), line, offset));
             deviations.by_joint.push((name.into(), line, deviation));
         }

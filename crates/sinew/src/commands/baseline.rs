@@ -1,12 +1,15 @@
 //! `sinew baseline`: what a recording right after tensioning teaches.
 
+use super::session_args::read_baseline;
 use crate::args::Opening;
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
-use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_estimate::absolute;
-use sinew_estimate::estimate::Request;
+use sinew_estimate::session::{self, Learning, SessionError, Warning};
+use sinew_estimate::{BaselineDocument, Request};
+use sinew_files::JsonDocument as _;
+use sinew_report::text::{paragraph, plain};
+use sinew_report::{session_warning, tables};
 use std::path::{Path, PathBuf};
 
 /// Learn a baseline from a recording taken right after tensioning
@@ -41,7 +44,7 @@ pub(crate) struct Baseline {
     #[arg(long)]
     no_motor_torque: bool,
     #[command(flatten)]
-    window: super::absolute::Part,
+    window: super::session_args::Part,
     #[command(flatten)]
     opening: Opening,
     /// Print one JSON document instead of the table (no value: null)
@@ -73,69 +76,36 @@ impl Baseline {
         let mut inputs = vec![("the recording", log)];
         inputs.extend(self.start.iter().map(|p| ("--start", p.as_path())));
         check_outputs(&[("--out", out)], &inputs)?;
-        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
+        let refused = |e: SessionError| Failure::Refused(e.to_string());
         let window = self.window.window()?;
-        let known = self.start.as_ref().map(|path| {
-            let read = absolute::Baseline::read(path).map_err(refused)?;
-            Ok::<_, Failure>((read, path.display().to_string()))
-        });
-        let known = known.transpose()?;
+        let known = read_baseline(self.start.as_deref()).map_err(refused)?;
         let mut request = Request::new(log.to_path_buf());
         request.robot.clone_from(&self.robot);
         request.open = self.opening.options()?;
         let bar = Bar::new("learning", self.quiet);
-        let learning = absolute::Learning {
+        let learning = Learning {
             known: known.as_ref().map(|(b, file)| (b, file.as_str())),
             motor_torque: !self.no_motor_torque,
         };
-        let learned = absolute::learn_from(&request, window, &learning, &mut |at| {
+        let learned = session::learn_from(&request, window, &learning, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         });
         drop(bar);
-        let (baseline, said) = learned.map_err(refused)?;
+        let (baseline, learned) = learned.map_err(refused)?;
         baseline.write(out)?;
-        if !self.quiet && !self.json {
-            for warning in said.warnings.iter().filter(|w| !w.starts_with("without")) {
-                complain("warning", &plain(warning));
+        let finish = Finish::lossy(learned.damaged);
+        if self.json {
+            answer(&BaselineDocument { learned }.to_json()?)?;
+            return Ok(finish);
+        }
+        if !self.quiet {
+            let warnings = learned.warnings.iter();
+            for warning in warnings.filter(|w| **w != Warning::NoBaseline) {
+                complain("warning", &plain(&session_warning(warning)));
             }
         }
-        if self.json {
-            answer(&(serde_json::to_string_pretty(&said)? + "\n"))?;
-            return Ok(Finish::lossy(said.damaged));
-        }
-        let mut text = paragraph(
-            &plain(&format!(
-                "{}: {} s, {} poses, {:.0} % left out as disturbed",
-                said.recording,
-                sinew_figure::rounded(said.duration_s, 4),
-                said.poses,
-                100.0 * said.left_out_share
-            )),
-            2,
-        );
-        let rows = said
-            .joints
-            .iter()
-            .map(|j| {
-                let [change, interval] = j.stiffness_change_percent;
-                vec![
-                    plain(&j.name),
-                    sinew_figure::rounded(change, 2),
-                    sinew_figure::rounded(interval, 2),
-                ]
-            })
-            .collect();
-        text.push_str(&table(
-            &["joint", "stiffness against robot.toml\n%", "± (95 %)\n%"],
-            rows,
-            1,
-        ));
-        text.push('\n');
-        text.push_str(&paragraph(
-            &plain(&format!("baseline written to {}", out.display())),
-            2,
-        ));
-        answer(&text)?;
-        Ok(Finish::lossy(said.damaged))
+        let written = format!("baseline written to {}", out.display());
+        answer(&(tables::baseline(&learned) + &paragraph(&plain(&written), 2)))?;
+        Ok(finish)
     }
 }

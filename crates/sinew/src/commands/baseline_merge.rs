@@ -2,11 +2,13 @@
 
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
-use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_estimate::absolute;
-use sinew_estimate::absolute::{Baseline, MergeOptions, Pooled};
+use sinew_estimate::baseline::{self, Baseline, MergeOptions};
 use sinew_estimate::robot_dir;
+use sinew_estimate::session::SessionError;
+use sinew_files::JsonDocument as _;
+use sinew_report::tables;
+use sinew_report::text::{paragraph, plain};
 use std::path::PathBuf;
 
 /// Put together what several baselines learned
@@ -61,7 +63,7 @@ impl Merge {
             .collect();
         inputs.extend(self.common.iter().map(|p| ("--common", p.as_path())));
         check_outputs(&[("--out", self.out.as_path())], &inputs)?;
-        let refused = |e: absolute::AbsoluteError| Failure::Refused(e.to_string());
+        let refused = |e: SessionError| Failure::Refused(e.to_string());
         let place = self.robot.clone().unwrap_or_else(|| PathBuf::from("."));
         let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Refused(e.to_string()))?;
         let read = |path: &PathBuf| -> Result<(Baseline, String), Failure> {
@@ -78,7 +80,7 @@ impl Merge {
             fleet: self.fleet,
             scatter: 0.01 * self.scatter_percent,
         };
-        let (baseline, pooled) = absolute::merge(
+        let (baseline, summary) = baseline::merge(
             &loaded.robot,
             &borrowed,
             common.as_ref().map(|(b, f)| (b, f.as_str())),
@@ -87,52 +89,12 @@ impl Merge {
         .map_err(refused)?;
         baseline.write(&self.out)?;
         if self.json {
-            answer(&(serde_json::to_string_pretty(&pooled)? + "\n"))?;
+            answer(&summary.to_json()?)?;
         } else {
-            answer(&self.told(&pooled))?;
+            let text = tables::merged(&summary, self.baselines.len());
+            let written = format!("written to {}", self.out.display());
+            answer(&(text + &paragraph(&plain(&written), 2)))?;
         }
         Ok(Finish::lossy(false))
-    }
-
-    fn told(&self, pooled: &Pooled) -> String {
-        let shown = |[mean, deviation]: [f64; 2]| {
-            let (mean, deviation) = (
-                sinew_figure::rounded(mean, 2),
-                sinew_figure::rounded(deviation, 2),
-            );
-            format!("{mean} ± {deviation}")
-        };
-        let moved: Vec<_> = pooled.nuisance.iter().filter(|m| m.moved).collect();
-        let mut text = paragraph(
-            &plain(&format!(
-                "{}: {} files, {} recordings; {} of {} parameters are surer by a fifth or have moved",
-                pooled.robot,
-                self.baselines.len(),
-                pooled.recordings.len(),
-                moved.len(),
-                pooled.nuisance.len()
-            )),
-            2,
-        );
-        let rows = moved
-            .iter()
-            .map(|m| {
-                vec![
-                    plain(&m.joint),
-                    format!("{} {}", m.name, m.unit).trim_end().to_string(),
-                    shown(m.prior),
-                    shown(m.posterior),
-                ]
-            })
-            .collect();
-        let head = [
-            "joint or link",
-            "parameter",
-            "at the start\n± 1 sd",
-            "now\n± 1 sd",
-        ];
-        text.push_str(&table(&head, rows, 2));
-        text.push('\n');
-        text + &paragraph(&plain(&format!("written to {}", self.out.display())), 2)
     }
 }

@@ -1,17 +1,17 @@
 //! `sinew estimate`: from a recording to each tendon's elongation.
 
+use super::session_args::{SessionArgs, read_baseline};
 use crate::args::{self, Lag, Method, Opening, Source};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
-use crate::text::{paragraph, plain, table};
 use clap::{ArgGroup, Args};
-use sinew_estimate::absolute::Absolute;
-use sinew_estimate::estimate;
-use sinew_estimate::estimate::{Estimate as Result_, EstimateError, Progress, Request};
 use sinew_estimate::feeder::Injection;
-use sinew_estimate::robot_dir;
-use sinew_files::names::nearest;
+use sinew_estimate::session::{LimitState, SessionError};
+use sinew_estimate::{EstimateDocument, Progress, Request, replay, session};
+use sinew_files::JsonDocument as _;
 use sinew_model::offset::VelocityFilter;
+use sinew_report::text::plain;
+use sinew_report::{recording_warning, session_warning, tables};
 use std::path::PathBuf;
 
 /// Estimate how far each tendon has stretched, from a recording
@@ -38,7 +38,7 @@ pub(crate) struct Estimate {
     #[arg(long, value_name = "FILE", group = "since")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
-    watching: super::absolute::Watching,
+    session: SessionArgs,
 
     /// Which estimate [default: absolute with --baseline, else paper]
     #[arg(long, value_enum, group = "since", help_heading = "Method")]
@@ -85,8 +85,34 @@ impl Estimate {
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         self.check_files()?;
         if !self.is_absolute() {
-            self.watching.refuse_all()?;
+            self.session.refuse_all()?;
         }
+        let document = self.estimate(&self.request()?)?;
+        let (estimate, session) = (&document.estimate, &document.session);
+        if !self.quiet && !self.json {
+            let recording = estimate.warnings.iter().map(recording_warning);
+            let warnings = session.iter().flat_map(|s| &s.warnings);
+            for warning in recording.chain(warnings.map(session_warning)) {
+                complain("warning", &plain(&warning));
+            }
+        }
+        if let Some(path) = &self.report {
+            let page = sinew_report::html_with(estimate, session.as_ref());
+            sinew_files::write_file(path, page.as_bytes())?;
+        }
+        if self.json {
+            answer(&document.to_json()?)?;
+        } else {
+            let nuisance = self.session.nuisance;
+            let more = session.iter().map(|s| tables::session(s, nuisance));
+            answer(&(tables::estimate(estimate) + &more.collect::<String>()))?;
+        }
+        let mut limits = (session.iter().flat_map(|s| &s.joints)).filter_map(|j| j.retension);
+        let passed = limits.any(|limit| limit.state == LimitState::Passed);
+        Ok(Finish::lossy(estimate.damaged || passed))
+    }
+
+    fn request(&self) -> Result<Request, Failure> {
         let mut request = Request::new(self.log.clone());
         request.robot.clone_from(&self.robot);
         request.source = self.source.into();
@@ -100,34 +126,7 @@ impl Estimate {
         request.reference.clone_from(&self.reference);
         request.open = self.opening.options()?;
         request.csv.clone_from(&self.csv);
-
-        let (result, absolute) = self.estimate(&request)?;
-        if !self.quiet && !self.json {
-            let absolute = absolute.iter().flat_map(|a| &a.warnings);
-            for warning in result.warnings.iter().chain(absolute) {
-                complain("warning", &plain(warning));
-            }
-        }
-        if let Some(path) = &self.report {
-            let page = sinew_report::html_with(&result, absolute.as_ref());
-            sinew_files::write_file(path, page.as_bytes())?;
-        }
-        if self.json {
-            let mut document = serde_json::to_value(&result)?;
-            if let (Some(absolute), Some(object)) = (&absolute, document.as_object_mut()) {
-                object.insert("absolute".into(), serde_json::to_value(absolute)?);
-            }
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
-        } else {
-            let mut text = told(&result);
-            if let Some(absolute) = &absolute {
-                text.push_str(&super::absolute::told(absolute, self.watching.nuisance));
-            }
-            answer(&text)?;
-        }
-        let passed =
-            absolute.is_some_and(|a| a.joints.iter().any(|j| j.limit_passed == Some(true)));
-        Ok(Finish::lossy(result.damaged || passed))
+        Ok(request)
     }
 
     /// Whether the absolute estimate is asked for, beside the paper's.
@@ -138,8 +137,8 @@ impl Estimate {
         }
     }
 
-    /// The paper's estimate and, where it is asked for, the absolute one.
-    fn estimate(&self, request: &Request) -> Result<(Result_, Option<Absolute>), Failure> {
+    /// The paper's estimate and, where it is asked for, the session's, which is saved where asked to.
+    fn estimate(&self, request: &Request) -> Result<EstimateDocument, Failure> {
         let bar = Bar::new("estimating", self.quiet);
         let mut progress = |at: Progress| {
             bar.say(if at.reference {
@@ -149,23 +148,35 @@ impl Estimate {
             });
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         };
-        let explain = |error| self.explain(error);
         if !self.is_absolute() {
-            let result = estimate::run(request, &mut progress).map_err(explain)?;
-            return Ok((result, None));
+            let estimate =
+                replay::run(request, &mut progress).map_err(|e| Failure::Refused(e.to_string()))?;
+            return Ok(EstimateDocument {
+                estimate,
+                session: None,
+            });
         }
-        let baseline = self.baseline.as_deref();
-        let (result, absolute) = self
-            .watching
-            .watch(request, baseline, explain, &mut progress)?;
-        Ok((result, Some(absolute)))
+        let refused = |e: SessionError| Failure::Refused(e.to_string());
+        let (window, options) = (self.session.window()?, self.session.options());
+        let read = read_baseline(self.baseline.as_deref()).map_err(refused)?;
+        let since = read.as_ref().map(|(b, name)| (b, name.as_str()));
+        let (estimate, session, next) =
+            session::estimate_with_replay(request, window, since, &options, &mut progress)
+                .map_err(refused)?;
+        if let Some(path) = &self.session.save {
+            next.write(path)?;
+        }
+        Ok(EstimateDocument {
+            estimate,
+            session: Some(session),
+        })
     }
 
     fn check_files(&self) -> Result<(), Failure> {
         let outputs: Vec<_> = [
             ("--csv", &self.csv),
             ("--report", &self.report),
-            ("--save", &self.watching.save),
+            ("--save", &self.session.save),
         ]
         .into_iter()
         .filter_map(|(option, path)| Some((option, path.as_deref()?)))
@@ -181,138 +192,4 @@ impl Estimate {
         .collect();
         check_outputs(&outputs, &inputs)
     }
-
-    /// An error's message, with the joint that may have been meant.
-    fn explain(&self, error: EstimateError) -> Failure {
-        let mut message = error.to_string();
-        if matches!(error, EstimateError::Injection(_)) {
-            let names = self.robot_joints();
-            let unknown = self.inject.iter().find(|i| !names.contains(&i.joint));
-            if let Some(name) = unknown.and_then(|i| nearest(&i.joint, &names)) {
-                message.push_str(&format!("; did you mean '{name}'?"));
-            }
-        }
-        Failure::Refused(message)
-    }
-
-    fn robot_joints(&self) -> Vec<String> {
-        let place = match &self.robot {
-            Some(place) => Ok(place.clone()),
-            None => robot_dir::find(&self.log),
-        };
-        place
-            .and_then(|place| robot_dir::load(&place, None))
-            .map(|loaded| loaded.robot.joint_names().to_vec())
-            .unwrap_or_default()
-    }
-}
-
-/// The estimate as text of at most 80 columns.
-fn told(e: &Result_) -> String {
-    let r = &e.recording;
-    let mut out = paragraph(
-        &plain(&format!(
-            "{}: {}, {} s, {} frames at {} Hz",
-            e.robot.name,
-            r.path,
-            sinew_figure::rounded(r.duration_s, 4),
-            r.frames,
-            sinew_figure::rounded(r.rate_hz, 4)
-        )),
-        2,
-    );
-    let head = [
-        "joint",
-        "offset\nmrad",
-        "±\nmrad",
-        "scatter\nmrad",
-        "stretch\nmm",
-        "strain\n%",
-        "used\n%",
-        "1 % of K\nmrad",
-    ];
-    let optional = |v: Option<f64>| v.map_or("–".to_string(), |v| sinew_figure::rounded(v, 3));
-    let rows = e
-        .joints
-        .iter()
-        .map(|j| {
-            vec![
-                plain(&j.name),
-                sinew_figure::rounded(j.delta_e_mrad, 4),
-                sinew_figure::rounded(j.standard_error_mrad, 2),
-                sinew_figure::rounded(j.scatter_mrad, 2),
-                optional(j.elongation_mm),
-                optional(j.strain_percent),
-                format!("{:.1}", 100.0 * j.usable_share),
-                sinew_figure::rounded(j.stiffness_error_mrad_per_percent, 2),
-            ]
-        })
-        .collect();
-    out.push_str(&table(&head, rows, 1));
-    out.push('\n');
-    let changes = changes(e);
-    let changed = !changes.is_empty();
-    if changed {
-        let head = [
-            "joint",
-            "reference\nmrad",
-            "change\nmrad",
-            "change\nmm",
-            "1 % of K\nmrad",
-        ];
-        out.push_str(&table(&head, changes, 1));
-        out.push('\n');
-    }
-    for joint in &e.joints {
-        out.push_str(&paragraph(&plain(&sinew_report::headline(e, joint)), 2));
-    }
-    out.push('\n');
-    for joint in &e.joints {
-        // What every joint lost stands below, once.
-        for loss in joint.losses.iter().filter(|l| !e.losses.contains(l)) {
-            let line = format!(
-                "not used: {} ({:.1} %) of {}, {}",
-                frames(loss.frames),
-                100.0 * loss.share,
-                joint.name,
-                loss.reason
-            );
-            out.push_str(&paragraph(&plain(&line), 2));
-        }
-    }
-    for loss in &e.losses {
-        let line = format!("not used: {}, {}", frames(loss.frames), loss.reason);
-        out.push_str(&paragraph(&plain(&line), 2));
-    }
-    let rest = if changed {
-        "The change is right as far as robot, payload and motion were alike."
-    } else {
-        "Right in differences; the absolute value rests on stiffness and masses. --reference LOG2 shows what changed."
-    };
-    out + &paragraph(rest, 0)
-}
-
-fn frames(count: u64) -> String {
-    match count {
-        1 => "1 frame".into(),
-        n => format!("{n} frames"),
-    }
-}
-
-/// Rows of what changed since the reference; none without one.
-fn changes(e: &Result_) -> Vec<Vec<String>> {
-    e.joints
-        .iter()
-        .filter_map(|j| j.difference.as_ref().map(|d| (j, d)))
-        .map(|(j, d)| {
-            vec![
-                plain(&j.name),
-                sinew_figure::rounded(d.reference_mrad, 4),
-                sinew_figure::with_error(d.difference_mrad, d.standard_error_mrad),
-                d.elongation_mm
-                    .map_or("–".into(), |mm| sinew_figure::rounded(mm, 3)),
-                sinew_figure::rounded(d.stiffness_error_mrad_per_percent, 2),
-            ]
-        })
-        .collect()
 }

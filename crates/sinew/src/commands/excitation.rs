@@ -5,7 +5,7 @@ use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_estimate::absolute::Baseline;
+use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_eval::excitation;
 use sinew_eval::excitation::{Options, Proposal, Sensors};

@@ -1,6 +1,5 @@
 //! One file per command.
 
-pub(crate) mod absolute;
 pub(crate) mod baseline;
 mod baseline_merge;
 pub(crate) mod bench;
@@ -15,5 +14,6 @@ pub(crate) mod paper;
 pub(crate) mod robot;
 pub(crate) mod rope;
 pub(crate) mod scenarios;
+mod session_args;
 pub(crate) mod simulate;
 pub(crate) mod trend;

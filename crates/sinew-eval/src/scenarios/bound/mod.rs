@@ -30,7 +30,7 @@ mod noise;
 mod truth;
 
 use super::{Plan, estimator};
-use sinew_estimate::absolute::{Recorded, Recorder};
+use sinew_estimate::session::{Recorded, Recorder};
 use sinew_log::Frame;
 use sinew_model::offset::Block;
 use sinew_sim::Simulation;

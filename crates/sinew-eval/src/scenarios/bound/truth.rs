@@ -3,7 +3,7 @@
 use super::noise::Autocovariance;
 use super::{COLUMNS, PER_BODY, PER_JOINT};
 use crate::scenarios::Plan;
-use sinew_estimate::absolute::Recorded;
+use sinew_estimate::session::Recorded;
 use sinew_model::arm::{Arm, BodyInertia};
 use sinew_model::offset::{Block, FeatureConfig};
 use sinew_sim::Simulation;

@@ -19,7 +19,7 @@ use crate::jobs;
 use crate::journal::{Journal, JournalError};
 use journal::Settings;
 use session::ChainRobot;
-use sinew_estimate::absolute::AbsoluteError;
+use sinew_estimate::session::SessionError;
 use sinew_model::robot::Robot;
 use sinew_sim::SimulateError;
 use std::collections::BTreeMap;
@@ -63,7 +63,7 @@ pub enum ChainError {
     Simulate(#[from] SimulateError),
     /// The estimate.
     #[error(transparent)]
-    Absolute(#[from] AbsoluteError),
+    Absolute(#[from] SessionError),
     /// There are no threads to work on.
     #[error("can't start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -7,12 +7,14 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::absolute::{
-    Absolute, Baseline, Payload, Recorded, Recorder, WatchOptions, learn_recorded, watch_recorded,
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session::{
+    Payload, Recorded, Recorder, SessionEstimate, SessionOptions, Verdict, estimate_recorded,
+    learn_recorded,
 };
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
-use sinew_model::{Gaussian, Z95};
+use sinew_model::Gaussian;
 use sinew_sim::scenario::{Draw, Offset, OffsetKind, Shape};
 use sinew_sim::{Scenario, Simulation};
 
@@ -114,16 +116,16 @@ impl<'a> ChainRobot<'a> {
         baseline: &Baseline,
     ) -> Result<(Session, Baseline), ChainError> {
         let (recorded, conditions) = self.record(day)?;
-        let options = WatchOptions {
+        let options = SessionOptions {
             payload: match self.kind {
                 SessionKind::Check => Payload::Empty,
                 SessionKind::Work => Payload::Unknown,
             },
-            ..WatchOptions::default()
+            ..SessionOptions::default()
         };
         let name = format!("day {day}");
         let since = Some((baseline, "baseline"));
-        let (estimate, next) = watch_recorded(self.robot, &recorded, &name, since, &options)?;
+        let (estimate, next) = estimate_recorded(self.robot, &recorded, &name, since, &options)?;
         let true_temperature_c = self.life.temperature_c[day];
         let session = Session {
             seed: self.life.seed,
@@ -137,7 +139,7 @@ impl<'a> ChainRobot<'a> {
         Ok((session, next))
     }
 
-    fn judged(&self, day: usize, estimate: &Absolute) -> Vec<SessionJoint> {
+    fn judged(&self, day: usize, estimate: &SessionEstimate) -> Vec<SessionJoint> {
         let names = self.robot.joint_names();
         estimate
             .joints
@@ -145,18 +147,14 @@ impl<'a> ChainRobot<'a> {
             .map(|joint| {
                 let place = names.iter().position(|n| *n == joint.name);
                 let stiffness = place.map_or(1.0, |i| self.stiffness_on(i, day));
-                let can_tell = joint.verdict != "can't tell";
-                let [softer, half] = joint.stiffness_change_percent;
+                let can_tell = joint.verdict != Verdict::CannotTell;
                 SessionJoint {
                     name: joint.name.clone(),
                     truth_rad: self.life.offset_rad(&joint.name, day),
-                    offset_rad: can_tell.then_some(Gaussian::new(
-                        1e-3 * joint.offset_mrad,
-                        1e-3 * joint.interval_95_mrad / Z95,
-                    )),
+                    offset_rad: can_tell.then_some(joint.offset_rad),
                     true_stiffness_ratio: stiffness - 1.0,
-                    stiffness_ratio: Gaussian::new(0.01 * softer, 0.01 * half / Z95),
-                    steps: joint.steps.len(),
+                    stiffness_ratio: joint.stiffness_change_ratio,
+                    steps: joint.changes.len(),
                 }
             })
             .collect()

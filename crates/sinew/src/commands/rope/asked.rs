@@ -5,7 +5,7 @@ use super::values::{
 };
 use crate::terminal::{Failure, complain};
 use clap::{Args, ValueEnum};
-use sinew_estimate::estimate;
+use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_model::rope::RopeLoad;
@@ -165,10 +165,10 @@ impl Asked {
 
     fn recorded(&self, log: PathBuf, tendon: &Tendon, quiet: bool) -> Result<Duty, Failure> {
         let joint_name = self.joint.clone().unwrap_or_default();
-        let mut request = estimate::Request::new(log);
+        let mut request = sinew_estimate::Request::new(log);
         request.robot = self.robot.clone();
         let bar = crate::terminal::Bar::new("torques", quiet);
-        let found = estimate::run(&request, &mut |p| {
+        let found = replay::run(&request, &mut |p| {
             bar.set(p.bytes_done as f64, p.bytes_total as f64)
         })?;
         drop(bar);

@@ -1,0 +1,226 @@
+//! Whether it was the rope or an encoder: which reading jumped, and how fast.
+//!
+//! From positions alone a slip of the rope and one of an encoder are the same step of
+//! `theta − q` at every torque. The moment itself tells them apart. Masses can't jump: when a rope
+//! slips by `Δ`, the spring's torque drops by `K Δ` at once and both ends follow with finite
+//! accelerations, so that within one sample `h` no reading moves by more than
+//!
+//! ```text
+//! 1.4 K Δ h² max(1/J, (M⁻¹)ᵢᵢ)          (J: motor, M: mass matrix of the arm)
+//! ```
+//!
+//! beyond its course. A reading that moves by all of `Δ` between two samples has itself slipped;
+//! a joint's encoder does so downwards. The jump of a reading `x` between two samples is measured
+//! against a line through the four samples on either side (least squares; a common curvature
+//! cancels),
+//!
+//! ```text
+//! s = Σₖ wₖ (x₊ₖ − x₋ₖ),     w = 0.85, 0.45, 0.05, −0.35
+//! ```
+//!
+//! and compared with what noise and quantisation do every second. Where that is too much, where
+//! samples are missing, or the arm is too quick for the rate of the recording, it can't be told.
+//! An encoder that creeps over tens of milliseconds looks like a rope.
+
+use crate::cause::{Cause, UnknownCause};
+use sinew_model::Gaussian;
+use sinew_model::arm::{Arm, ArmWorkspace};
+
+/// Samples on either side of a jump.
+const SIDE: usize = 4;
+/// `w`, the oldest sample first.
+const WEIGHTS: [f64; 2 * SIDE] = [0.35, -0.05, -0.45, -0.85, 0.85, 0.45, 0.05, -0.35];
+/// Over this time the largest jump is kept, s.
+const SLOT_S: f64 = 1.0;
+/// A found change's moment is known to this, s.
+const WITHIN_S: f64 = 2.5;
+/// A jump counts from so many times on what is usual.
+const CLEAR: f64 = 3.0;
+/// Samples whose distance differs by more than this share of it can't be compared.
+const UNEVEN: f64 = 0.5;
+
+/// The largest jump of a reading in a slot of time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Jump {
+    time_s: f64,
+    size_rad: f64,
+}
+
+/// A slot of time: the largest jump of every reading.
+#[derive(Debug, Clone, PartialEq)]
+struct Slot {
+    from_s: f64,
+    /// Motor readings, then joint readings, `2 n`.
+    largest: Vec<Jump>,
+}
+
+/// The jumps of a recording's readings, sample by sample. Memory: `32 n` bytes a second.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Jumps {
+    joints: usize,
+    /// How many of the last samples came one after the other.
+    samples: usize,
+    /// The last `2 SIDE` of every reading, motor readings first, the oldest sample first.
+    readings: Vec<[f64; 2 * SIDE]>,
+    times: [f64; 2 * SIDE],
+    slots: Vec<Slot>,
+    /// When samples were missing or came unevenly, s.
+    blind: Vec<[f64; 2]>,
+    /// Sum and number of the samples' distances, s.
+    sum_s: f64,
+    steps: u64,
+    last_s: Option<f64>,
+}
+
+impl Jumps {
+    /// For an arm of `joints`.
+    pub fn new(joints: usize) -> Self {
+        Self {
+            joints,
+            readings: vec![[0.0; 2 * SIDE]; 2 * joints],
+            ..Self::default()
+        }
+    }
+
+    /// Takes a sample at `time_s`: motor and joint readings, rad.
+    pub fn push(&mut self, time_s: f64, theta: &[f64], q: &[f64]) {
+        if let Some(last_s) = self.last_s {
+            let step_s = time_s - last_s;
+            let usual_s = self.step_s();
+            if self.steps > 20 && (step_s - usual_s).abs() > UNEVEN * usual_s {
+                self.mark_blind(last_s, time_s);
+                self.samples = 0;
+            }
+            // A gap is no step.
+            if step_s > 0.0 && (self.steps < 20 || step_s < 10.0 * usual_s) {
+                self.sum_s += step_s;
+                self.steps += 1;
+            }
+        }
+        self.last_s = Some(time_s);
+        let next = |kept: &mut [f64; 2 * SIDE], newest: f64| {
+            kept.copy_within(1.., 0);
+            kept[2 * SIDE - 1] = newest;
+        };
+        next(&mut self.times, time_s);
+        for (reading, x) in self.readings.iter_mut().zip(theta.iter().chain(q)) {
+            next(reading, *x);
+        }
+        self.samples += 1;
+        if self.samples >= 2 * SIDE {
+            self.measure();
+        }
+    }
+
+    fn measure(&mut self) {
+        let time_s = 0.5 * (self.times[SIDE - 1] + self.times[SIDE]);
+        if self
+            .slots
+            .last()
+            .is_none_or(|s| time_s >= s.from_s + SLOT_S)
+        {
+            self.slots.push(Slot {
+                from_s: time_s,
+                largest: vec![Jump::default(); 2 * self.joints],
+            });
+        }
+        let Some(slot) = self.slots.last_mut() else {
+            return;
+        };
+        for (largest, reading) in slot.largest.iter_mut().zip(&self.readings) {
+            let size_rad: f64 = WEIGHTS.iter().zip(reading).map(|(w, x)| w * x).sum();
+            if size_rad.abs() > largest.size_rad.abs() {
+                *largest = Jump { time_s, size_rad };
+            }
+        }
+    }
+
+    fn mark_blind(&mut self, from_s: f64, to_s: f64) {
+        match self.blind.last_mut() {
+            Some(last) if from_s - last[1] < 0.1 => last[1] = to_s,
+            _ => self.blind.push([from_s, to_s]),
+        }
+    }
+
+    /// Mean distance of samples, s.
+    fn step_s(&self) -> f64 {
+        self.sum_s / self.steps.max(1) as f64
+    }
+
+    /// What noise, quantisation and motion usually make in a second, rad: the upper quartile.
+    fn usual_rad(&self, reading: usize) -> f64 {
+        let mut sizes: Vec<f64> = self
+            .slots
+            .iter()
+            .map(|s| s.largest[reading].size_rad.abs())
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes
+            .get(3 * sizes.len() / 4)
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+
+    /// A jump of `size_rad`, to `unsure_rad`, of a reading around `at_s`.
+    fn jumped(&self, reading: usize, at_s: f64, size_rad: f64, unsure_rad: f64) -> bool {
+        self.slots.iter().map(|s| s.largest[reading]).any(|j| {
+            (j.time_s - at_s).abs() < WITHIN_S && (j.size_rad - size_rad).abs() < unsure_rad
+        })
+    }
+
+    /// What made the offset of a joint change by `change_rad` around `at_s`.
+    ///
+    /// `quickness`: acceleration per deflection of the joint's spring, `K max(1/J, (M⁻¹)ᵢᵢ)`,
+    /// 1/s² (see [`quickness`]).
+    pub fn cause(&self, joint: usize, at_s: f64, change_rad: Gaussian, quickness: f64) -> Cause {
+        /// Share of a slip that the arm may follow by within a sample.
+        const FOLLOWS: f64 = 0.3;
+        const PER_STEP: f64 = 1.4;
+        let (size_rad, unsure_rad) = (change_rad.mean, change_rad.half_width_95());
+        let (theta, q) = (joint, self.joints + joint);
+        if joint >= self.joints || self.slots.is_empty() {
+            return Cause::Unknown(UnknownCause::Missing);
+        }
+        let near = |[from_s, to_s]: &[f64; 2]| *from_s < at_s + WITHIN_S && *to_s > at_s - WITHIN_S;
+        if self.blind.iter().any(near) {
+            return Cause::Unknown(UnknownCause::Missing);
+        }
+        let usual = [theta, q].map(|reading| self.usual_rad(reading));
+        let clear = usual.map(|usual| size_rad.abs() > CLEAR * usual);
+        let step_s = self.step_s();
+        // Not a number where the arm is none: nothing is claimed then.
+        if !(PER_STEP * quickness * step_s * step_s < FOLLOWS) {
+            return Cause::Unknown(UnknownCause::Rate);
+        }
+        let tolerance = |usual: f64| unsure_rad.max(0.25 * size_rad.abs()).max(1.5 * usual);
+        let motor = clear[0] && self.jumped(theta, at_s, size_rad, tolerance(usual[0]));
+        let joint = clear[1] && self.jumped(q, at_s, -size_rad, tolerance(usual[1]));
+        match (motor, joint) {
+            (true, true) => Cause::Unknown(UnknownCause::Both),
+            (true, false) => Cause::MotorEncoder,
+            (false, true) => Cause::JointEncoder,
+            (false, false) if clear == [true; 2] => Cause::Rope,
+            (false, false) => Cause::Unknown(UnknownCause::Noise),
+        }
+    }
+}
+
+/// Acceleration per deflection, `K max(1/J, (M⁻¹)ᵢᵢ)`, 1/s², of joint `i` at pose `q`; NaN without
+/// the motor's inertia or where the masses make no arm.
+pub fn quickness(arm: &Arm, q: &[f64], i: usize, stiffness: f64, inertia: Option<f64>) -> f64 {
+    let n = arm.dof();
+    let mut ws = ArmWorkspace::new(arm);
+    let (rest, mut torque) = (vec![0.0; n], vec![0.0; n]);
+    let (mut free, mut driven) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+    let unloaded = arm.forward_dynamics(&mut ws, q, &rest, &torque, &mut free);
+    if let Some(torque) = torque.get_mut(i) {
+        *torque = 1.0;
+    }
+    let loaded = arm.forward_dynamics(&mut ws, q, &rest, &torque, &mut driven);
+    let (Ok(()), Ok(()), Some(inertia), Some(a), Some(b)) =
+        (unloaded, loaded, inertia, free.get(i), driven.get(i))
+    else {
+        return f64::NAN;
+    };
+    stiffness * (1.0 / inertia).max(b - a)
+}

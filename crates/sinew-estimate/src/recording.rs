@@ -1,0 +1,145 @@
+//! A recording and its robot, opened together.
+
+use crate::error::EstimateError;
+use crate::request::{Progress, Request};
+use crate::robot_dir;
+use crate::robot_dir::LoadedRobot;
+use crate::warning::RecordingWarning;
+use sinew_files::names::nearest;
+use sinew_log::{Frame, Recording};
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+/// A recording and its robot, whose joints are those of the frames.
+pub(crate) struct Opened {
+    pub(crate) recording: Recording,
+    pub(crate) loaded: LoadedRobot,
+    pub(crate) warnings: Vec<RecordingWarning>,
+}
+
+impl Opened {
+    /// Opens what a request names.
+    pub(crate) fn new(request: &Request) -> Result<Self, EstimateError> {
+        let mut recording = sinew_log::open(&request.log, &request.open)?;
+        let place = match &request.robot {
+            Some(place) => place.clone(),
+            None => robot_dir::find(&request.log)?,
+        };
+        let loaded = robot_dir::load(&place, recording.robot_description())?;
+        let words = loaded.robot.warnings.iter().cloned();
+        let mut warnings: Vec<_> = words.map(|text| RecordingWarning::Robot { text }).collect();
+        let names = loaded.robot.joint_names();
+        let unknown = match_joints(&request.name(), names, &recording)?;
+        if !unknown.is_empty() {
+            warnings.push(RecordingWarning::UnknownJoints { joints: unknown });
+        }
+        check_injections(request, &loaded)?;
+        let selection: Vec<&str> = names.iter().map(String::as_str).collect();
+        recording.select(&selection)?;
+        Ok(Self {
+            recording,
+            loaded,
+            warnings,
+        })
+    }
+
+    /// Hands every frame to `take` until it breaks, read ahead on another thread. `progress` is called
+    /// every few thousand frames.
+    pub(crate) fn each_frame(
+        &mut self,
+        is_reference: bool,
+        progress: &mut dyn FnMut(Progress),
+        mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, EstimateError>,
+    ) -> Result<(), EstimateError> {
+        let mut frames = 0u64;
+        let stopped = self.recording.each_frame(|frame, at| {
+            frames += 1;
+            if frames.is_multiple_of(8192) {
+                progress(Progress {
+                    bytes_done: at.bytes_done,
+                    bytes_total: at.bytes_total,
+                    frames,
+                    reference: is_reference,
+                });
+            }
+            match take(frame) {
+                Ok(ControlFlow::Continue(())) => ControlFlow::Continue(()),
+                Ok(ControlFlow::Break(())) => ControlFlow::Break(Ok(())),
+                Err(error) => ControlFlow::Break(Err(error)),
+            }
+        });
+        stopped?.unwrap_or(Ok(()))
+    }
+}
+
+/// Every moving joint needs a position; others of the recording are left alone: their names.
+fn match_joints(
+    file: &str,
+    names: &[String],
+    recording: &Recording,
+) -> Result<Vec<String>, EstimateError> {
+    let known = recording.joints();
+    let missing: Vec<&str> = names
+        .iter()
+        .filter(|n| !known.contains(n))
+        .map(String::as_str)
+        .collect();
+    if !missing.is_empty() {
+        return Err(EstimateError::Mismatch {
+            file: file.into(),
+            why: format!(
+                "has no position of joint {}, which the robot has; it has {}. Name it in a mapping file (--mapping), or hold it with locked_at_rad in robot.toml",
+                quoted(&missing),
+                quoted(&known.iter().map(String::as_str).collect::<Vec<_>>()),
+            ),
+        });
+    }
+    let unknown = known.iter().filter(|k| !names.contains(k));
+    Ok(unknown.cloned().collect())
+}
+
+fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
+    for injection in &request.injections {
+        let place = loaded.robot.arm.joint_index(&injection.joint);
+        let Some(i) = place else {
+            let names = loaded.robot.joint_names();
+            let hint = nearest(&injection.joint, names)
+                .map_or(String::new(), |name| format!("; did you mean '{name}'?"));
+            return Err(EstimateError::Injection(format!(
+                "the robot has no joint '{}'; it has {}{hint}",
+                injection.joint,
+                names.join(", ")
+            )));
+        };
+        if loaded.robot.transmissions[i].is_none() {
+            return Err(EstimateError::Injection(format!(
+                "joint '{}' is rigid",
+                injection.joint
+            )));
+        }
+        if !injection.offset_rad.is_finite() || injection.from_s.is_some_and(|t| !t.is_finite()) {
+            return Err(EstimateError::Injection(format!(
+                "offset {} rad at '{}' must be a finite number",
+                injection.offset_rad, injection.joint
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn quoted(names: &[&str]) -> String {
+    const SHOWN: usize = 12;
+    let mut text = names
+        .iter()
+        .take(SHOWN)
+        .map(|n| format!("'{n}'"))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if names.len() > SHOWN {
+        let _ = write!(text, " and {} more", names.len() - SHOWN);
+    }
+    if names.is_empty() {
+        text.push_str("none");
+    }
+    text
+}

@@ -1,0 +1,87 @@
+//! What a reader should doubt: implausible values, and what was wrong with the recording.
+
+use super::result::{JointEstimate, Loss, LossReason};
+use crate::warning::RecordingWarning as Warning;
+use sinew_log::Health;
+
+/// What a reader should doubt.
+pub(super) fn judge(joints: &[JointEstimate], warnings: &mut Vec<Warning>) {
+    // The paper looks for 10 mrad; a tendon pulley of 25 mm turns 200 mrad for 5 mm of rope.
+    const IMPLAUSIBLE_RAD: f64 = 0.2;
+    for joint in joints {
+        if let Some(offset_rad) = joint.offset_rad.filter(|x| x.abs() > IMPLAUSIBLE_RAD) {
+            warnings.push(Warning::ImplausibleOffset {
+                joint: joint.name.clone(),
+                offset_rad,
+            });
+        }
+        // 1 % of stiffness times the torque range is what a wrong stiffness can hide.
+        let torque = joint.tau_el_nm.zip(joint.stiffness_nm_per_rad);
+        if let Some((tau, stiffness)) = torque
+            && joint.refused.is_none()
+            && joint.scatter_rad.is_some()
+            && (tau.max - tau.min) / stiffness < 1e-3
+        {
+            warnings.push(Warning::TorqueHardlyChanges {
+                joint: joint.name.clone(),
+                min_nm: tau.min,
+                max_nm: tau.max,
+            });
+        }
+    }
+}
+
+pub(super) fn health_losses(health: &Health, frames: u64, losses: &mut Vec<Loss>) {
+    let counts = [
+        (LossReason::Duplicate, health.duplicates),
+        (LossReason::Late, health.late),
+        (LossReason::Undecodable, health.undecodable),
+        (LossReason::WithoutTime, health.rows_without_time),
+    ];
+    let counts = counts.into_iter().filter(|(_, count)| *count > 0);
+    losses.extend(counts.map(|(reason, count)| Loss {
+        reason,
+        frames: count,
+        share: count as f64 / (frames + count) as f64,
+    }));
+}
+
+pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
+    warnings.extend(health.damage.iter().map(|damage| Warning::Damaged {
+        offset: damage.offset,
+        reason: damage.reason.clone(),
+        bytes: damage.bytes,
+    }));
+    if health.gaps > 0 {
+        warnings.push(Warning::Gaps {
+            count: health.gaps,
+            longest_s: health.longest_gap_s,
+        });
+    }
+    if health.clock_jumps > 0 {
+        warnings.push(Warning::ClockJumps {
+            count: health.clock_jumps,
+        });
+    }
+    if health.out_of_order > 0 {
+        warnings.push(Warning::OutOfOrder {
+            count: health.out_of_order,
+        });
+    }
+    for signal in &health.non_finite {
+        warnings.push(Warning::NonFinite {
+            quantity: signal.quantity.symbol().into(),
+            joint: signal.joint.clone(),
+            count: signal.count,
+        });
+    }
+    for signal in &health.unwrapped {
+        warnings.push(Warning::Unwrapped {
+            quantity: signal.quantity.symbol().into(),
+            joint: signal.joint.clone(),
+            count: signal.count,
+        });
+    }
+    let suspicions = health.suspicions.iter().cloned();
+    warnings.extend(suspicions.map(|text| Warning::Suspicion { text }));
+}

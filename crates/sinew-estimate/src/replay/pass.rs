@@ -1,0 +1,205 @@
+//! One recording through the paper's estimate.
+
+use super::basis::{basis, settings};
+use super::checks::refusals;
+use super::csv::CsvSink;
+use super::frames::{JointSummary, Replay};
+use super::health::{health_losses, health_warnings, judge};
+use super::result::{
+    Estimate, JointEstimate, JointRefusal, RecordingFormat, RecordingInfo, RobotInfo, Series,
+    TorqueStatistics,
+};
+use crate::error::EstimateError;
+use crate::recording::Opened;
+use crate::request::Request;
+use sinew_log::{Format, Frame};
+use sinew_model::offset::{OffsetConfig, OffsetObserver};
+use sinew_model::transmission::Transmission;
+
+/// The paper's estimate of a recording under way.
+pub(crate) struct Pass<'a> {
+    request: &'a Request,
+    config: OffsetConfig,
+    replay: Replay,
+    /// Why a joint gets no estimate.
+    refused: Vec<Option<JointRefusal>>,
+    csv: Option<CsvSink>,
+}
+
+impl<'a> Pass<'a> {
+    /// Before the first frame of what was opened.
+    pub(crate) fn new(request: &'a Request, opened: &Opened) -> Result<Self, EstimateError> {
+        let config = request.config();
+        let (file, loaded) = (request.name(), &opened.loaded);
+        let names = loaded.robot.joint_names();
+        let channels = opened.recording.channels();
+        let refused = refusals(&file, &config, loaded, channels)?;
+        if request.use_tau_ext && !channels.all_have(sinew_log::Quantity::TauExt) {
+            return Err(EstimateError::Mismatch {
+                file,
+                why:
+                    "has no external torque for every joint; leave --tau-ext out, or record tau_ext"
+                        .into(),
+            });
+        }
+        let transmissions: Vec<Option<Transmission>> = loaded
+            .robot
+            .transmissions
+            .iter()
+            .zip(&refused)
+            .map(|(t, refused)| t.clone().filter(|_| refused.is_none()))
+            .collect();
+        let observer = OffsetObserver::new(&loaded.robot.arm, &transmissions, config)?;
+        let replay = Replay::new(
+            &loaded.robot.arm,
+            observer,
+            &transmissions,
+            &request.injections,
+            request.use_tau_ext,
+            request.open.gap_s,
+        );
+        let csv = match &request.csv {
+            None => None,
+            Some(path) => Some(CsvSink::create(path, names, &transmissions)?),
+        };
+        Ok(Self {
+            request,
+            config,
+            replay,
+            refused,
+            csv,
+        })
+    }
+
+    /// Takes the next frame.
+    pub(crate) fn frame(&mut self, frame: &Frame) -> Result<(), EstimateError> {
+        let outcome = self.replay.frame(frame);
+        if let Some(csv) = &mut self.csv {
+            csv.write(&outcome)?;
+        }
+        Ok(())
+    }
+
+    /// The estimate, once the recording has ended; the CSV file is there then.
+    pub(crate) fn finish(self, opened: Opened) -> Result<Estimate, EstimateError> {
+        let Opened {
+            recording,
+            loaded,
+            mut warnings,
+        } = opened;
+        let Self {
+            request,
+            config,
+            replay,
+            refused,
+            csv,
+        } = self;
+        let file = request.name();
+        if replay.frames() == 0 {
+            return Err(EstimateError::Mismatch {
+                file,
+                why: "holds no frame: no sample with a time and a joint position".into(),
+            });
+        }
+        let info = RecordingInfo {
+            path: file,
+            format: match recording.format() {
+                Format::Mcap => RecordingFormat::Mcap,
+                Format::Csv => RecordingFormat::Csv,
+                Format::Parquet => RecordingFormat::Parquet,
+            },
+            start_time_ns: replay.start_ns(),
+            duration_s: replay.duration_s(),
+            frames: replay.frames(),
+            rate_hz: replay.rate_hz(),
+            segments: replay.segments(),
+        };
+        let health = recording.health();
+        let mut losses = replay.losses();
+        health_losses(health, info.frames, &mut losses);
+        health_warnings(health, &mut warnings);
+        let frames = info.frames;
+        let joints: Vec<JointEstimate> = replay
+            .finish()
+            .into_iter()
+            .zip(refused)
+            .zip(loaded.robot.joint_names())
+            .zip(&loaded.robot.transmissions)
+            .map(|(((summary, refused), name), transmission)| {
+                joint_estimate(name, transmission.as_ref(), refused, summary, frames)
+            })
+            .collect();
+        judge(&joints, &mut warnings);
+        if let Some(csv) = csv {
+            csv.finish()?;
+        }
+        Ok(Estimate {
+            sinew_version: env!("CARGO_PKG_VERSION").into(),
+            recording: info,
+            settings: settings(request, &config),
+            basis: basis(request, &config),
+            robot: RobotInfo {
+                name: loaded.robot.name,
+                file: loaded.file.display().to_string(),
+                urdf: loaded.urdf,
+            },
+            joints,
+            losses,
+            damaged: health.is_damaged() || health.undecodable > 0,
+            warnings,
+        })
+    }
+}
+
+fn joint_estimate(
+    name: &str,
+    transmission: Option<&Transmission>,
+    refused: Option<JointRefusal>,
+    summary: JointSummary,
+    frames: u64,
+) -> JointEstimate {
+    let JointSummary {
+        delta_e,
+        tau_el,
+        series,
+        losses,
+    } = summary;
+    let refused = refused.or_else(|| {
+        let main = losses.iter().max_by_key(|l| l.frames);
+        let main = main.map(|loss| loss.reason);
+        (delta_e.count() == 0).then_some(JointRefusal::NoUsableFrame(main))
+    });
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let stiffness = transmission.map(|t| t.stiffness_nm_per_rad);
+    let mean = delta_e.mean();
+    let error = delta_e.standard_error();
+    let tendon = transmission
+        .and_then(|t| t.tendon.as_ref())
+        .filter(|_| refused.is_none());
+    JointEstimate {
+        name: name.into(),
+        offset_rad: finite(mean),
+        scatter_rad: finite(delta_e.scatter()),
+        standard_error_rad: finite(error),
+        elongation_m: tendon.map(|t| t.elongation_m(mean)),
+        elongation_standard_error_m: tendon.and_then(|t| finite(t.elongation_m(error))),
+        strain_ratio: tendon.map(|t| t.strain(mean)),
+        usable_frames: delta_e.count(),
+        usable_share: delta_e.count() as f64 / frames.max(1) as f64,
+        losses,
+        stiffness_nm_per_rad: stiffness,
+        tau_el_nm: (tau_el.count() > 0).then(|| TorqueStatistics {
+            min: tau_el.min(),
+            mean: tau_el.mean(),
+            max: tau_el.max(),
+        }),
+        offset_per_stiffness_error_rad: stiffness.and_then(|k| finite(tau_el.mean() / k)),
+        difference: None,
+        series: if refused.is_some() {
+            Series::default()
+        } else {
+            series
+        },
+        refused,
+    }
+}

@@ -1,0 +1,68 @@
+//! The recursive form of the session estimate, for a robot that runs.
+
+use crate::baseline::Baseline;
+use crate::error::SessionError;
+use crate::estimator::{SessionOptions, estimator};
+use sinew_model::offset::{Belief, Prior, RecursiveOffsets, UNKNOWN_OFFSET_RAD, beliefs};
+use sinew_model::robot::Robot;
+
+/// The recursive form since `baseline` (with the file's name), for a robot that runs: blocks of a
+/// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`] go into
+/// [`RecursiveOffsets::step`].
+///
+/// Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
+///
+/// # Errors
+/// [`SessionError`] when the baseline is of another robot.
+pub fn live(
+    robot: &Robot,
+    (baseline, file): (&Baseline, &str),
+    options: &SessionOptions,
+) -> Result<RecursiveOffsets, SessionError> {
+    let estimator = estimator(robot, options);
+    let mut belief = baseline.belief(robot, estimator.prior(), file)?;
+    open(estimator.prior(), &mut belief, options);
+    let mut filter =
+        RecursiveOffsets::new(estimator, belief).map_err(|error| SessionError::Map {
+            file: file.into(),
+            error,
+        })?;
+    filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
+    Ok(filter)
+}
+
+/// What `filter`, which [`live`] began from `before`, knows by `end_time_ns` of `recording`, as the next of the chain:
+/// for the next [`live`] or [`estimate`](super::estimate).
+///
+/// # Errors
+/// [`SessionError::Provisional`] while the filter doubts what it believes.
+pub fn live_saved(
+    robot: &Robot,
+    before: &Baseline,
+    filter: &RecursiveOffsets,
+    (recording, end_time_ns): (&str, i64),
+) -> Result<Baseline, SessionError> {
+    if filter.is_provisional() {
+        return Err(SessionError::Provisional {
+            recording: recording.into(),
+        });
+    }
+    let belief = filter.belief().map_err(|error| SessionError::Map {
+        file: recording.into(),
+        error,
+    })?;
+    let mut recordings = before.recordings.clone();
+    recordings.push(recording.into());
+    let noise = filter.noise().map(<[f64]>::to_vec);
+    let mut next = Baseline::new(robot, recordings, end_time_ns, &belief, noise);
+    next.before.clone_from(&before.before);
+    Ok(next)
+}
+
+/// What a baseline knows, some time later: offsets may be anything, and the gripper hold something
+/// else.
+pub(super) fn open(prior: &Prior, belief: &mut Belief, options: &SessionOptions) {
+    beliefs::age(prior, belief);
+    prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
+    prior.open_payload(belief, options.payload);
+}

@@ -1,0 +1,41 @@
+//! Absolute offsets of a session: learn a baseline after tensioning, then estimate since.
+//!
+//! [`learn`] takes a recording made right after tensioning, whose offsets are zero by definition,
+//! and learns what disguises itself as an offset: stiffness, masses, friction, encoder errors. The
+//! [`Baseline`](crate::baseline::Baseline) it returns is a small file. [`estimate`] takes a later
+//! recording and that file, and gives each tendon's offset since then as a [`SessionEstimate`], an
+//! unknown payload estimated along, contacts left out, slips found. Without a baseline the data-sheet
+//! priors stand in, and the interval is as wide as that makes it.
+//!
+//! The estimator is [`sinew_model::offset::MapEstimator`]; [`live`] gives its recursive form, for a
+//! robot that runs.
+//!
+//! Reading order: `recorder` (frames to blocks), `segments` (blocks to posteriors), `changes`,
+//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `run`.
+
+mod changes;
+mod checks;
+mod inflation;
+mod live;
+mod recorder;
+mod result;
+mod run;
+mod segments;
+mod summary;
+mod warning;
+
+pub use crate::error::SessionError;
+pub use crate::estimator::{SessionOptions, estimator};
+pub use live::{live, live_saved};
+pub use recorder::{Recorded, Recorder, Window};
+pub use result::{
+    BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
+    SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TendonChange, TendonChangeKind,
+    TendonEstimate, TorqueRange, Verdict,
+};
+pub use run::{
+    Learning, estimate, estimate_recorded, estimate_with_replay, learn, learn_from, learn_recorded,
+    learn_recorded_from,
+};
+pub use sinew_model::offset::Payload;
+pub use warning::Warning;

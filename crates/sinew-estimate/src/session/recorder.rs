@@ -1,0 +1,234 @@
+//! A recording as blocks of features.
+
+use crate::error::EstimateError;
+use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
+use crate::jumps::Jumps;
+use crate::recording::Opened;
+use crate::request::{Progress, Request};
+use crate::robot_dir::LoadedRobot;
+use sinew_log::{Frame, Mapping};
+use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
+use sinew_model::robot::Robot;
+use std::ops::ControlFlow;
+
+/// Which part of a recording is used, s from its start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// From here.
+    pub from_s: f64,
+    /// Up to here.
+    pub to_s: f64,
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self {
+            from_s: 0.0,
+            to_s: f64::INFINITY,
+        }
+    }
+}
+
+/// A recording, or a part of it, as features.
+#[derive(Debug, Clone, Default)]
+pub struct Recorded {
+    /// Blocks in the order of time.
+    pub blocks: Vec<Block>,
+    /// Length of the part used, s.
+    pub duration_s: f64,
+    /// When the part used began, ns on the recording's clock.
+    pub start_time_ns: i64,
+    /// When it ended.
+    pub end_time_ns: i64,
+    /// Joints with an elastic transmission.
+    pub elastic: Vec<usize>,
+    /// Frames left out because a position was missing.
+    pub frames_missing: u64,
+    /// Whether the file was damaged.
+    pub damaged: bool,
+    /// Whether motor torques are currents times torque constants.
+    pub motor_current: bool,
+    /// What jumped between two samples.
+    pub jumps: Jumps,
+}
+
+impl Recorded {
+    /// Time of the last block, s of the recording.
+    pub(super) fn end_s(&self) -> f64 {
+        self.blocks.last().map_or(0.0, |b| b.time_s)
+    }
+}
+
+/// Turns frames into blocks of features, from a file, a simulation or a live source.
+#[derive(Debug, Clone)]
+pub struct Recorder {
+    feeder: Feeder<FeatureObserver>,
+    block_s: f64,
+    first_s: Option<f64>,
+    out: Recorded,
+}
+
+impl Recorder {
+    /// A recorder for `robot`; a pause of more than `gap_s` starts the filters anew. A block joins
+    /// all joints: a frame that lacks one's position is left out.
+    pub fn new(robot: &Robot, config: &FeatureConfig, gap_s: f64) -> Self {
+        let features = FeatureObserver::new(&robot.arm, *config);
+        let options = FeederOptions {
+            gap_s,
+            ..FeederOptions::default()
+        };
+        Self {
+            feeder: Feeder::new(features, &robot.transmissions, options),
+            block_s: config.block_s,
+            first_s: None,
+            out: Recorded {
+                elastic: (0..robot.arm.dof())
+                    .filter(|&i| robot.transmissions[i].is_some())
+                    .collect(),
+                jumps: Jumps::new(robot.arm.dof()),
+                ..Recorded::default()
+            },
+        }
+    }
+
+    /// Adds offsets to the motor positions on the way, as `--inject` asks; those of joints the robot
+    /// doesn't have are left out.
+    #[must_use]
+    pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
+        self.feeder = self.feeder.with_injections(&robot.arm, injections);
+        self
+    }
+
+    /// Takes the frame at `time_s` of the recording.
+    pub fn push(&mut self, frame: &Frame, time_s: f64) {
+        let first_s = *self.first_s.get_or_insert_with(|| {
+            self.out.start_time_ns = frame.time_ns;
+            let since_start_ns = (time_s * 1e9).round() as i64;
+            self.feeder.set_start(frame.time_ns - since_start_ns);
+            time_s
+        });
+        self.out.end_time_ns = frame.time_ns;
+        self.out.duration_s = time_s - first_s;
+        let fed = self.feeder.frame(frame);
+        if let Fed::Refused(Refusal::JointPosition | Refusal::MotorPosition) = fed {
+            self.out.frames_missing += 1;
+            return;
+        }
+        self.out.jumps.push(time_s, self.feeder.theta(), &frame.q);
+        if fed.output() == Some(true) {
+            let mut block = self.feeder.observer().block().clone();
+            // On the recording's clock, gaps and all.
+            block.time_s = time_s - 0.5 * self.block_s;
+            self.out.blocks.push(block);
+        }
+    }
+
+    /// What was recorded.
+    pub fn finish(self) -> Recorded {
+        self.out
+    }
+}
+
+/// The blocks of a part of a recording under way.
+pub(super) struct Blocks<'a> {
+    request: &'a Request,
+    window: Window,
+    recorder: Recorder,
+    start_ns: Option<i64>,
+}
+
+impl<'a> Blocks<'a> {
+    /// Before the first frame of what was opened.
+    pub(super) fn new(
+        request: &'a Request,
+        window: Window,
+        opened: &Opened,
+    ) -> Result<Self, EstimateError> {
+        let robot = &opened.loaded.robot;
+        let channels = &opened.recording.channels().joints;
+        let joints = robot.joint_names().iter().zip(&robot.transmissions);
+        for ((name, transmission), channel) in joints.zip(channels) {
+            if !channel.q || (transmission.is_some() && !channel.theta) {
+                return Err(mismatch(
+                    request,
+                    format!(
+                        "has no joint and motor position of '{name}', which the absolute estimate needs for every elastic joint; leave --baseline out"
+                    ),
+                ));
+            }
+        }
+        Ok(Self {
+            request,
+            window,
+            recorder: Recorder::new(robot, &FeatureConfig::default(), request.open.gap_s)
+                .with_injections(robot, &request.injections),
+            start_ns: None,
+        })
+    }
+
+    /// Takes the next frame; whether there may be more to take.
+    pub(super) fn frame(&mut self, frame: &Frame) -> bool {
+        let start: i64 = *self.start_ns.get_or_insert(frame.time_ns);
+        let t = (frame.time_ns - start) as f64 * 1e-9;
+        if t >= self.window.to_s {
+            return false;
+        }
+        if t >= self.window.from_s {
+            self.recorder.push(frame, t);
+        }
+        true
+    }
+
+    /// All of them.
+    pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
+        let Self {
+            request, window, ..
+        } = self;
+        let config = FeatureConfig::default();
+        let mut out = self.recorder.finish();
+        out.damaged = opened.recording.health().is_damaged();
+        let mapping = request.open.mapping.as_ref();
+        out.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
+        if out.blocks.is_empty() {
+            return Err(mismatch(
+                request,
+                format!(
+                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; record longer, or look for gaps with sinew log info",
+                    7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
+                    window.from_s,
+                    if window.to_s.is_finite() {
+                        format!(" up to {} s", window.to_s)
+                    } else {
+                        String::new()
+                    }
+                ),
+            ));
+        }
+        Ok(out)
+    }
+}
+
+fn mismatch(request: &Request, why: String) -> EstimateError {
+    EstimateError::Mismatch {
+        file: request.name(),
+        why,
+    }
+}
+
+/// Reads the blocks of a recording.
+pub(super) fn read(
+    request: &Request,
+    window: Window,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(LoadedRobot, Recorded), EstimateError> {
+    let mut opened = Opened::new(request)?;
+    let mut blocks = Blocks::new(request, window, &opened)?;
+    opened.each_frame(false, progress, |frame| {
+        Ok(match blocks.frame(frame) {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        })
+    })?;
+    let recorded = blocks.finish(&opened)?;
+    Ok((opened.loaded, recorded))
+}

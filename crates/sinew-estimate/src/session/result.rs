@@ -1,0 +1,242 @@
+//! What a session says of every tendon, as data.
+
+use super::warning::Warning;
+use crate::cause::Cause;
+use crate::nuisance::NuisanceChange;
+use serde::{Deserialize, Serialize};
+use sinew_model::{Gaussian, Interval95};
+
+/// Offsets since the baseline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SessionEstimate {
+    /// The robot.
+    pub robot: String,
+    /// The recording.
+    pub recording: String,
+    /// First recording of the baseline; `None`: data-sheet priors only.
+    pub baseline: Option<String>,
+    /// When the part used began, s since 1970 UTC; `None` where the recording's clock doesn't say.
+    pub start_time_utc_s: Option<f64>,
+    /// Length of the part used, s.
+    pub duration_s: f64,
+    /// Mean temperature, °C, where it was recorded.
+    pub temperature_c: Option<f64>,
+    /// Temperature the offsets refer to, °C, where it was recorded.
+    pub reference_temperature_c: Option<f64>,
+    /// One entry per elastic joint.
+    pub joints: Vec<TendonEstimate>,
+    /// Offsets at the end of every segment the recording was estimated in.
+    pub segments: Vec<SegmentEstimate>,
+    /// Block by block, for a plot; not part of the JSON.
+    #[serde(skip)]
+    pub blocks: Vec<BlockEstimate>,
+    /// Payload at the end, kg.
+    pub payload_kg: Gaussian,
+    /// Loads picked up or put down within the recording.
+    pub payload_changes: Vec<PayloadChange>,
+    /// Which torque of the motors was used as a second witness.
+    pub motor_torque: MotorTorque,
+    /// Share of the time left out as contact or disturbance.
+    pub left_out_share: f64,
+    /// The longest such times.
+    pub left_out: Vec<LeftOut>,
+    /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
+    pub poses: usize,
+    /// Everything estimated along: what was believed before and after.
+    pub nuisance: Vec<NuisanceChange>,
+    /// Whether part of the file was lost.
+    pub damaged: bool,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// One tendon since its baseline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TendonEstimate {
+    /// Joint.
+    pub name: String,
+    /// Offset at the end of the recording, rad.
+    pub offset_rad: Gaussian,
+    /// Elongation, m; `None` without tendon geometry.
+    pub elongation_m: Option<Gaussian>,
+    /// What that comes to.
+    pub verdict: Verdict,
+    /// The elongation at which the owner wants to tension again, where robot.toml says.
+    pub retension: Option<RetensionLimit>,
+    /// Sudden changes within the recording.
+    pub changes: Vec<TendonChange>,
+    /// Stiffness as the recording sees it over nominal, less one.
+    pub stiffness_change_ratio: Gaussian,
+    /// Whether it has changed since what was known before the recording; `None`: not sought.
+    pub stiffness_since_before: Option<StiffnessSinceBefore>,
+    /// Half the dead zone of an antagonistic pair, rad.
+    pub slack_rad: Option<Gaussian>,
+    /// Least and greatest torque the joint carried, N·m.
+    pub torque_nm: TorqueRange,
+    /// What no parameter explains, robust standard deviation, rad.
+    pub noise_rad: f64,
+}
+
+/// What an interval says of a tendon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Zero is below the 95 % interval.
+    Longer,
+    /// Zero is above it.
+    Shorter,
+    /// Zero is in it.
+    Unchanged,
+    /// The interval is too wide to tell stretch from nothing.
+    CannotTell,
+}
+
+/// A limit of elongation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RetensionLimit {
+    /// Elongation at which to tension again, m.
+    pub elongation_m: f64,
+    /// Whether it is passed.
+    pub state: LimitState,
+}
+
+/// Whether a limit is passed, as far as the 95 % interval tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum LimitState {
+    /// The interval is above it.
+    Passed,
+    /// The interval is below it.
+    NotPassed,
+    /// The limit is in the interval.
+    CannotTell,
+}
+
+/// Which torque of the motors was used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MotorTorque {
+    /// None was recorded, or it was left out.
+    Unused,
+    /// A measured torque.
+    Measured,
+    /// A current times a torque constant, which is known less well.
+    FromCurrent,
+}
+
+/// Smallest and largest torque, N·m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TorqueRange {
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Stiffness that may have changed between two recordings. Offsets are averaged over whether it has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StiffnessSinceBefore {
+    /// Probability that it has.
+    pub probability: f64,
+    /// By how much if it has; lost stiffness is negative.
+    pub change_ratio: Gaussian,
+}
+
+/// A sudden change of a tendon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TendonChange {
+    /// What it is.
+    pub kind: TendonChangeKind,
+    /// When, s from the start of the recording.
+    pub time_s: f64,
+    /// It happened between these with 95 %, s; `None` for what happened before the recording.
+    pub interval_s: Option<Interval95>,
+    /// Probability that it happened and lasts: one that comes late may be a contact as well. `None` for
+    /// what happened before the recording.
+    pub probability: Option<f64>,
+    /// By how much the offset changed, rad; `None`: only the stiffness did.
+    pub size_rad: Option<Gaussian>,
+    /// Stiffness lost or gained with it, relative; `None`: no change seen.
+    pub stiffness_change_ratio: Option<Gaussian>,
+    /// Of a slip: what slipped.
+    pub cause: Option<Cause>,
+}
+
+/// What a sudden change of a tendon is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TendonChangeKind {
+    /// The offset changed, and no stiffness was surely lost.
+    Slip,
+    /// The stiffness surely fell.
+    StrandFailure,
+    /// Neither alone is sure.
+    SlipOrStrandFailure,
+    /// The stiffness rose.
+    Stiffer,
+    /// Much of the offset went without a slip of an encoder.
+    Retensioned,
+    /// The recording began with less stiffness than was known.
+    SofterSinceBefore,
+    /// The recording began with more stiffness than was known.
+    StifferSinceBefore,
+}
+
+/// A load picked up or put down.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PayloadChange {
+    /// When, s from the start of the recording.
+    pub time_s: f64,
+    /// It happened between these with 95 %, s.
+    pub interval_s: Option<Interval95>,
+    /// Probability that it happened.
+    pub probability: Option<f64>,
+    /// By how much, kg.
+    pub change_kg: Gaussian,
+}
+
+/// Offsets at the end of a segment of some minutes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SegmentEstimate {
+    /// From, s of the recording.
+    pub from_s: f64,
+    /// Up to here, s of the recording.
+    pub to_s: f64,
+    /// Offset of every elastic joint at `to_s`, rad, in the order of `joints`.
+    pub offset_rad: Vec<Gaussian>,
+}
+
+/// One block of 0.2 s; offsets in the order of `joints`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockEstimate {
+    /// Middle of the block, s.
+    pub time_s: f64,
+    /// Weight, 0 (left out) to 1.
+    pub weight: f64,
+    /// What the block says of the offset once everything else is taken off, rad.
+    pub block_rad: Vec<f64>,
+    /// Estimated offset then, rad.
+    pub offset_rad: Vec<Gaussian>,
+}
+
+/// A time that was left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOut {
+    /// From, s.
+    pub from_s: f64,
+    /// To, s.
+    pub to_s: f64,
+}

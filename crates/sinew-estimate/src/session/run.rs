@@ -1,0 +1,250 @@
+//! Learning a baseline, and estimating a session with it.
+
+use super::live::open;
+use super::recorder::{Blocks, Recorded, Window, read};
+use super::result::SessionEstimate;
+use super::segments::Segments;
+use super::summary::summarise;
+use super::warning::Warning;
+use crate::baseline::Baseline;
+use crate::error::SessionError;
+use crate::estimator::{SessionOptions, estimator, mean_temperature};
+use crate::recording::Opened;
+use crate::replay;
+use crate::replay::{Estimate, Pass};
+use crate::request::{Progress, Request};
+use sinew_model::offset::{
+    Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+};
+use sinew_model::robot::Robot;
+use std::ops::ControlFlow;
+
+/// A recording that begins within this time of the last one's end goes on with it, s.
+const CONTINUES_S: f64 = 60.0;
+/// A baseline of fewer distinct poses spoils what is compared with it.
+const POSES_OF_BASELINE: usize = 6;
+
+/// Options for what was recorded.
+fn options_for(options: &SessionOptions, recorded: &Recorded) -> SessionOptions {
+    SessionOptions {
+        motor_current: options.motor_current || recorded.motor_current,
+        ..*options
+    }
+}
+
+/// How a baseline is learned.
+#[derive(Debug, Clone, Copy)]
+pub struct Learning<'a> {
+    /// What is known already, a baseline with its file's name: of this robot before it was
+    /// tensioned again, or of its type.
+    pub known: Option<(&'a Baseline, &'a str)>,
+    /// Whether a recorded motor torque is used.
+    pub motor_torque: bool,
+}
+
+impl Default for Learning<'_> {
+    fn default() -> Self {
+        Self {
+            known: None,
+            motor_torque: true,
+        }
+    }
+}
+
+/// Learns a baseline from a recording taken right after tensioning, the gripper empty.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn learn(
+    request: &Request,
+    window: Window,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    learn_from(request, window, &Learning::default(), progress)
+}
+
+/// [`learn`], as `learning` says.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn learn_from(
+    request: &Request,
+    window: Window,
+    learning: &Learning<'_>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    let (loaded, recorded) = read(request, window, progress)?;
+    let file = request.name();
+    learn_recorded_from(&loaded.robot, &recorded, &file, learning)
+}
+
+/// [`learn`] from blocks; `name` of the recording for the result and errors.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn learn_recorded(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    learn_recorded_from(robot, recorded, name, &Learning::default())
+}
+
+/// [`learn_from`] from blocks; `name` of the recording for the result and errors.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn learn_recorded_from(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    learning: &Learning<'_>,
+) -> Result<(Baseline, SessionEstimate), SessionError> {
+    let known = learning.known;
+    let options = SessionOptions {
+        payload: Payload::Empty,
+        motor_torque: learning.motor_torque,
+        motor_current: recorded.motor_current,
+    };
+    let estimator = estimator(robot, &options);
+    let prior = estimator.prior();
+    let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+    let temperature_c = mean_temperature(&recorded.blocks);
+    if let Some((known, file)) = known {
+        start = known.belief(robot, prior, file)?;
+        beliefs::age(prior, &mut start);
+        // Zero is what the tendons are now, at this temperature.
+        beliefs::refer_to(prior, &mut start, temperature_c);
+        prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
+        prior.open_zero(&mut start);
+        prior.open_payload(&mut start, Payload::Empty);
+    }
+    start.temperature_c = temperature_c;
+    let nothing = SearchScope {
+        offsets: false,
+        payload: false,
+        continues: false,
+    };
+    let payload = Payload::Empty;
+    let segments = Segments::estimate(&estimator, start, recorded, payload, nothing, name)?;
+    let mut baseline = Baseline::new(
+        robot,
+        vec![name.into()],
+        recorded.end_time_ns,
+        &segments.belief,
+        segments.noise(),
+    );
+    baseline.before = known.map_or_else(Vec::new, |(known, _)| known.rests_on());
+    let mut estimate = summarise(&estimator, robot, recorded, &segments, name, None);
+    if estimate.poses < POSES_OF_BASELINE {
+        estimate.warnings.push(Warning::FewPosesOfBaseline {
+            poses: estimate.poses,
+        });
+    }
+    Ok((baseline, estimate))
+}
+
+/// Offsets of a recording since `baseline` (with the file's name), or against the encoders' zero.
+///
+/// The second result is the chain's next file: what the baseline knew and this recording taught.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn estimate(
+    request: &Request,
+    window: Window,
+    baseline: Option<(&Baseline, &str)>,
+    options: &SessionOptions,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(SessionEstimate, Baseline), SessionError> {
+    let (loaded, recorded) = read(request, window, progress)?;
+    let file = request.name();
+    estimate_recorded(&loaded.robot, &recorded, &file, baseline, options)
+}
+
+/// [`estimate`], and the paper's estimate ([`replay::run`]) of the same frames: the recording is read
+/// once. A CSV file asked for is written last.
+///
+/// # Errors
+/// [`SessionError`]; no file has been written then.
+pub fn estimate_with_replay(
+    request: &Request,
+    window: Window,
+    baseline: Option<(&Baseline, &str)>,
+    options: &SessionOptions,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
+    let reference = replay::reference(request, progress)?;
+    let mut opened = Opened::new(request)?;
+    let mut pass = Pass::new(request, &opened)?;
+    let mut blocks = Blocks::new(request, window, &opened)?;
+    opened.each_frame(false, progress, |frame| {
+        pass.frame(frame)?;
+        blocks.frame(frame);
+        Ok(ControlFlow::Continue(()))
+    })?;
+    let recorded = blocks.finish(&opened)?;
+    let file = request.name();
+    let robot = &opened.loaded.robot;
+    let (session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    let mut paper = pass.finish(opened)?;
+    if let Some(reference) = reference {
+        replay::compare(&mut paper, &reference);
+    }
+    Ok((paper, session, next))
+}
+
+/// [`estimate`] from blocks; `name` of the recording for the result and errors.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn estimate_recorded(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: Option<(&Baseline, &str)>,
+    options: &SessionOptions,
+) -> Result<(SessionEstimate, Baseline), SessionError> {
+    let options = &options_for(options, recorded);
+    let estimator = estimator(robot, options);
+    let prior = estimator.prior();
+    let mut continues = false;
+    let start = match baseline {
+        Some((baseline, file)) => {
+            let mut belief = baseline.belief(robot, prior, file)?;
+            let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
+            // A baseline's own offsets are zero by definition: what follows it is opened anew.
+            continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
+            if !continues {
+                open(prior, &mut belief, options);
+            }
+            belief
+        }
+        None => {
+            let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
+            prior.hold_zero(&mut fresh);
+            fresh.temperature_c = mean_temperature(&recorded.blocks);
+            fresh
+        }
+    };
+    let everything = SearchScope {
+        offsets: true,
+        payload: true,
+        continues,
+    };
+    let payload = options.payload;
+    let segments = Segments::estimate(&estimator, start, recorded, payload, everything, name)?;
+    let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
+    let first = recordings.first().cloned();
+    recordings.push(name.into());
+    let mut next = Baseline::new(
+        robot,
+        recordings,
+        recorded.end_time_ns,
+        &segments.belief,
+        segments.noise(),
+    );
+    next.before = baseline.map_or_else(Vec::new, |(b, _)| b.before.clone());
+    let estimate = summarise(&estimator, robot, recorded, &segments, name, first);
+    Ok((estimate, next))
+}

@@ -1,0 +1,76 @@
+//! A recording estimated segment by segment, each from what the last one left.
+
+use super::recorder::Recorded;
+use crate::error::SessionError;
+use sinew_model::offset::{Belief, MapError, MapEstimate, MapEstimator, Payload, SearchScope};
+
+/// Long recordings are estimated in segments of this length, s.
+const SEGMENT_S: f64 = 120.0;
+
+/// A recording estimated segment by segment.
+pub(super) struct Segments {
+    /// Before the first segment.
+    pub(super) before: Belief,
+    /// After the last.
+    pub(super) belief: Belief,
+    /// Estimate of every segment, with the index of its first block.
+    pub(super) estimates: Vec<(usize, MapEstimate)>,
+}
+
+impl Segments {
+    /// Estimates segment by segment.
+    pub(super) fn estimate(
+        estimator: &MapEstimator,
+        start: Belief,
+        recorded: &Recorded,
+        payload: Payload,
+        scope: SearchScope,
+        name: &str,
+    ) -> Result<Self, SessionError> {
+        let failed = |error: MapError| SessionError::Map {
+            file: name.into(),
+            error,
+        };
+        let blocks = &recorded.blocks;
+        let mut belief = start.clone();
+        let mut estimates = Vec::new();
+        let mut from = 0;
+        while from < blocks.len() {
+            // The last segment is never a short one: what is left over joins the one before.
+            let end_s = blocks[from].time_s + SEGMENT_S;
+            let mut to = from + blocks[from..].partition_point(|b| b.time_s < end_s);
+            if blocks
+                .last()
+                .is_some_and(|b| b.time_s < end_s + 0.5 * SEGMENT_S)
+            {
+                to = blocks.len();
+            }
+            let scope = SearchScope {
+                continues: scope.continues || from > 0,
+                ..scope
+            };
+            let map = estimator
+                .search(&belief, &blocks[from..to], payload, scope)
+                .map_err(failed)?;
+            belief = map.belief(estimator.prior());
+            estimates.push((from, map));
+            from = to;
+        }
+        if estimates.is_empty() {
+            return Err(failed(MapError::NoData));
+        }
+        Ok(Self {
+            before: start,
+            belief,
+            estimates,
+        })
+    }
+
+    /// Noise of the last segment's link (rad) and motor (N·m) equations, per joint.
+    pub(super) fn noise(&self) -> [Vec<f64>; 2] {
+        let last = self.estimates.last();
+        last.map_or_else(Default::default, |(_, map)| {
+            [map.noise_rad.clone(), map.motor_noise_nm.clone()]
+        })
+    }
+}

@@ -1,0 +1,322 @@
+//! From the posterior to a session's result.
+
+use super::changes;
+use super::checks;
+use super::inflation::{self, Inflation};
+use super::recorder::Recorded;
+use super::result::{
+    BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
+    SegmentEstimate, SessionEstimate, TendonEstimate, TorqueRange, Verdict,
+};
+use super::segments::Segments;
+use super::warning::Warning;
+use crate::estimator::mean_temperature;
+use crate::nuisance::NuisanceChange;
+use sinew_model::Gaussian;
+use sinew_model::offset::{Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior};
+use sinew_model::robot::Robot;
+use sinew_model::transmission::Tendon;
+
+/// An interval whose half is wider than this can't tell stretch from nothing, rad.
+const USELESS_RAD: f64 = 5e-3;
+/// A block of less weight counts as left out.
+const HALF: f64 = 0.5;
+
+/// The result of a recording.
+pub(super) fn summarise(
+    estimator: &MapEstimator,
+    robot: &Robot,
+    recorded: &Recorded,
+    segments: &Segments,
+    recording: &str,
+    baseline: Option<String>,
+) -> SessionEstimate {
+    let prior = estimator.prior();
+    let maps = || segments.estimates.iter().map(|(_, map)| map);
+    let weights: Vec<f64> = maps().flat_map(|map| map.weights.iter().copied()).collect();
+    let elastic: Vec<usize> = (0..robot.arm.dof())
+        .filter(|&i| prior.is_elastic(i))
+        .collect();
+    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) = elastic
+        .iter()
+        .map(|&i| tendon(prior, robot, recorded, segments, i))
+        .unzip();
+    let mut at_ends = segment_estimates(prior, recorded, segments, &elastic);
+    let mut blocks = block_estimates(estimator, recorded, segments, &elastic);
+    inflation::inflate_all(&inflations, &mut at_ends, &mut blocks);
+    let out = weights.iter().filter(|w| **w < HALF).count() as f64;
+    let temperature = mean_temperature(&recorded.blocks);
+    let reference = segments.before.temperature_c;
+    /// Clocks before the year 2000 don't tell the date.
+    const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
+    let mut estimate = SessionEstimate {
+        robot: robot.name.clone(),
+        recording: recording.into(),
+        baseline,
+        start_time_utc_s: (recorded.start_time_ns > YEAR_2000_NS)
+            .then_some(recorded.start_time_ns as f64 * 1e-9),
+        duration_s: recorded.duration_s,
+        temperature_c: temperature.is_finite().then_some(temperature),
+        reference_temperature_c: reference.is_finite().then_some(reference),
+        joints,
+        segments: at_ends,
+        blocks,
+        payload_kg: segments.belief.entry(prior.payload_place()),
+        payload_changes: maps().flat_map(|map| payload_changes(prior, map)).collect(),
+        motor_torque: motor_torque(estimator, recorded),
+        left_out_share: out / weights.len().max(1) as f64,
+        left_out: left_out(&recorded.blocks, &weights),
+        poses: distinct_poses(&recorded.blocks),
+        nuisance: nuisance(prior, robot, segments),
+        damaged: recorded.damaged,
+        warnings: Vec::new(),
+    };
+    let far = far_from_prior(prior, robot, segments);
+    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far);
+    estimate
+}
+
+fn tendon(
+    prior: &Prior,
+    robot: &Robot,
+    recorded: &Recorded,
+    segments: &Segments,
+    joint: usize,
+) -> (TendonEstimate, Inflation) {
+    let at = |p: JointParameter| segments.belief.entry(prior.place(joint, p));
+    let offset = at(JointParameter::Offset);
+    let changes = changes::changes(prior, robot, recorded, segments, joint);
+    let inflation = Inflation::new(prior, recorded, segments, joint, &changes);
+    let offset_rad = inflation.inflate(offset, recorded.end_s());
+    let transmission = robot.transmissions[joint].as_ref();
+    let tendon = transmission.and_then(|t| t.tendon.as_ref());
+    let stiffness = transmission.map_or(0.0, |t| t.stiffness_nm_per_rad);
+    let compliance = at(JointParameter::Compliance);
+    let zero = at(JointParameter::Zero).mean;
+    // The spring's deflection, up to the offset that is estimated.
+    let torques = recorded
+        .blocks
+        .iter()
+        .map(|b| stiffness / (1.0 + compliance.mean) * (b.y[joint] - offset.mean - zero));
+    let noise = segments
+        .estimates
+        .iter()
+        .map(|(_, map)| map.noise_rad[joint]);
+    let estimate = TendonEstimate {
+        name: robot.joint_names()[joint].clone(),
+        offset_rad,
+        elongation_m: tendon.map(|t| {
+            Gaussian::new(
+                t.elongation_m(offset_rad.mean),
+                t.elongation_m(offset_rad.deviation),
+            )
+        }),
+        verdict: verdict(offset_rad),
+        retension: tendon.and_then(|t| retension(t, offset_rad)),
+        changes,
+        // Against robot.toml: all of the compliance over nominal is the change.
+        stiffness_change_ratio: changes::gained_ratio(compliance.mean, compliance),
+        stiffness_since_before: changes::stiffness_since_before(prior, segments, joint),
+        slack_rad: prior
+            .is_antagonistic(joint)
+            .then(|| at(JointParameter::Slack)),
+        torque_nm: range(torques),
+        noise_rad: noise.fold(0.0, f64::max),
+    };
+    (estimate, inflation)
+}
+
+fn verdict(offset_rad: Gaussian) -> Verdict {
+    if !(offset_rad.half_width_95() <= USELESS_RAD) {
+        Verdict::CannotTell
+    } else if !offset_rad.is_nonzero_95() {
+        Verdict::Unchanged
+    } else if offset_rad.mean > 0.0 {
+        Verdict::Longer
+    } else {
+        Verdict::Shorter
+    }
+}
+
+/// Smallest and largest of some torques.
+fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
+    let (min, max) = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
+        (a.min(t), b.max(t))
+    });
+    TorqueRange { min, max }
+}
+
+/// Whether the elongation at which to tension again is passed, as far as the interval tells.
+fn retension(tendon: &Tendon, offset_rad: Gaussian) -> Option<RetensionLimit> {
+    let limit = tendon.retension_at_m?;
+    let interval = offset_rad.interval_95();
+    let [least, most] = [interval.low, interval.high].map(|x| tendon.elongation_m(x));
+    Some(RetensionLimit {
+        elongation_m: limit,
+        state: if least > limit {
+            LimitState::Passed
+        } else if most < limit {
+            LimitState::NotPassed
+        } else {
+            LimitState::CannotTell
+        },
+    })
+}
+
+/// Offsets at the end of every segment.
+fn segment_estimates(
+    prior: &Prior,
+    recorded: &Recorded,
+    segments: &Segments,
+    elastic: &[usize],
+) -> Vec<SegmentEstimate> {
+    let estimates = segments.estimates.iter();
+    estimates
+        .map(|(from, map)| SegmentEstimate {
+            from_s: recorded.blocks[*from].time_s,
+            to_s: recorded.blocks[from + map.weights.len() - 1].time_s,
+            offset_rad: elastic.iter().map(|&i| map.offset(prior, i)).collect(),
+        })
+        .collect()
+}
+
+/// Every block with the estimate at its time.
+fn block_estimates(
+    estimator: &MapEstimator,
+    recorded: &Recorded,
+    segments: &Segments,
+    elastic: &[usize],
+) -> Vec<BlockEstimate> {
+    let prior = estimator.prior();
+    let mut out = Vec::with_capacity(recorded.blocks.len());
+    let mut residuals = vec![0.0; prior.joints()];
+    for (from, map) in &segments.estimates {
+        for (b, weight) in map.weights.iter().enumerate() {
+            let block = &recorded.blocks[from + b];
+            estimator.residuals(map, block, &mut residuals);
+            let offset_rad: Vec<Gaussian> = elastic
+                .iter()
+                .map(|&i| map.offset_at(prior, i, block.time_s))
+                .collect();
+            let pairs = elastic.iter().zip(&offset_rad);
+            out.push(BlockEstimate {
+                time_s: block.time_s,
+                weight: *weight,
+                block_rad: pairs.map(|(&i, o)| o.mean + residuals[i]).collect(),
+                offset_rad,
+            });
+        }
+    }
+    out
+}
+
+fn payload_changes(prior: &Prior, map: &MapEstimate) -> Vec<PayloadChange> {
+    let changes = map.changes.iter().enumerate();
+    changes
+        .filter(|(_, point)| point.kind == ChangeKind::Payload)
+        .map(|(k, point)| {
+            let posterior = map.posterior(point);
+            PayloadChange {
+                time_s: posterior.map_or(point.at_s, |p| p.time_s),
+                interval_s: posterior.map(|p| p.interval_s),
+                probability: posterior.map(|p| p.probability),
+                change_kg: map.change(prior, k),
+            }
+        })
+        .collect()
+}
+
+fn motor_torque(estimator: &MapEstimator, recorded: &Recorded) -> MotorTorque {
+    let mut torques = recorded.blocks.iter().flat_map(|b| &b.motor_torque);
+    if !(estimator.uses_motor_torque() && torques.any(|t| t.is_finite())) {
+        MotorTorque::Unused
+    } else if recorded.motor_current {
+        MotorTorque::FromCurrent
+    } else {
+        MotorTorque::Measured
+    }
+}
+
+/// Everything estimated along, before and after.
+fn nuisance(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<NuisanceChange> {
+    entries(prior, segments)
+        .filter_map(|(k, before)| {
+            let after = segments.belief.entry(k);
+            let entry = prior.describe(k)?;
+            Some(NuisanceChange::new(
+                &entry,
+                robot.joint_names(),
+                [before, after],
+            ))
+        })
+        .collect()
+}
+
+/// Parameters that are far from what was believed.
+fn far_from_prior(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<Warning> {
+    const FAR: f64 = 3.5;
+    entries(prior, segments)
+        .filter_map(|(k, before)| {
+            let entry = prior.describe(k)?;
+            let off = (segments.belief.entry(k).mean - before.mean).abs() / before.deviation;
+            let is_scale = |i: usize| k == prior.place(i, JointParameter::MotorScale);
+            (off > FAR).then(|| Warning::FarFromPrior {
+                joint: entry.joint.map(|i| robot.joint_names()[i].clone()),
+                name: entry.name.into(),
+                is_motor_torque_scale: entry.joint.is_some_and(is_scale),
+                deviations: off,
+            })
+        })
+        .collect()
+}
+
+/// Places of the state that are estimated along with the offsets, and what was believed of them.
+fn entries<'a>(
+    prior: &'a Prior,
+    segments: &'a Segments,
+) -> impl Iterator<Item = (usize, Gaussian)> + 'a {
+    /// What is held fixed isn't estimated.
+    const FIXED: f64 = 1e-8;
+    let is_offset = |k: usize| {
+        let joint = prior.describe(k).and_then(|entry| entry.joint);
+        joint.is_some_and(|i| prior.is_elastic(i) && k == prior.place(i, JointParameter::Offset))
+    };
+    (0..prior.dimension())
+        .map(|k| (k, segments.before.entry(k)))
+        .filter(move |(k, before)| !is_offset(*k) && !(before.deviation < FIXED))
+}
+
+/// Times of at least a second that were mostly left out, the longest first, at most 20.
+fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
+    let mut found: Vec<LeftOut> = Vec::new();
+    for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < HALF) {
+        match found.last_mut() {
+            Some(last) if block.time_s - last.to_s < 0.5 => last.to_s = block.time_s + 0.1,
+            _ => found.push(LeftOut {
+                from_s: block.time_s - 0.1,
+                to_s: block.time_s + 0.1,
+            }),
+        }
+    }
+    found.retain(|s| s.to_s - s.from_s >= 1.0);
+    found.sort_by(|a, b| (b.to_s - b.from_s).total_cmp(&(a.to_s - a.from_s)));
+    found.truncate(20);
+    found
+}
+
+/// How many poses differ by more than 0.2 rad in some joint, greedily.
+fn distinct_poses(blocks: &[Block]) -> usize {
+    const APART_RAD: f64 = 0.2;
+    let mut poses: Vec<&[f64]> = Vec::new();
+    for block in blocks {
+        let new = poses.iter().all(|pose| {
+            pose.iter()
+                .zip(&block.q)
+                .any(|(a, b)| (a - b).abs() > APART_RAD)
+        });
+        if new && poses.len() < 100 {
+            poses.push(&block.q);
+        }
+    }
+    poses.len()
+}

@@ -1,0 +1,105 @@
+//! What the reader of a session's estimate should know, as data; the words are the report's.
+
+use super::result::TorqueRange;
+use serde::{Deserialize, Serialize};
+use sinew_model::Gaussian;
+
+/// What the reader of a session's estimate should know.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Warning {
+    /// Too few distinct poses to tell a payload or a wrong mass from stretch.
+    FewPoses {
+        /// Distinct poses.
+        poses: usize,
+    },
+    /// Too few distinct poses for a baseline.
+    FewPosesOfBaseline {
+        /// Distinct poses.
+        poses: usize,
+    },
+    /// A joint's torque hardly changed: stretch can't be told from a wrong stiffness.
+    TorqueHardlyChanged {
+        /// Joint.
+        joint: String,
+        /// What it carried, N·m.
+        torque_nm: TorqueRange,
+    },
+    /// A change came so late that it may be a contact.
+    ChangeMayEnd {
+        /// Joint.
+        joint: String,
+        /// When, s.
+        time_s: f64,
+        /// So long before the end, s.
+        before_end_s: f64,
+    },
+    /// A rope follows its load slowly, and what it carried before isn't known.
+    RopeCreeps {
+        /// Joint.
+        joint: String,
+        /// Half of the 95 % interval for that, rad.
+        half_width_95_rad: f64,
+    },
+    /// Much of the reading fits nothing.
+    Unexplained {
+        /// Joint.
+        joint: String,
+        /// Robust standard deviation, rad.
+        noise_rad: f64,
+    },
+    /// A joint hardly moved while its motor turned.
+    Stuck {
+        /// Joint.
+        joint: String,
+        /// Travel of the joint, rad.
+        joint_travel_rad: f64,
+        /// Travel of the motor, rad.
+        motor_travel_rad: f64,
+    },
+    /// The payload weighs less than nothing.
+    NegativePayload {
+        /// Payload, kg.
+        payload_kg: Gaussian,
+    },
+    /// A long time in which nothing fits.
+    NothingFits {
+        /// From, s.
+        from_s: f64,
+        /// To, s.
+        to_s: f64,
+    },
+    /// Much of the time was left out.
+    MuchLeftOut {
+        /// Share, 0 to 1.
+        share: f64,
+    },
+    /// There is no baseline: offsets are against the encoders' zero.
+    NoBaseline,
+    /// A parameter is far from what was believed.
+    FarFromPrior {
+        /// Joint or body; `None` for the payload.
+        joint: Option<String>,
+        /// Parameter.
+        name: String,
+        /// Whether it is the scale of the motor torque, which is no matter of robot.toml alone.
+        is_motor_torque_scale: bool,
+        /// How far, standard deviations of what was believed.
+        deviations: f64,
+    },
+    /// Frames without every position were left out.
+    FramesMissing {
+        /// How many.
+        frames: u64,
+    },
+    /// Stiffness has, or may have, changed before the recording began.
+    StiffnessChangedBefore {
+        /// Joint.
+        joint: String,
+        /// Probability that it has.
+        probability: f64,
+        /// By how much if it has.
+        change_ratio: Gaussian,
+    },
+}

@@ -1,0 +1,183 @@
+//! The session's estimate as sections of the report.
+
+use crate::session_sentences::{change_kind, session_sentences};
+use crate::warnings::session_warning;
+use sinew_estimate::NuisanceChange;
+use sinew_estimate::session::{
+    BlockEstimate, LimitState, SessionEstimate, TendonEstimate, Verdict,
+};
+use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
+use sinew_figure::{Block, Page, Table, rounded};
+use sinew_model::Gaussian;
+
+/// Adds what the joint estimate says.
+pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
+    let since = match &session.baseline {
+        Some(baseline) => format!("Since the baseline ({baseline})"),
+        None => "Against the encoders' zero, without a baseline".into(),
+    };
+    let mut opening = vec![
+        Block::Headlines(session.joints.iter().map(headline).collect()),
+        Block::Paragraph(
+            "All joints estimated together with stiffness, masses, friction, encoder errors, temperature and payload; stretches that fit nothing are left out as contact. ± is half the 95 % interval.".into(),
+        ),
+        Block::Table(offsets(session)),
+    ];
+    opening.push(Block::List(session_sentences(session)));
+    if !session.warnings.is_empty() {
+        opening.push(Block::List(
+            session.warnings.iter().map(session_warning).collect(),
+        ));
+    }
+    let mut page = page.section(since, opening);
+    for (i, joint) in session.joints.iter().enumerate() {
+        page = page.section(
+            format!("Joint {} since the baseline", joint.name),
+            vec![Block::Figure(
+                Box::new(course(session, i)),
+                "Thin line: what each block of 0.2 s says once everything else is taken off. Grey: left out as contact or disturbance.".into(),
+            )],
+        );
+    }
+    page.section(
+        "Estimated along",
+        vec![
+            Block::Paragraph(
+                "What was believed before and after, ± one standard deviation. What the data did not move rests on the tolerance alone.".into(),
+            ),
+            Block::Table(nuisance(session)),
+        ],
+    )
+}
+
+fn headline(joint: &TendonEstimate) -> String {
+    let size = match joint.elongation_m {
+        Some(m) => format!(
+            "{} ± {} mm",
+            rounded(1e3 * m.mean.abs(), 2),
+            rounded(1e3 * m.half_width_95(), 2)
+        ),
+        None => format!(
+            "{} ± {} mrad at the joint",
+            rounded(1e3 * joint.offset_rad.mean.abs(), 2),
+            rounded(1e3 * joint.offset_rad.half_width_95(), 2)
+        ),
+    };
+    let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
+    let limit = passed.map_or(String::new(), |limit| {
+        format!(
+            "; past the {} mm at which to tension again",
+            rounded(1e3 * limit.elongation_m, 2)
+        )
+    });
+    let name = &joint.name;
+    match joint.verdict {
+        Verdict::Longer => format!("{name}: tendon longer by {size}{limit}"),
+        Verdict::Shorter => format!("{name}: tendon shorter by {size}"),
+        Verdict::Unchanged => format!("{name}: no stretch seen ({size})"),
+        Verdict::CannotTell => format!("{name}: this recording can't tell ({size})"),
+    }
+}
+
+fn offsets(session: &SessionEstimate) -> Table {
+    let head = [
+        "joint",
+        "offset, mrad",
+        "±, mrad",
+        "elongation, mm",
+        "±, mm",
+        "stiffness against robot.toml, %",
+        "±, %",
+        "torque, N·m",
+    ];
+    let optional = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| rounded(1e3 * v, 3));
+    Table {
+        caption: String::new(),
+        head: head.map(String::from).to_vec(),
+        rows: session
+            .joints
+            .iter()
+            .map(|j| {
+                vec![
+                    j.name.clone(),
+                    rounded(1e3 * j.offset_rad.mean, 3),
+                    rounded(1e3 * j.offset_rad.half_width_95(), 2),
+                    optional(j.elongation_m.map(|m| m.mean)),
+                    optional(j.elongation_m.map(Gaussian::half_width_95)),
+                    rounded(100.0 * j.stiffness_change_ratio.mean, 2),
+                    rounded(100.0 * j.stiffness_change_ratio.half_width_95(), 2),
+                    format!(
+                        "{} to {}",
+                        rounded(j.torque_nm.min, 2),
+                        rounded(j.torque_nm.max, 2)
+                    ),
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// Offset of a joint over the recording.
+fn course(session: &SessionEstimate, i: usize) -> Figure {
+    let joint = &session.joints[i];
+    let blocks = &session.blocks;
+    let times: Vec<f64> = blocks.iter().map(|b| b.time_s).collect();
+    let of_blocks = |f: &dyn Fn(&BlockEstimate) -> f64| -> Vec<f64> {
+        blocks.iter().map(|b| 1e3 * f(b)).collect()
+    };
+    let seen = of_blocks(&|b| match b.weight > 0.5 {
+        true => b.block_rad[i],
+        false => f64::NAN,
+    });
+    let estimate = of_blocks(&|b| b.offset_rad[i].mean);
+    let low = of_blocks(&|b| b.offset_rad[i].interval_95().low);
+    let high = of_blocks(&|b| b.offset_rad[i].interval_95().high);
+    let mut panel = Panel::new("", "time (s)", "offset δ_{e} (mrad)")
+        .band(Band::new("95 %", times.clone(), low, high))
+        .line(
+            Line::new("blocks", times.clone(), seen)
+                .colour(Colour::Black)
+                .width(0.7),
+        )
+        .line(Line::new("estimate", times, estimate).step());
+    for left in &session.left_out {
+        panel = panel.span(left.from_s, left.to_s, "");
+    }
+    for change in &joint.changes {
+        let size = change.size_rad.map_or(0.0, |size| 1e3 * size.mean);
+        let label = format!("{} {} mrad", change_kind(change.kind), rounded(size, 2));
+        panel = panel.event(change.time_s, label);
+    }
+    for change in &session.payload_changes {
+        let label = format!("payload {} kg", rounded(change.change_kg.mean, 2));
+        panel = panel.event(change.time_s, label);
+    }
+    if let Some(elongation) = joint.elongation_m {
+        let per_mrad = elongation.mean / joint.offset_rad.mean;
+        if per_mrad.is_finite() {
+            panel = panel.y_right("elongation (mm)", per_mrad);
+        }
+    }
+    Figure::new("").size(820.0, 300.0).panel(panel)
+}
+
+fn nuisance(session: &SessionEstimate) -> Table {
+    let head = ["what", "unit", "before", "after", "moved by the data"];
+    Table {
+        caption: String::new(),
+        head: head.map(String::from).to_vec(),
+        rows: session.nuisance.iter().map(nuisance_row).collect(),
+    }
+}
+
+fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
+    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 3), rounded(x.deviation, 2));
+    let joint = n.joint.as_deref().unwrap_or("");
+    vec![
+        format!("{joint} {}", n.name).trim().to_string(),
+        n.unit.clone(),
+        shown(n.prior),
+        shown(n.posterior),
+        if n.moved { "yes" } else { "no" }.into(),
+    ]
+}

@@ -1,0 +1,212 @@
+//! What happened in a recording, in sentences.
+
+use sinew_estimate::session::{
+    LimitState, MotorTorque, SessionEstimate, TendonChange, TendonChangeKind, TendonEstimate,
+};
+use sinew_estimate::{Cause, UnknownCause};
+use sinew_figure::rounded;
+use sinew_model::{Gaussian, Interval95};
+
+/// What happened, a sentence each.
+pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
+    let mut out: Vec<String> = session.joints.iter().flat_map(of_joint).collect();
+    out.extend(session.payload_changes.iter().map(|change| {
+        format!(
+            "payload changed by {} kg {}",
+            with_95(change.change_kg),
+            when(change.time_s, change.interval_s, change.probability)
+        )
+    }));
+    let changes = session.joints.iter().flat_map(|j| &j.changes);
+    let mut stated = (changes.map(|c| c.probability))
+        .chain(session.payload_changes.iter().map(|c| c.probability));
+    if stated.any(|p| p.is_some()) {
+        out.push(
+            "probabilities rest on this recording, and on odds of a change that are starting guesses"
+                .into(),
+        );
+    }
+    out.push(format!(
+        "payload {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
+        with_95(session.payload_kg),
+        if session.payload_changes.is_empty() {
+            ""
+        } else {
+            " at the end"
+        },
+        100.0 * session.left_out_share,
+        session.poses,
+        match session.motor_torque {
+            MotorTorque::FromCurrent => "; motor current used",
+            MotorTorque::Measured => "; motor torque used",
+            MotorTorque::Unused => "",
+        }
+    ));
+    out
+}
+
+/// Mean and half a 95 % interval.
+fn with_95(x: Gaussian) -> String {
+    format!("{} ± {}", rounded(x.mean, 2), rounded(x.half_width_95(), 2))
+}
+
+/// What happened to a tendon.
+fn of_joint(joint: &TendonEstimate) -> Vec<String> {
+    let mut out = Vec::new();
+    let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
+    out.extend(passed.map(|limit| {
+        format!(
+            "past the {} mm at which to tension again",
+            rounded(1e3 * limit.elongation_m, 2)
+        )
+    }));
+    out.extend(joint.changes.iter().map(of_change));
+    if let Some(slack) = joint.slack_rad {
+        out.push(format!(
+            "dead zone of ± {} mrad (± {} at 95 %); near zero torque its position is unknown by that",
+            rounded(1e3 * slack.mean, 2),
+            rounded(1e3 * slack.half_width_95(), 2)
+        ));
+    }
+    let named = out
+        .into_iter()
+        .map(|text| format!("{}: {text}", joint.name));
+    named.collect()
+}
+
+fn of_change(change: &TendonChange) -> String {
+    let stiffness = match change.stiffness_change_ratio {
+        Some(ratio) => format!("stiffness {} %", with_95(ratio.scaled(100.0))),
+        None => "no loss of stiffness seen".into(),
+    };
+    let when = when(change.time_s, change.interval_s, change.probability);
+    let kind = change_kind(change.kind);
+    match (change.kind, change.size_rad) {
+        // It has no time in this recording.
+        (TendonChangeKind::SofterSinceBefore | TendonChangeKind::StifferSinceBefore, _) => {
+            format!("{stiffness}: {kind}")
+        }
+        (_, None) => format!("{stiffness} {when} without a slip: {kind}"),
+        (_, Some(size)) => format!(
+            "a sudden change of {} ± {} mrad {when}, {stiffness}: {}",
+            rounded(1e3 * size.mean, 3),
+            rounded(1e3 * size.half_width_95(), 2),
+            explanation(change)
+        ),
+    }
+}
+
+/// A kind of change in a word or two.
+pub(crate) fn change_kind(kind: TendonChangeKind) -> &'static str {
+    match kind {
+        TendonChangeKind::Slip => "slip",
+        TendonChangeKind::StrandFailure => "strand failure",
+        TendonChangeKind::SlipOrStrandFailure => "slip or strand failure",
+        TendonChangeKind::Stiffer => "stiffer",
+        TendonChangeKind::Retensioned => "re-tensioned",
+        TendonChangeKind::SofterSinceBefore => "softer since before",
+        TendonChangeKind::StifferSinceBefore => "stiffer since before",
+    }
+}
+
+/// What a change of the offset was, at a sentence's end.
+fn explanation(change: &TendonChange) -> &'static str {
+    match (change.kind, change.cause) {
+        (TendonChangeKind::StrandFailure, _) => "a strand has failed",
+        (TendonChangeKind::SlipOrStrandFailure, _) => "a slip or a failed strand: can't be told",
+        (TendonChangeKind::Retensioned, _) => {
+            "most of the offset went: it was tensioned again; make a new baseline"
+        }
+        (TendonChangeKind::Slip, Some(cause)) => slip_cause(cause),
+        _ => "",
+    }
+}
+
+/// What slipped, at a sentence's end.
+pub fn slip_cause(cause: Cause) -> &'static str {
+    match cause {
+        Cause::MotorEncoder => {
+            "the motor encoder's reading jumped between two samples: it slipped, not the rope"
+        }
+        Cause::JointEncoder => {
+            "the joint encoder's reading jumped between two samples: it slipped, not the rope"
+        }
+        Cause::Rope => "no reading jumped, motor or joint moved: the rope slipped",
+        Cause::Unknown(UnknownCause::Missing) => {
+            "rope or encoder: can't be told, samples are missing around it"
+        }
+        Cause::Unknown(UnknownCause::Noise) => {
+            "rope or encoder: can't be told, it is too small for the encoders' noise"
+        }
+        Cause::Unknown(UnknownCause::Rate) => {
+            "rope or encoder: can't be told, the recording's rate is too low"
+        }
+        Cause::Unknown(UnknownCause::Both) => {
+            "rope or encoder: can't be told, both readings jumped"
+        }
+    }
+}
+
+/// When a change happened, and how sure it is.
+fn when(time_s: f64, interval_s: Option<Interval95>, probability: Option<f64>) -> String {
+    const SURE: f64 = 0.999;
+    let (Some(Interval95 { low, high }), Some(probability)) = (interval_s, probability) else {
+        return format!("at {time_s:.1} s");
+    };
+    let sure = if probability > SURE {
+        format!("> {SURE}")
+    } else {
+        format!("{probability:.2}")
+    };
+    format!("at {time_s:.1} s ({low:.1} to {high:.1}; probability {sure})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_happened_is_said_with_its_moment_size_and_how_sure_it_is() {
+        let slip = TendonChange {
+            kind: TendonChangeKind::Slip,
+            time_s: 34.2,
+            interval_s: Some(Interval95::new(33.9, 34.6)),
+            probability: Some(0.95),
+            size_rad: Some(Gaussian::new(5.125e-3, 0.41e-3 / 1.96)),
+            stiffness_change_ratio: None,
+            cause: Some(Cause::Rope),
+        };
+        let lost = Gaussian::new(-0.04, 0.015 / 1.96);
+        let of_kind = |kind| TendonChange {
+            kind,
+            stiffness_change_ratio: Some(lost),
+            ..slip.clone()
+        };
+        let cases = [
+            (
+                slip.clone(),
+                "a sudden change of 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6; probability 0.95), no loss of stiffness seen: no reading jumped, motor or joint moved: the rope slipped",
+            ),
+            (
+                of_kind(TendonChangeKind::StrandFailure),
+                "a sudden change of 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6; probability 0.95), stiffness −4.0 ± 1.5 %: a strand has failed",
+            ),
+            (
+                of_kind(TendonChangeKind::SofterSinceBefore),
+                "stiffness −4.0 ± 1.5 %: softer since before",
+            ),
+            (
+                TendonChange {
+                    size_rad: None,
+                    probability: Some(0.99999),
+                    ..of_kind(TendonChangeKind::StrandFailure)
+                },
+                "stiffness −4.0 ± 1.5 % at 34.2 s (33.9 to 34.6; probability > 0.999) without a slip: strand failure",
+            ),
+        ];
+        for (change, text) in cases {
+            assert_eq!(of_change(&change), text);
+        }
+        assert_eq!(when(3.04, None, None), "at 3.0 s");
+    }
+}

@@ -1,0 +1,237 @@
+//! What a terminal of 80 columns shows of an estimate: tables and paragraphs.
+
+use super::estimate::{MRAD_PER_PERCENT, or_nan};
+use super::sentences::headline;
+use super::session_sentences::session_sentences;
+use super::text::{paragraph, plain, table};
+use super::words::loss_reason;
+use sinew_estimate::NuisanceChange;
+use sinew_estimate::baseline::MergeSummary;
+use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
+use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
+use sinew_figure::{rounded, with_error};
+use sinew_model::Gaussian;
+
+/// A paragraph whose following lines are indented.
+fn words(text: &str) -> String {
+    paragraph(&plain(text), 2)
+}
+
+/// A table whose cells may hold names from files.
+fn cells(head: &[&str], rows: Vec<Vec<String>>, names: usize) -> String {
+    let row = |row: Vec<String>| row.iter().map(|cell| plain(cell)).collect();
+    table(head, rows.into_iter().map(row).collect(), names)
+}
+
+/// A word in the table's language for what isn't there.
+fn optional(x: Option<f64>, digits: u8) -> String {
+    x.map_or("–".to_string(), |x| rounded(x, digits))
+}
+
+/// The paper's estimate.
+pub fn estimate(e: &Estimate) -> String {
+    let r = &e.recording;
+    let mut out = words(&format!(
+        "{}: {}, {} s, {} frames at {} Hz",
+        e.robot.name,
+        r.path,
+        rounded(r.duration_s, 4),
+        r.frames,
+        rounded(or_nan(r.rate_hz), 4)
+    ));
+    let head = [
+        "joint",
+        "offset\nmrad",
+        "±\nmrad",
+        "scatter\nmrad",
+        "stretch\nmm",
+        "strain\n%",
+        "used\n%",
+        "1 % of K\nmrad",
+    ];
+    out += &cells(&head, e.joints.iter().map(joint_row).collect(), 1);
+    out.push('\n');
+    let changes: Vec<_> = e.joints.iter().filter_map(difference_row).collect();
+    let changed = !changes.is_empty();
+    if changed {
+        let head = [
+            "joint",
+            "reference\nmrad",
+            "change\nmrad",
+            "change\nmm",
+            "1 % of K\nmrad",
+        ];
+        out += &cells(&head, changes, 1);
+        out.push('\n');
+    }
+    let headlines = e.joints.iter().map(|joint| words(&headline(e, joint)));
+    out.extend(headlines);
+    out.push('\n');
+    out.extend(losses(e).iter().map(|loss| words(loss)));
+    let rest = if changed {
+        "The change is right as far as robot, payload and motion were alike."
+    } else {
+        "Right in differences; the absolute value rests on stiffness and masses. --reference LOG2 shows what changed."
+    };
+    out + &paragraph(rest, 0)
+}
+
+fn joint_row(j: &JointEstimate) -> Vec<String> {
+    vec![
+        j.name.clone(),
+        rounded(1e3 * or_nan(j.offset_rad), 4),
+        rounded(1e3 * or_nan(j.standard_error_rad), 2),
+        rounded(1e3 * or_nan(j.scatter_rad), 2),
+        optional(j.elongation_m.map(|m| 1e3 * m), 3),
+        optional(j.strain_ratio.map(|strain| 100.0 * strain), 3),
+        format!("{:.1}", 100.0 * j.usable_share),
+        rounded(
+            MRAD_PER_PERCENT * or_nan(j.offset_per_stiffness_error_rad),
+            2,
+        ),
+    ]
+}
+
+/// What changed since the reference; `None` without one.
+fn difference_row(j: &JointEstimate) -> Option<Vec<String>> {
+    let d = j.difference.as_ref()?;
+    Some(vec![
+        j.name.clone(),
+        rounded(1e3 * d.reference_rad, 4),
+        with_error(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
+        optional(d.elongation_m.map(|m| 1e3 * m), 3),
+        rounded(MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad, 2),
+    ])
+}
+
+/// What was not used, joint by joint; what every joint lost stands at the end, once.
+fn losses(e: &Estimate) -> Vec<String> {
+    let frames = |loss: &Loss| match loss.frames {
+        1 => "1 frame".to_string(),
+        n => format!("{n} frames"),
+    };
+    let mut out = Vec::new();
+    for joint in &e.joints {
+        for loss in joint.losses.iter().filter(|l| !e.losses.contains(l)) {
+            out.push(format!(
+                "not used: {} ({:.1} %) of {}, {}",
+                frames(loss),
+                100.0 * loss.share,
+                joint.name,
+                loss_reason(loss.reason)
+            ));
+        }
+    }
+    let of_all = e.losses.iter();
+    out.extend(of_all.map(|l| format!("not used: {}, {}", frames(l), loss_reason(l.reason))));
+    out
+}
+
+/// The session's estimate; with everything estimated along where `nuisance` asks for it.
+pub fn session(session: &SessionEstimate, nuisance: bool) -> String {
+    let since = if session.baseline.is_some() {
+        "since the baseline"
+    } else {
+        "against the encoders' zero, without a baseline"
+    };
+    let mut out = format!("\nAbsolute, all joints together, {since}:\n");
+    let head = [
+        "joint",
+        "offset\nmrad",
+        "± (95 %)\nmrad",
+        "stretch\nmm",
+        "± (95 %)\nmm",
+        "verdict",
+    ];
+    out += &cells(&head, session.joints.iter().map(tendon_row).collect(), 1);
+    out.push('\n');
+    out.extend(session_sentences(session).iter().map(|line| words(line)));
+    if nuisance {
+        let row = |n: &NuisanceChange| {
+            let mut row = nuisance_row(n);
+            row.push(if n.moved { "yes" } else { "no" }.into());
+            row
+        };
+        let head = [
+            "joint",
+            "parameter",
+            "before\n± 1 sd",
+            "after\n± 1 sd",
+            "moved",
+        ];
+        out.push('\n');
+        out += &cells(&head, session.nuisance.iter().map(row).collect(), 2);
+    }
+    out
+}
+
+fn tendon_row(j: &TendonEstimate) -> Vec<String> {
+    let elongation_mm = j.elongation_m.map(|m| m.scaled(1e3));
+    vec![
+        j.name.clone(),
+        rounded(1e3 * j.offset_rad.mean, 3),
+        rounded(1e3 * j.offset_rad.half_width_95(), 2),
+        optional(elongation_mm.map(|mm| mm.mean), 2),
+        optional(elongation_mm.map(Gaussian::half_width_95), 2),
+        verdict(j.verdict).into(),
+    ]
+}
+
+/// A verdict in a word or two.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Longer => "longer",
+        Verdict::Shorter => "shorter",
+        Verdict::Unchanged => "unchanged",
+        Verdict::CannotTell => "can't tell",
+    }
+}
+
+fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
+    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 2), rounded(x.deviation, 2));
+    vec![
+        n.joint.clone().unwrap_or_default(),
+        format!("{} {}", n.name, n.unit).trim_end().to_string(),
+        shown(n.prior),
+        shown(n.posterior),
+    ]
+}
+
+/// What a recording right after tensioning taught.
+pub fn baseline(learned: &SessionEstimate) -> String {
+    let row = |j: &TendonEstimate| {
+        vec![
+            j.name.clone(),
+            rounded(100.0 * j.stiffness_change_ratio.mean, 2),
+            rounded(100.0 * j.stiffness_change_ratio.half_width_95(), 2),
+        ]
+    };
+    let head = ["joint", "stiffness against robot.toml\n%", "± (95 %)\n%"];
+    words(&format!(
+        "{}: {} s, {} poses, {:.0} % left out as disturbed",
+        learned.recording,
+        rounded(learned.duration_s, 4),
+        learned.poses,
+        100.0 * learned.left_out_share
+    )) + &cells(&head, learned.joints.iter().map(row).collect(), 1)
+        + "\n"
+}
+
+/// What several baselines taught together.
+pub fn merged(summary: &MergeSummary, files: usize) -> String {
+    let moved = || summary.nuisance.iter().filter(|m| m.moved);
+    let head = [
+        "joint or link",
+        "parameter",
+        "at the start\n± 1 sd",
+        "now\n± 1 sd",
+    ];
+    words(&format!(
+        "{}: {files} files, {} recordings; {} of {} parameters are surer by a fifth or have moved",
+        summary.robot,
+        summary.recordings.len(),
+        moved().count(),
+        summary.nuisance.len()
+    )) + &cells(&head, moved().map(nuisance_row).collect(), 2)
+        + "\n"
+}

@@ -1,0 +1,177 @@
+//! Warnings in words.
+
+use sinew_estimate::RecordingWarning;
+use sinew_estimate::session::Warning;
+use sinew_figure::rounded;
+
+/// What the reader of a recording's estimate should know, in a sentence.
+pub fn recording_warning(warning: &RecordingWarning) -> String {
+    match warning {
+        RecordingWarning::Robot { text } | RecordingWarning::Suspicion { text } => text.clone(),
+        RecordingWarning::UnknownJoints { joints } => format!(
+            "joint {} of the recording is not in the robot and was left out",
+            quoted(joints)
+        ),
+        RecordingWarning::ImplausibleOffset { joint, offset_rad } => format!(
+            "joint '{joint}': an offset of {:.0} mrad is no stretch of a rope; check units (degrees?), gear ratio, sign and zero of its positions",
+            1e3 * offset_rad
+        ),
+        RecordingWarning::TorqueHardlyChanges {
+            joint,
+            min_nm,
+            max_nm,
+        } => format!(
+            "joint '{joint}': its torque hardly changes ({min_nm:.2} to {max_nm:.2} N·m); a wrong stiffness or mass can't be told from stretch in this recording"
+        ),
+        RecordingWarning::Damaged {
+            offset,
+            reason,
+            bytes,
+        } => format!(
+            "the file is damaged at byte {offset}: {reason}; {bytes} bytes lost, everything before was used"
+        ),
+        RecordingWarning::Gaps { count, longest_s } => format!(
+            "{} in the recording, the longest {longest_s:.1} s; the observer started anew after each",
+            counted(*count, "gap")
+        ),
+        RecordingWarning::ClockJumps { count } => format!(
+            "the clock went back {}; the observer started anew after each",
+            counted(*count, "time")
+        ),
+        RecordingWarning::OutOfOrder { count } => {
+            format!(
+                "{} came out of order, sorted in",
+                counted(*count, "message")
+            )
+        }
+        RecordingWarning::NonFinite {
+            quantity,
+            joint,
+            count,
+        } => format!(
+            "{quantity} of '{joint}' is NaN or infinite in {}, left out",
+            counted(*count, "sample")
+        ),
+        RecordingWarning::Unwrapped {
+            quantity,
+            joint,
+            count,
+        } => format!(
+            "{quantity} of '{joint}' wrapped around {} and was unwrapped",
+            counted(*count, "time")
+        ),
+        RecordingWarning::Reference { warning } => {
+            format!("reference: {}", recording_warning(warning))
+        }
+    }
+}
+
+/// What the reader of a session's estimate should know, in a sentence.
+pub fn session_warning(warning: &Warning) -> String {
+    match warning {
+        Warning::FewPoses { poses } => format!(
+            "only {poses} distinct pose(s): a payload or a wrong mass can't be told from stretch; three or four poses that change every joint's torque would help"
+        ),
+        Warning::FewPosesOfBaseline { poses } => format!(
+            "only {poses} distinct poses: a baseline of few poses spoils what is compared with it; move every joint through its range in a dozen poses"
+        ),
+        Warning::TorqueHardlyChanged { joint, torque_nm } => format!(
+            "{joint}: its torque hardly changed ({:.2} to {:.2} N·m), so stretch can't be told from a wrong stiffness or payload; poses that load it differently would help",
+            torque_nm.min, torque_nm.max
+        ),
+        Warning::ChangeMayEnd {
+            joint,
+            time_s,
+            before_end_s,
+        } => format!(
+            "{joint}: the change at {time_s:.0} s came {before_end_s:.0} s before the end; a contact that lasts looks the same, so the interval holds both"
+        ),
+        Warning::RopeCreeps {
+            joint,
+            half_width_95_rad,
+        } => format!(
+            "{joint}: its rope follows its load for half a minute; what it carried before the recordings isn't known, which is {:.2} mrad of the interval",
+            1e3 * half_width_95_rad
+        ),
+        Warning::Unexplained { joint, noise_rad } => format!(
+            "{joint}: {:.1} mrad of the reading fits nothing: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
+            1e3 * noise_rad
+        ),
+        Warning::Stuck {
+            joint,
+            joint_travel_rad,
+            motor_travel_rad,
+        } => format!(
+            "{joint}: the joint moved {:.1} mrad while its motor turned {:.0}: stuck, or its encoder is",
+            1e3 * joint_travel_rad,
+            1e3 * motor_travel_rad
+        ),
+        Warning::NegativePayload { payload_kg } => format!(
+            "payload {} ± {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
+            rounded(payload_kg.mean, 2),
+            rounded(payload_kg.half_width_95(), 2)
+        ),
+        Warning::NothingFits { from_s, to_s } => format!(
+            "from {from_s:.0} to {to_s:.0} s nothing fits: a contact that lasts, or a change this method doesn't know; nothing was learned there"
+        ),
+        Warning::MuchLeftOut { share } => format!(
+            "{:.0} % of the time was left out as disturbed: the robot may differ from its description in a way no tolerance covers",
+            100.0 * share
+        ),
+        Warning::NoBaseline => {
+            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances"
+                .into()
+        }
+        Warning::FarFromPrior {
+            joint,
+            name,
+            is_motor_torque_scale,
+            deviations,
+        } => format!(
+            "{} {name}: {deviations:.2} standard deviations from what was believed; {}",
+            joint.as_deref().unwrap_or(""),
+            match is_motor_torque_scale {
+                true => {
+                    "check the recorded torque's or current's unit, constant and gear ratio, or the tolerance in robot.toml"
+                }
+                false => "check robot.toml or its tolerance",
+            }
+        ),
+        Warning::FramesMissing { frames } => {
+            format!("{frames} frames without every position were left out")
+        }
+        Warning::StiffnessChangedBefore {
+            joint,
+            probability,
+            change_ratio,
+        } => {
+            /// From here on it is said to have changed.
+            const SURELY: f64 = 0.95;
+            let lower = change_ratio.mean < 0.0;
+            format!(
+                "{joint}: stiffness {} {:.1} ± {:.1} % {} than what was known before this recording (probability {probability:.2}){}",
+                if *probability > SURELY { "is" } else { "may be" },
+                100.0 * change_ratio.mean.abs(),
+                100.0 * change_ratio.half_width_95(),
+                if lower { "lower" } else { "higher" },
+                if lower { "; strands may have failed" } else { "" },
+            )
+        }
+    }
+}
+
+/// "1 gap", "3 gaps".
+fn counted(number: u64, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
+/// Names in quotes, the first dozen of them.
+fn quoted(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let shown = names.iter().take(SHOWN).map(|n| format!("'{n}'"));
+    let text = shown.collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 => text,
+        more => format!("{text} and {more} more"),
+    }
+}
