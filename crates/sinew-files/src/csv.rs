@@ -252,6 +252,13 @@ impl<'t> Row<'t> {
             .ok_or_else(|| self.missing(column, "every row has one"))
     }
 
+    fn fault(&self, column: &str, cell: &str, problem: &str) -> Located {
+        self.here(Fault::NotAllowed, problem)
+            .column(column)
+            .value(format!("'{}'", names::shorten(cell, 60)))
+            .unit(unit_of(column))
+    }
+
     /// A fault of the row.
     pub fn here(&self, fault: Fault, problem: impl Into<String>) -> Located {
         Located::new(&self.table.file, fault, problem).line(self.line)
@@ -267,28 +274,21 @@ impl Fields for Row<'_> {
             Some(Some(v)) if bound.allows(v) => Ok(Some(v)),
             Some(None) => Ok(None),
             Some(Some(v)) if v.is_finite() => Err(self.refuse(key, &bound.must(unit_of(key)))),
-            _ => {
-                let must = "a finite number";
-                let cure = "leave it empty where nothing is known";
-                Err(self.refuse(key, must).cure(cure))
-            }
+            _ => Err(self
+                .fault(key, cell, "is not a finite number")
+                .cure("leave it empty where nothing is known")),
         }
     }
 
     fn refuse(&self, key: &'static str, must: &str) -> Located {
         match self.text(key) {
             None => self.missing(key, must),
-            Some(cell) => self
-                .here(Fault::NotAllowed, format!("must be {must}"))
-                .column(key)
-                .value(format!("'{}'", names::shorten(cell, 60)))
-                .unit(unit_of(key)),
+            Some(cell) => self.fault(key, cell, &format!("must be {must}")),
         }
     }
 
     fn missing(&self, key: &'static str, why: &str) -> Located {
-        self.here(Fault::MissingKey, format!("is empty: {why}"))
-            .column(key)
+        self.here(Fault::MissingKey, format!("'{key}' is empty: {why}"))
     }
 }
 

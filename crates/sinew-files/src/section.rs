@@ -325,8 +325,7 @@ impl<'d> Section<'d> {
     /// at its end. So a key that is misspelt is told as such, not as missing.
     pub fn needed<T>(&self, read: Option<T>, key: &'static str, why: &str, instead: T) -> T {
         read.unwrap_or_else(|| {
-            let mut lacking = self.lacking.borrow_mut();
-            lacking.get_or_insert_with(|| self.missing(key, why));
+            self.missing(key, why);
             instead
         })
     }
@@ -455,8 +454,12 @@ impl Fields for Section<'_> {
         }
     }
 
+    /// [`Section::whole`] tells a misspelt key in its place.
     fn missing(&self, key: &'static str, why: &str) -> Located {
-        self.here(Fault::MissingKey, format!("{key} is missing: {why}"))
+        let located = self.here(Fault::MissingKey, format!("{key} is missing: {why}"));
+        let mut lacking = self.lacking.borrow_mut();
+        lacking.get_or_insert_with(|| located.clone());
+        located
     }
 }
 
