@@ -8,7 +8,7 @@
 mod scale_picture;
 
 use scale_picture::{Camera, Print, jpeg, picture, png};
-use sinew_camera::{Picture, ReadOptions, ScaleReader};
+use sinew_camera::{Picture, ReadOptions, ScaleReader, decode};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -62,7 +62,7 @@ fn main() {
             ];
             for (kind, file) in files {
                 let mut decode: Vec<f64> = (0..rounds)
-                    .map(|_| time(|| drop(black_box(Picture::decode(&file).expect("a picture")))))
+                    .map(|_| time(|| drop(black_box(decode(&file).expect("a picture")))))
                     .collect();
                 say(
                     &format!("decoding {kind} ({:.1} MB)", file.len() as f64 * 1e-6),

@@ -1,6 +1,6 @@
 //! PNG and JPEG bytes to grey levels.
 
-use super::picture::{Levels, SIDE_LIMIT_PX};
+use super::picture::{Picture, SIDE_LIMIT_PX};
 use std::io::Cursor;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -15,12 +15,12 @@ const JPEG_SIGNATURE: &[u8] = &[0xff, 0xd8, 0xff];
 /// primaries (ITU-R BT.709) and white point (D65) to XYZ.
 const LUMINANCE: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 
-/// Columns, rows and levels of a PNG or JPEG file. Colour becomes luminance; 16 bits stay 16; an
+/// Decodes PNG or JPEG, whatever the file is called. Colour becomes luminance; 16 bits stay 16; an
 /// alpha channel is ignored.
 ///
 /// # Errors
 /// What the decoder says, or the size where it is beyond [`SIDE_LIMIT_PX`].
-pub(crate) fn decode(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
+pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
     if bytes.starts_with(PNG_SIGNATURE) {
         png(bytes)
     } else if bytes.starts_with(JPEG_SIGNATURE) {
@@ -30,7 +30,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
     }
 }
 
-fn png(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
+fn png(bytes: &[u8]) -> Result<Picture, String> {
     let limits = png::Limits {
         bytes: MEMORY_LIMIT_BYTES,
     };
@@ -45,18 +45,17 @@ fn png(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
     reader.next_frame(&mut samples).map_err(|e| e.to_string())?;
     let (colour, depth) = reader.output_color_type();
     let channels = colour.samples();
-    let levels = match depth {
-        png::BitDepth::Sixteen => {
-            let (pairs, _) = samples.as_chunks::<2>();
-            let samples: Vec<u16> = pairs.iter().map(|&pair| u16::from_be_bytes(pair)).collect();
-            Levels::Sixteen(luminance(samples, channels, u16::MAX.into(), |v| v as u16))
-        }
-        _ => Levels::Eight(luminance(samples, channels, u8::MAX.into(), |v| v as u8)),
-    };
-    Ok((width, height, levels))
+    if depth == png::BitDepth::Sixteen {
+        let (pairs, _) = samples.as_chunks::<2>();
+        let samples: Vec<u16> = pairs.iter().map(|&pair| u16::from_be_bytes(pair)).collect();
+        let levels = luminance(samples, channels, u16::MAX.into(), |v| v as u16);
+        return Picture::from_luma16(width, height, levels);
+    }
+    let levels = luminance(samples, channels, u8::MAX.into(), |v| v as u8);
+    Picture::from_luma8(width, height, levels)
 }
 
-fn jpeg(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
+fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(usize::MAX)
@@ -77,7 +76,7 @@ fn jpeg(bytes: &[u8]) -> Result<(usize, usize, Levels), String> {
         .decode_into(&mut samples)
         .map_err(|e| e.to_string())?;
     let levels = luminance(samples, space.num_components(), u8::MAX.into(), |v| v as u8);
-    Ok((width, height, Levels::Eight(levels)))
+    Picture::from_luma8(width, height, levels)
 }
 
 fn check_sides(width: usize, height: usize) -> Result<(), String> {

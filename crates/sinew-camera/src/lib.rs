@@ -5,15 +5,15 @@
 //! let mut request = Request::new("frames");
 //! request.times = Times::Rate(0.5);
 //! let outcome = sinew_camera::run(&request, &mut |_| {})?;
-//! println!("{:.4} mm", Summary::of(&outcome).elongation_last_mm);
+//! println!("{:.4} mm", 1e3 * Summary::of(&outcome).elongation_last_m);
 //! outcome.write_recording("bench.csv".as_ref())?;
 //! # Ok::<(), sinew_camera::CameraError>(())
 //! ```
 //!
 //! Way of a frame: [`Picture`] (grey levels) → strips of rows → blocks with a phase
 //! (`strips`) → in the first frame the place of the scale (`find`, `spectrum`) and the map of its
-//! phases (`map`) → in all others the shift against that map by robust least squares (`phase`,
-//! `robust`) → whole graduations by the longer lines and numbers (`marks`, `memory`) → [`Reading`]
+//! phases (`fit_phase_map`) → in all others the shift against that map by robust least squares
+//! (`phase`, `robust`) → whole graduations by the longer lines and numbers (`marks`, `line_index`) → [`Reading`]
 //! or [`Rejection`] (`reference`). [`run`] does it for a folder or a video.
 //!
 //! Holds while camera and rail stand still, the scale moves along itself within a few degrees, a
@@ -27,38 +27,42 @@
 mod decode;
 mod error;
 mod find;
+mod fit_phase_map;
 mod frames;
-mod map;
+mod line_index;
 mod marks;
-mod memory;
 mod outcome;
 mod overlay;
 mod phase;
+mod phase_map;
 mod picture;
 mod reader;
+mod reading;
 mod reference;
 mod rejection;
 mod report;
 mod request;
 mod robust;
 mod run;
-mod sight;
 mod spectrum;
 mod strips;
 mod summary;
 mod times;
 mod video;
+mod visibility;
 
+pub use decode::decode;
 pub use error::CameraError;
 pub use find::{PITCH_LEAST_PX, PITCH_MOST_PX, TILT_MOST_DEG};
 pub use frames::Times;
-pub use outcome::{Frame, Outcome};
+pub use outcome::{Frame, Outcome, Rejected};
 pub use picture::{Picture, SIDE_LIMIT_PX};
-pub use reader::{PITCH_MM, ReadOptions, Reading, Scale, ScaleReader};
-pub use rejection::{Rejection, WrongPitch};
+pub use reader::ScaleReader;
+pub use reading::{PITCH_M, ReadOptions, Reading, Scale};
+pub use rejection::{Rejection, RejectionKind, WrongPitch};
 pub use report::html;
 pub use request::{Conditions, Request};
 pub use run::{Progress, run};
 pub use strips::Region;
-pub use summary::{Rejected, Summary};
+pub use summary::Summary;
 pub use video::VideoTools;

@@ -3,8 +3,8 @@
 //! The phase repeats at every graduation. How dark each line is in twelve bands across the scale
 //! tells lines of different lengths apart, and the numbers print on some of them.
 
-use super::map::PhaseMap;
 use super::phase::Shift;
+use super::phase_map::PhaseMap;
 use super::strips::{Blocks, Strips};
 
 /// Bands across the scale.
@@ -42,7 +42,7 @@ pub(crate) struct Bands {
 impl Bands {
     /// Around the blocks that belong to the scale.
     pub(crate) fn around(blocks: &Blocks, member: &[bool], map: &PhaseMap) -> Self {
-        let (sin, cos) = map.tilt_deg().to_radians().sin_cos();
+        let (sin, cos) = map.tilt_rad().sin_cos();
         let mut across: Vec<f64> = blocks
             .all
             .iter()
@@ -67,7 +67,7 @@ impl Bands {
 /// Lines found in a frame, for the code and for drawing: place of the line's middle and its number
 /// before whole graduations are counted.
 pub(crate) fn places(map: &PhaseMap, shift: &Shift, left: f64, right: f64) -> Vec<(i64, f64, f64)> {
-    let tan = map.tilt_deg().to_radians().tan();
+    let tan = map.tilt_rad().tan();
     let y_at = |x: f64| map.y0 + tan * (x - map.x0);
     let at = |x: f64| map.at(x, y_at(x)) + shift.phase + shift.du * (map.at_u(x));
     let (low, high) = (at(left), at(right));
@@ -98,7 +98,7 @@ pub(crate) fn read(
     map: &PhaseMap,
     shift: &Shift,
     bands: Bands,
-    covered: &dyn Fn(f64) -> bool,
+    occluded: &dyn Fn(f64) -> bool,
 ) -> Code {
     if strips.count < 2 {
         return Code {
@@ -114,7 +114,7 @@ pub(crate) fn read(
         first: places.first().map_or(0, |p| p.0),
         lines: places
             .iter()
-            .map(|&(_, x, y)| (!covered(x)).then(|| looking.line(x, y)).flatten())
+            .map(|&(_, x, y)| (!occluded(x)).then(|| looking.line(x, y)).flatten())
             .collect(),
     }
 }
@@ -134,7 +134,7 @@ struct Looking<'a> {
 
 impl<'a> Looking<'a> {
     fn new(strips: &'a Strips, map: &PhaseMap, bands: Bands) -> Self {
-        let (sin, cos) = map.tilt_deg().to_radians().sin_cos();
+        let (sin, cos) = map.tilt_rad().sin_cos();
         let height = (bands.to - bands.from) / BANDS as f64;
         Self {
             strips,

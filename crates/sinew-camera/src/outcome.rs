@@ -1,9 +1,9 @@
 //! What became of a series of frames.
 
 use super::error::CameraError;
-use super::memory::STEP_MOST;
-use super::reader::{Reading, Scale, stretched};
-use super::rejection::Rejection;
+use super::line_index::STEP_MOST;
+use super::reading::{Reading, Scale};
+use super::rejection::{Rejection, RejectionKind, millimetres};
 use super::request::{Conditions, Request};
 use sinew_files::write_file;
 use std::path::Path;
@@ -17,6 +17,18 @@ pub struct Frame {
     pub time_s: f64,
     /// Reading, or why there is none.
     pub result: Result<Reading, Rejection>,
+}
+
+/// Frames without a reading for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Rejected {
+    /// Why.
+    pub reason: RejectionKind,
+    /// How many.
+    pub frames: usize,
+    /// First of them with its message.
+    pub first: String,
 }
 
 /// A series, read.
@@ -45,18 +57,22 @@ impl Outcome {
             .filter_map(|(i, frame)| Some((i, frame, frame.result.as_ref().ok()?)))
     }
 
-    /// Rejected frames by reason, most frequent first: word, count, first frame's message.
-    pub fn rejected(&self) -> Vec<(&'static str, usize, String)> {
-        let mut out: Vec<(&'static str, usize, String)> = Vec::new();
+    /// Rejected frames by kind, most frequent first.
+    pub fn rejected(&self) -> Vec<Rejected> {
+        let mut out: Vec<Rejected> = Vec::new();
         for frame in &self.frames {
             if let Err(reason) = &frame.result {
-                match out.iter_mut().find(|(word, ..)| *word == reason.word()) {
-                    Some((_, count, _)) => *count += 1,
-                    None => out.push((reason.word(), 1, format!("{}: {reason}", frame.name))),
+                match out.iter_mut().find(|r| r.reason == reason.kind()) {
+                    Some(rejected) => rejected.frames += 1,
+                    None => out.push(Rejected {
+                        reason: reason.kind(),
+                        frames: 1,
+                        first: format!("{}: {reason}", frame.name),
+                    }),
                 }
             }
         }
-        out.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
+        out.sort_by_key(|r| std::cmp::Reverse(r.frames));
         out
     }
 
@@ -72,16 +88,16 @@ impl Outcome {
                 "{jumps} steps were longer than half a graduation and were counted by the longer lines and numbers"
             ));
         }
-        let stretch = used.iter().filter(|r| stretched(r)).count();
+        let stretch = used.iter().filter(|r| r.is_stretched()).count();
         if stretch > 0 {
             notes.push(format!(
                 "the lines' distance in the picture changes by more than 1 % in {stretch} frames: the scale comes nearer or turns, or the camera was moved"
             ));
         }
-        match (self.scale.longer_every, request.read.pitch_mm) {
+        match (self.scale.longer_every, request.read.pitch_m) {
             (None, _) => notes.push(format!(
                 "all lines look alike: a step between frames must stay below {:.2} mm",
-                STEP_MOST * self.scale.pitch_mm
+                1e3 * STEP_MOST * self.scale.pitch_m
             )),
             (Some(every @ (4 | 5 | 20)), None) => notes.push(format!(
                 "every {every}th line is longer, which a half-millimetre scale seldom has; check --pitch-mm"
@@ -97,13 +113,19 @@ impl Outcome {
         self.notes.extend(notes);
     }
 
-    /// Elongation of a reading and its standard deviation, mm.
-    pub fn elongation_mm(&self, reading: &Reading) -> (f64, f64) {
+    /// Elongation of a reading and its standard deviation, m.
+    pub fn elongation_m(&self, reading: &Reading) -> (f64, f64) {
         let ratio = self.elongation_per_movement;
         (
-            ratio * reading.position_mm,
-            ratio.abs() * reading.position_std_mm,
+            ratio * reading.position_m,
+            ratio.abs() * reading.position_deviation_m,
         )
+    }
+
+    /// The same, mm.
+    fn elongation_mm(&self, reading: &Reading) -> (f64, f64) {
+        let (elongation_m, deviation_m) = self.elongation_m(reading);
+        (1e3 * elongation_m, 1e3 * deviation_m)
     }
 
     /// The recording as CSV: `time_s`, `elongation_mm` and what each frame was worth; one row per
@@ -112,7 +134,10 @@ impl Outcome {
         use std::fmt::Write as _;
         let constants = [
             ("force_N", self.conditions.force_n),
-            ("gauge_length_mm", self.conditions.gauge_length_mm),
+            (
+                "gauge_length_mm",
+                self.conditions.gauge_length_m.map(millimetres),
+            ),
             ("temperature_C", self.conditions.temperature_c),
         ];
         let mut out = String::from(
@@ -134,8 +159,8 @@ impl Outcome {
                 frame.time_s,
                 r.quality,
                 r.contrast,
-                r.in_sight,
-                r.residual_mm,
+                r.visible_share,
+                1e3 * r.residual_m,
                 r.lines,
                 i + 1
             );
@@ -157,7 +182,7 @@ impl Outcome {
                     let (elongation, std) = self.elongation_mm(r);
                     writeln!(out, "1,{elongation:.6},{std:.6},{:.3},,", r.quality)
                 }
-                Err(why) => writeln!(out, "0,,,,{},{}", why.word(), quoted(&why.to_string())),
+                Err(why) => writeln!(out, "0,,,,{},{}", why.kind(), quoted(&why.to_string())),
             };
         }
         out

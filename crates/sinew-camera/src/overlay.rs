@@ -6,8 +6,9 @@
 
 use super::marks::places;
 use super::picture::Picture;
-use super::reader::{Reading, Scale};
-use super::sight::Sight;
+use super::reading::{Reading, Scale};
+use super::rejection::millimetres;
+use super::visibility::View;
 use sinew_figure::plot::{escape_xml, pixels};
 
 /// Height of the caption under the picture, px, at least.
@@ -26,7 +27,7 @@ pub(crate) struct Caption<'a> {
 /// The PNG's bytes.
 pub(crate) fn draw(
     picture: &Picture,
-    sight: &Sight,
+    view: &View,
     caption: &Caption<'_>,
 ) -> Result<Vec<u8>, String> {
     let (width, height) = (picture.width(), picture.height());
@@ -36,13 +37,13 @@ pub(crate) fn draw(
         pixels: grey.collect(),
         width,
         height,
-        upright: sight.upright,
+        upright: view.upright,
     };
-    let half = (sight.window_px / 4) as f64;
-    let rows = sight.strip_rows as f64 / 2.0;
-    for (i, block) in sight.blocks.all.iter().enumerate() {
-        if sight.lined[i] {
-            let colour = if sight.shift.agree[i] { GREEN } else { RED };
+    let half = (view.window_px / 4) as f64;
+    let rows = view.strip_rows as f64 / 2.0;
+    for (i, block) in view.blocks.all.iter().enumerate() {
+        if view.lined[i] {
+            let colour = if view.shift.agree[i] { GREEN } else { RED };
             canvas.tint(
                 block.x - half,
                 block.x + half,
@@ -53,19 +54,19 @@ pub(crate) fn draw(
         }
     }
     let agreed = || {
-        let blocks = sight.blocks.all.iter().zip(&sight.shift.agree);
+        let blocks = view.blocks.all.iter().zip(&view.shift.agree);
         blocks.filter(|(_, agree)| **agree).map(|(block, _)| block)
     };
     let left = agreed().map(|b| b.x).fold(f64::MAX, f64::min) - 2.0 * half;
     let right = agreed().map(|b| b.x).fold(f64::MIN, f64::max) + 2.0 * half;
     let top = agreed().map(|b| b.y).fold(f64::MAX, f64::min) - rows;
     let bottom = agreed().map(|b| b.y).fold(f64::MIN, f64::max) + rows;
-    let (sin, cos) = sight.map.tilt_deg().to_radians().sin_cos();
+    let (sin, cos) = view.map.tilt_rad().sin_cos();
     let (left, right) = (
-        left.max(sight.window.x as f64),
-        right.min((sight.window.x + sight.window.width) as f64 - 1.0),
+        left.max(view.window.x as f64),
+        right.min((view.window.x + view.window.width) as f64 - 1.0),
     );
-    let across = |x: f64, y: f64| (y - sight.map.y0) * cos - (x - sight.map.x0) * sin;
+    let across = |x: f64, y: f64| (y - view.map.y0) * cos - (x - view.map.x0) * sin;
     let mut range: Vec<f64> = agreed().map(|b| across(b.x, b.y)).collect();
     range.sort_unstable_by(f64::total_cmp);
     let share = |p: f64| {
@@ -74,8 +75,8 @@ pub(crate) fn draw(
             .copied()
     };
     let (low, high) = (share(0.1).unwrap_or(0.0), share(0.9).unwrap_or(0.0));
-    for (number, x, y) in places(&sight.map, &sight.shift, left, right) {
-        // Short dashes leave the print beside them in sight.
+    for (number, x, y) in places(&view.map, &view.shift, left, right) {
+        // Short dashes leave the print beside them in view.
         let length = if number.rem_euclid(10) == 0 { 1.0 } else { 0.5 };
         let (from, to) = (low, low + length * (high - low));
         canvas.line(
@@ -159,16 +160,20 @@ fn with_caption(drawn: Canvas, caption: &Caption<'_>) -> Result<Vec<u8>, String>
     let lines = [
         format!(
             "{}: {:.4} mm ± {:.4} mm, quality {:.2}, {} lines in sight",
-            caption.frame, r.position_mm, r.position_std_mm, r.quality, r.lines
+            caption.frame,
+            1e3 * r.position_m,
+            1e3 * r.position_deviation_m,
+            r.quality,
+            r.lines
         ),
         format!(
             "a line every {} mm = {:.3} px, {:.1} px/mm, tilt {:.2}°, pitch changes by {:.1} % along the scale; longer lines: {}",
-            s.pitch_mm,
+            millimetres(s.pitch_m),
             s.pitch_px,
-            s.pitch_px / s.pitch_mm,
-            s.tilt_deg,
+            1e-3 * s.pitch_px / s.pitch_m,
+            s.tilt_rad.to_degrees(),
             // No minus before a zero.
-            s.pitch_change_percent.abs(),
+            100.0 * s.pitch_change_ratio.abs(),
             s.longer_every
                 .map_or("none found".into(), |n| format!("every {n}")),
         ),

@@ -6,7 +6,7 @@
 //! against the printed graduation that passes the same pixel; pixels per millimetre never enter.
 
 use super::find::BLOCK_SHARE;
-use super::map::PhaseMap;
+use super::phase_map::PhaseMap;
 use super::robust::{self, Equation};
 use super::strips::{Block, Blocks};
 use std::f64::consts::TAU;

@@ -47,19 +47,6 @@ impl Picture {
         })
     }
 
-    /// Decodes PNG or JPEG, whatever the file is called. Colour becomes luminance; 16 bits stay 16;
-    /// an alpha channel is ignored.
-    ///
-    /// # Errors
-    /// What the decoder says, or the size where it is beyond [`SIDE_LIMIT_PX`].
-    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let (width, height, levels) = super::decode::decode(bytes)?;
-        match levels {
-            Levels::Eight(levels) => Self::from_luma8(width, height, levels),
-            Levels::Sixteen(levels) => Self::from_luma16(width, height, levels),
-        }
-    }
-
     /// Columns.
     pub fn width(&self) -> usize {
         self.width

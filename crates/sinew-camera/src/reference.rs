@@ -1,26 +1,27 @@
 //! The frame a series is measured against, and every later frame held against it.
 
 use super::find::{self, Found, NotFound, PITCH_LEAST_PX, STRIP_ROWS, TILT_MOST_DEG};
-use super::map::{PhaseMap, fit_map};
+use super::fit_phase_map::fit_phase_map;
+use super::line_index::{Counted, LineIndex};
 use super::marks::{self, Bands, Code};
-use super::memory::{Counted, Memory};
 use super::phase::{self, Shift};
+use super::phase_map::PhaseMap;
 use super::picture::Picture;
-use super::reader::{PITCH_MM, ReadOptions, Reading, Scale};
-use super::rejection::Rejection;
-use super::sight::{Sight, cover, lines_in_sight, room, rows, strong, strongest};
+use super::reading::{PITCH_M, ReadOptions, Reading, Scale};
+use super::rejection::{DARK, Rejection};
 use super::strips::{Blocks, Demodulator, Region, Strips};
+use super::visibility::{
+    View, line_contrast, line_rows, occlusion, scale_contrast, search_window, visible_lines,
+};
 
-/// Darkest mean level of the region that still counts as lit, share of white.
-pub(super) const DARK: f64 = 0.04;
 /// Share of white pixels above which lines drown.
 const GLARE: f64 = 0.6;
 /// Contrast below this share of the usual is blur. A carriage that moves by more than a
 /// graduation within an exposure turns the lines' phase by half a turn while at most 0.217 of
 /// their contrast is left (first side lobe of sin x / x): what passes can't be that.
 const BLUR: f64 = 0.25;
-/// Share of the scale that must be in sight.
-const SIGHT: f64 = 0.4;
+/// Share of the scale that must be visible.
+const VISIBLE: f64 = 0.4;
 /// Phases of the blocks that are used must agree to this: the mean phasor of random ones is
 /// shorter.
 const COHERENCE: f64 = 0.75;
@@ -45,7 +46,7 @@ pub(super) struct Reference {
     rows: (f64, f64),
     whole: Region,
     bands: Bands,
-    memory: Memory,
+    line_index: LineIndex,
     members: usize,
     /// Standard deviation of the reference frame's own phase, graduations.
     pub(super) reference_std: f64,
@@ -73,10 +74,7 @@ fn check_light(strips: &Strips) -> Result<(), Rejection> {
 }
 
 impl Reference {
-    pub(super) fn new(
-        picture: &Picture,
-        options: &ReadOptions,
-    ) -> Result<(Self, Sight), Rejection> {
+    pub(super) fn new(picture: &Picture, options: &ReadOptions) -> Result<(Self, View), Rejection> {
         let found = match find::find(picture, options.region, options.upright) {
             Ok(found) => found,
             Err(NotFound(reason)) => {
@@ -96,14 +94,14 @@ impl Reference {
         };
         let none = |why: &str| Rejection::NoScale(why.to_owned());
         let (map, shift) =
-            fit_map(&found).ok_or_else(|| none("lines don't follow each other evenly"))?;
+            fit_phase_map(&found).ok_or_else(|| none("lines don't follow each other evenly"))?;
         if shift.coherence < COHERENCE {
             return Err(none("lines don't follow each other evenly"));
         }
-        if map.tilt_deg().abs() > TILT_MOST_DEG {
+        if map.tilt_rad().to_degrees().abs() > TILT_MOST_DEG {
             return Err(Rejection::NoScale(format!(
                 "lines lean by {:.0}°, at most {TILT_MOST_DEG}° is read; turn the camera",
-                map.tilt_deg()
+                map.tilt_rad().to_degrees()
             )));
         }
         if map.pitch_px() < PITCH_LEAST_PX * 0.95 {
@@ -122,31 +120,31 @@ impl Reference {
         found: &Found,
         map: PhaseMap,
         shift: &Shift,
-    ) -> (Self, Sight) {
+    ) -> (Self, View) {
         let whole = match options.region {
             Some(region) if found.upright => region.transposed(),
             Some(region) => region,
             None => Region::whole(view),
         };
-        let window = room(found.region, whole);
+        let window = search_window(found.region, whole);
         let demodulator = Demodulator::new(found.frequency, whole.width);
         let bands = Bands::around(&found.blocks, &found.member, &map);
         let strips = Strips::of(view, window, STRIP_ROWS);
         let blocks = demodulator.blocks(&strips);
-        let strong = strong(&blocks, found.region);
-        let rows = rows(found.region);
+        let strong = scale_contrast(&blocks, found.region);
+        let rows = line_rows(found.region);
         let lined = phase::lined(&blocks, strong, rows);
         // The map's own frame is measured once more, on the grid of all later frames.
         let shift = phase::measure(&blocks, &lined, &map, false).unwrap_or_else(|| shift.clone());
         let members = shift.agree.iter().filter(|a| **a).count().max(1);
-        let covered = cover(&blocks, &shift.agree, demodulator.length());
-        let code = marks::read(&strips, &map, &shift, bands, &covered);
-        let mut memory = Memory::default();
-        memory.learn(&code, 0);
+        let occluded = occlusion(&blocks, &shift.agree, demodulator.length());
+        let code = marks::read(&strips, &map, &shift, bands, &occluded);
+        let mut line_index = LineIndex::default();
+        line_index.learn(&code, 0);
         let mut scale = scale_of(found, &map, options);
         scale.contrast = strong;
-        scale.lines = lines_in_sight(&map, &shift, &blocks);
-        scale.longer_every = memory.longer_every();
+        scale.lines = visible_lines(&map, &shift, &blocks);
+        scale.longer_every = line_index.longer_every();
         let reference = Self {
             size: (picture.width(), picture.height()),
             upright: found.upright,
@@ -155,7 +153,7 @@ impl Reference {
             rows,
             whole,
             bands,
-            memory,
+            line_index,
             members,
             reference_std: shift.phase_std.hypot(FOLDING / map.pitch_px().powi(3)),
             usual: Vec::new(),
@@ -164,15 +162,15 @@ impl Reference {
             scale,
             map,
         };
-        let sight = reference.sight(window, blocks, lined, shift);
-        (reference, sight)
+        let view = reference.view(window, blocks, lined, shift);
+        (reference, view)
     }
 
     pub(super) fn read(
         &mut self,
         picture: &Picture,
         options: &ReadOptions,
-    ) -> Result<(Reading, Sight), Rejection> {
+    ) -> Result<(Reading, View), Rejection> {
         let (width, height) = (picture.width(), picture.height());
         if (width, height) != self.size {
             return Err(Rejection::Size(width, height, self.size.0, self.size.1));
@@ -200,42 +198,42 @@ impl Reference {
         view: &Picture,
         window: Region,
         options: &ReadOptions,
-    ) -> Result<(Reading, Sight), Rejection> {
+    ) -> Result<(Reading, View), Rejection> {
         let strips = Strips::of(view, window, STRIP_ROWS);
         check_light(&strips)?;
         let blocks = self.demodulator.blocks(&strips);
         let measured = self.measure(&blocks, window)?;
         let shift = &measured.shift;
-        let pitch_mm = self.scale.pitch_mm;
-        let std_mm = shift.phase_std.hypot(self.reference_std) * pitch_mm;
-        if std_mm.is_nan() || std_mm > options.std_most_mm {
+        let pitch_m = self.scale.pitch_m;
+        let deviation_m = shift.phase_std.hypot(self.reference_std) * pitch_m;
+        if deviation_m.is_nan() || deviation_m > options.deviation_most_m {
             return Err(Rejection::Unsure {
-                std_mm,
-                most_mm: options.std_most_mm,
+                deviation_m,
+                most_m: options.deviation_most_m,
             });
         }
-        let covered = cover(&blocks, &shift.agree, self.demodulator.length());
-        let code = marks::read(&strips, &self.map, shift, self.bands, &covered);
+        let occluded = occlusion(&blocks, &shift.agree, self.demodulator.length());
+        let code = marks::read(&strips, &self.map, shift, self.bands, &occluded);
         let (whole, jumped) = self.count(&code, shift.phase)?;
-        self.memory.learn(&code, whole);
+        self.line_index.learn(&code, whole);
         self.last = shift.phase + whole as f64;
         self.missed = 0;
         if self.usual.len() < USUAL_FRAMES {
             self.usual.push(measured.strong);
         }
         let reading = Reading {
-            position_mm: -self.last * pitch_mm,
-            position_std_mm: std_mm,
-            quality: measured.in_sight * shift.coherence * measured.share.min(1.0),
+            position_m: -self.last * pitch_m,
+            position_deviation_m: deviation_m,
+            quality: measured.visible_share * shift.coherence * measured.share.min(1.0),
             contrast: measured.strong,
-            in_sight: measured.in_sight,
-            residual_mm: shift.scatter * pitch_mm,
-            lines: lines_in_sight(&self.map, shift, &blocks),
+            visible_share: measured.visible_share,
+            residual_m: shift.scatter * pitch_m,
+            lines: visible_lines(&self.map, shift, &blocks),
             stretch: shift.stretch,
             jumped,
         };
-        let sight = self.sight(window, blocks, measured.lined, measured.shift);
-        Ok((reading, sight))
+        let view = self.view(window, blocks, measured.lined, measured.shift);
+        Ok((reading, view))
     }
 
     /// Phase of a frame's blocks against the map, or why it can't be trusted.
@@ -246,26 +244,28 @@ impl Reference {
         } else {
             (f64::MIN, f64::MAX)
         };
-        let strong = strongest(blocks, self.members, rows);
+        let strong = line_contrast(blocks, self.members, rows);
         let share = strong / usual;
         let lined = phase::lined(blocks, strong, rows);
         let none = || Rejection::NoScale("no lines at the distance of the reference frame".into());
         let shift = phase::measure(blocks, &lined, &self.map, false).ok_or_else(none)?;
         let agree = shift.agree.iter().filter(|a| **a).count();
-        let in_sight = (agree as f64 / self.members as f64).min(1.0);
+        let visible_share = (agree as f64 / self.members as f64).min(1.0);
         if share < BLUR {
             // Blurred lines still follow each other; anything else is no line.
-            let even = shift.coherence > COHERENCE && in_sight > SIGHT;
+            let even = shift.coherence > COHERENCE && visible_share > VISIBLE;
             return Err(if even {
                 Rejection::Blurred { share }
             } else {
                 none()
             });
         }
-        if in_sight < SIGHT {
+        if visible_share < VISIBLE {
             let left = phase::lined(blocks, usual, rows).contains(&true);
             return Err(if left && agree > 0 {
-                Rejection::Covered { share: in_sight }
+                Rejection::Covered {
+                    share: visible_share,
+                }
             } else {
                 none()
             });
@@ -275,23 +275,23 @@ impl Reference {
             shift,
             strong,
             share,
-            in_sight,
+            visible_share,
         })
     }
 
     /// Whole graduations to add to a phase, and whether they were counted by the longer lines.
     fn count(&self, code: &Code, phase: f64) -> Result<(i64, bool), Rejection> {
-        match self.memory.count(code, phase, self.last, self.missed) {
+        match self.line_index.count(code, phase, self.last, self.missed) {
             Counted::Graduations { whole, jumped } => Ok((whole, jumped)),
             Counted::Ambiguous { nearest, other } => Err(Rejection::Ambiguous {
-                nearest_mm: -nearest * self.scale.pitch_mm,
-                other_mm: -other * self.scale.pitch_mm,
+                nearest_m: -nearest * self.scale.pitch_m,
+                other_m: -other * self.scale.pitch_m,
             }),
         }
     }
 
-    fn sight(&self, window: Region, blocks: Blocks, lined: Vec<bool>, shift: Shift) -> Sight {
-        Sight {
+    fn view(&self, window: Region, blocks: Blocks, lined: Vec<bool>, shift: Shift) -> View {
+        View {
             upright: self.upright,
             lined,
             shift,
@@ -320,7 +320,7 @@ struct Measured {
     /// The same over the usual.
     share: f64,
     /// Share of the reference frame's blocks that agree.
-    in_sight: f64,
+    visible_share: f64,
 }
 
 /// The scale as the map describes it; contrast and lines are still to come.
@@ -338,9 +338,9 @@ fn scale_of(found: &Found, map: &PhaseMap, options: &ReadOptions) -> Scale {
             found.region
         },
         pitch_px: map.pitch_px(),
-        pitch_mm: options.pitch_mm.unwrap_or(PITCH_MM),
-        tilt_deg: map.tilt_deg(),
-        pitch_change_percent: 100.0 * (pitch_at(to) / pitch_at(from) - 1.0),
+        pitch_m: options.pitch_m.unwrap_or(PITCH_M),
+        tilt_rad: map.tilt_rad(),
+        pitch_change_ratio: pitch_at(to) / pitch_at(from) - 1.0,
         contrast: 0.0,
         lines: 0,
         longer_every: None,

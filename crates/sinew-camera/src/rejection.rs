@@ -1,6 +1,9 @@
 //! Why a frame, or a whole scale, is not used.
 
-use super::reference::DARK;
+use serde::Serialize;
+
+/// Darkest mean level of the region that still counts as lit, share of white.
+pub(super) const DARK: f64 = 0.04;
 
 /// Why a frame is not used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,21 +43,27 @@ pub enum Rejection {
     NoScale(String),
     /// Whole graduations can't be counted.
     #[error(
-        "ambiguous: the scale moved by {nearest_mm:.2} or {other_mm:.2} mm since the last frame used; take frames more often or show longer lines"
+        "ambiguous: the scale moved by {nearest:.2} or {other:.2} mm since the last frame used; take frames more often or show longer lines",
+        nearest = 1e3 * nearest_m,
+        other = 1e3 * other_m
     )]
     Ambiguous {
-        /// Step to the nearest candidate, mm.
-        nearest_mm: f64,
-        /// Step to the next one, mm.
-        other_mm: f64,
+        /// Step to the nearest candidate, m.
+        nearest_m: f64,
+        /// Step to the next one, m.
+        other_m: f64,
     },
     /// Blocks contradict each other.
-    #[error("unsure: standard deviation {std_mm:.4} mm, at most {most_mm} mm is allowed")]
+    #[error(
+        "unsure: standard deviation {:.4} mm, at most {} mm is allowed",
+        1e3 * deviation_m,
+        millimetres(*most_m)
+    )]
     Unsure {
-        /// Found, mm.
-        std_mm: f64,
-        /// Allowed, mm.
-        most_mm: f64,
+        /// Found, m.
+        deviation_m: f64,
+        /// Allowed, m.
+        most_m: f64,
     },
     /// Time of another frame.
     #[error("same time as {0}")]
@@ -62,21 +71,70 @@ pub enum Rejection {
 }
 
 impl Rejection {
-    /// One word, to count by.
-    pub fn word(&self) -> &'static str {
+    /// What kind it is, to count by.
+    pub fn kind(&self) -> RejectionKind {
         match self {
-            Self::Unreadable(_) => "unreadable",
-            Self::Size(..) => "other-size",
-            Self::Dark { .. } => "dark",
-            Self::Glare { .. } => "overexposed",
-            Self::Blurred { .. } => "blurred",
-            Self::Covered { .. } => "covered",
-            Self::NoScale(_) => "no-scale",
-            Self::Ambiguous { .. } => "ambiguous",
-            Self::Unsure { .. } => "unsure",
-            Self::Time(_) => "same-time",
+            Self::Unreadable(_) => RejectionKind::Unreadable,
+            Self::Size(..) => RejectionKind::OtherSize,
+            Self::Dark { .. } => RejectionKind::Dark,
+            Self::Glare { .. } => RejectionKind::Overexposed,
+            Self::Blurred { .. } => RejectionKind::Blurred,
+            Self::Covered { .. } => RejectionKind::Covered,
+            Self::NoScale(_) => RejectionKind::NoScale,
+            Self::Ambiguous { .. } => RejectionKind::Ambiguous,
+            Self::Unsure { .. } => RejectionKind::Unsure,
+            Self::Time(_) => RejectionKind::SameTime,
         }
     }
+}
+
+/// Kind of a [`Rejection`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum RejectionKind {
+    /// The file can't be decoded.
+    Unreadable,
+    /// Another size than the reference frame.
+    OtherSize,
+    /// Too little light.
+    Dark,
+    /// Too much light.
+    Overexposed,
+    /// Lines too faint to be trusted.
+    Blurred,
+    /// Something stands before the scale.
+    Covered,
+    /// No scale.
+    NoScale,
+    /// Whole graduations can't be counted.
+    Ambiguous,
+    /// Blocks contradict each other.
+    Unsure,
+    /// Time of another frame.
+    SameTime,
+}
+
+impl std::fmt::Display for RejectionKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Unreadable => "unreadable",
+            Self::OtherSize => "other-size",
+            Self::Dark => "dark",
+            Self::Overexposed => "overexposed",
+            Self::Blurred => "blurred",
+            Self::Covered => "covered",
+            Self::NoScale => "no-scale",
+            Self::Ambiguous => "ambiguous",
+            Self::Unsure => "unsure",
+            Self::SameTime => "same-time",
+        })
+    }
+}
+
+/// A length in mm as a person wrote it: without the last digits that a factor of 1000 leaves.
+pub(crate) fn millimetres(metres: f64) -> f64 {
+    (1e12 * metres).round() / 1e9
 }
 
 /// The scale is not what the options say.

@@ -1,6 +1,7 @@
 //! The series as one HTML file.
 
 use super::outcome::Outcome;
+use super::rejection::millimetres;
 use super::summary::Summary;
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
 use sinew_figure::{Block, Page, Table, rounded};
@@ -21,12 +22,12 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     let mut first = vec![Block::Headlines(vec![
         format!(
             "Elongation of the last frame: {} mm after {} s",
-            rounded(summary.elongation_last_mm, 4),
+            rounded(1e3 * summary.elongation_last_m, 4),
             rounded(summary.time_to_s - summary.time_from_s, 4)
         ),
         format!(
             "Standard deviation of a frame: {:.4} mm (root mean square)",
-            summary.elongation_std_rms_mm
+            1e3 * summary.elongation_deviation_rms_m
         ),
     ])];
     first.extend(summary.notes.iter().cloned().map(Block::Notice));
@@ -40,20 +41,27 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     let mut facts = vec![
         vec![
             "line every".into(),
-            format!("{} mm = {:.3} px", scale.pitch_mm, scale.pitch_px),
+            format!(
+                "{} mm = {:.3} px",
+                millimetres(scale.pitch_m),
+                scale.pitch_px
+            ),
         ],
         vec![
             "resolution".into(),
-            format!("{:.2} px/mm", summary.px_per_mm),
+            format!("{:.2} px/mm", 1e-3 * summary.px_per_m),
         ],
         vec![
             "direction".into(),
             if scale.upright { "upright" } else { "lying" }.into(),
         ],
-        vec!["tilt".into(), format!("{:.2}°", scale.tilt_deg)],
+        vec![
+            "tilt".into(),
+            format!("{:.2}°", scale.tilt_rad.to_degrees()),
+        ],
         vec![
             "change of pitch along the scale".into(),
-            format!("{:.2} %", scale.pitch_change_percent),
+            format!("{:.2} %", 100.0 * scale.pitch_change_ratio),
         ],
         vec!["lines in sight".into(), scale.lines.to_string()],
         vec![
@@ -69,13 +77,17 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
         ],
         vec![
             "longest step".into(),
-            format!("{} mm", rounded(summary.step_max_mm, 3)),
+            format!("{} mm", rounded(1e3 * summary.step_max_m, 3)),
         ],
         vec!["worst quality used".into(), rounded(summary.quality_min, 2)],
     ];
     for (name, unit, value) in [
         ("force", "N", outcome.conditions.force_n),
-        ("gauge length", "mm", outcome.conditions.gauge_length_mm),
+        (
+            "gauge length",
+            "mm",
+            outcome.conditions.gauge_length_m.map(millimetres),
+        ),
         ("temperature", "°C", outcome.conditions.temperature_c),
     ] {
         if let Some(value) = value {
@@ -93,7 +105,7 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
         let rows = summary
             .rejected
             .iter()
-            .map(|r| vec![r.reason.clone(), r.frames.to_string(), r.first.clone()])
+            .map(|r| vec![r.reason.to_string(), r.frames.to_string(), r.first.clone()])
             .collect();
         page = page.section(
             "Frames not used",
@@ -119,15 +131,16 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     .html()
 }
 
-/// Time, elongation, its deviation, quality.
+/// Time, s, elongation and its deviation, mm, quality.
 type Row = (f64, f64, f64, f64);
 
 fn figure(outcome: &Outcome) -> Figure {
     let all: Vec<Row> = outcome
         .used()
         .map(|(_, frame, reading)| {
-            let (elongation, std) = outcome.elongation_mm(reading);
-            (frame.time_s, elongation, std, reading.quality)
+            let (elongation_m, deviation_m) = outcome.elongation_m(reading);
+            let (mm, deviation_mm) = (1e3 * elongation_m, 1e3 * deviation_m);
+            (frame.time_s, mm, deviation_mm, reading.quality)
         })
         .collect();
     let every = all.len().div_ceil(POINTS).max(1);

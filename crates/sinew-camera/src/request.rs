@@ -3,7 +3,8 @@
 use super::error::CameraError;
 use super::frames::Times;
 use super::picture::Picture;
-use super::reader::ReadOptions;
+use super::reading::ReadOptions;
+use super::rejection::millimetres;
 use super::video::VideoTools;
 use std::path::PathBuf;
 
@@ -47,11 +48,12 @@ impl Request {
 
 /// Constants of a test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Conditions {
     /// Tension of the rope, N.
     pub force_n: Option<f64>,
-    /// Length of the rope that stretches, mm.
-    pub gauge_length_mm: Option<f64>,
+    /// Length of the rope that stretches, m.
+    pub gauge_length_m: Option<f64>,
     /// Temperature, °C.
     pub temperature_c: Option<f64>,
 }
@@ -59,7 +61,7 @@ pub struct Conditions {
 /// Refuses options that can't be, before anything is read.
 pub(super) fn check(request: &Request) -> Result<(), CameraError> {
     let refuse = |text: String| Err(CameraError::Option(text));
-    if let Some(pitch) = request.read.pitch_mm
+    if let Some(pitch) = request.read.pitch_m.map(millimetres)
         && !(pitch > 0.0 && pitch <= 100.0)
     {
         return refuse(format!(
@@ -72,15 +74,20 @@ pub(super) fn check(request: &Request) -> Result<(), CameraError> {
             "an elongation of {ratio} mm per mm of movement can't be; say a number that is not 0"
         ));
     }
-    if request.read.std_most_mm.is_nan() || request.read.std_most_mm <= 0.0 {
+    let most_m = request.read.deviation_most_m;
+    if most_m.is_nan() || most_m <= 0.0 {
         return refuse(format!(
             "a largest deviation of {} mm can't be; above 0",
-            request.read.std_most_mm
+            millimetres(most_m)
         ));
     }
     for (name, unit, value) in [
         ("force", "N", request.conditions.force_n),
-        ("gauge length", "mm", request.conditions.gauge_length_mm),
+        (
+            "gauge length",
+            "mm",
+            request.conditions.gauge_length_m.map(millimetres),
+        ),
     ] {
         if let Some(value) = value
             && !(value > 0.0 && value.is_finite())

@@ -1,5 +1,6 @@
 //! A whole series: frames in, a recording out.
 
+use super::decode::decode;
 use super::error::CameraError;
 use super::frames::{self, Times};
 use super::outcome::{Frame, Outcome};
@@ -51,7 +52,7 @@ pub fn run(
                 for file in list.frames {
                     let picture = std::fs::read(&file.path)
                         .map_err(|e| e.to_string())
-                        .and_then(|bytes| Picture::decode(&bytes));
+                        .and_then(|bytes| decode(&bytes));
                     let (name, time_s) = (file.name, file.time_s);
                     if sender
                         .send(Ok(Arrival {
@@ -130,7 +131,7 @@ fn read_all(
                 .map_err(Rejection::NoScale)
                 .and_then(|()| reader.look(picture)),
         };
-        if let (Ok((reading, sight)), Ok(picture)) = (&looked, &picture) {
+        if let (Ok((reading, view)), Ok(picture)) = (&looked, &picture) {
             if reference.is_none() {
                 reference = Some(name.clone());
                 reader
@@ -149,7 +150,7 @@ fn read_all(
                     scale,
                     reading,
                 };
-                let png = overlay::draw(picture, sight, &caption).map_err(|reason| {
+                let png = overlay::draw(picture, view, &caption).map_err(|reason| {
                     CameraError::Overlay {
                         path: path.clone(),
                         reason,

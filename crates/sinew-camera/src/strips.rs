@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 
 /// A rectangle of a picture, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Region {
     /// First column.
     pub x: usize,

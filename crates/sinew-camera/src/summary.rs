@@ -1,11 +1,13 @@
 //! A series in a few numbers.
 
-use super::outcome::Outcome;
-use super::reader::Scale;
+use super::outcome::{Outcome, Rejected};
+use super::reading::Scale;
 use super::request::Conditions;
+use sinew_files::JsonDocument;
 
-/// What `--json` prints.
+/// What became of the frames, the scale, and the elongation from end to end.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// Frames found.
     pub frames: usize,
@@ -17,26 +19,26 @@ pub struct Summary {
     pub reference_frame: String,
     /// The scale in it.
     pub scale: Scale,
-    /// Pixels per millimetre in the middle of the scale.
-    pub px_per_mm: f64,
+    /// Pixels per metre in the middle of the scale.
+    pub px_per_m: f64,
     /// Elongation per movement of the scale.
     pub elongation_per_movement: f64,
-    /// First and last time used, s.
+    /// First time used, s.
     pub time_from_s: f64,
     /// Last time used, s.
     pub time_to_s: f64,
-    /// Elongation of the last frame used, mm.
-    pub elongation_last_mm: f64,
-    /// Smallest elongation, mm.
-    pub elongation_min_mm: f64,
-    /// Largest elongation, mm.
-    pub elongation_max_mm: f64,
-    /// Root mean square of the frames' standard deviations, mm.
-    pub elongation_std_rms_mm: f64,
+    /// Elongation of the last frame used, m.
+    pub elongation_last_m: f64,
+    /// Smallest elongation, m.
+    pub elongation_min_m: f64,
+    /// Largest elongation, m.
+    pub elongation_max_m: f64,
+    /// Root mean square of the frames' standard deviations, m.
+    pub elongation_deviation_rms_m: f64,
     /// Worst quality of a frame used, 0 to 1.
     pub quality_min: f64,
-    /// Longest step between frames used, mm.
-    pub step_max_mm: f64,
+    /// Longest step between frames used, m.
+    pub step_max_m: f64,
     /// Steps counted by longer lines and numbers.
     pub steps_jumped: usize,
     /// Constants of the test.
@@ -45,15 +47,8 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// Frames without a reading for one reason.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Rejected {
-    /// One word.
-    pub reason: String,
-    /// Frames.
-    pub frames: usize,
-    /// First of them with its message.
-    pub first: String,
+impl JsonDocument for Summary {
+    const SCHEMA: &'static str = "sinew/camera/1";
 }
 
 impl Summary {
@@ -62,8 +57,8 @@ impl Summary {
         let values: Vec<(f64, f64, f64)> = outcome
             .used()
             .map(|(_, frame, reading)| {
-                let (elongation, std) = outcome.elongation_mm(reading);
-                (frame.time_s, elongation, std)
+                let (elongation_m, deviation_m) = outcome.elongation_m(reading);
+                (frame.time_s, elongation_m, deviation_m)
             })
             .collect();
         let elongations = || values.iter().map(|v| v.1);
@@ -72,27 +67,19 @@ impl Summary {
         Self {
             frames: outcome.frames.len(),
             frames_used: values.len(),
-            rejected: outcome
-                .rejected()
-                .into_iter()
-                .map(|(word, frames, first)| Rejected {
-                    reason: word.to_owned(),
-                    frames,
-                    first,
-                })
-                .collect(),
+            rejected: outcome.rejected(),
             reference_frame: outcome.reference.clone(),
-            px_per_mm: outcome.scale.pitch_px / outcome.scale.pitch_mm,
+            px_per_m: outcome.scale.pitch_px / outcome.scale.pitch_m,
             scale: outcome.scale.clone(),
             elongation_per_movement: outcome.elongation_per_movement,
             time_from_s: values.first().map_or(0.0, |v| v.0),
             time_to_s: values.last().map_or(0.0, |v| v.0),
-            elongation_last_mm: values.last().map_or(0.0, |v| v.1),
-            elongation_min_mm: elongations().fold(f64::MAX, f64::min),
-            elongation_max_mm: elongations().fold(f64::MIN, f64::max),
-            elongation_std_rms_mm: (squares / values.len().max(1) as f64).sqrt(),
+            elongation_last_m: values.last().map_or(0.0, |v| v.1),
+            elongation_min_m: elongations().fold(f64::MAX, f64::min),
+            elongation_max_m: elongations().fold(f64::MIN, f64::max),
+            elongation_deviation_rms_m: (squares / values.len().max(1) as f64).sqrt(),
             quality_min: outcome.used().map(|u| u.2.quality).fold(1.0, f64::min),
-            step_max_mm: steps.fold(0.0, f64::max),
+            step_max_m: steps.fold(0.0, f64::max),
             steps_jumped: outcome.used().filter(|u| u.2.jumped).count(),
             conditions: outcome.conditions,
             notes: outcome.notes.clone(),

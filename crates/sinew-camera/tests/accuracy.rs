@@ -3,7 +3,7 @@
 use crate::scale_picture::{Camera, Print, draw, jpeg, picture};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_camera::{Picture, ReadOptions, ScaleReader};
+use sinew_camera::{ReadOptions, ScaleReader, decode};
 
 const FRAMES: u64 = 24;
 
@@ -53,18 +53,18 @@ fn measure(name: &'static str, camera: &Camera, print: &Print, quality: Option<u
         };
         let frame = match quality {
             None => picture(&camera, print, position),
-            Some(q) => Picture::decode(&jpeg(&camera, print, position, q)).unwrap(),
+            Some(q) => decode(&jpeg(&camera, print, position, q)).unwrap(),
         };
         let reading = reader
             .read(&frame)
             .unwrap_or_else(|e| panic!("{name}, frame {seed}: {e}"));
         let zero = *zero.get_or_insert(position);
         if seed > 0 {
-            let error = reading.position_mm - 0.5 * (position - zero);
+            let error = 1e3 * reading.position_m - 0.5 * (position - zero);
             square += error * error;
             worst = worst.max(error.abs());
-            stated += reading.position_std_mm.powi(2);
-            ratio += (error / reading.position_std_mm).powi(2);
+            stated += (1e3 * reading.position_deviation_m).powi(2);
+            ratio += (error / (1e3 * reading.position_deviation_m)).powi(2);
             used += 1;
         }
         let step = if print.lengths.len() > 1 { 6.0 } else { 0.7 };

@@ -14,7 +14,7 @@ fn a_hundred_millimetres_and_back_come_back_to_zero() {
     let way = |i: i32| 200.0 * (std::f64::consts::PI * f64::from(i) / 120.0).sin();
     for i in 0..=120 {
         let reading = reader.read(&picture(&camera, &print, way(i))).unwrap();
-        let error = reading.position_mm - 0.5 * way(i);
+        let error = 1e3 * reading.position_m - 0.5 * way(i);
         assert!(error.abs() < 2e-3, "frame {i}: {error} mm");
     }
 }
@@ -27,7 +27,7 @@ fn a_jump_of_many_graduations_is_counted_by_the_numbers() {
     for (at, jumped) in [(7.3, true), (7.4, false), (-21.8, true), (-9.3, true)] {
         let reading = reader.read(&picture(&camera, &print, at)).unwrap();
         assert!(
-            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            (1e3 * reading.position_m - 0.5 * at).abs() < 2e-3,
             "{at}: {reading:?}"
         );
         assert_eq!(reading.jumped, jumped, "{at}");
@@ -43,17 +43,14 @@ fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
     for at in [0.3, 0.65, 1.0, 1.38] {
         let reading = reader.read(&picture(&camera, &print, at)).unwrap();
         assert!(
-            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            (1e3 * reading.position_m - 0.5 * at).abs() < 2e-3,
             "{at}: {reading:?}"
         );
     }
     match reader.read(&picture(&camera, &print, 1.83)) {
-        Err(Rejection::Ambiguous {
-            nearest_mm,
-            other_mm,
-        }) => {
-            assert!((nearest_mm - 0.225).abs() < 2e-3, "{nearest_mm}");
-            assert!((other_mm + 0.275).abs() < 2e-3, "{other_mm}");
+        Err(Rejection::Ambiguous { nearest_m, other_m }) => {
+            assert!((1e3 * nearest_m - 0.225).abs() < 2e-3, "{nearest_m}");
+            assert!((1e3 * other_m + 0.275).abs() < 2e-3, "{other_m}");
         }
         other => panic!("{other:?}"),
     }
@@ -64,7 +61,7 @@ fn lines_that_look_alike_count_small_steps_and_refuse_large_ones() {
         "{twice:?}"
     );
     let near = reader.read(&picture(&camera, &print, 1.45)).unwrap();
-    assert!((near.position_mm - 0.725).abs() < 2e-3, "{near:?}");
+    assert!((1e3 * near.position_m - 0.725).abs() < 2e-3, "{near:?}");
 }
 
 #[test]
@@ -76,13 +73,13 @@ fn a_millimetre_scale_is_not_taken_for_a_half_millimetre_scale() {
     assert!(error.to_string().contains("every 5th line"), "{error}");
     assert!(error.to_string().contains("--pitch-mm 1"), "{error}");
     let mut said = ScaleReader::new(ReadOptions {
-        pitch_mm: Some(1.0),
+        pitch_m: Some(1e-3),
         ..ReadOptions::default()
     });
     said.read(&picture(&camera, &print, 0.0)).unwrap();
     said.check_pitch().unwrap();
     let reading = said.read(&picture(&camera, &print, 2.6)).unwrap();
-    assert!((reading.position_mm - 2.6).abs() < 4e-3, "{reading:?}");
+    assert!((1e3 * reading.position_m - 2.6).abs() < 4e-3, "{reading:?}");
 }
 
 #[test]
@@ -101,7 +98,7 @@ fn an_end_of_the_scale_that_passes_through_the_picture_does_no_harm() {
         let at = 2.3 * f64::from(i);
         let reading = reader.read(&picture(&camera, &print, at)).unwrap();
         assert!(
-            (reading.position_mm - 0.5 * at).abs() < 2e-3,
+            (1e3 * reading.position_m - 0.5 * at).abs() < 2e-3,
             "{at}: {reading:?}"
         );
     }

@@ -41,7 +41,7 @@ fn the_example_reads_as_it_was_drawn() {
     let outcome = sinew_camera::run(&Request::new(folder()), &mut |_| {}).unwrap();
     assert_eq!(Summary::of(&outcome).frames_used, TIMES_S.len());
     for (_, frame, reading) in outcome.used() {
-        let error = reading.position_mm - movement_mm(frame.time_s);
+        let error = 1e3 * reading.position_m - movement_mm(frame.time_s);
         assert!(error.abs() < 1e-3, "{}: {error} mm", frame.name);
     }
     let bytes: u64 = std::fs::read_dir(folder())

@@ -1,7 +1,9 @@
 //! Folders and videos: times, order, what is left out, what is refused, what is written.
 
 use crate::scale_picture::{Camera, Print, draw8, jpeg, png};
-use sinew_camera::{CameraError, Outcome, Request, Summary, Times, VideoTools, html};
+use sinew_camera::{
+    CameraError, Outcome, RejectionKind, Request, Summary, Times, VideoTools, html,
+};
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
@@ -35,7 +37,7 @@ fn at_rate(folder: &Path, rate: f64) -> Request {
 fn elongations(outcome: &Outcome) -> Vec<(f64, f64)> {
     outcome
         .used()
-        .map(|(_, frame, reading)| (frame.time_s, outcome.elongation_mm(reading).0))
+        .map(|(_, frame, reading)| (frame.time_s, 1e3 * outcome.elongation_m(reading).0))
         .collect()
 }
 
@@ -64,7 +66,7 @@ fn a_folder_becomes_a_recording() {
     let mut request = Request::new(folder.path());
     request.elongation_per_movement = -0.5;
     request.conditions.force_n = Some(100.0);
-    request.conditions.gauge_length_mm = Some(700.0);
+    request.conditions.gauge_length_m = Some(0.7);
     let overlay = folder.path().join("overlay.png");
     request.overlay = Some(overlay.clone());
     let outcome = run(&request).unwrap();
@@ -94,10 +96,10 @@ fn a_folder_becomes_a_recording() {
     assert_eq!(lines.count(), 4);
     let summary = Summary::of(&outcome);
     assert_eq!((summary.frames, summary.frames_used), (4, 4));
-    assert!((summary.px_per_mm - 20.0).abs() < 0.01);
-    assert!((summary.elongation_last_mm + 0.35).abs() < 1e-3);
+    assert!((1e-3 * summary.px_per_m - 20.0).abs() < 0.01);
+    assert!((1e3 * summary.elongation_last_m + 0.35).abs() < 1e-3);
     let json = serde_json::to_value(&summary).unwrap();
-    assert_eq!(json["scale"]["pitch_mm"], 0.5);
+    assert_eq!(json["scale"]["pitch_m"], 0.5e-3);
     let page = html(&outcome, "bench <7>", "0");
     assert!(page.contains("bench &lt;7&gt;") && page.contains("<svg"));
     // The overlay has the picture on top and green lines on the print.
@@ -157,13 +159,13 @@ fn bad_frames_are_named_and_the_rest_is_read() {
     assert_eq!(outcome.reference, "2.png");
     let rejected = outcome.rejected();
     assert_eq!(
-        (rejected[0].0, rejected[0].1),
-        ("unreadable", 3),
+        (rejected[0].reason, rejected[0].frames),
+        (RejectionKind::Unreadable, 3),
         "{rejected:?}"
     );
     assert!(
         rejected[1]
-            .2
+            .first
             .contains("200 × 160 px, but the reference frame has 400 × 160"),
         "{rejected:?}"
     );
@@ -205,10 +207,10 @@ fn times_come_from_a_table_in_any_order() {
         notes.contains("1 frames of the folder are not in"),
         "{notes}"
     );
-    let words: Vec<&str> = outcome.rejected().iter().map(|r| r.0).collect();
+    let kinds: Vec<_> = outcome.rejected().iter().map(|r| r.reason).collect();
     assert!(
-        words.contains(&"same-time") && words.contains(&"unreadable"),
-        "{words:?}"
+        kinds.contains(&RejectionKind::SameTime) && kinds.contains(&RejectionKind::Unreadable),
+        "{kinds:?}"
     );
     for (text, want) in [
         ("file,t\na.png,0\n", "no column 'time_s'"),
@@ -220,9 +222,9 @@ fn times_come_from_a_table_in_any_order() {
         ("file,time_s\na.png\n", "line 2, column 'time_s': is empty"),
         (
             "file,time_s\na.png,0\na.png,1\n",
-            "line 3: file 'a.png' is named twice",
+            "line 3, column 'file' = 'a.png': must be named once; it is named twice",
         ),
-        ("file,time_s\n../a.png,0\n", "is not the name of a file"),
+        ("file,time_s\n../a.png,0\n", "must be the name of a file"),
         ("file,time_s\n", "no row names a frame"),
         ("", "no column 'file'"),
     ] {
@@ -251,7 +253,7 @@ fn what_cannot_be_read_is_refused_with_what_to_do() {
     );
     refuse(&at_rate(folder.path(), 0.0), "a frame rate of 0 1/s");
     let mut request = at_rate(folder.path(), 1.0);
-    request.read.pitch_mm = Some(-1.0);
+    request.read.pitch_m = Some(-1e-3);
     refuse(&request, "a line every -1 mm");
     let mut request = at_rate(folder.path(), 1.0);
     request.elongation_per_movement = 0.0;

@@ -16,6 +16,7 @@ mod nuisance;
 mod recording;
 pub mod replay;
 mod request;
+pub mod robot_check;
 pub mod robot_dir;
 pub mod session;
 pub mod strand_duty;

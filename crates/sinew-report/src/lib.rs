@@ -5,9 +5,13 @@
 //! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
 //! date, no path that wasn't given.
 
+#[cfg(feature = "camera")]
+pub mod camera;
 pub mod creep;
 mod estimate;
 mod figures;
+pub mod log;
+pub mod robot;
 pub mod rope;
 mod sentences;
 mod session;

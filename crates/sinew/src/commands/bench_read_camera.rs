@@ -3,10 +3,10 @@
 use crate::args;
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
-use crate::text::{paragraph, plain, table};
 use clap::Args;
-use sinew_camera::{Conditions, Outcome, ReadOptions, Region, Request, Summary, Times};
-use sinew_files::write_file;
+use sinew_camera::{Conditions, ReadOptions, Region, Request, Summary, Times};
+use sinew_files::{JsonDocument as _, write_file};
+use sinew_report::text::plain;
 use std::path::{Path, PathBuf};
 
 /// Read the carriage's position from pictures of a half-millimetre scale
@@ -171,9 +171,9 @@ impl ReadCamera {
             }
         }
         if self.json {
-            answer(&(serde_json::to_string_pretty(&summary)? + "\n"))?;
+            answer(&summary.to_json()?)?;
         } else {
-            answer(&self.text(&outcome, &summary))?;
+            answer(&sinew_report::camera::render(&outcome, &summary))?;
         }
         Ok(Finish::lossy(summary.frames_used < summary.frames))
     }
@@ -186,88 +186,24 @@ impl ReadCamera {
             (None, None) => Times::Names,
         };
         request.read = ReadOptions {
-            pitch_mm: self.scale.pitch_mm,
+            pitch_m: self.scale.pitch_mm.map(|mm| 1e-3 * mm),
             region: self.scale.region,
             upright: match (self.scale.upright, self.scale.lying) {
                 (true, _) => Some(true),
                 (_, true) => Some(false),
                 _ => None,
             },
-            std_most_mm: self.scale.std_most_mm,
+            deviation_most_m: 1e-3 * self.scale.std_most_mm,
         };
         request.elongation_per_movement = self.test.elongation_per_movement;
         request.conditions = Conditions {
             force_n: self.test.force_n,
-            gauge_length_mm: self.test.gauge_length_mm,
+            gauge_length_m: self.test.gauge_length_mm.map(|mm| 1e-3 * mm),
             temperature_c: self.test.temperature_c,
         };
         request.overlay.clone_from(&self.overlay);
         request.overlay_frame.clone_from(&self.overlay_frame);
         request
-    }
-
-    fn text(&self, outcome: &Outcome, s: &Summary) -> String {
-        let mut out = paragraph(
-            &format!(
-                "{} of {} frames used, {} to {} s; zero is {}",
-                s.frames_used,
-                s.frames,
-                s.time_from_s,
-                s.time_to_s,
-                plain(&s.reference_frame)
-            ),
-            0,
-        );
-        out += &paragraph(
-            &format!(
-                "scale: {}, a line every {} mm = {:.3} px, tilt {:.2}°, {} lines, {}",
-                if s.scale.upright { "upright" } else { "lying" },
-                s.scale.pitch_mm,
-                s.scale.pitch_px,
-                s.scale.tilt_deg,
-                s.scale.lines,
-                s.scale
-                    .longer_every
-                    .map_or("all alike".into(), |n| format!("every {n} longer")),
-            ),
-            7,
-        );
-        // A handful of readings shows the course; the recording has them all.
-        const ROWS: usize = 12;
-        let used: Vec<_> = outcome.used().collect();
-        let every = used.len().div_ceil(ROWS).max(1);
-        let rows = used
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| i % every == 0 || i + 1 == used.len())
-            .map(|(_, (_, frame, reading))| {
-                let (elongation, std) = outcome.elongation_mm(reading);
-                vec![
-                    plain(&frame.name),
-                    format!("{}", (frame.time_s * 1e3).round() / 1e3),
-                    format!("{elongation:.4}"),
-                    format!("{std:.4}"),
-                    format!("{:.2}", reading.quality),
-                ]
-            })
-            .collect();
-        out += &table(
-            &["frame", "time, s", "elongation, mm", "± std, mm", "quality"],
-            rows,
-            1,
-        );
-        for rejected in &s.rejected {
-            out += &paragraph(
-                &format!(
-                    "not used: {} {}, first {}",
-                    rejected.frames,
-                    rejected.reason,
-                    plain(&rejected.first)
-                ),
-                4,
-            );
-        }
-        out
     }
 }
 

@@ -2,11 +2,9 @@
 
 use crate::args::Opening;
 use crate::terminal::{Bar, Failure, Finish, answer};
-use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_figure::rounded;
 use sinew_files::JsonDocument as _;
-use sinew_log::{Format, Health, Pace, Quantity, RecordingInfo};
+use sinew_log::Pace;
 use std::path::PathBuf;
 
 /// Look into a recording
@@ -59,133 +57,8 @@ impl Info {
         let info = pace.info(&recording, &self.file.display().to_string());
         answer(&match self.json {
             true => info.to_json()?,
-            false => told(&info),
+            false => sinew_report::log::render(&info),
         })?;
         Ok(Finish::lossy(info.lossy))
     }
-}
-
-fn format_name(format: Format) -> &'static str {
-    match format {
-        Format::Mcap => "MCAP",
-        Format::Csv => "CSV",
-        Format::Parquet => "Parquet",
-    }
-}
-
-fn told(info: &RecordingInfo) -> String {
-    let ms = |step_s: Option<f64>| rounded(1e3 * step_s.unwrap_or(f64::NAN), 3);
-    let mut out = paragraph(
-        &plain(&format!(
-            "{}: {}, {} frames, {} s at {} Hz (steps of {} to {} ms), {} without a gap",
-            info.file,
-            format_name(info.format),
-            info.frames,
-            rounded(info.duration_s.unwrap_or(f64::NAN), 5),
-            rounded(info.mean_rate_hz.unwrap_or(f64::NAN), 4),
-            ms(info.shortest_step_s),
-            ms(info.longest_step_s),
-            match info.segments {
-                1 => "1 stretch".to_string(),
-                n => format!("{n} stretches"),
-            }
-        )),
-        2,
-    );
-    let mut head = vec!["joint"];
-    head.extend(Quantity::PER_JOINT.map(Quantity::symbol));
-    let rows = info.joints.iter().map(|joint| {
-        let mut row = vec![plain(&joint.name)];
-        let has = |q| {
-            if joint.channels.contains(&q) {
-                "yes"
-            } else {
-                "–"
-            }
-        };
-        row.extend(Quantity::PER_JOINT.map(|q| has(q).into()));
-        row
-    });
-    out.push_str(&table(&head, rows.collect(), 1));
-    let mut line = |text: String| out.push_str(&paragraph(&plain(&text), 2));
-    let yes = |b: bool| if b { "yes" } else { "no" };
-    line(format!(
-        "temperature: {}; robot_description: {}",
-        yes(info.temperature),
-        yes(info.robot_description)
-    ));
-    for text in troubles(&info.health) {
-        line(text);
-    }
-    out
-}
-
-/// What was lost, repaired or suspicious, one sentence each.
-fn troubles(health: &Health) -> Vec<String> {
-    let mut all = Vec::new();
-    for damage in &health.damage {
-        all.push(format!(
-            "damaged at byte {}: {} ({} bytes lost)",
-            damage.offset, damage.reason, damage.bytes
-        ));
-    }
-    for (count, what) in [
-        (health.late, "messages dropped: too late to be sorted in"),
-        (
-            health.duplicates,
-            "messages dropped: time stamp seen before",
-        ),
-        (health.undecodable, "messages dropped: not decodable"),
-        (health.rows_without_time, "rows dropped: without a time"),
-        (health.out_of_order, "messages out of order, sorted in"),
-        (health.clock_jumps, "times the clock went back"),
-        (
-            health.short_messages,
-            "messages with fewer values than names",
-        ),
-        (
-            health.ragged_rows,
-            "rows with more or fewer cells than the header",
-        ),
-        (
-            health.frames_without_motor_side,
-            "frames without motor positions",
-        ),
-        (
-            health.frames_without_joint_side,
-            "frames without joint positions",
-        ),
-    ] {
-        if count > 0 {
-            all.push(format!("{count} {what}"));
-        }
-    }
-    if health.gaps > 0 {
-        all.push(format!(
-            "{} gaps, the longest {} s",
-            health.gaps,
-            rounded(health.longest_gap_s, 3)
-        ));
-    }
-    for signal in &health.non_finite {
-        all.push(format!(
-            "{} samples of {} of '{}' are NaN or infinite",
-            signal.count,
-            signal.quantity.symbol(),
-            signal.joint
-        ));
-    }
-    for signal in &health.unwrapped {
-        all.push(format!(
-            "{} turns of {} of '{}' unwrapped",
-            signal.count,
-            signal.quantity.symbol(),
-            signal.joint
-        ));
-    }
-    all.extend(health.suspicions.iter().map(|s| format!("warning: {s}")));
-    if all.is_empty() {
-        all.push("nothing lost, nothing odd".into());
-    }
-    all
 }

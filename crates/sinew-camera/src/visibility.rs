@@ -1,14 +1,14 @@
-//! What of the scale a frame shows: which rows, how strong, what is covered.
+//! What of the scale a frame shows: which rows, how strong, what is occluded.
 
 use super::find::STRIP_ROWS;
-use super::map::PhaseMap;
 use super::marks::{self, BEYOND};
 use super::phase::Shift;
+use super::phase_map::PhaseMap;
 use super::strips::{Blocks, Region};
 
 /// What a frame's measurement saw, for drawing.
 #[derive(Debug, Clone)]
-pub(crate) struct Sight {
+pub(crate) struct View {
     pub(crate) upright: bool,
     pub(crate) blocks: Blocks,
     pub(crate) lined: Vec<bool>,
@@ -20,7 +20,7 @@ pub(crate) struct Sight {
 }
 
 /// The scale with room to wander across, all along.
-pub(super) fn room(region: Region, whole: Region) -> Region {
+pub(super) fn search_window(region: Region, whole: Region) -> Region {
     let margin = ((region.height as f64 * BEYOND) as usize).max(3 * STRIP_ROWS);
     let y = region.y.saturating_sub(margin).max(whole.y);
     Region {
@@ -32,14 +32,14 @@ pub(super) fn room(region: Region, whole: Region) -> Region {
 }
 
 /// Rows of the lines with a little room to wander across.
-pub(super) fn rows(region: Region) -> (f64, f64) {
+pub(super) fn line_rows(region: Region) -> (f64, f64) {
     let margin = (region.height as f64 / 8.0).max(STRIP_ROWS as f64);
     let top = region.y as f64;
     (top - margin, top + region.height as f64 + margin)
 }
 
 /// Contrast of the reference frame's strong blocks: those within the scale's box.
-pub(super) fn strong(blocks: &Blocks, region: Region) -> f64 {
+pub(super) fn scale_contrast(blocks: &Blocks, region: Region) -> f64 {
     let inside = |x: f64, y: f64| {
         x >= region.x as f64
             && x <= (region.x + region.width) as f64
@@ -56,7 +56,7 @@ pub(super) fn strong(blocks: &Blocks, region: Region) -> f64 {
 }
 
 /// Contrast that a fifth of as many blocks as the scale has exceed.
-pub(super) fn strongest(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
+pub(super) fn line_contrast(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
     let mut contrasts: Vec<f64> = blocks
         .all
         .iter()
@@ -75,9 +75,9 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// Whether the scale is covered at a column: in a window that reaches there fewer than two thirds
+/// Whether the scale is occluded at a column: in a window that reaches there fewer than two thirds
 /// of the usual number of strips agree.
-pub(super) fn cover(
+pub(super) fn occlusion(
     blocks: &Blocks,
     agree: &[bool],
     window_px: usize,
@@ -110,7 +110,7 @@ pub(super) fn cover(
 }
 
 /// Lines between the outermost blocks that agree.
-pub(super) fn lines_in_sight(map: &PhaseMap, shift: &Shift, blocks: &Blocks) -> usize {
+pub(super) fn visible_lines(map: &PhaseMap, shift: &Shift, blocks: &Blocks) -> usize {
     let (mut left, mut right) = (f64::MAX, f64::MIN);
     for (block, _) in blocks.all.iter().zip(&shift.agree).filter(|(_, a)| **a) {
         left = left.min(block.x);

@@ -1,6 +1,6 @@
 //! Every line ever seen, and how many whole graduations a frame is away from them.
 //!
-//! A new frame's lines are laid beside the remembered ones at every offset; where they fit best is
+//! A new frame's lines are held against the index at every offset; where they fit best is
 //! how many whole graduations the scale has moved, whatever happened between the frames.
 
 use super::marks::{Code, Line, VALUES};
@@ -37,7 +37,7 @@ const REPEATS: f64 = 0.5;
 /// Without a code a step must stay this far within half a graduation, graduations.
 pub(crate) const STEP_MOST: f64 = 0.4;
 /// Frames a line's value is averaged over.
-const MEMORY: f32 = 20.0;
+const FRAMES_AVERAGED: f32 = 20.0;
 
 /// How many whole graduations were counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,12 +61,12 @@ pub(crate) enum Counted {
 
 /// Every line seen so far.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Memory {
+pub(crate) struct LineIndex {
     first: i64,
     lines: Vec<Option<(Line, f32)>>,
 }
 
-impl Memory {
+impl LineIndex {
     /// Adds a frame's lines, `whole` graduations on.
     pub(crate) fn learn(&mut self, code: &Code, whole: i64) {
         if code.lines.is_empty() {
@@ -95,7 +95,7 @@ impl Memory {
             match held {
                 None => *held = Some((*line, 1.0)),
                 Some((mean, count)) => {
-                    *count = (*count + 1.0).min(MEMORY);
+                    *count = (*count + 1.0).min(FRAMES_AVERAGED);
                     for (mean, value) in mean.iter_mut().zip(line) {
                         if mean.is_nan() {
                             *mean = *value;
