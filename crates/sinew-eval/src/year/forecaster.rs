@@ -1,7 +1,7 @@
 //! Who forecasts: by the rope, without it, or knowing the true law.
 
 use super::result::Forecaster;
-use super::surrogate::SessionErrors;
+use super::surrogate::{SessionErrors, mrad};
 use super::truth;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -43,15 +43,16 @@ impl Forecaster {
                         slow_time_s: errors.slow_time_s,
                         // What the thermometer's error adds is the drift's, of this robot.
                         white_scale: errors
-                            .white_deviation_rad()
-                            .hypot(errors.drift_rad_per_k * errors.thermometer_k)
-                            / errors.stated_rad,
+                            .white_deviation_mrad()
+                            .hypot(mrad(errors.drift_rad_per_k) * errors.thermometer_k)
+                            / mrad(errors.stated_rad),
                         pace_error,
                         log_weight: 0.0,
                     })
                     .to_vec(),
                 temperature_deviation_rad_per_k: errors.drift_rad_per_k,
-                level_deviation_rad: errors.slow_rad.hypot(errors.bias_rad).max(LEAST_RAD),
+                level_deviation_rad: 1e-3
+                    * (mrad(errors.slow_rad).hypot(mrad(errors.bias_rad))).max(mrad(LEAST_RAD)),
                 ..Prior::new(true_curves(rope, tendon, curves)?)
             },
         };

@@ -11,6 +11,15 @@ use sinew_model::trend::Record;
 const MRAD: f64 = 1e-3;
 const PERCENT: f64 = 0.01;
 
+/// Errors are summed in the units they were measured in: years stay those of earlier programs.
+pub(super) fn mrad(rad: f64) -> f64 {
+    1e3 * rad
+}
+
+fn percent(ratio: f64) -> f64 {
+    100.0 * ratio
+}
+
 /// Errors of a daily session, as measured on the full chain (see `docs/src/science/years.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -101,9 +110,9 @@ impl SessionErrors {
         }
     }
 
-    /// Standard deviation of the part that differs from session to session, rad.
-    pub(super) fn white_deviation_rad(&self) -> f64 {
-        self.white_rad * (self.white_freedom / (self.white_freedom - 2.0)).sqrt()
+    /// Standard deviation of the part that differs from session to session, mrad.
+    pub(super) fn white_deviation_mrad(&self) -> f64 {
+        mrad(self.white_rad) * (self.white_freedom / (self.white_freedom - 2.0)).sqrt()
     }
 }
 
@@ -134,38 +143,41 @@ pub fn records(
     rng: &mut ChaCha8Rng,
 ) -> Vec<Record> {
     let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
-    let drift = errors.drift_rad_per_k * normal(rng);
-    let bias = errors.bias_rad * normal(rng);
-    let per_stiffness =
-        errors.stiffness_offset_rad + errors.stiffness_offset_spread_rad * normal(rng);
-    let softening = errors.stiffness_drift_ratio_per_k * normal(rng);
+    let drift = mrad(errors.drift_rad_per_k) * normal(rng);
+    let bias = mrad(errors.bias_rad) * normal(rng);
+    let per_percent = mrad(0.01 * errors.stiffness_offset_rad)
+        + mrad(0.01 * errors.stiffness_offset_spread_rad) * normal(rng);
+    let softening = percent(errors.stiffness_drift_ratio_per_k) * normal(rng);
     let phi = (-DAY_S / errors.slow_time_s).exp();
-    let mut slow = errors.slow_rad * normal(rng);
+    let slow_mrad = mrad(errors.slow_rad);
+    let mut slow = slow_mrad * normal(rng);
     let zero = slow;
     let tails = StudentT::new(errors.white_freedom).ok();
     let mut out = Vec::with_capacity(creep_rad.len());
     for day in 1..creep_rad.len() {
-        slow = phi * slow + errors.slow_rad * (1.0 - phi * phi).sqrt() * normal(rng);
-        let white = errors.white_rad * tails.map_or(0.0, |t| t.sample(rng));
+        slow = phi * slow + slow_mrad * (1.0 - phi * phi).sqrt() * normal(rng);
+        let white = mrad(errors.white_rad) * tails.map_or(0.0, |t| t.sample(rng));
         let lost = failure
             .filter(|f| day >= f.day)
-            .map_or(0.0, |f| f.stiffness_ratio);
+            .map_or(0.0, |f| percent(f.stiffness_ratio));
         let jump = failure
             .filter(|f| day >= f.day)
-            .map_or(0.0, |f| f.size_rad + per_stiffness * lost);
+            .map_or(0.0, |f| mrad(f.size_rad) + per_percent * lost);
         let warm = temperature_c[day] - temperature_c[0];
         let read = temperature_c[day] + errors.thermometer_k * normal(rng);
         // The baseline's own share of the slow error is in every offset since.
-        let offset_rad = creep_rad[day] + jump + bias + drift * warm + slow - zero + white;
-        let stiffness = softening * warm - errors.stiffness_seen_share * lost
-            + errors.stiffness_white_ratio * normal(rng);
+        let offset_mrad = mrad(creep_rad[day]) + jump + bias + drift * warm + slow - zero + white;
+        let stiffness_percent = softening * warm - errors.stiffness_seen_share * lost
+            + percent(errors.stiffness_white_ratio) * normal(rng);
         let refused = rng.random::<f64>() < errors.refused_share;
         out.push(Record {
             time_s: day as f64 * DAY_S,
-            offset_rad: (!refused).then_some(Gaussian::new(offset_rad, errors.stated_rad)),
+            offset_rad: (!refused).then_some(Gaussian::new(MRAD * offset_mrad, errors.stated_rad)),
             temperature_c: Some(read),
-            stiffness: (!refused)
-                .then_some(Gaussian::new(stiffness, errors.stiffness_stated_ratio)),
+            stiffness: (!refused).then_some(Gaussian::new(
+                PERCENT * stiffness_percent,
+                errors.stiffness_stated_ratio,
+            )),
         });
     }
     out
