@@ -62,9 +62,9 @@ pub enum ScenarioError {
     /// The paper's estimator refused the robot.
     #[error(transparent)]
     Paper(#[from] OffsetConfigError),
-    /// The absolute estimate refused a recording.
+    /// The estimate refused a recording.
     #[error("scenario {scenario}, seed {seed}: {error}")]
-    Absolute {
+    Session {
         /// The scenario.
         scenario: String,
         /// Its seed.

@@ -9,7 +9,6 @@ use sinew_estimate::session::{
     Recorded, SessionError, SessionEstimate, TendonChange, Verdict, Warning,
 };
 use sinew_model::{Gaussian, Interval95};
-use sinew_report::session_warning;
 
 /// How one recording came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,7 +34,7 @@ pub struct Recording {
     /// Distinct poses of B.
     pub poses: usize,
     /// What baseline and estimate warned of.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// One joint at the end of session B. Errors are estimate less truth.
@@ -132,7 +131,7 @@ const SAME_S: f64 = 5.0;
 /// [`ScenarioError`].
 pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, ScenarioError> {
     let simulated = Simulated::new(plan, seed, steps)?;
-    let refused = |error| ScenarioError::Absolute {
+    let refused = |error| ScenarioError::Session {
         scenario: plan.name.clone(),
         seed,
         error: Box::new(error),
@@ -155,7 +154,7 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
             .iter()
             .filter(|w| **w != Warning::NoBaseline)
             .chain(&watched.warnings)
-            .map(session_warning),
+            .cloned(),
     );
     if steps {
         watch_slips(plan, &simulated, &after_b, payload, &mut out).map_err(refused)?;

@@ -4,6 +4,7 @@ use super::result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary}
 use super::{FoundStep, JointScore, Options, Plan, Recording, StepScore};
 use sinew_model::statistics::quantile;
 use sinew_model::{Interval95, Z95};
+use sinew_report::session_warning;
 use std::collections::BTreeMap;
 
 /// Sums recordings up by scenario.
@@ -142,7 +143,11 @@ fn slips(name: &str, recordings: &[&Recording]) -> SlipSummary {
 fn warnings(recordings: &[&Recording]) -> BTreeMap<String, f64> {
     let mut counts = BTreeMap::new();
     for recording in recordings {
-        let mut kinds: Vec<String> = recording.warnings.iter().map(|w| kind(w)).collect();
+        let mut kinds: Vec<String> = recording
+            .warnings
+            .iter()
+            .map(|w| kind(&session_warning(w)))
+            .collect();
         kinds.sort();
         kinds.dedup();
         for kind in kinds {

@@ -63,7 +63,7 @@ pub enum ChainError {
     Simulate(#[from] SimulateError),
     /// The estimate.
     #[error(transparent)]
-    Absolute(#[from] SessionError),
+    Session(#[from] SessionError),
     /// There are no threads to work on.
     #[error("can't start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -12,9 +12,9 @@ use sinew_estimate::session::{
     Payload, Recorded, Recorder, SessionEstimate, SessionOptions, Verdict, estimate_recorded,
     learn_recorded,
 };
+use sinew_model::Gaussian;
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
-use sinew_model::Gaussian;
 use sinew_sim::scenario::{Draw, Offset, OffsetKind, Shape};
 use sinew_sim::{Scenario, Simulation};
 
