@@ -226,7 +226,7 @@ fn times_come_from_a_table_in_any_order() {
         ),
         ("file,time_s\n../a.png,0\n", "must be the name of a file"),
         ("file,time_s\n", "no row names a frame"),
-        ("", "no column 'file'"),
+        ("", "is empty; it needs a line of column names"),
     ] {
         let error = with(text).unwrap_err().to_string();
         assert!(

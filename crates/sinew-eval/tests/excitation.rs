@@ -25,6 +25,11 @@ fn options(poses: usize) -> Options {
     }
 }
 
+/// Half of the 95 % interval, mrad, of a standard deviation in rad.
+fn mrad_95(deviation_rad: f64) -> f64 {
+    1e3 * sinew_model::Z95 * deviation_rad
+}
+
 /// Root mean square of the intervals, mrad.
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
@@ -53,8 +58,14 @@ fn proposed_poses_are_within_limits_and_better_than_random_ones() {
             assert!(way * 15.0 / 8.0 / pair[1].move_s <= 0.5 * limit.velocity + 1e-9);
         }
     }
-    let found = rms(proposal.expected.iter().map(|e| e.interval_95_mrad));
-    let random = rms(proposal.expected.iter().map(|e| e.random_interval_95_mrad));
+    let found = rms(proposal
+        .expected
+        .iter()
+        .map(|e| mrad_95(e.offset_deviation_rad)));
+    let random = rms(proposal
+        .expected
+        .iter()
+        .map(|e| mrad_95(e.random_offset_deviation_rad)));
     println!("rms interval {found:.2} mrad, median random {random:.2} mrad");
     assert!(found <= random, "{found} {random}");
     // Same seed, same list.
@@ -132,12 +143,13 @@ fn what_is_promised_is_what_simulated_robots_show() {
     for seed in 0..seeds {
         for (name, error, interval) in visited(&robot, &proposal, 500 + seed) {
             let expected = proposal.expected.iter().find(|e| e.name == name).unwrap();
+            let expected_mrad = mrad_95(expected.offset_deviation_rad);
             println!(
                 "seed {seed} {name}: error {error:+.2}, ± {interval:.2}, expected ± {:.2} mrad",
-                expected.interval_95_mrad
+                expected_mrad
             );
-            errors.push(error / expected.interval_95_mrad);
-            intervals.push(interval / expected.interval_95_mrad);
+            errors.push(error / expected_mrad);
+            intervals.push(interval / expected_mrad);
         }
     }
     let error = 1.96 * rms(errors.iter().copied());

@@ -9,10 +9,12 @@
 //! Reading order: [`run`], `detection` (observer and detectors on a simulation), `score`.
 
 mod detection;
+mod render;
 mod run;
 mod score;
 
 pub use detection::DetectionSample;
+pub use render::render;
 pub use run::{
     Comparison, Outcome, Sensitivity, Simulated, compare, noise_nm, run, run_with_detectors,
 };

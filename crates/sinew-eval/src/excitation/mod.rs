@@ -9,11 +9,14 @@
 //! Poses only: whether the way between them is free is not checked, and nothing here commands a
 //! robot.
 
-mod file;
+mod proposal;
+mod render;
 mod search;
 mod visit;
 
-pub use search::{Expected, Options, Pose, Proposal, propose};
+pub use proposal::{BaselineSource, Expected, Pose, Proposal};
+pub use render::render;
+pub use search::{Options, propose};
 pub use visit::{Sensors, Visit};
 
 use sinew_estimate::session::SessionError;

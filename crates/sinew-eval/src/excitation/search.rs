@@ -1,11 +1,11 @@
 //! The search for poses, by exchange.
 
 use super::ExcitationError;
+use super::proposal::{BaselineSource, Expected, Pose, Proposal};
 use super::visit::{Sensors, Visit};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use serde::Serialize;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session;
 use sinew_estimate::session::{Payload, SessionEstimate, SessionOptions};
@@ -47,55 +47,6 @@ impl Default for Options {
             seed: 1,
         }
     }
-}
-
-/// Poses to visit, and what to expect from it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Proposal {
-    /// The robot.
-    pub robot: String,
-    /// Its joints, in the order of a pose.
-    pub joints: Vec<String>,
-    /// The poses, in order.
-    pub poses: Vec<Pose>,
-    /// Length of the recording, s, with a rest before the first move.
-    pub duration_s: f64,
-    /// What to expect, per elastic joint.
-    pub expected: Vec<Expected>,
-    /// What the expectation rests on.
-    pub baseline: String,
-    /// Whether the gripper may hold something unknown.
-    pub payload: bool,
-    /// Bits of the joint encoder assumed.
-    pub joint_bits: u32,
-    /// Lists of poses that were looked at.
-    pub lists_tried: usize,
-    /// What the reader should know.
-    pub notes: Vec<String>,
-}
-
-/// One pose of a list.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pose {
-    /// Positions in the order of the joints, rad (m).
-    pub pose_rad: Vec<f64>,
-    /// Length of the move to it, s.
-    pub move_s: f64,
-    /// Rest there, s.
-    pub pause_s: f64,
-}
-
-/// What to expect of one joint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Expected {
-    /// Joint.
-    pub name: String,
-    /// Half of the 95 % interval of its offset, mrad.
-    pub interval_95_mrad: f64,
-    /// The same as elongation, mm; `None` without tendon geometry.
-    pub interval_95_mm: Option<f64>,
-    /// The same for random poses, median of the random lists, mrad.
-    pub random_interval_95_mrad: f64,
 }
 
 /// Interval of simulated robots over that of the nominal one: those of scenario S6, which differ
@@ -144,12 +95,12 @@ pub fn propose(
     for done in 0..lists {
         progress(done, total);
         let poses = search.random_poses(count)?;
-        let said = search.expect(&poses)?;
-        random.push((merit(&said), poses, said));
+        let expected = search.expect(&poses)?;
+        random.push((merit(&expected), poses, expected));
     }
     let medians = medians(&random.iter().map(|r| &r.2).collect::<Vec<_>>());
     random.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut best, mut poses, mut said) = random.swap_remove(0);
+    let (mut best, mut poses, mut expected) = random.swap_remove(0);
     let mut done = lists;
     for _ in 0..options.rounds {
         for place in 0..count {
@@ -158,34 +109,34 @@ pub fn propose(
                 done += 1;
                 let mut tried = poses.clone();
                 tried[place] = search.random_pose()?;
-                let expected = search.expect(&tried)?;
-                if merit(&expected) < best {
-                    (best, poses, said) = (merit(&expected), tried, expected);
+                let trial = search.expect(&tried)?;
+                if merit(&trial) < best {
+                    (best, poses, expected) = (merit(&trial), tried, trial);
                 }
             }
         }
     }
-    Ok(search.proposal(poses, &said, &medians, done))
+    Ok(search.proposal(poses, &expected, &medians, done))
 }
 
 /// Root mean square of the joints' intervals, mrad.
-fn merit(said: &SessionEstimate) -> f64 {
-    let sum: f64 = said
+fn merit(expected: &SessionEstimate) -> f64 {
+    let sum: f64 = expected
         .joints
         .iter()
         .map(|j| (1e3 * j.offset_rad.half_width_95()).powi(2))
         .sum();
-    (sum / said.joints.len().max(1) as f64).sqrt()
+    (sum / expected.joints.len().max(1) as f64).sqrt()
 }
 
-/// Median interval of each joint.
+/// Median standard deviation of each joint's offset, rad.
 fn medians(of: &[&SessionEstimate]) -> Vec<f64> {
     let joints = of.first().map_or(0, |a| a.joints.len());
     (0..joints)
         .map(|i| {
             let mut values: Vec<f64> = of
                 .iter()
-                .map(|a| 1e3 * a.joints[i].offset_rad.half_width_95())
+                .map(|a| a.joints[i].offset_rad.deviation)
                 .collect();
             upper_median(&mut values).unwrap_or(f64::NAN)
         })
@@ -199,7 +150,7 @@ struct Search<'r> {
     rng: ChaCha8Rng,
     ws: ArmWorkspace,
     baseline: Baseline,
-    rests_on: String,
+    source: BaselineSource,
 }
 
 impl<'r> Search<'r> {
@@ -243,7 +194,10 @@ impl<'r> Search<'r> {
                 noise_rad: Vec::new(),
                 motor_noise_nm: Vec::new(),
             },
-            rests_on: String::new(),
+            source: BaselineSource::Assumed {
+                poses: BASELINE_POSES,
+                duration_s: 0.0,
+            },
         };
         let poses = search.random_poses(BASELINE_POSES)?;
         let recorded = search.record(&poses)?;
@@ -252,24 +206,24 @@ impl<'r> Search<'r> {
         match given {
             Some((given, file)) => {
                 // Let the estimator say whether it belongs to this robot.
-                let empty = watching(false);
+                let empty = session_options(false);
                 session::estimate_recorded(robot, &recorded, file, Some((given, file)), &empty)
                     .map_err(Box::new)?;
                 search.baseline = Baseline {
                     covariance_lower: given.covariance_lower.clone(),
                     ..learned
                 };
-                search.rests_on = format!(
-                    "the baseline {file}, recorded as {}",
-                    given.recordings.join(", ")
-                );
+                search.source = BaselineSource::Given {
+                    file: file.into(),
+                    recordings: given.recordings.clone(),
+                };
             }
             None => {
                 search.baseline = learned;
-                search.rests_on = format!(
-                    "a baseline of {BASELINE_POSES} random poses right after tensioning, {:.0} s, not recorded yet",
-                    recorded.duration_s
-                );
+                search.source = BaselineSource::Assumed {
+                    poses: BASELINE_POSES,
+                    duration_s: recorded.duration_s,
+                };
             }
         }
         Ok(search)
@@ -333,33 +287,20 @@ impl<'r> Search<'r> {
             &recorded,
             "proposed poses",
             baseline,
-            &watching(self.options.payload),
+            &session_options(self.options.payload),
         )
-        .map(|(said, _)| said)
+        .map(|(expected, _)| expected)
         .map_err(|e| Box::new(e).into())
     }
 
     fn proposal(
         self,
         poses: Vec<Vec<f64>>,
-        said: &SessionEstimate,
+        expected: &SessionEstimate,
         random: &[f64],
         lists_tried: usize,
     ) -> Proposal {
         let visit = Visit::new(self.robot, poses, self.options.pause_s);
-        let mut notes = vec![
-            "poses stay 10 % of the range away from the limits and take at most half of the effort to hold an empty gripper; moves stay below half of the speed limits".into(),
-            "collisions, cables and people are not checked; Sinew never commands the robot".into(),
-            format!("intervals are {SEEN_OVER_NOMINAL} times those of a robot exactly as described, which is what simulated robots of scenario S6 showed on the BioRob-like arm; another arm may differ"),
-        ];
-        for joint in &said.joints {
-            if SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95() > USELESS_MRAD {
-                notes.push(format!(
-                    "{}: no poses found that show its offset; gravity hardly loads it, or its range is too small",
-                    joint.name
-                ));
-            }
-        }
         Proposal {
             robot: self.robot.name.clone(),
             joints: self.robot.joint_names().to_vec(),
@@ -374,29 +315,32 @@ impl<'r> Search<'r> {
                     pause_s: visit.pause_s,
                 })
                 .collect(),
-            expected: said
+            expected: expected
                 .joints
                 .iter()
                 .zip(random)
                 .map(|(joint, random)| Expected {
                     name: joint.name.clone(),
-                    interval_95_mrad: SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95(),
-                    interval_95_mm: (joint.elongation_m)
-                        .map(|m| SEEN_OVER_NOMINAL * 1e3 * m.half_width_95()),
-                    random_interval_95_mrad: SEEN_OVER_NOMINAL * random,
+                    offset_deviation_rad: SEEN_OVER_NOMINAL * joint.offset_rad.deviation,
+                    elongation_deviation_m: joint
+                        .elongation_m
+                        .map(|m| SEEN_OVER_NOMINAL * m.deviation),
+                    random_offset_deviation_rad: SEEN_OVER_NOMINAL * random,
+                    identifiable: SEEN_OVER_NOMINAL * 1e3 * joint.offset_rad.half_width_95()
+                        <= USELESS_MRAD,
                 })
                 .collect(),
-            baseline: self.rests_on,
+            baseline: self.source,
             payload: self.options.payload,
             joint_bits: self.options.sensors.joint_bits,
             lists_tried,
-            notes,
+            inflation_factor: SEEN_OVER_NOMINAL,
         }
     }
 }
 
-/// How the session to come will be watched.
-fn watching(payload: bool) -> SessionOptions {
+/// How the session to come will be estimated.
+fn session_options(payload: bool) -> SessionOptions {
     SessionOptions {
         payload: if payload {
             Payload::Unknown

@@ -21,6 +21,7 @@ mod fig6;
 mod fig7;
 mod judge;
 mod page;
+mod render;
 mod sentence;
 pub mod staircase;
 mod table1;
@@ -33,6 +34,7 @@ pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
 pub use fig6::fig6;
 pub use fig7::fig7;
 pub use page::write;
+pub use render::render;
 pub use sentence::{Sentence, Unit};
 pub use table1::table1;
 

@@ -3,13 +3,13 @@
 use crate::args;
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
-use crate::text::{paragraph, plain, table};
+use crate::text::plain;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_eval::excitation;
 use sinew_eval::excitation::{Options, Proposal, Sensors};
-use sinew_figure::rounded;
+use sinew_files::JsonDocument as _;
 use std::path::{Path, PathBuf};
 
 /// Propose a short list of poses that makes the offsets identifiable
@@ -105,11 +105,11 @@ impl Excitation {
         if let Some((out, write)) = text {
             sinew_files::write_file(out, write(&proposal).as_bytes())?;
         }
-        if self.json {
-            answer(&(serde_json::to_string_pretty(&proposal)? + "\n"))?;
+        answer(&if self.json {
+            proposal.to_json()?
         } else {
-            answer(&told(&proposal))?;
-        }
+            excitation::render(&proposal)
+        })?;
         Ok(Finish::Complete)
     }
 }
@@ -124,78 +124,4 @@ fn writer(out: &Path) -> Result<fn(&Proposal) -> String, Failure> {
             out.display()
         ))),
     }
-}
-
-/// The proposal as text of at most 80 columns.
-fn told(proposal: &Proposal) -> String {
-    let mut text = paragraph(
-        &plain(&format!(
-            "{}: {} poses, {:.0} s; {} lists tried",
-            proposal.robot,
-            proposal.poses.len(),
-            proposal.duration_s,
-            proposal.lists_tried
-        )),
-        2,
-    );
-    // As many joints side by side as a terminal holds.
-    const SIDE_BY_SIDE: usize = 4;
-    for (part, names) in proposal.joints.chunks(SIDE_BY_SIDE).enumerate() {
-        let mut head = vec!["pose".to_string(), "move, s".into()];
-        head.extend(names.iter().map(|n| format!("{}\nrad", plain(n))));
-        let rows = proposal
-            .poses
-            .iter()
-            .enumerate()
-            .map(|(k, pose)| {
-                let from = part * SIDE_BY_SIDE;
-                let mut row = vec![(k + 1).to_string(), format!("{:.2}", pose.move_s)];
-                row.extend(
-                    pose.pose_rad[from..from + names.len()]
-                        .iter()
-                        .map(|q| format!("{q:.3}").replace('-', "−")),
-                );
-                row
-            })
-            .collect();
-        let head: Vec<&str> = head.iter().map(String::as_str).collect();
-        text.push_str(&table(&head, rows, 1));
-        text.push('\n');
-    }
-    let rows = proposal
-        .expected
-        .iter()
-        .map(|e| {
-            vec![
-                plain(&e.name),
-                rounded(e.interval_95_mrad, 2),
-                e.interval_95_mm.map_or("–".into(), |mm| rounded(mm, 2)),
-                rounded(e.random_interval_95_mrad, 2),
-            ]
-        })
-        .collect();
-    let head = [
-        "expected",
-        "± (95 %)\nmrad",
-        "± (95 %)\nmm",
-        "random poses\nmrad",
-    ];
-    text.push_str(&table(&head, rows, 1));
-    text.push('\n');
-    let held = if proposal.payload {
-        "something unknown"
-    } else {
-        "nothing"
-    };
-    text.push_str(&paragraph(
-        &plain(&format!(
-            "with {held} in the gripper and joint encoders of {} bits; rests on {}",
-            proposal.joint_bits, proposal.baseline
-        )),
-        2,
-    ));
-    for note in &proposal.notes {
-        text.push_str(&paragraph(&plain(note), 2));
-    }
-    text
 }

@@ -5,7 +5,6 @@ mod baseline_merge;
 pub(crate) mod bench;
 #[cfg(feature = "camera")]
 mod bench_read_camera;
-mod control;
 pub(crate) mod creep;
 pub(crate) mod estimate;
 pub(crate) mod excitation;

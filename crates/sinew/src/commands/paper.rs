@@ -1,11 +1,9 @@
 //! `sinew paper`: the paper's evaluation, done again.
 
 use crate::terminal::{Failure, Finish, answer, complain};
-use crate::text::{indented, paragraph, table};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::paper;
-use sinew_eval::paper::PaperFigure;
 use sinew_files::JsonDocument as _;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
@@ -83,7 +81,7 @@ impl Paper {
         answer(&if self.json {
             figure.to_json()?
         } else {
-            render(&figure)
+            paper::render(&figure)
         })?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
         if failed > 0 && !self.quiet {
@@ -95,37 +93,4 @@ impl Paper {
         }
         Ok(Finish::lossy(failed > 0))
     }
-}
-
-/// The table where there is one, sentences, and what was written.
-fn render(figure: &PaperFigure) -> String {
-    let mut out = String::new();
-    if !figure.rows.is_empty() {
-        let (head, cells) = paper::table(&figure.rows);
-        out = table(&head, cells, 2) + "\n";
-    }
-    out.push_str(&paragraph(&figure.title, 0));
-    for sentence in &figure.sentences {
-        let verdict = if sentence.holds { "holds:" } else { "FAILS:" };
-        out.push('\n');
-        out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
-        let (value, unit) = sentence.shown();
-        let found = format!(
-            "found {} {unit}; {}",
-            sinew_figure::rounded(value, 3),
-            sentence.criterion
-        );
-        out.push_str(&indented(&found, 7, 7));
-    }
-    for text in &figure.not_judged {
-        out.push('\n');
-        out.push_str(&paragraph(&format!("not judged: {text}"), 7));
-    }
-    out.push('\n');
-    if let Some(files) = &figure.files {
-        for path in [&files.html, &files.svg].into_iter().chain(&files.png) {
-            out.push_str(&format!("{}\n", path.display()));
-        }
-    }
-    out
 }

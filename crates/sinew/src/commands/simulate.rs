@@ -117,7 +117,7 @@ impl Simulate {
             answer(&document.to_json()?)?;
         } else {
             if let Some(comparison) = &comparison {
-                answer(&(super::control::told(comparison) + "\n"))?;
+                answer(&(control::render(comparison) + "\n"))?;
             }
             answer(&format!(
                 "{}: {} s, {} frames, {:.1} MB; its truth is {}\n",

@@ -1,10 +1,11 @@
-//! `sinew simulate --control` as text: joint position and contacts without and with correction.
+//! Joint position and contacts without and with correction, as text.
 
-use crate::text::{indented, plain, table};
-use sinew_eval::control::{Comparison, Score};
+use super::run::Comparison;
+use super::score::Score;
+use sinew_report::text::{indented, plain, table};
 
 /// Two tables of at most 80 columns.
-pub(crate) fn told(comparison: &Comparison) -> String {
+pub fn render(comparison: &Comparison) -> String {
     let head = [
         "joint",
         "stretch",

@@ -1,0 +1,35 @@
+//! A figure's sentences as text.
+
+use super::control::table as table_of;
+use super::data::PaperFigure;
+use sinew_figure::rounded;
+use sinew_report::text::{indented, paragraph, table};
+
+/// The table where there is one, sentences, and what was written.
+pub fn render(figure: &PaperFigure) -> String {
+    let mut out = String::new();
+    if !figure.rows.is_empty() {
+        let (head, cells) = table_of(&figure.rows);
+        out = table(&head, cells, 2) + "\n";
+    }
+    out.push_str(&paragraph(&figure.title, 0));
+    for sentence in &figure.sentences {
+        let verdict = if sentence.holds { "holds:" } else { "FAILS:" };
+        out.push('\n');
+        out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
+        let (value, unit) = sentence.shown();
+        let found = format!("found {} {unit}; {}", rounded(value, 3), sentence.criterion);
+        out.push_str(&indented(&found, 7, 7));
+    }
+    for text in &figure.not_judged {
+        out.push('\n');
+        out.push_str(&paragraph(&format!("not judged: {text}"), 7));
+    }
+    out.push('\n');
+    if let Some(files) = &figure.files {
+        for path in [&files.html, &files.svg].into_iter().chain(&files.png) {
+            out.push_str(&format!("{}\n", path.display()));
+        }
+    }
+    out
+}
