@@ -92,7 +92,9 @@ class Rules:
 
     def of(self, kind, case, file):
         for i, rule in enumerate(getattr(self, kind)):
-            if fnmatch.fnmatch(case, rule.get("cases", "*")) and fnmatch.fnmatch(file, rule.get("file", "*")):
+            cases = rule.get("cases", "*")
+            cases = [cases] if isinstance(cases, str) else cases
+            if any(fnmatch.fnmatch(case, c) for c in cases) and fnmatch.fnmatch(file, rule.get("file", "*")):
                 yield (kind, i), rule
 
 

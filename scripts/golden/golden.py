@@ -27,7 +27,7 @@ from compare import compare
 
 HERE = Path(__file__).resolve().parent
 INPUTS = ["examples", "robots", "ropes", "fuzz/seeds"]
-TIMEOUT_S = 300
+TIMEOUT_S = 1200
 
 
 # ---------------------------------------------------------------- record
