@@ -4,7 +4,7 @@ use super::{CatalogueError, CatalogueRope};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Serialize;
+use sinew_model::Bounded;
 use sinew_model::rope::entry::CatalogueEntry;
 use sinew_model::rope::{Law, Parameter};
 use sinew_model::statistics::quantile;
@@ -12,41 +12,18 @@ use sinew_model::statistics::quantile;
 /// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
 pub const DRAWS_DEFAULT: usize = 400;
 
-/// Median and 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Interval {
-    /// 2.5 % quantile.
-    pub low: f64,
-    /// With all parameters at their catalogue values.
-    pub value: f64,
-    /// 97.5 % quantile.
-    pub high: f64,
-}
-
-impl Interval {
-    /// Interval of `draws` around `value`.
-    pub fn of(value: f64, draws: &[f64]) -> Self {
-        let mut sorted: Vec<f64> = draws.iter().copied().filter(|v| !v.is_nan()).collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let at = |share| match sorted.as_slice() {
-            [] => value,
-            sorted => quantile(sorted, share),
-        };
-        Self {
-            low: at(0.025),
-            value,
-            high: at(0.975),
-        }
-    }
-
-    /// Every number times `factor`, at least 0.
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
-        Self {
-            low: self.low * factor,
-            value: self.value * factor,
-            high: self.high * factor,
-        }
+/// `value` with the 95 % interval of `draws` around it; draws that are no numbers are left out.
+pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
+    let mut sorted: Vec<f64> = draws.iter().copied().filter(|v| !v.is_nan()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |share| match sorted.as_slice() {
+        [] => value,
+        sorted => quantile(sorted, share),
+    };
+    Bounded {
+        value,
+        low: at(0.025),
+        high: at(0.975),
     }
 }
 
@@ -129,7 +106,7 @@ mod tests {
         let draws = Draws::new(rope, 4000, 1).expect("complete");
         let of = |p: Parameter| {
             let values: Vec<f64> = draws.laws.iter().map(|l| l.parameters().get(p)).collect();
-            Interval::of(draws.nominal.parameters().get(p), &values)
+            bounded(draws.nominal.parameters().get(p), &values)
         };
         // Quantiles of 4000 normal draws scatter by 5 % of a standard deviation.
         let bedding = of(Parameter::Bedding);

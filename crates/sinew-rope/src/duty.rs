@@ -1,7 +1,7 @@
 //! What a rope has to do: tension and temperature over time, usually over and over. As text it is
 //! a table of blocks ([`Duty::from_toml`], [`Duty::from_csv`]).
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sinew_files::{Fault, Located};
 use sinew_model::rope::RopeLoad;
 
@@ -44,7 +44,8 @@ pub struct Duty {
 }
 
 /// Sums over a duty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DutySummary {
     /// Length of one cycle, s.
     pub duration_s: f64,

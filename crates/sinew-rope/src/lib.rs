@@ -4,12 +4,14 @@
 //! Every answer comes with a 95 % interval from seeded draws of the rope's parameters
 //! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
 //!
-//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`recording`],
-//! [`predict`], [`select`], [`pretension`], [`page`].
+//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
+//! [`select`], [`pretension`].
 
 pub mod bench;
 mod blocks;
 pub mod catalogue;
+mod caution;
+mod describe;
 pub mod draws;
 pub mod duty;
 pub mod history;
@@ -21,5 +23,7 @@ pub mod stored;
 mod strand;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope};
-pub use draws::{Draws, Interval};
+pub use caution::Caution;
+pub use describe::{CatalogueValue, Published, RopeDescription, RopeList, RopeSummary};
+pub use draws::Draws;
 pub use duty::{Duty, Stretch};

@@ -1,11 +1,14 @@
 //! How far a rope will have stretched after an hour, a day, a month, a year of a duty.
 
-use super::draws::{Draws, Interval};
+use super::caution::Caution;
+use super::draws::{Draws, bounded};
 use super::duty::{Duty, DutySummary};
 use super::strand::{Mean, StrandError, strand};
 use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::Bounded;
 use sinew_model::rope::routing::{Pulley, RoutingError};
 use sinew_model::rope::validity::Outside;
 use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
@@ -68,22 +71,24 @@ pub struct Request {
 }
 
 /// Elongation at one time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reading {
     /// Time under the duty, s.
     pub time_s: f64,
-    /// Strain of the strand from new and slack, %.
-    pub strain_percent: Interval,
-    /// Elongation of the strand from new and slack, mm.
-    pub elongation_mm: Interval,
-    /// Elongation since a minute after tensioning, mm.
-    pub since_tensioned_mm: Interval,
-    /// Share of it that unloading would not bring back, mm.
-    pub irreversible_mm: Interval,
+    /// Strain of the strand from new and slack, m/m.
+    pub strain_ratio: Bounded,
+    /// Elongation of the strand from new and slack, m.
+    pub elongation_m: Bounded,
+    /// Elongation since a minute after tensioning, m.
+    pub since_tensioned_m: Bounded,
+    /// Part of it that unloading would not bring back, m.
+    pub irreversible_m: Bounded,
 }
 
-/// The answer for one rope.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The prediction for one rope.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Prediction {
     /// Rope.
     pub rope: String,
@@ -91,8 +96,8 @@ pub struct Prediction {
     pub duty: String,
     /// Its sums.
     pub summary: DutySummary,
-    /// Strand length, mm.
-    pub length_mm: f64,
+    /// Strand length, m.
+    pub length_m: f64,
     /// Tension the readings refer to, N.
     pub read_at_n: f64,
     /// Temperature the readings refer to, °C.
@@ -101,7 +106,7 @@ pub struct Prediction {
     pub readings: Vec<Reading>,
     /// Strength left at the last reading, share of new; `None` where bending was not asked for or
     /// the rope's diameter is unknown.
-    pub strength_left: Option<Interval>,
+    pub strength_left_share: Option<Bounded>,
     /// Share of draws in which the tension broke the rope, 0 to 1.
     pub broken_share: f64,
     /// Parameters of the law that are starting guesses.
@@ -112,8 +117,12 @@ pub struct Prediction {
     pub draws: usize,
     /// Their seed.
     pub seed: u64,
-    /// Where the duty leaves what the law was made for, and other cautions, in sentences.
-    pub warnings: Vec<String>,
+    /// Where the duty leaves what the law was made for, and other cautions.
+    pub cautions: Vec<Caution>,
+}
+
+impl JsonDocument for Prediction {
+    const SCHEMA: &'static str = "sinew/rope-predict/1";
 }
 
 /// Why there is no prediction.
@@ -145,14 +154,14 @@ pub enum PredictError {
 /// # Errors
 /// [`PredictError`].
 pub fn predict(rope: &CatalogueRope, request: &Request) -> Result<Prediction, PredictError> {
-    predict_watched(rope, request, &|_| {})
+    predict_with_progress(rope, request, &|_| {})
 }
 
-/// [`predict`], telling how many draws are done; not in order, from several threads.
+/// [`predict`] with a call of `done` after each draw, with how many are done; not in order, from several threads.
 ///
 /// # Errors
 /// [`PredictError`].
-pub fn predict_watched(
+pub fn predict_with_progress(
     rope: &CatalogueRope,
     request: &Request,
     done: &(dyn Fn(usize) + Sync),
@@ -186,21 +195,21 @@ pub fn predict_watched(
         .flatten()
         .collect();
     let broken = draws.laws.len() - drawn.len();
-    let mm_per_percent = 10.0 * request.route.length_m;
+    let m_per_percent = 0.01 * request.route.length_m;
     let mut readings = Vec::with_capacity(request.times_s.len());
     for (i, &time_s) in request.times_s.iter().enumerate() {
         let at = i + 1;
         let interval = |f: &dyn Fn(&[Mean]) -> f64| {
             let all: Vec<f64> = drawn.iter().map(|m| f(m)).collect();
-            Interval::of(f(&nominal), &all)
+            bounded(f(&nominal), &all)
         };
         let strain_percent = interval(&|m| m[at].strain);
         readings.push(Reading {
             time_s,
-            strain_percent,
-            elongation_mm: strain_percent.scaled(mm_per_percent),
-            since_tensioned_mm: interval(&|m| m[at].strain - m[0].strain).scaled(mm_per_percent),
-            irreversible_mm: interval(&|m| m[at].irreversible).scaled(mm_per_percent),
+            strain_ratio: strain_percent.scaled(0.01),
+            elongation_m: strain_percent.scaled(m_per_percent),
+            since_tensioned_m: interval(&|m| m[at].strain - m[0].strain).scaled(m_per_percent),
+            irreversible_m: interval(&|m| m[at].irreversible).scaled(m_per_percent),
         });
     }
     let entry = &rope.entry;
@@ -208,21 +217,21 @@ pub fn predict_watched(
         rope: entry.name.clone(),
         duty: request.duty.about.clone(),
         summary,
-        length_mm: 1e3 * request.route.length_m,
+        length_m: request.route.length_m,
         read_at_n: read_at.tension_n,
         read_at_c: read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
         readings,
-        strength_left: bending(rope, &draws, request),
+        strength_left_share: bending(rope, &draws, request),
         broken_share: broken as f64 / draws.laws.len().max(1) as f64,
         starting_guesses: entry.guesses(),
         parameters: entry.law.len(),
         draws: request.draws,
         seed: request.seed,
-        warnings: warnings(rope, &draws.nominal, request),
+        cautions: cautions(rope, &draws.nominal, request),
     })
 }
 
-/// Elongation since tensioned at the last time asked for, mm, in each draw; NaN where the rope
+/// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
 /// breaks.
 pub(crate) fn growth_of_draws(
     rope: &CatalogueRope,
@@ -241,13 +250,13 @@ pub(crate) fn growth_of_draws(
         .par_iter()
         .map(|law| {
             strand(law, request, read_at, &times).map_or(f64::NAN, |m| {
-                10.0 * request.route.length_m * (m[1].strain - m[0].strain)
+                0.01 * request.route.length_m * (m[1].strain - m[0].strain)
             })
         })
         .collect())
 }
 
-fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Interval> {
+fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Bounded> {
     let route = &request.route;
     let rope_m = 1e-3 * rope.entry.diameter_mm.as_ref()?.value;
     let hours = request.times_s.last()? / HOUR_S;
@@ -269,32 +278,26 @@ fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Int
         damage::strength_left(&state)
     };
     let (nominal, drawn) = draws.map(left);
-    Some(Interval::of(nominal, &drawn))
+    Some(bounded(nominal, &drawn))
 }
 
-/// Cautions in sentences.
-pub(crate) fn warnings(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<String> {
+fn cautions(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<Caution> {
     let mut outside = Outside::default();
     for s in &request.duty.stretches {
         outside = outside
             .or(Outside::of(law, s.from))
             .or(Outside::of(law, s.to));
     }
-    let mut out: Vec<String> = outside.sentences().map(str::to_string).collect();
+    let mut out = Caution::outside(outside);
     let entry = &rope.entry;
     if entry.breaking_load_n.is_none() {
-        out.push(format!(
-            "the breaking load is not published; {} N is a starting guess",
-            law.parameters().breaking_load_n
-        ));
+        out.push(Caution::BreakingLoadGuessed {
+            breaking_load_n: law.parameters().breaking_load_n,
+        });
     }
     let longest = request.times_s.last().copied().unwrap_or(0.0);
     if entry.guesses() > 0 && longest > DAY_S {
-        out.push(
-            "starting guesses made for tests of 85 min: beyond a day this is an extrapolation, and \
-             the law has no delayed part slower than a day"
-                .into(),
-        );
+        out.push(Caution::Extrapolated);
     }
     out
 }
@@ -327,17 +330,12 @@ mod tests {
             let load = RopeLoad::at_reference(60.0);
             law.hold(&mut s, load, reading.time_s).expect("load");
             let strain = law.strain(&s, load).expect("load");
-            let i = reading.strain_percent;
+            let i = reading.strain_ratio.scaled(100.0);
             assert!((i.value - strain.total_percent()).abs() < 1e-9);
             assert!(i.low < i.value && i.value < i.high, "{i:?}");
-            assert!((reading.elongation_mm.value - 7.0 * i.value).abs() < 1e-12);
+            assert!((1e3 * reading.elongation_m.value - 7.0 * i.value).abs() < 1e-12);
         }
-        assert!(
-            found
-                .warnings
-                .iter()
-                .any(|w| w.contains("starting guesses"))
-        );
+        assert!(found.cautions.contains(&Caution::Extrapolated));
     }
 
     #[test]
@@ -357,11 +355,11 @@ mod tests {
         route.pulleys = vec![pulley(0.2), pulley(0.5)];
         route.strokes_per_hour = 60.0;
         let led = predict(rope, &request(duty, route)).expect("led");
-        let growth = |p: &Prediction| p.readings[3].strain_percent.value;
+        let growth = |p: &Prediction| 100.0 * p.readings[3].strain_ratio.value;
         assert!(growth(&led) > growth(&bare) + 0.01);
-        let strength = led.strength_left.expect("bending was asked for");
+        let strength = led.strength_left_share.expect("bending was asked for");
         assert!(strength.low <= strength.value && strength.value <= strength.high);
-        assert!(bare.strength_left.is_none());
+        assert!(bare.strength_left_share.is_none());
     }
 
     #[test]
@@ -384,6 +382,7 @@ mod tests {
             "{}",
             close.broken_share
         );
-        assert!(close.warnings.iter().any(|w| w.contains("not published")));
+        let guessed = |c: &Caution| matches!(c, Caution::BreakingLoadGuessed { .. });
+        assert!(close.cautions.iter().any(guessed));
     }
 }

@@ -5,13 +5,16 @@
 //! (strung in a machine and left alone) its tension falls; the schedule says when it has fallen
 //! too far.
 
-use super::draws::{Draws, Interval};
+use super::caution::Caution;
+use super::draws::{Draws, bounded};
 use super::predict::{HOUR_S, TENSIONED_AFTER_S};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
 use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::Bounded;
 use sinew_model::rope::validity::{LOAD_RATIO_HIGH, Outside};
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
@@ -43,21 +46,23 @@ pub struct Request {
 }
 
 /// A bedding-in procedure and what it does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Procedure {
     /// Held at this tension, N.
     pub tension_n: f64,
     /// For this long, s.
     pub duration_s: f64,
-    /// Largest elongation at working tension that is still to come, mm, counted from a minute
+    /// Largest elongation at working tension that is still to come, m, counted from a minute
     /// after the rope is back at working tension.
-    pub still_to_come_mm: Interval,
+    pub still_to_come_m: Bounded,
     /// Share of the elongation without procedure that it takes away.
-    pub removed: Interval,
+    pub removed_share: Bounded,
 }
 
 /// The plan.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// Rope.
     pub rope: String,
@@ -67,12 +72,14 @@ pub struct Plan {
     pub lowest_n: f64,
     /// Temperature, °C.
     pub temperature_c: f64,
-    /// Strand length, mm.
-    pub length_mm: f64,
+    /// Strand length, m.
+    pub length_m: f64,
     /// How long it must hold, s.
     pub horizon_s: f64,
-    /// Largest later elongation without any procedure, mm.
-    pub without_mm: Interval,
+    /// Share of the later elongation that the procedure is to take away.
+    pub remove_share: f64,
+    /// Largest later elongation without any procedure, m.
+    pub without_m: Bounded,
     /// All procedures tried, by tension, then duration.
     pub procedures: Vec<Procedure>,
     /// Index of the gentlest one that takes away what is asked, at catalogue values: least
@@ -87,7 +94,11 @@ pub struct Plan {
     /// All parameters of the law.
     pub parameters: usize,
     /// Cautions.
-    pub warnings: Vec<String>,
+    pub cautions: Vec<Caution>,
+}
+
+impl JsonDocument for Plan {
+    const SCHEMA: &'static str = "sinew/rope-pretension/1";
 }
 
 /// Why there is no plan.
@@ -118,7 +129,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
         rope: rope.entry.name.clone(),
         error,
     };
-    let mm = 10.0 * request.length_m;
+    let m_per_percent = 0.01 * request.length_m;
     // Without a procedure, and with each: nominal and every draw.
     let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
         let one = |law: &Law| {
@@ -127,7 +138,7 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
                 let load = RopeLoad { tension_n, ..work };
                 law.hold(&mut state, load, duration_s)?;
             }
-            still_to_come(law, state, work, request.horizon_s).map(|v| mm * v)
+            still_to_come(law, state, work, request.horizon_s).map(|v| m_per_percent * v)
         };
         let drawn = draws
             .laws
@@ -154,47 +165,46 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionE
             procedures.push(Procedure {
                 tension_n,
                 duration_s,
-                still_to_come_mm: Interval::of(value, &drawn),
-                removed: Interval::of(1.0 - value / without, &removed),
+                still_to_come_m: bounded(value, &drawn),
+                removed_share: bounded(1.0 - value / without, &removed),
             });
         }
     }
     let chosen = procedures
         .iter()
-        .position(|p| p.removed.value >= request.remove);
+        .position(|p| p.removed_share.value >= request.remove);
     let best = procedures
         .iter()
-        .max_by(|a, b| a.removed.value.total_cmp(&b.removed.value))
+        .max_by(|a, b| a.removed_share.value.total_cmp(&b.removed_share.value))
         .copied();
     let bedded = chosen.map(|i| procedures[i]).or(best);
     let schedule_new = schedule(&draws, request, None).map_err(refuse)?;
     let schedule_bedded = schedule(&draws, request, bedded).map_err(refuse)?;
     let entry = &rope.entry;
     let outside = Outside::of(&draws.nominal, work);
-    let mut warnings: Vec<String> = outside.sentences().map(str::to_string).collect();
+    let mut cautions = Caution::outside(outside);
     if entry.guesses() > 0 {
-        warnings.push(format!(
-            "{} of {} parameters are starting guesses: check the plan on one rope before it is \
-             used on many",
-            entry.guesses(),
-            entry.law.len()
-        ));
+        cautions.push(Caution::StartingGuesses {
+            guesses: entry.guesses(),
+            parameters: entry.law.len(),
+        });
     }
     Ok(Plan {
         rope: entry.name.clone(),
         tension_n: request.tension_n,
         lowest_n: request.lowest_n,
         temperature_c: request.temperature_c,
-        length_mm: 1e3 * request.length_m,
+        length_m: request.length_m,
         horizon_s: request.horizon_s,
-        without_mm: Interval::of(without, &without_drawn),
+        remove_share: request.remove,
+        without_m: bounded(without, &without_drawn),
         procedures,
         chosen,
         schedule_new,
         schedule_bedded,
         starting_guesses: entry.guesses(),
         parameters: entry.law.len(),
-        warnings,
+        cautions,
     })
 }
 
@@ -251,12 +261,12 @@ mod tests {
         assert_eq!(p.procedures.len(), 24);
         for pair in p.procedures.windows(2) {
             if pair[0].tension_n == pair[1].tension_n {
-                let (short, long) = (pair[0].still_to_come_mm, pair[1].still_to_come_mm);
-                assert!(long.value <= short.value + 1e-12, "{pair:?}");
+                let (short, long) = (pair[0].still_to_come_m, pair[1].still_to_come_m);
+                assert!(long.value <= short.value + 1e-15, "{pair:?}");
             }
         }
         let chosen = p.procedures[p.chosen.expect("one does it")];
-        assert!(chosen.removed.value >= 0.7 && chosen.tension_n >= 60.0);
-        assert!(chosen.still_to_come_mm.value <= 0.3 * p.without_mm.value + 1e-12);
+        assert!(chosen.removed_share.value >= 0.7 && chosen.tension_n >= 60.0);
+        assert!(chosen.still_to_come_m.value <= 0.3 * p.without_m.value + 1e-15);
     }
 }

@@ -1,10 +1,11 @@
 //! A rope at constant length: how its tension falls, and when to tension it again.
 
-use super::draws::{Draws, Interval};
+use super::draws::{Draws, bounded};
 use super::predict::TENSIONED_AFTER_S;
 use super::pretension::{Procedure, Request};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use sinew_model::Bounded;
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
@@ -16,27 +17,29 @@ const STEP_GROWTH: f64 = 1.12;
 const EVENTS_MAX: usize = 100;
 
 /// When to tension again at constant length.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Schedule {
     /// Times since stringing, s, with the catalogue's own values.
     pub times_s: Vec<f64>,
     /// First of them; NaN (null) where a draw has none.
-    pub first_s: Interval,
+    pub first_s: Bounded,
     /// Share of draws that need no re-tensioning at all.
     pub never_share: f64,
     /// How many within the horizon.
-    pub count: Interval,
+    pub count: Bounded,
     /// Tension at the horizon's end without any re-tensioning, N.
-    pub tension_at_end_n: Interval,
+    pub tension_at_end_n: Bounded,
     /// Tension to string the rope with so that it never falls below the lowest within the
     /// horizon, N; `None` where even 40 % of the breaking load does not do.
-    pub start_n: Option<Interval>,
+    pub start_n: Option<Bounded>,
     /// Its tension when it is left alone.
     pub left_alone: LeftAlone,
 }
 
 /// Tension of a rope that is strung once and left alone, at the catalogue's own values.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftAlone {
     /// Time since stringing, s.
     pub time_s: Vec<f64>,
@@ -165,20 +168,20 @@ pub(super) fn schedule(
     type Drawn = (Vec<f64>, Strung, Option<f64>);
     let collect = |f: &dyn Fn(&Drawn) -> f64| -> Vec<f64> { drawn.iter().map(f).collect() };
     let first = |events: &[f64]| events.first().copied().unwrap_or(f64::INFINITY);
-    let finite = |i: Interval| {
+    let finite = |i: Bounded| {
         let nan = |v: f64| if v.is_finite() { v } else { f64::NAN };
-        Interval {
+        Bounded {
             low: nan(i.low),
             value: nan(i.value),
             high: nan(i.high),
         }
     };
     Ok(Schedule {
-        first_s: finite(Interval::of(first(&times_s), &collect(&|d| first(&d.0)))),
+        first_s: finite(bounded(first(&times_s), &collect(&|d| first(&d.0)))),
         never_share: never as f64 / drawn.len().max(1) as f64,
-        count: Interval::of(times_s.len() as f64, &collect(&|d| d.0.len() as f64)),
-        tension_at_end_n: Interval::of(left_alone.tension_n, &collect(&|d| d.1.tension_n)),
-        start_n: start_n.map(|value| Interval::of(value, &collect(&|d| d.2.unwrap_or(f64::NAN)))),
+        count: bounded(times_s.len() as f64, &collect(&|d| d.0.len() as f64)),
+        tension_at_end_n: bounded(left_alone.tension_n, &collect(&|d| d.1.tension_n)),
+        start_n: start_n.map(|value| bounded(value, &collect(&|d| d.2.unwrap_or(f64::NAN)))),
         times_s,
         left_alone: left_alone.trace,
     })

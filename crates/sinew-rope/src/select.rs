@@ -1,11 +1,14 @@
 //! Which rope of the catalogue to take for a duty, and why not the others.
 
-use super::draws::{Draws, Interval};
+use super::caution::Caution;
+use super::draws::{Draws, bounded};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::Bounded;
 use sinew_model::rope::RopeLoad;
-use sinew_model::rope::validity::{self, Outside};
+use sinew_model::rope::validity::Outside;
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,39 +33,113 @@ pub struct Constraints {
 }
 
 /// A rope that meets every constraint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Rope.
     pub rope: String,
-    /// Diameter, mm, where it is published.
-    pub diameter_mm: Option<f64>,
-    /// Weight, g/m, where it is published.
-    pub weight_g_per_m: Option<f64>,
+    /// Diameter, m, where it is published.
+    pub diameter_m: Option<f64>,
+    /// Weight, kg/m, where it is published.
+    pub weight_kg_per_m: Option<f64>,
     /// Published breaking load over largest tension.
-    pub safety_factor: Option<f64>,
-    /// Stiffness of the strand at the duty's mean load, N/mm.
-    pub stiffness_n_per_mm: Interval,
-    /// Elongation since tensioned at the last time asked for, mm.
-    pub elongation_mm: Interval,
+    pub safety_factor_ratio: Option<f64>,
+    /// Stiffness of the strand at the duty's mean load, N/m.
+    pub stiffness_n_per_m: Bounded,
+    /// Elongation since tensioned at the last time asked for, m.
+    pub elongation_m: Bounded,
     /// In how many of the draws it stretches least of all candidates, 0 to 1.
     pub least_share: f64,
     /// Whether no other candidate is both thinner (or as thin) and stretches less.
     pub pareto: bool,
     /// Cautions.
-    pub warnings: Vec<String>,
+    pub cautions: Vec<Caution>,
+}
+
+/// Why a rope fell out. What was found and the limit it was held against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Rejection {
+    /// Diameter above the largest, m.
+    TooThick {
+        /// Found.
+        diameter_m: f64,
+        /// Limit.
+        limit_m: f64,
+    },
+    /// Diameter below the smallest, m.
+    TooThin {
+        /// Found.
+        diameter_m: f64,
+        /// Limit.
+        limit_m: f64,
+    },
+    /// Weight above the largest, kg/m.
+    TooHeavy {
+        /// Found.
+        weight_kg_per_m: f64,
+        /// Limit.
+        limit_kg_per_m: f64,
+    },
+    /// Smallest pulley diameter over rope diameter.
+    BendRatio {
+        /// Found.
+        ratio: f64,
+        /// Limit.
+        limit_ratio: f64,
+    },
+    /// Breaking load over largest tension.
+    SafetyFactor {
+        /// Found.
+        ratio: f64,
+        /// Limit.
+        limit_ratio: f64,
+    },
+    /// Upper end of the elongation's interval, m.
+    Elongation {
+        /// Found.
+        high_m: f64,
+        /// Limit.
+        limit_m: f64,
+    },
+    /// Stiffness of the strand, N/m.
+    Stiffness {
+        /// Found.
+        stiffness_n_per_m: f64,
+        /// Limit.
+        limit_n_per_m: f64,
+    },
+    /// The diameter is not published.
+    DiameterNotPublished,
+    /// The weight is not published.
+    WeightNotPublished,
+    /// Rope or pulley diameter is not known.
+    BendRatioNotKnown,
+    /// The breaking load is not published.
+    BreakingLoadNotPublished,
+    /// HMPE would be too hot.
+    Hot,
+    /// The law gives no prediction.
+    NotPredicted {
+        /// Why.
+        reason: String,
+    },
 }
 
 /// A rope that fell out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
     /// Rope.
     pub rope: String,
-    /// Every constraint it fails, in sentences.
-    pub reasons: Vec<String>,
+    /// Every constraint it fails.
+    pub reasons: Vec<Rejection>,
 }
 
 /// The choice.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Selection {
     /// The duty in words.
     pub duty: String,
@@ -72,6 +149,10 @@ pub struct Selection {
     pub candidates: Vec<Candidate>,
     /// The others.
     pub rejected: Vec<Rejected>,
+}
+
+impl JsonDocument for Selection {
+    const SCHEMA: &'static str = "sinew/rope-select/1";
 }
 
 /// Chooses among all ropes of a catalogue.
@@ -115,12 +196,12 @@ pub fn select(
     }
     let points: Vec<(Option<f64>, f64)> = candidates
         .iter()
-        .map(|c| (c.diameter_mm, c.elongation_mm.value))
+        .map(|c| (c.diameter_m, c.elongation_m.value))
         .collect();
     for (i, candidate) in candidates.iter_mut().enumerate() {
         candidate.pareto = is_pareto(&points, i);
     }
-    candidates.sort_by(|a, b| a.elongation_mm.value.total_cmp(&b.elongation_mm.value));
+    candidates.sort_by(|a, b| a.elongation_m.value.total_cmp(&b.elongation_m.value));
     Ok(Selection {
         duty: request.duty.about.clone(),
         time_s: request.times_s.last().copied().unwrap_or(0.0),
@@ -140,7 +221,7 @@ pub fn is_pareto(points: &[(Option<f64>, f64)], i: usize) -> bool {
 }
 
 enum Judged {
-    Reasons(Vec<String>),
+    Reasons(Vec<Rejection>),
     Refused(PredictError),
 }
 
@@ -155,68 +236,75 @@ fn judge(
     let (diameter_mm, weight_g_per_m) = (value(&entry.diameter_mm), value(&entry.weight_g_per_m));
     let summary = request.duty.summary();
     let mut reasons = Vec::new();
-    // One line per constraint: what is asked, what is found, or that it isn't published.
-    let mut at_most = |what: &str, unit: &str, found: Option<f64>, limit: Option<f64>| {
-        if let Some(limit) = limit {
-            match found {
-                None => reasons.push(format!("{what} is not published")),
-                Some(v) if v > limit => {
-                    reasons.push(format!(
-                        "{what} {} {unit} is above {limit} {unit}",
-                        short(v)
-                    ));
-                }
-                Some(_) => {}
-            }
-        }
-    };
-    at_most("diameter", "mm", diameter_mm, constraints.diameter_max_mm);
-    at_most(
-        "weight",
-        "g/m",
-        weight_g_per_m,
-        constraints.weight_max_g_per_m,
+    let mut held = |fails: Option<Rejection>| reasons.extend(fails);
+    held(
+        constraints
+            .diameter_max_mm
+            .and_then(|limit| match diameter_mm {
+                None => Some(Rejection::DiameterNotPublished),
+                Some(v) => (v > limit).then_some(Rejection::TooThick {
+                    diameter_m: 1e-3 * v,
+                    limit_m: 1e-3 * limit,
+                }),
+            }),
+    );
+    held(
+        constraints
+            .weight_max_g_per_m
+            .and_then(|limit| match weight_g_per_m {
+                None => Some(Rejection::WeightNotPublished),
+                Some(v) => (v > limit).then_some(Rejection::TooHeavy {
+                    weight_kg_per_m: 1e-3 * v,
+                    limit_kg_per_m: 1e-3 * limit,
+                }),
+            }),
+    );
+    held(
+        constraints
+            .diameter_min_mm
+            .and_then(|limit| match diameter_mm {
+                None => Some(Rejection::DiameterNotPublished),
+                Some(v) => (v < limit).then_some(Rejection::TooThin {
+                    diameter_m: 1e-3 * v,
+                    limit_m: 1e-3 * limit,
+                }),
+            }),
     );
     let bend_ratio = constraints
         .pulley_diameter_mm
         .zip(diameter_mm)
         .map(|(pulley, rope)| pulley / rope);
+    held(
+        constraints
+            .bend_ratio_min
+            .and_then(|limit| match bend_ratio {
+                None => Some(Rejection::BendRatioNotKnown),
+                Some(v) => (v < limit).then_some(Rejection::BendRatio {
+                    ratio: v,
+                    limit_ratio: limit,
+                }),
+            }),
+    );
     let safety_factor = value(&entry.breaking_load_n).map(|n| n / summary.tension_max_n);
-    let mut at_least = |what: &str, found: Option<f64>, limit: Option<f64>, missing: &str| {
-        if let Some(limit) = limit {
-            match found {
-                None => reasons.push(missing.to_string()),
-                Some(v) if v < limit => {
-                    reasons.push(format!("{what} {} is below {limit}", short(v)));
-                }
-                Some(_) => {}
-            }
-        }
-    };
-    at_least(
-        "diameter in mm",
-        diameter_mm,
-        constraints.diameter_min_mm,
-        "diameter is not published",
-    );
-    at_least(
-        "pulley over rope diameter",
-        bend_ratio,
-        constraints.bend_ratio_min,
-        "pulley over rope diameter is not known",
-    );
-    at_least(
-        "safety factor",
-        safety_factor,
-        constraints.safety_factor_min,
-        "breaking load is not published, so no safety factor can be shown",
+    held(
+        constraints
+            .safety_factor_min
+            .and_then(|limit| match safety_factor {
+                None => Some(Rejection::BreakingLoadNotPublished),
+                Some(v) => (v < limit).then_some(Rejection::SafetyFactor {
+                    ratio: v,
+                    limit_ratio: limit,
+                }),
+            }),
     );
     // The law is asked only where it can answer.
     let prediction = match predict::predict(rope, request) {
         Ok(prediction) => prediction,
         Err(PredictError::Routing(e)) => return Err(Judged::Refused(e.into())),
         Err(e) => {
-            reasons.push(e.to_string());
+            reasons.push(Rejection::NotPredicted {
+                reason: e.to_string(),
+            });
             return Err(Judged::Reasons(reasons));
         }
     };
@@ -224,75 +312,63 @@ fn judge(
         for s in &request.duty.stretches {
             let outside = Outside::of(&draws.nominal, s.from).or(Outside::of(&draws.nominal, s.to));
             if outside.hot {
-                reasons.push(format!(
-                    "temperature is above the {:.0} °C that HMPE may have",
-                    validity::HMPE_HOT_K - sinew_model::rope::CELSIUS_ZERO_K
-                ));
+                reasons.push(Rejection::Hot);
                 break;
             }
         }
     }
-    let stiffness = stiffness_n_per_mm(rope, request).unwrap_or(Interval {
-        low: f64::NAN,
-        value: f64::NAN,
-        high: f64::NAN,
-    });
-    let elongation_mm = prediction
+    let unknown = Bounded::even(f64::NAN, 0.0);
+    let stiffness = stiffness_n_per_m(rope, request).unwrap_or(unknown);
+    let elongation_m = prediction
         .readings
         .last()
-        .map_or(stiffness, |r| r.since_tensioned_mm);
-    if let Some(limit) = constraints.elongation_max_mm
-        && (elongation_mm.high.is_nan() || elongation_mm.high > limit)
+        .map_or(unknown, |r| r.since_tensioned_m);
+    if let Some(limit_m) = constraints.elongation_max_mm.map(|mm| 1e-3 * mm)
+        && (elongation_m.high.is_nan() || elongation_m.high > limit_m)
     {
-        reasons.push(format!(
-            "elongation may reach {} mm (95 %), above {limit} mm",
-            short(elongation_mm.high)
-        ));
+        reasons.push(Rejection::Elongation {
+            high_m: elongation_m.high,
+            limit_m,
+        });
     }
-    if let Some(limit) = constraints.stiffness_min_n_per_mm
-        && (stiffness.value.is_nan() || stiffness.value < limit)
+    if let Some(limit_n_per_m) = constraints.stiffness_min_n_per_mm.map(|n| 1e3 * n)
+        && (stiffness.value.is_nan() || stiffness.value < limit_n_per_m)
     {
-        reasons.push(format!(
-            "stiffness {} N/mm is below {limit} N/mm",
-            short(stiffness.value)
-        ));
+        reasons.push(Rejection::Stiffness {
+            stiffness_n_per_m: stiffness.value,
+            limit_n_per_m,
+        });
     }
     if !reasons.is_empty() {
         return Err(Judged::Reasons(reasons));
     }
     let growth = predict::growth_of_draws(rope, request).unwrap_or_default();
-    let Prediction { warnings, rope, .. } = prediction;
+    let Prediction { cautions, rope, .. } = prediction;
     let candidate = Candidate {
         rope,
-        diameter_mm,
-        weight_g_per_m,
-        safety_factor,
-        stiffness_n_per_mm: stiffness,
-        elongation_mm,
+        diameter_m: diameter_mm.map(|mm| 1e-3 * mm),
+        weight_kg_per_m: weight_g_per_m.map(|g| 1e-3 * g),
+        safety_factor_ratio: safety_factor,
+        stiffness_n_per_m: stiffness,
+        elongation_m,
         least_share: 0.0,
         pareto: false,
-        warnings,
+        cautions,
     };
     Ok((candidate, growth))
 }
 
-/// Stiffness of the strand for small quick changes at the duty's mean load, N/mm.
-fn stiffness_n_per_mm(rope: &CatalogueRope, request: &predict::Request) -> Option<Interval> {
+/// Stiffness of the strand for small quick changes at the duty's mean load, N/m.
+fn stiffness_n_per_m(rope: &CatalogueRope, request: &predict::Request) -> Option<Bounded> {
     let draws = Draws::new(rope, request.draws, request.seed).ok()?;
     let summary = request.duty.summary();
     let load = RopeLoad::celsius(summary.tension_mean_n, summary.temperature_mean_c);
-    let mm_per_percent = 10.0 * request.route.length_m;
+    let m_per_percent = 0.01 * request.route.length_m;
     let (nominal, drawn) = draws.map(|law| {
         law.compliance_percent_per_n(load)
-            .map_or(f64::NAN, |c| 1.0 / (c * mm_per_percent))
+            .map_or(f64::NAN, |c| 1.0 / (c * m_per_percent))
     });
-    Some(Interval::of(nominal, &drawn))
-}
-
-/// Three significant digits.
-fn short(v: f64) -> String {
-    let digits = 2 - v.abs().max(1e-12).log10().floor() as i32;
-    format!("{v:.*}", digits.clamp(0, 6) as usize)
+    Some(bounded(nominal, &drawn))
 }
 
 #[cfg(test)]
@@ -325,16 +401,20 @@ mod tests {
         let of = |name: &str| found.rejected.iter().find(|r| r.rope == name);
         let ultra = of("gottifredi-maffioli-sk99-ultra").expect("too thick");
         assert!(
-            ultra.reasons[0].contains("2.00 mm is above 1.9 mm"),
+            matches!(ultra.reasons[0], Rejection::TooThick { .. }),
             "{ultra:?}"
         );
         let technora = of("tu-chemnitz-technora-black").expect("nothing published");
         assert!(
-            technora.reasons[0].contains("not published"),
+            matches!(technora.reasons[0], Rejection::BreakingLoadNotPublished),
             "{technora:?}"
         );
         let climax = of("ockert-climax-combat").expect("too weak");
-        assert!(climax.reasons[0].contains("35.0 is below 40"), "{climax:?}");
+        let weak = Rejection::SafetyFactor {
+            ratio: 35.0,
+            limit_ratio: 40.0,
+        };
+        assert_eq!(climax.reasons[0], weak);
         let names: Vec<&str> = found.candidates.iter().map(|c| c.rope.as_str()).collect();
         assert!(names.contains(&"liros-dc000-0301"), "{names:?}");
         let sum: f64 = found.candidates.iter().map(|c| c.least_share).sum();
@@ -345,7 +425,7 @@ mod tests {
         let sorted = found
             .candidates
             .windows(2)
-            .all(|w| w[0].elongation_mm.value <= w[1].elongation_mm.value);
+            .all(|w| w[0].elongation_m.value <= w[1].elongation_m.value);
         assert!(sorted && found.candidates[0].pareto);
     }
 
@@ -360,14 +440,17 @@ mod tests {
         };
         let found = select(&catalogue, &request(), &limits).expect("a selection");
         let thick = "gottifredi-maffioli-sk99-ultra";
-        let reasons: Vec<&String> = found
+        let reasons: Vec<&Rejection> = found
             .rejected
             .iter()
             .filter(|r| r.rope == thick)
             .flat_map(|r| &r.reasons)
             .collect();
-        let said = |r: &&String| r.contains("pulley over rope diameter 10.0 is below 12");
-        assert!(reasons.iter().any(said), "{:?}", found.rejected);
+        let sharp = Rejection::BendRatio {
+            ratio: 10.0,
+            limit_ratio: 12.0,
+        };
+        assert!(reasons.contains(&&sharp), "{:?}", found.rejected);
         let thin = found
             .candidates
             .iter()
@@ -388,7 +471,7 @@ mod tests {
             found
                 .rejected
                 .iter()
-                .all(|r| r.reasons[0].contains("65 °C"))
+                .all(|r| r.reasons[0] == Rejection::Hot)
         );
     }
 }

@@ -150,8 +150,8 @@ fn a_fitted_rope_is_written_and_read_by_the_rope_commands() {
         "--json",
     ]);
     // The record ends at 0.75 % under 60 N.
-    let strain = &told["readings"][0]["strain_percent"];
-    let of = |key: &str| strain[key].as_f64().unwrap();
+    let strain = &told["readings"][0]["strain_ratio"];
+    let of = |key: &str| 100.0 * strain[key].as_f64().unwrap();
     assert!((of("value") - 0.75).abs() < 0.1, "{strain}");
 }
 

@@ -64,7 +64,7 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
                             let mut s = State::default();
                             true_law.hold(&mut s, load, r.time_s).unwrap();
                             let value = true_law.strain(&s, load).unwrap().total_percent();
-                            let i = r.strain_percent;
+                            let i = r.strain_ratio.scaled(100.0);
                             let width = (i.high - i.low) / i.value;
                             (i.low <= value && value <= i.high, width)
                         })

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::Catalogue;
-use sinew_rope::draws::Interval;
+use sinew_rope::draws::bounded;
 
 /// Load of the tests, N.
 pub(super) const LOAD_N: f64 = 60.0;
@@ -270,7 +270,7 @@ fn figure(
         data.series.push(series);
         let dash = [Dash::Solid, Dash::Dotted][i / Colour::CYCLE.len()];
         panel = panel.line(line.dash(dash));
-        let interval = Interval::of(t.end[0], &t.end[1..]);
+        let interval = bounded(t.end[0], &t.end[1..]);
         let bar = |x: [f64; 2], y: [f64; 2], width| {
             let line = Line::new("", x.to_vec(), y.to_vec());
             line.colour(colour(i)).width(width)

@@ -7,7 +7,7 @@ use super::judge::assumptions;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
-use sinew_rope::draws::Interval;
+use sinew_rope::draws::bounded;
 use sinew_rope::{Catalogue, CatalogueRope};
 
 /// Table I with the simulated creep test of every rope.
@@ -97,7 +97,7 @@ const SIMULATED: [&str; 3] = ["rope", "strain at the end, %", "m_E, %/h"];
 
 fn simulated(t: &Test) -> Vec<String> {
     let interval = |values: &[f64], digits: usize| {
-        let i = Interval::of(values[0], &values[1..]);
+        let i = bounded(values[0], &values[1..]);
         format!(
             "{:.digits$} ({:.digits$} to {:.digits$})",
             i.value, i.low, i.high
@@ -126,7 +126,7 @@ fn figure(tests: &[Test]) -> Figure {
         .enumerate()
         .map(|(i, t)| ((tests.len() - i) as f64, t.product.clone()))
         .collect();
-    let panel = |label: &str, of: &dyn Fn(&Test) -> Interval| {
+    let panel = |label: &str, of: &dyn Fn(&Test) -> sinew_model::Bounded| {
         let mut panel = Panel::new("", label, "").y_names(names.clone());
         let mut right = 0.0f64;
         for (i, t) in tests.iter().enumerate() {
@@ -148,8 +148,8 @@ fn figure(tests: &[Test]) -> Figure {
             .x_range(0.0, 1.05 * right)
             .y_range(0.3, tests.len() as f64 + 0.7)
     };
-    let end = |t: &Test| Interval::of(t.end[0], &t.end[1..]);
-    let slope = |t: &Test| Interval::of(t.slope[0], &t.slope[1..]);
+    let end = |t: &Test| bounded(t.end[0], &t.end[1..]);
+    let slope = |t: &Test| bounded(t.slope[0], &t.slope[1..]);
     Figure::new("The ropes of Table I in a simulated creep test")
         .subtitle(format!(
             "{LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws"

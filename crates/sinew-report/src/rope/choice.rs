@@ -12,7 +12,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         let points: Vec<(Option<f64>, f64)> = selection
             .candidates
             .iter()
-            .map(|c| (x(c), c.elongation_mm.value))
+            .map(|c| (x(c), 1e3 * c.elongation_m.value))
             .collect();
         let known = points.iter().filter_map(|p| p.0);
         let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
@@ -31,7 +31,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
             let at = at + 3.0 * tick * before as f64;
             let beaten = !is_pareto(&points, i);
             let colour = if beaten { Colour::Grey } else { Colour::Blue };
-            let e = c.elongation_mm;
+            let e = c.elongation_m.scaled(1e3);
             panel = panel
                 .line(
                     Line::new("", vec![at, at], vec![e.low, e.high])
@@ -68,8 +68,10 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         ))
         .size(820.0, 860.0);
     for panel in [
-        panel("rope diameter (mm)", &|c| c.diameter_mm),
-        panel("weight (g/m), where published", &|c| c.weight_g_per_m),
+        panel("rope diameter (mm)", &|c| c.diameter_m.map(|m| 1e3 * m)),
+        panel("weight (g/m), where published", &|c| {
+            c.weight_kg_per_m.map(|kg| 1e3 * kg)
+        }),
     ]
     .into_iter()
     .flatten()

@@ -1,17 +1,22 @@
 //! Predictions, choices and plans as HTML pages.
 
+mod bench;
 mod choice;
 mod planned;
 mod predicted;
 mod selected;
+mod words;
 
+pub use bench::{bench_csv, bench_figure, bench_table};
 pub use choice::figure;
 pub use planned::planned;
 pub use predicted::predicted;
-pub use selected::selected;
+pub use selected::{reasons, selected, shared_cautions};
+pub use words::{caution, rejection};
 
 use sinew_figure::{Block, Page, Table, rounded};
-use sinew_rope::Interval;
+use sinew_model::Bounded;
+use sinew_rope::Caution;
 use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
 
 /// A duration as a person says it.
@@ -42,7 +47,7 @@ pub fn spoken(s: f64) -> String {
 }
 
 /// `0.42 (0.31 to 0.58)`
-pub fn bracketed(i: Interval, digits: u8) -> String {
+pub fn bracketed(i: Bounded, digits: u8) -> String {
     format!(
         "{} ({} to {})",
         rounded(i.value, digits),
@@ -67,8 +72,10 @@ fn facts<const N: usize>(rows: [(&str, String); N]) -> Block {
     })
 }
 
-fn notices(warnings: &[String]) -> impl Iterator<Item = Block> + '_ {
-    warnings.iter().map(|w| Block::Notice(format!("{w}.")))
+fn notices(cautions: &[Caution]) -> impl Iterator<Item = Block> + '_ {
+    cautions
+        .iter()
+        .map(|c| Block::Notice(format!("{}.", caution(*c))))
 }
 
 fn page(title: String, subtitle: String) -> Page {
@@ -103,9 +110,9 @@ mod tests {
         let rope = catalogue.find("liros-dc000-0301").expect("there");
         let p = predict(rope, &request()).expect("a prediction");
         let text = predicted(&p).html();
-        let last = p.readings.last().expect("readings").since_tensioned_mm;
+        let last = p.readings.last().expect("readings").since_tensioned_m;
         for words in [
-            bracketed(last, 2).as_str(),
+            bracketed(last.scaled(1e3), 2).as_str(),
             "after 1 year",
             "<svg",
             "starting guesses",
@@ -137,7 +144,7 @@ mod tests {
             seed: 1,
         };
         let plan = pretension::plan(rope, &asked).expect("a plan");
-        let text = planned(&plan, 0.8).html();
+        let text = planned(&plan).html();
         for words in [
             "Hold it at 60.0 N for 1 h",
             "as it comes",

@@ -6,15 +6,15 @@ use sinew_figure::{Block, Page, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
 
 /// How to bed a rope in, and when to tension it again.
-pub fn planned(p: &Plan, remove: f64) -> Page {
-    let percent = rounded(100.0 * remove, 2);
+pub fn planned(p: &Plan) -> Page {
+    let percent = rounded(100.0 * p.remove_share, 2);
     let headline = match p.chosen.map(|i| &p.procedures[i]) {
         Some(c) => format!(
             "Hold it at {} N for {}, then tension it anew at {} N: that takes {} % of the later elongation away ({percent} % was asked for).",
             rounded(c.tension_n, 3),
             spoken(c.duration_s),
             rounded(p.tension_n, 3),
-            bracketed(c.removed.scaled(100.0), 2),
+            bracketed(c.removed_share.scaled(100.0), 2),
         ),
         None => format!("No procedure tried takes {percent} % of the later elongation away."),
     };
@@ -23,12 +23,12 @@ pub fn planned(p: &Plan, remove: f64) -> Page {
             "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.",
             rounded(p.tension_n, 3),
             p.rope,
-            bracketed(p.without_mm, 2),
+            bracketed(p.without_m.scaled(1e3), 2),
             spoken(p.horizon_s)
         ),
         headline,
     ])];
-    first.extend(notices(&p.warnings));
+    first.extend(notices(&p.cautions));
     first.push(Block::Figure(
         Box::new(plan_figure(p)),
         "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values.".into(),
@@ -36,8 +36,8 @@ pub fn planned(p: &Plan, remove: f64) -> Page {
     let rows = p.procedures.iter().enumerate().map(|(i, q)| {
         vec![
             format!("{} N for {}", rounded(q.tension_n, 3), spoken(q.duration_s)),
-            bracketed(q.still_to_come_mm, 2),
-            bracketed(q.removed.scaled(100.0), 2),
+            bracketed(q.still_to_come_m.scaled(1e3), 2),
+            bracketed(q.removed_share.scaled(100.0), 2),
             if p.chosen == Some(i) { "taken" } else { "" }.into(),
         ]
     });
@@ -48,7 +48,7 @@ pub fn planned(p: &Plan, remove: f64) -> Page {
             "{} N at {} °C, strand of {} mm, for {}",
             rounded(p.tension_n, 3),
             rounded(p.temperature_c, 3),
-            rounded(p.length_mm, 4),
+            rounded(1e3 * p.length_m, 4),
             spoken(p.horizon_s)
         ),
     )
@@ -115,7 +115,7 @@ fn plan_figure(p: &Plan) -> Figure {
             .procedures
             .iter()
             .filter(|q| q.tension_n == *n)
-            .map(|q| (q.duration_s.log10(), q.still_to_come_mm.value))
+            .map(|q| (q.duration_s.log10(), 1e3 * q.still_to_come_m.value))
             .unzip();
         let line = Line::new(format!("{} N", rounded(*n, 3)), x, y).colour(colour);
         bedding = bedding.line(line);

@@ -3,7 +3,7 @@
 use super::{bracketed, facts, notices, page, spoken, table};
 use sinew_figure::plot::{Band, Figure, Line, Panel};
 use sinew_figure::{Block, Page, rounded};
-use sinew_rope::draws::Interval;
+use sinew_model::Bounded;
 use sinew_rope::predict::Prediction;
 
 /// How far a rope will stretch.
@@ -14,15 +14,15 @@ pub fn predicted(p: &Prediction) -> Page {
             "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).",
             p.rope,
             spoken(last.time_s),
-            bracketed(last.since_tensioned_mm, 2)
+            bracketed(last.since_tensioned_m.scaled(1e3), 2)
         )]));
     }
-    first.extend(notices(&p.warnings));
+    first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {
         let x: Vec<f64> = p.readings.iter().map(|r| r.time_s.log10()).collect();
-        let of = |f: &dyn Fn(&Interval) -> f64| -> Vec<f64> {
-            let all = p.readings.iter().map(|r| &r.since_tensioned_mm);
-            all.map(f).collect()
+        let of = |f: &dyn Fn(&Bounded) -> f64| -> Vec<f64> {
+            let all = p.readings.iter().map(|r| r.since_tensioned_m.scaled(1e3));
+            all.map(|i| f(&i)).collect()
         };
         let most = of(&|i| i.high).into_iter().fold(0.0, f64::max);
         let panel = Panel::new("", "time", "elongation since tensioned (mm)")
@@ -41,10 +41,10 @@ pub fn predicted(p: &Prediction) -> Page {
     let rows = p.readings.iter().map(|r| {
         vec![
             spoken(r.time_s),
-            bracketed(r.since_tensioned_mm, 2),
-            bracketed(r.elongation_mm, 2),
-            bracketed(r.strain_percent, 2),
-            bracketed(r.irreversible_mm, 2),
+            bracketed(r.since_tensioned_m.scaled(1e3), 2),
+            bracketed(r.elongation_m.scaled(1e3), 2),
+            bracketed(r.strain_ratio.scaled(100.0), 2),
+            bracketed(r.irreversible_m.scaled(1e3), 2),
         ]
     });
     let head = [
@@ -76,7 +76,7 @@ pub fn predicted(p: &Prediction) -> Page {
             span([s.tension_min_n, s.tension_mean_n, s.tension_max_n], "N"),
         ),
         ("temperature", span(celsius, "°C")),
-        ("strand", format!("{} mm", rounded(p.length_mm, 4))),
+        ("strand", format!("{} mm", rounded(1e3 * p.length_m, 4))),
         (
             "read at",
             format!(
@@ -94,7 +94,7 @@ pub fn predicted(p: &Prediction) -> Page {
         ),
         (
             "strength left after bending",
-            p.strength_left.map_or_else(
+            p.strength_left_share.map_or_else(
                 || "not asked for".into(),
                 |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
             ),

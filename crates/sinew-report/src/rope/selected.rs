@@ -1,9 +1,10 @@
 //! A choice as a page.
 
 use super::choice::figure;
-use super::{bracketed, notices, page, spoken, table};
+use super::{bracketed, caution, page, rejection, spoken, table};
 use sinew_figure::{Block, Page, Table, rounded};
-use sinew_rope::select::{Constraints, Selection};
+use sinew_rope::Caution;
+use sinew_rope::select::{Constraints, Rejected, Selection};
 
 const LEGEND: &str = "Least in: share of the draws in which it stretches least of these. Safety \
     factor: published breaking load over the largest tension. Beaten by none: no rope is thinner \
@@ -36,6 +37,26 @@ fn asked(c: &Constraints) -> Vec<Vec<String>> {
     .collect()
 }
 
+/// Everything a rope fails, in one line.
+pub fn reasons(r: &Rejected) -> String {
+    let all: Vec<String> = r.reasons.iter().map(rejection).collect();
+    all.join("; ")
+}
+
+/// Cautions with the candidates they are for: the same for several ropes is one caution.
+pub fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
+    let mut shared: Vec<(Caution, Vec<&str>)> = Vec::new();
+    for c in &s.candidates {
+        for caution in &c.cautions {
+            match shared.iter_mut().find(|(known, _)| known == caution) {
+                Some((_, ropes)) => ropes.push(&c.rope),
+                None => shared.push((*caution, vec![&c.rope])),
+            }
+        }
+    }
+    shared
+}
+
 /// Which rope to take.
 pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let time = spoken(s.time_s);
@@ -44,7 +65,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         Some(best) => format!(
             "{} stretches least: {} mm in {time} (95 % interval in brackets), and least of all in {:.0} % of the draws.",
             best.rope,
-            bracketed(best.elongation_mm, 2),
+            bracketed(best.elongation_m.scaled(1e3), 2),
             100.0 * best.least_share
         ),
     };
@@ -57,12 +78,12 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let rows = s.candidates.iter().map(|c| {
         vec![
             c.rope.clone(),
-            bracketed(c.elongation_mm, 2),
+            bracketed(c.elongation_m.scaled(1e3), 2),
             format!("{:.0} %", 100.0 * c.least_share),
-            bracketed(c.stiffness_n_per_mm, 2),
-            optional(c.diameter_mm),
-            optional(c.weight_g_per_m),
-            optional(c.safety_factor),
+            bracketed(c.stiffness_n_per_m.scaled(1e-3), 2),
+            optional(c.diameter_m.map(|m| 1e3 * m)),
+            optional(c.weight_kg_per_m.map(|kg| 1e3 * kg)),
+            optional(c.safety_factor_ratio),
             if c.pareto { "yes" } else { "no" }.into(),
         ]
     });
@@ -76,21 +97,11 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         "safety factor",
         "beaten by none",
     ];
-    let rejected = s
-        .rejected
-        .iter()
-        .map(|r| vec![r.rope.clone(), r.reasons.join("; ")]);
-    let mut warnings: Vec<String> = Vec::new();
-    for c in &s.candidates {
-        for w in &c.warnings {
-            let text = format!("{}: {w}", c.rope);
-            match warnings.iter_mut().find(|held| held.ends_with(w.as_str())) {
-                // The same caution for several ropes is one caution.
-                Some(held) => *held = format!("{}, {held}", c.rope),
-                None => warnings.push(text),
-            }
-        }
-    }
+    let rejected = s.rejected.iter().map(|r| vec![r.rope.clone(), reasons(r)]);
+    let cautions = shared_cautions(s).into_iter().map(|(what, mut ropes)| {
+        ropes.reverse();
+        Block::Notice(format!("{}: {}.", ropes.join(", "), caution(what)))
+    });
     let rows_or = |rows: Vec<Vec<String>>, none: &str| {
         if rows.is_empty() {
             Block::Paragraph(none.into())
@@ -114,5 +125,5 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         )
         .section("Ropes that fell out, and why", vec![fell])
         .section("What was asked", vec![limits])
-        .section("Cautions", notices(&warnings).collect())
+        .section("Cautions", cautions.collect())
 }

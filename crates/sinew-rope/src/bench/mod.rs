@@ -5,8 +5,10 @@
 //! Reading order: [`setup`] (what stands where), [`routings`] (the paper's A to F), [`simulate()`].
 
 pub mod routings;
+mod run;
 pub mod setup;
 pub mod simulate;
 
+pub use run::{BenchReading, BenchRun, run};
 pub use setup::{Bench, BenchError, Phase, Strand};
 pub use simulate::{Simulated, simulate};

@@ -8,7 +8,6 @@
 use super::{Bench, Strand};
 use crate::duty::{Duty, Stretch};
 use crate::history::History;
-use serde::Serialize;
 use sinew_model::rope::routing::{self, Portion};
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
@@ -17,7 +16,7 @@ use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 const STEPS: usize = 4;
 
 /// What a rope did on the bench.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// Times, s.
     pub time_s: Vec<f64>,

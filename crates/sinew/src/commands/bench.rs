@@ -4,14 +4,11 @@
 use super::bench_read_camera::ReadCamera;
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
-use crate::text::{paragraph, plain, table};
 use clap::{Args, Subcommand};
-use sinew_figure::plot::{Band, Figure, Line, Panel};
-use sinew_figure::rounded;
-use sinew_files::write_file;
-use sinew_rope::bench::{Bench, Simulated, routings, simulate};
-use sinew_rope::{Catalogue, Draws, Interval};
-use std::fmt::Write as _;
+use sinew_files::{JsonDocument, write_file};
+use sinew_report::rope::{bench_csv, bench_figure, bench_table};
+use sinew_rope::Catalogue;
+use sinew_rope::bench::{Bench, routings};
 use std::path::{Path, PathBuf};
 
 /// The bending bench: a rope between two pulleys, over guides, pulled by a carriage
@@ -111,13 +108,6 @@ pub(crate) struct Simulate {
     json: bool,
 }
 
-/// Readings with their intervals.
-struct Run {
-    bench: Bench,
-    nominal: Simulated,
-    strain: Vec<Interval>,
-}
-
 impl Simulate {
     fn run(&self) -> Result<Finish, Failure> {
         let outputs: Vec<(&str, &Path)> = [("--csv", &self.csv), ("--plot", &self.plot)]
@@ -140,30 +130,14 @@ impl Simulate {
         };
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
         let catalogue = Catalogue::with_folders(&folders)?;
-        let draws = Draws::new(catalogue.find(&self.rope)?, self.draws as usize, self.seed)?;
-        let every_s = bench.duration_s() / f64::from(self.readings);
-        let nominal = simulate(&draws.nominal, &bench, every_s)?;
-        let drawn: Vec<Simulated> = draws
-            .laws
-            .iter()
-            .filter_map(|law| simulate(law, &bench, every_s).ok())
-            .collect();
-        let strain = (0..nominal.time_s.len())
-            .map(|i| {
-                let all: Vec<f64> = drawn.iter().map(|d| d.strain_percent[i]).collect();
-                Interval::of(nominal.strain_percent[i], &all)
-            })
-            .collect();
-        let run = Run {
-            bench,
-            nominal,
-            strain,
-        };
+        let rope = catalogue.find(&self.rope)?;
+        let draws = self.draws as usize;
+        let run = sinew_rope::bench::run(rope, &bench, self.readings, draws, self.seed)?;
         if let Some(path) = &self.csv {
-            write_file(path, run.csv().as_bytes())?;
+            write_file(path, bench_csv(&run).as_bytes())?;
         }
         if let Some(path) = &self.plot {
-            let figure = run.figure(&self.rope);
+            let figure = bench_figure(&run);
             let bytes = if path.extension().is_some_and(|e| e == "png") {
                 figure.png(2.0)?
             } else {
@@ -172,98 +146,10 @@ impl Simulate {
             write_file(path, &bytes)?;
         }
         if self.json {
-            let document = serde_json::json!({
-                "bench": run.bench.name,
-                "rope": self.rope,
-                "readings": run.nominal,
-                "strain_percent_interval": run.strain,
-            });
-            answer(&(serde_json::to_string_pretty(&document)? + "\n"))?;
+            answer(&run.to_json()?)?;
         } else {
-            answer(&run.told(&self.rope))?;
+            answer(&bench_table(&run))?;
         }
         Ok(Finish::Complete)
-    }
-}
-
-impl Run {
-    fn told(&self, rope: &str) -> String {
-        let mut out = paragraph(
-            &plain(&format!(
-                "bench {}, {rope}: strands of {} mm, stroke {} mm",
-                self.bench.name,
-                rounded(1e3 * self.bench.strand_m, 3),
-                rounded(1e3 * self.bench.stroke_m, 3)
-            )),
-            2,
-        );
-        out.push('\n');
-        let head = ["min", "force\nN", "elongation\nmm", "strain\n%", "stays\n%"];
-        let n = &self.nominal;
-        // A dozen rows, the last one, and both sides of every change of force.
-        let step = (n.time_s.len() / 12).max(1);
-        let changes = |i: usize| {
-            let differs = |a: Option<&f64>| a.is_some_and(|f| *f != n.force_n[i]);
-            differs(n.force_n.get(i + 1)) || (i > 0 && differs(n.force_n.get(i - 1)))
-        };
-        let rows = (0..n.time_s.len())
-            .filter(|&i| i % step == 0 || i + 1 == n.time_s.len() || changes(i))
-            .map(|i| {
-                let s = self.strain[i];
-                vec![
-                    rounded(n.time_s[i] / 60.0, 3),
-                    rounded(n.force_n[i], 3),
-                    rounded(n.elongation_mm[i], 3),
-                    format!(
-                        "{} ({} to {})",
-                        rounded(s.value, 3),
-                        rounded(s.low, 2),
-                        rounded(s.high, 2)
-                    ),
-                    rounded(n.irreversible_percent[i], 3),
-                ]
-            })
-            .collect();
-        out.push_str(&table(&head, rows, 0));
-        out.push_str(&paragraph(
-            "elongation: how far the carriage has moved; brackets: 95 % of the draws of the \
-             rope's parameters",
-            2,
-        ));
-        out
-    }
-
-    fn csv(&self) -> String {
-        let mut out = String::from(
-            "time_s,force_n,elongation_mm,strain_percent,strain_low_percent,strain_high_percent\n",
-        );
-        let n = &self.nominal;
-        for (i, s) in self.strain.iter().enumerate() {
-            let _ = writeln!(
-                out,
-                "{},{},{:.6},{:.6},{:.6},{:.6}",
-                n.time_s[i], n.force_n[i], n.elongation_mm[i], s.value, s.low, s.high
-            );
-        }
-        out
-    }
-
-    fn figure(&self, rope: &str) -> Figure {
-        let minutes: Vec<f64> = self.nominal.time_s.iter().map(|t| t / 60.0).collect();
-        let edge = |f: &dyn Fn(&Interval) -> f64| self.strain.iter().map(f).collect::<Vec<f64>>();
-        Figure::new(format!("Bench {}, simulated", self.bench.name))
-            .subtitle(format!("{rope}; band: 95 % of the draws"))
-            .size(900.0, 420.0)
-            .panel(
-                Panel::new("", "time (min)", "strain (%)")
-                    .y_right("carriage (mm)", 10.0 * self.bench.strand_m)
-                    .band(Band::new(
-                        "",
-                        minutes.clone(),
-                        edge(&|i| i.low),
-                        edge(&|i| i.high),
-                    ))
-                    .line(Line::new("", minutes, self.nominal.strain_percent.clone())),
-            )
     }
 }

@@ -5,6 +5,7 @@ use crate::terminal::{Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
 use sinew_figure::rounded;
+use sinew_files::JsonDocument;
 use sinew_model::rope::entry::Value;
 use sinew_rope::{Catalogue, CatalogueRope};
 
@@ -32,15 +33,15 @@ impl List {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         let catalogue = self.ropes.catalogue()?;
         if self.json {
-            answer(&(serde_json::to_string_pretty(&json(&catalogue))? + "\n"))?;
+            answer(&catalogue.list().to_json()?)?;
         } else {
-            answer(&told(&catalogue))?;
+            answer(&text(&catalogue))?;
         }
         Ok(Finish::Complete)
     }
 }
 
-fn told(catalogue: &Catalogue) -> String {
+fn text(catalogue: &Catalogue) -> String {
     let head = [
         "name", "fibre", "d
 mm", "load
@@ -68,29 +69,4 @@ N", "g/m", "guesses",
         out.push_str(&paragraph(&format!("{own} of them from your folders"), 0));
     }
     out
-}
-
-fn json(catalogue: &Catalogue) -> serde_json::Value {
-    let value = |v: &Option<Value>| v.as_ref().map(|v| v.value);
-    catalogue
-        .ropes()
-        .iter()
-        .map(|rope| {
-            let e = &rope.entry;
-            serde_json::json!({
-                "name": e.name,
-                "manufacturer": e.manufacturer,
-                "product": e.product,
-                "fibre": e.fibre,
-                "material": e.material.name(),
-                "plait": e.plait,
-                "diameter_mm": value(&e.diameter_mm),
-                "breaking_load_n": value(&e.breaking_load_n),
-                "weight_g_per_m": value(&e.weight_g_per_m),
-                "starting_guesses": e.guesses(),
-                "parameters": e.law.len(),
-                "file": rope.file.as_ref().map(|f| f.display().to_string()),
-            })
-        })
-        .collect()
 }

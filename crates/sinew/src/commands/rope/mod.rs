@@ -1,6 +1,6 @@
 //! `sinew rope`: the catalogue, and what a duty does to its ropes.
 
-mod asked;
+mod duty_args;
 mod list;
 mod predict;
 mod pretension;

@@ -1,6 +1,6 @@
 //! `sinew rope predict`.
 
-use super::asked::Asked;
+use super::duty_args::DutyArgs;
 use super::values::newtons;
 use super::{Ropes, find};
 use crate::files::check_outputs;
@@ -8,8 +8,8 @@ use crate::terminal::{Bar, Failure, Finish, answer};
 use crate::text::{paragraph, plain, table};
 use clap::Args;
 use sinew_figure::rounded;
-use sinew_files::write_file;
-use sinew_report::rope::{bracketed, predicted, spoken};
+use sinew_files::{JsonDocument, write_file};
+use sinew_report::rope::{bracketed, caution, predicted, spoken};
 use sinew_rope::predict::{self, Prediction};
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ pub(crate) struct Predict {
     /// Rope [default: the one of the joint's tendon]
     name: Option<String>,
     #[command(flatten)]
-    asked: Asked,
+    duty: DutyArgs,
     /// Tension the readings refer to, N [default: mean of the duty]
     #[arg(long, value_name = "N", value_parser = newtons)]
     read_at: Option<f64>,
@@ -51,17 +51,17 @@ impl Predict {
             check_outputs(&[("--report", path)], &[])?;
         }
         let catalogue = self.ropes.catalogue()?;
-        let mut understood = self.asked.understand(self.quiet)?;
-        let Some(name) = self.name.as_ref().or(understood.rope.as_ref()) else {
+        let mut resolved = self.duty.resolve(self.quiet)?;
+        let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {
             return Err(Failure::Refused(
                 "which rope? name it; sinew rope list shows all".into(),
             ));
         };
         let rope = find(&catalogue, name)?;
-        understood.request.read_at = Asked::read_at(self.read_at, self.asked.temperature());
-        let draws = understood.request.draws as f64;
+        resolved.request.read_at = DutyArgs::read_at(self.read_at, self.duty.temperature());
+        let draws = resolved.request.draws as f64;
         let bar = Bar::new("draws", self.quiet);
-        let found = predict::predict_watched(rope, &understood.request, &|done| {
+        let found = predict::predict_with_progress(rope, &resolved.request, &|done| {
             bar.set(done as f64, draws);
         })?;
         drop(bar);
@@ -69,15 +69,15 @@ impl Predict {
             write_file(path, predicted(&found).html().as_bytes())?;
         }
         if self.json {
-            answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;
+            answer(&found.to_json()?)?;
         } else {
-            answer(&told(&found))?;
+            answer(&text(&found))?;
         }
         Ok(Finish::Complete)
     }
 }
 
-fn told(p: &Prediction) -> String {
+fn text(p: &Prediction) -> String {
     let mut out = paragraph(&plain(&format!("{}: {}", p.rope, p.duty)), 2);
     let s = &p.summary;
     if s.tension_min_n != s.tension_max_n || s.temperature_min_c != s.temperature_max_c {
@@ -94,7 +94,7 @@ fn told(p: &Prediction) -> String {
     }
     let text = format!(
         "strand of {} mm, read at {} N and {} °C\n",
-        rounded(p.length_mm, 4),
+        rounded(1e3 * p.length_m, 4),
         rounded(p.read_at_n, 3),
         rounded(p.read_at_c, 3)
     );
@@ -113,15 +113,15 @@ fn told(p: &Prediction) -> String {
         .map(|r| {
             vec![
                 spoken(r.time_s),
-                bracketed(r.since_tensioned_mm, 2),
-                bracketed(r.elongation_mm, 2),
-                rounded(r.strain_percent.value, 2),
-                rounded(r.irreversible_mm.value, 2),
+                bracketed(r.since_tensioned_m.scaled(1e3), 2),
+                bracketed(r.elongation_m.scaled(1e3), 2),
+                rounded(100.0 * r.strain_ratio.value, 2),
+                rounded(1e3 * r.irreversible_m.value, 2),
             ]
         })
         .collect();
     out.push_str(&table(&head, rows, 1));
-    if let Some(left) = p.strength_left {
+    if let Some(left) = p.strength_left_share {
         let text = format!(
             "strength left after bending: {} % of new ({} to {} %)",
             rounded(100.0 * left.value, 2),
@@ -143,8 +143,8 @@ fn told(p: &Prediction) -> String {
         p.draws, p.seed, p.starting_guesses, p.parameters
     );
     out.push_str(&paragraph(&text, 2));
-    for warning in &p.warnings {
-        out.push_str(&paragraph(&plain(&format!("warning: {warning}")), 2));
+    for what in &p.cautions {
+        out.push_str(&paragraph(&format!("warning: {}", caution(*what)), 2));
     }
     out
 }

@@ -7,8 +7,8 @@ use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
 use sinew_figure::rounded;
-use sinew_files::write_file;
-use sinew_report::rope::{bracketed, planned, spoken};
+use sinew_files::{JsonDocument, write_file};
+use sinew_report::rope::{bracketed, caution, planned, spoken};
 use sinew_rope::pretension::{self, Plan, Request, Schedule};
 use std::path::PathBuf;
 
@@ -86,25 +86,25 @@ impl Pretension {
             },
         )?;
         if let Some(path) = &self.report {
-            write_file(path, planned(&plan, self.remove).html().as_bytes())?;
+            write_file(path, planned(&plan).html().as_bytes())?;
         }
         if self.json {
-            answer(&(serde_json::to_string_pretty(&plan)? + "\n"))?;
+            answer(&plan.to_json()?)?;
         } else {
-            answer(&told(&plan, self.remove))?;
+            answer(&text(&plan))?;
         }
         Ok(Finish::Complete)
     }
 }
 
-fn told(p: &Plan, remove: f64) -> String {
+fn text(p: &Plan) -> String {
     let mut out = paragraph(
         &plain(&format!(
             "{}: {} N at {} °C, strand of {} mm, for {}",
             p.rope,
             rounded(p.tension_n, 3),
             rounded(p.temperature_c, 3),
-            rounded(p.length_mm, 4),
+            rounded(1e3 * p.length_m, 4),
             spoken(p.horizon_s)
         )),
         2,
@@ -112,7 +112,7 @@ fn told(p: &Plan, remove: f64) -> String {
     out.push_str(&paragraph(
         &format!(
             "at constant tension it grows by {} mm from a minute after tensioning",
-            bracketed(p.without_mm, 2)
+            bracketed(p.without_m.scaled(1e3), 2)
         ),
         2,
     ));
@@ -134,13 +134,13 @@ fn told(p: &Plan, remove: f64) -> String {
                 mark.into(),
                 spoken(q.duration_s),
                 rounded(q.tension_n, 3),
-                bracketed(q.still_to_come_mm, 2),
-                bracketed(q.removed.scaled(100.0), 2),
+                bracketed(q.still_to_come_m.scaled(1e3), 2),
+                bracketed(q.removed_share.scaled(100.0), 2),
             ]
         })
         .collect();
     out.push_str(&table(&head, rows, 2));
-    let percent = rounded(100.0 * remove, 2);
+    let percent = rounded(100.0 * p.remove_share, 2);
     out.push_str(&paragraph(
         &match p.chosen {
             Some(i) => format!(
@@ -168,8 +168,8 @@ fn told(p: &Plan, remove: f64) -> String {
         p.starting_guesses, p.parameters
     );
     out.push_str(&paragraph(&text, 2));
-    for w in &p.warnings {
-        out.push_str(&paragraph(&plain(&format!("warning: {w}")), 2));
+    for what in &p.cautions {
+        out.push_str(&paragraph(&format!("warning: {}", caution(*what)), 2));
     }
     out
 }

@@ -1,15 +1,15 @@
 //! `sinew rope select`.
 
 use super::Ropes;
-use super::asked::Asked;
+use super::duty_args::DutyArgs;
 use super::values::{millimetres, ratio};
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
 use sinew_figure::rounded;
-use sinew_files::write_file;
-use sinew_report::rope::{bracketed, figure, selected, spoken};
+use sinew_files::{JsonDocument, write_file};
+use sinew_report::rope::{bracketed, caution, figure, reasons, selected, shared_cautions, spoken};
 use sinew_rope::select::{self, Constraints, Selection};
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 )]
 pub(crate) struct Select {
     #[command(flatten)]
-    asked: Asked,
+    duty: DutyArgs,
     /// Largest diameter, mm
     #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Constraints")]
     max_diameter: Option<f64>,
@@ -73,7 +73,7 @@ impl Select {
             .collect();
         check_outputs(&outputs, &[])?;
         let catalogue = self.ropes.catalogue()?;
-        let request = self.asked.understand(self.quiet)?.request;
+        let request = self.duty.resolve(self.quiet)?.request;
         let constraints = Constraints {
             diameter_max_mm: self.max_diameter,
             diameter_min_mm: self.min_diameter,
@@ -99,9 +99,9 @@ impl Select {
             write_file(path, selected(&found, &constraints).html().as_bytes())?;
         }
         if self.json {
-            answer(&(serde_json::to_string_pretty(&found)? + "\n"))?;
+            answer(&found.to_json()?)?;
         } else {
-            answer(&told(&found))?;
+            answer(&text(&found))?;
         }
         Ok(Finish::lossy(found.candidates.is_empty()))
     }
@@ -122,7 +122,7 @@ fn in_two(name: &str) -> String {
     }
 }
 
-fn told(s: &Selection) -> String {
+fn text(s: &Selection) -> String {
     let mut out = paragraph(
         &plain(&format!(
             "{}; elongation from a minute after tensioning to {}",
@@ -149,12 +149,12 @@ fn told(s: &Selection) -> String {
             let mark = if c.pareto { " *" } else { "" };
             vec![
                 in_two(&(plain(&c.rope) + mark)),
-                bracketed(c.elongation_mm, 2).replace(" to ", "–"),
+                bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–"),
                 format!("{:.0} %", 100.0 * c.least_share),
-                rounded(c.stiffness_n_per_mm.value, 2),
-                c.diameter_mm.map_or_else(none, |v| rounded(v, 3)),
-                c.weight_g_per_m.map_or_else(none, |v| rounded(v, 3)),
-                c.safety_factor.map_or_else(none, |v| rounded(v, 2)),
+                rounded(1e-3 * c.stiffness_n_per_m.value, 2),
+                c.diameter_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
+                c.weight_kg_per_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
+                c.safety_factor_ratio.map_or_else(none, |v| rounded(v, 2)),
             ]
         })
         .collect();
@@ -172,24 +172,16 @@ fn told(s: &Selection) -> String {
     if !s.rejected.is_empty() {
         out.push_str("\nfell out\n");
         for r in &s.rejected {
-            let text = format!("{}: {}", r.rope, r.reasons.join("; "));
+            let text = format!("{}: {}", r.rope, reasons(r));
             out.push_str(&indented(&plain(&text), 2, 4));
         }
     }
-    // The same caution for several ropes is one caution.
-    let mut warnings: Vec<(&str, Vec<&str>)> = Vec::new();
-    for c in &s.candidates {
-        for w in &c.warnings {
-            match warnings.iter_mut().find(|(text, _)| text == w) {
-                Some((_, ropes)) => ropes.push(&c.rope),
-                None => warnings.push((w, vec![&c.rope])),
-            }
-        }
-    }
+    let warnings = shared_cautions(s);
     if !warnings.is_empty() {
         out.push('\n');
     }
-    for (text, ropes) in warnings {
+    for (what, ropes) in warnings {
+        let text = caution(what);
         let text = if ropes.len() == s.candidates.len() {
             format!("warning: {text}")
         } else {

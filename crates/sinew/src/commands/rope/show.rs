@@ -5,6 +5,7 @@ use crate::terminal::{Failure, Finish, answer};
 use crate::text::{indented, paragraph, plain, table};
 use clap::Args;
 use sinew_figure::rounded;
+use sinew_files::JsonDocument;
 use sinew_model::rope::entry::{Uncertainty, Value};
 use sinew_rope::CatalogueRope;
 
@@ -31,9 +32,9 @@ impl Show {
         if self.toml {
             answer(&rope.entry.to_toml())?;
         } else if self.json {
-            answer(&(serde_json::to_string_pretty(&json(rope))? + "\n"))?;
+            answer(&rope.describe().to_json()?)?;
         } else {
-            answer(&told(rope))?;
+            answer(&text(rope))?;
         }
         Ok(Finish::Complete)
     }
@@ -56,7 +57,7 @@ fn interval(value: &Value) -> String {
     }
 }
 
-fn told(rope: &CatalogueRope) -> String {
+fn text(rope: &CatalogueRope) -> String {
     let e = &rope.entry;
     let plait = e.plait.as_ref().map(|p| format!(", {p}"));
     let mut out = paragraph(
@@ -130,45 +131,4 @@ fn told(rope: &CatalogueRope) -> String {
         out.push_str(&indented(&plain(&format!("{key}: {source}")), 2, 4));
     }
     out
-}
-
-fn json(rope: &CatalogueRope) -> serde_json::Value {
-    let e = &rope.entry;
-    let value = |v: &Value| {
-        let (factor, plus_minus) = match v.uncertainty {
-            Uncertainty::NotStated => (None, None),
-            Uncertainty::Factor(f) => (Some(f), None),
-            Uncertainty::PlusMinus(d) => (None, Some(d)),
-        };
-        serde_json::json!({
-            "value": v.value,
-            "factor": factor,
-            "plus_minus": plus_minus,
-            "origin": v.origin.name(),
-            "source": v.source,
-            "date": v.date,
-        })
-    };
-    let law: serde_json::Map<String, serde_json::Value> = e
-        .law
-        .iter()
-        .map(|(p, v)| (p.name().to_string(), value(v)))
-        .collect();
-    serde_json::json!({
-        "name": e.name,
-        "manufacturer": e.manufacturer,
-        "product": e.product,
-        "fibre": e.fibre,
-        "material": e.material.name(),
-        "plait": e.plait,
-        "note": e.note,
-        "published": {
-            "diameter_mm": e.diameter_mm.as_ref().map(value),
-            "breaking_load_n": e.breaking_load_n.as_ref().map(value),
-            "weight_g_per_m": e.weight_g_per_m.as_ref().map(value),
-        },
-        "law": law,
-        "sources": e.sources,
-        "file": rope.file.as_ref().map(|f| f.display().to_string()),
-    })
 }

@@ -26,7 +26,7 @@ enum StrandArg {
 
 /// What the rope has to do.
 #[derive(Debug, Args)]
-pub(super) struct Asked {
+pub(super) struct DutyArgs {
     /// Constant tension, N
     #[arg(long, value_name = "N", value_parser = newtons, help_heading = "Duty")]
     tension: Option<f64>,
@@ -80,22 +80,22 @@ pub(super) struct Asked {
 }
 
 /// What follows from the options: the request, and the tendon's own rope.
-pub(super) struct Understood {
+pub(super) struct Resolved {
     pub(super) request: Request,
     pub(super) rope: Option<String>,
 }
 
-impl Asked {
-    pub(super) fn understand(&self, quiet: bool) -> Result<Understood, Failure> {
+impl DutyArgs {
+    pub(super) fn resolve(&self, quiet: bool) -> Result<Resolved, Failure> {
         let tendon = self.tendon()?;
-        let duty = self.understand_duty(tendon.as_ref(), quiet)?;
+        let duty = self.resolve_duty(tendon.as_ref(), quiet)?;
         let mut times_s = if self.at.is_empty() {
             TIMES_DEFAULT_S.to_vec()
         } else {
             self.at.clone()
         };
         times_s.sort_unstable_by(f64::total_cmp);
-        Ok(Understood {
+        Ok(Resolved {
             request: Request {
                 duty,
                 route: self.route(tendon.as_ref()),
@@ -145,7 +145,7 @@ impl Asked {
         }
     }
 
-    fn understand_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Duty, Failure> {
+    fn resolve_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Duty, Failure> {
         if let Some(file) = &self.duty {
             return Ok(Duty::open(file)?);
         }

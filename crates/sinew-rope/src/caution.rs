@@ -1,0 +1,45 @@
+//! What to be careful about in a prediction.
+
+use serde::{Deserialize, Serialize};
+use sinew_model::rope::validity::Outside;
+
+/// Something to be careful about.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Caution {
+    /// Tension below the range the law was made for.
+    LowLoad,
+    /// Tension above it: creep rupture is not in the law.
+    HighLoad,
+    /// HMPE hotter than its flow was measured.
+    Hot,
+    /// The breaking load is not published.
+    BreakingLoadGuessed {
+        /// Starting guess taken, N.
+        breaking_load_n: f64,
+    },
+    /// Starting guesses made for tests of 85 min, asked for more than a day.
+    Extrapolated,
+    /// Parameters are starting guesses.
+    StartingGuesses {
+        /// How many.
+        guesses: usize,
+        /// Of all.
+        parameters: usize,
+    },
+}
+
+impl Caution {
+    /// Limits of the law's validity that a load lies outside of.
+    pub(super) fn outside(outside: Outside) -> Vec<Caution> {
+        [
+            (outside.low_load, Caution::LowLoad),
+            (outside.high_load, Caution::HighLoad),
+            (outside.hot, Caution::Hot),
+        ]
+        .into_iter()
+        .filter_map(|(outside, caution)| outside.then_some(caution))
+        .collect()
+    }
+}
