@@ -134,6 +134,7 @@ class Outcome:
 
     def __init__(self, case):
         self.case, self.level, self.lines, self.renamed, self.ulps = case, 0, [], 0, 0
+        self.wide = []
 
     def note(self, level, line=None):
         self.level = max(self.level, self.ORDER.index(level))
@@ -203,8 +204,11 @@ def compare_trees(old, new, rules, outcome, file):
                 outcome.renamed += 1
                 outcome.note("renamed")
             elif as_number(value) and as_number(expected) and ulps(value, expected) <= rule.get("ulps", 0):
+                off_by = ulps(value, expected)
                 outcome.ulps += 1
                 outcome.note("within ulps")
+                if off_by > 2:
+                    outcome.wide.append((off_by, abs(value - expected), rule["old"]))
             else:
                 outcome.note(off, f"{where}: {value!r} is now {expected!r} (from {paths})")
             explained = True
@@ -434,6 +438,13 @@ def compare(arguments):
     summary = [f"{len(outcomes)} cases in both"]
     summary += [f"  {level}: {len(found)}" for level, found in by_level.items()]
     summary.append(f"  values renamed: {sum(o.renamed for o in outcomes)}, within ulps: {sum(o.ulps for o in outcomes)}")
+    wide = {}
+    for off_by, difference, rule in (w for o in outcomes for w in o.wide):
+        n, worst, most = wide.get(rule, (0, 0, 0.0))
+        wide[rule] = (n + 1, max(worst, off_by), max(most, difference))
+    summary += [
+        f"  beyond 2 ulps: {rule}: {n} values, at most {worst} ulps, {most:.1e}" for rule, (n, worst, most) in sorted(wide.items())
+    ]
     for title, names in (
         ("only before", sorted(before - after)),
         ("only after", sorted(after - before)),
