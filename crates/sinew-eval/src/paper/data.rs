@@ -1,6 +1,6 @@
 //! What a figure of the paper consists of.
 
-use super::control::Row;
+use super::control::row::Row;
 use super::sentence::Sentence;
 use serde::Serialize;
 use sinew_figure::Table;

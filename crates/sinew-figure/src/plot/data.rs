@@ -1,6 +1,6 @@
 //! Curves and bands as paths.
 
-use super::draw::dash;
+use super::ink::dash;
 use super::layout::{Placed, Rect};
 use super::{Band, Colour, Line};
 use std::fmt::Write as _;

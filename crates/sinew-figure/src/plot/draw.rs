@@ -1,19 +1,19 @@
 //! Writes a figure as SVG.
 
 use super::data::{Tenths, band_opacity, draw_band, draw_line, place};
-use super::label::{escape_xml, markup, shorten};
+use super::ink::{MUTED, dash, text};
+use super::label::{escape_xml, shorten};
 use super::layout::{
     Entry, LABEL_PX, LEGEND_PX, Layout, MARGIN, PANEL_TITLE_PX, Placed, Rect, SAMPLE, SUBTITLE_PX,
     Sample, TICK_PX, TITLE_PX, arrange,
 };
 use super::words::draw_words;
-use super::{Dash, Figure, Mark, Series};
+use super::{Figure, Mark, Series};
 use std::fmt::Write as _;
 
 /// The carried font first, so that SVG and PNG agree where it is installed.
 const FAMILY: &str = "Roboto, 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif";
 const INK: &str = "#1d1f24";
-pub(super) const MUTED: &str = "#5a606b";
 const AXIS: &str = "#80858f";
 const GRID: &str = "#e7e9ee";
 const REFERENCE: &str = "#6c727d";
@@ -64,14 +64,6 @@ fn description(figure: &Figure) -> String {
         .filter(|t| !t.is_empty())
         .collect();
     words.join("; ")
-}
-
-pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, words: &str) {
-    let _ = writeln!(
-        out,
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" {style}>{}</text>",
-        markup(words)
-    );
 }
 
 fn draw_panel(out: &mut String, placed: &Placed<'_>) {
@@ -193,22 +185,6 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
     }
     if let (Some(axis), Some(right)) = (&placed.right, &panel.y_right) {
         upright(out, placed.right_label_x - 2.0, &axis.label(&right.label));
-    }
-}
-
-pub(super) fn dash(dash: Dash, width_px: f64) -> String {
-    match dash {
-        Dash::Solid => String::new(),
-        Dash::Dashed => format!(
-            " stroke-dasharray=\"{:.1} {:.1}\"",
-            4.0 * width_px,
-            2.5 * width_px
-        ),
-        Dash::Dotted => format!(
-            " stroke-dasharray=\"{:.1} {:.1}\"",
-            width_px,
-            2.0 * width_px
-        ),
     }
 }
 

@@ -27,6 +27,7 @@
 mod axis;
 mod data;
 mod draw;
+mod ink;
 mod label;
 mod layout;
 mod panel;

@@ -1,7 +1,7 @@
 //! The words of marks, each where it hides least.
 
 use super::data::place;
-use super::draw::{MUTED, text};
+use super::ink::{MUTED, text};
 use super::label::width;
 use super::layout::{Placed, Rect};
 use super::{Mark, Series};

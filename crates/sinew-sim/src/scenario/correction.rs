@@ -1,7 +1,6 @@
 //! What a scenario says about correcting for the stretch: `[correction]`, `[contact_detection]`.
 
-use super::draw::{Draw, PerJoint};
-use super::read::per;
+use super::draw::{Draw, PerJoint, per};
 use crate::SimulateError;
 use serde_json::Value;
 use sinew_files::{Bound, Fields as _, Located, Section};

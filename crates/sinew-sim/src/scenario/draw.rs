@@ -142,6 +142,11 @@ pub(super) trait Keys {
     fn pairs(&self, key: &'static str, bound: Bound) -> Result<Option<Vec<(f64, f64)>>, Located>;
 }
 
+/// One draw for all joints, or one by joint; as described where the key is left out.
+pub(super) fn per(s: &Section<'_>, key: &'static str, bound: Bound) -> Result<PerJoint, Located> {
+    Ok(s.per_joint(key, bound)?.unwrap_or_default())
+}
+
 impl Keys for Section<'_> {
     fn draw(&self, key: &'static str, bound: Bound) -> Result<Option<Draw>, Located> {
         self.value(key).map(|v| draw_of(&v, bound)).transpose()

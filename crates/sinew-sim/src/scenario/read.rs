@@ -1,7 +1,7 @@
 //! The keys of a scenario file.
 
 use super::correction::{contact_detection, correction};
-use super::draw::{Draw, Keys as _};
+use super::draw::{Draw, Keys as _, per};
 use super::happens::{contact, faults, jam, offset, payload, random_contacts, record, session};
 use super::*;
 use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
@@ -108,10 +108,6 @@ impl Scenario {
         ((steps - steps.round()).abs() < 1e-6 * steps && steps.round() >= 1.0)
             .then_some(steps.round() as u64)
     }
-}
-
-pub(super) fn per(s: &Section<'_>, key: &'static str, bound: Bound) -> Result<PerJoint, Located> {
-    Ok(s.per_joint(key, bound)?.unwrap_or_default())
 }
 
 fn controller(s: &Section<'_>) -> Result<Controller, Located> {
