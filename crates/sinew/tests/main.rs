@@ -3,10 +3,14 @@
 mod architecture;
 mod baseline_merge;
 mod build_budget;
+#[cfg(feature = "schema")]
+mod checker;
 mod cli;
 mod control;
 mod creep;
 mod examples;
 mod reference;
 mod rope;
+#[cfg(feature = "schema")]
+mod schemas;
 mod trend;
