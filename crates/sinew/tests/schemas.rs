@@ -52,10 +52,12 @@ impl Published {
 fn documents() -> Vec<Published> {
     vec![
         Published::of::<sinew_log::RecordingInfo>(),
+        Published::of::<sinew_estimate::robot_check::RobotCheck>(),
         Published::of::<sinew_estimate::EstimateDocument>(),
         Published::of::<sinew_estimate::BaselineDocument>(),
         Published::of::<sinew_estimate::baseline::MergeSummary>(),
         Published::of::<sinew_estimate::trend::TrendReport>(),
+        Published::of::<sinew_camera::Summary>(),
         Published::of::<sinew_creep::AnalyzeReport>(),
         Published::of::<sinew_creep::FitReport>(),
         Published::of::<sinew_creep::WithheldReport>(),
@@ -83,6 +85,8 @@ fn outputs() -> Vec<&'static str> {
         trend examples/10-trend/sessions.csv --robot robots/biorob-like --tensioned 2026-03-02 --json
         trend examples/10-trend/sessions.csv --json
         trend simulate-year --robot robots/biorob-like --robots 1 --joints elbow --json
+        robot check robots/biorob-like --json
+        bench read-camera examples/07-camera/frames --json
         creep analyze examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --withhold 0.33 --json
