@@ -58,11 +58,18 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_estimate::baseline::MergeSummary>(),
         Published::of::<sinew_estimate::trend::TrendReport>(),
         Published::of::<sinew_camera::Summary>(),
+        Published::of::<sinew_rope::RopeList>(),
+        Published::of::<sinew_rope::RopeDescription>(),
+        Published::of::<sinew_rope::predict::Prediction>(),
+        Published::of::<sinew_rope::select::Selection>(),
+        Published::of::<sinew_rope::pretension::Plan>(),
+        Published::of::<sinew_rope::bench::BenchRun>(),
         Published::of::<sinew_creep::AnalyzeReport>(),
         Published::of::<sinew_creep::FitReport>(),
         Published::of::<sinew_creep::WithheldReport>(),
         Published::of::<sinew_creep::ShiftReport>(),
         Published::of::<sinew_creep::CompareReport>(),
+        Published::of::<sinew_eval::excitation::Proposal>(),
         Published::of::<sinew_eval::paper::PaperFigure>(),
         Published::of::<sinew_eval::year::YearReport>(),
         Published::of::<sinew_eval::scenarios::ScenarioReport>(),
@@ -87,10 +94,17 @@ fn outputs() -> Vec<&'static str> {
         trend simulate-year --robot robots/biorob-like --robots 1 --joints elbow --json
         robot check robots/biorob-like --json
         bench read-camera examples/07-camera/frames --json
+        rope list --json
+        rope show liros-dc000-0301 --json
+        rope predict liros-dc000-0301 --tension 60 --length 700 --at 8h --draws 20 --json
+        rope select --tension 60 --length 700 --at 8h --draws 20 --json
+        rope pretension liros-dc000-0701 --tension 90 --length 480 --horizon 30d --draws 20 --json
+        bench simulate B --json
         creep analyze examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --withhold 0.33 --json
         creep compare examples/06-creep-test/rope-A.csv examples/06-creep-test/rope-B.csv --json
+        excitation --robot robots/biorob-like --poses 3 --candidates 2 --seed 4 --json
         paper table1 --out OUT --json
         scenarios run --scenario S7 --n 1 --no-steps --json
         simulate examples/scenarios/stretched-arm.toml --out OUT/a.mcap --duration 4 --json
