@@ -2,6 +2,7 @@
 
 use super::figures;
 use super::sentences::{doubt, headline};
+use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::warnings::recording_warning;
 use super::words::{basis_row, joint_refusal, loss_reason};
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss, RecordingFormat};
@@ -95,14 +96,6 @@ pub fn html_with(estimate: &Estimate, session: Option<&SessionEstimate>) -> Stri
     )
     .html()
 }
-
-/// What isn't known is shown as the tables show NaN.
-pub(crate) fn or_nan(x: Option<f64>) -> f64 {
-    x.unwrap_or(f64::NAN)
-}
-
-/// From rad per relative error to mrad per percent.
-pub(crate) const MRAD_PER_PERCENT: f64 = 1e3 * 0.01;
 
 fn format_name(format: RecordingFormat) -> &'static str {
     match format {

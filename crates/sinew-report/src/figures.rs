@@ -1,6 +1,6 @@
 //! The figure of one joint: offset with its band, torque, motion.
 
-use super::estimate::or_nan;
+use super::shown::or_nan;
 use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{duration, given, rounded};

@@ -16,6 +16,7 @@ pub mod rope;
 mod sentences;
 mod session;
 mod session_sentences;
+mod shown;
 pub mod tables;
 #[cfg(test)]
 mod tests;

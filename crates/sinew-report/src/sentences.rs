@@ -1,6 +1,6 @@
 //! An estimate in words.
 
-use super::estimate::{MRAD_PER_PERCENT, or_nan};
+use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::words::joint_refusal;
 use sinew_estimate::replay::{Estimate, JointEstimate};
 use sinew_figure::{rounded, with_error};

@@ -1,8 +1,8 @@
 //! What a terminal of 80 columns shows of an estimate: tables and paragraphs.
 
-use super::estimate::{MRAD_PER_PERCENT, or_nan};
 use super::sentences::headline;
 use super::session_sentences::session_sentences;
+use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::text::{paragraph, plain, table};
 use super::words::loss_reason;
 use sinew_estimate::NuisanceChange;

@@ -17,6 +17,8 @@ pub mod duty;
 pub mod history;
 pub mod predict;
 pub mod pretension;
+mod procedure;
+mod route;
 mod schedule;
 pub mod select;
 pub mod stored;

@@ -2,14 +2,15 @@
 
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
-use super::duty::{Duty, DutySummary};
+use super::duty::DutySummary;
+pub use super::route::{Request, Route};
 use super::strand::{Mean, StrandError, strand};
 use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
-use sinew_model::rope::routing::{Pulley, RoutingError};
+use sinew_model::rope::routing::RoutingError;
 use sinew_model::rope::validity::Outside;
 use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,48 +28,6 @@ pub const YEAR_S: f64 = 31_557_600.0;
 /// Elongation "since tensioned" counts from here, s: what a fitter sees who tensions a rope, lets
 /// it sit for a minute and goes.
 pub const TENSIONED_AFTER_S: f64 = 60.0;
-
-/// How a rope lies in the machine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Route {
-    /// Length of the strand, m.
-    pub length_m: f64,
-    /// How far the drive moves the rope back and forth, m.
-    pub stroke_m: f64,
-    /// Guiding pulleys.
-    pub pulleys: Vec<Pulley>,
-    /// Strokes per hour, back and forth counting as one; 0 where bending is not asked for.
-    pub strokes_per_hour: f64,
-}
-
-impl Route {
-    /// A strand without guiding pulleys.
-    pub fn straight(length_m: f64) -> Self {
-        Self {
-            length_m,
-            stroke_m: 0.0,
-            pulleys: Vec::new(),
-            strokes_per_hour: 0.0,
-        }
-    }
-}
-
-/// What is asked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// The duty.
-    pub duty: Duty,
-    /// The route.
-    pub route: Route,
-    /// Times to read at, s, rising.
-    pub times_s: Vec<f64>,
-    /// Load the readings refer to; `None` takes the duty's means.
-    pub read_at: Option<RopeLoad>,
-    /// Draws for the intervals.
-    pub draws: usize,
-    /// Seed of the draws.
-    pub seed: u64,
-}
 
 /// Elongation at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use super::draws::{Draws, bounded};
 use super::predict::TENSIONED_AFTER_S;
-use super::pretension::{Procedure, Request};
+use super::procedure::{Procedure, Request};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;

@@ -1,7 +1,7 @@
 //! One strand of rope along its route: portion by portion through a duty.
 
 use super::history::History;
-use super::predict::Request;
+use super::route::Request;
 use sinew_model::rope::routing::{self, RoutingError};
 use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 

@@ -22,6 +22,7 @@ mod result;
 mod run;
 mod segments;
 mod summary;
+mod torque_range;
 mod warning;
 
 pub use crate::error::SessionError;
@@ -31,11 +32,12 @@ pub use recorder::{Recorded, Recorder, Window};
 pub use result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
     SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TendonChange, TendonChangeKind,
-    TendonEstimate, TorqueRange, Verdict,
+    TendonEstimate, Verdict,
 };
 pub use run::{
     Learning, estimate, estimate_recorded, estimate_with_replay, learn, learn_from, learn_recorded,
     learn_recorded_from,
 };
 pub use sinew_model::offset::Payload;
+pub use torque_range::TorqueRange;
 pub use warning::Warning;

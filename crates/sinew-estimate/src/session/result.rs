@@ -1,5 +1,6 @@
 //! What a session says of every tendon, as data.
 
+use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::cause::Cause;
 use crate::nuisance::NuisanceChange;
@@ -128,16 +129,6 @@ pub enum MotorTorque {
     Measured,
     /// A current times a torque constant, which is known less well.
     FromCurrent,
-}
-
-/// Smallest and largest torque, N·m.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct TorqueRange {
-    /// Smallest.
-    pub min: f64,
-    /// Largest.
-    pub max: f64,
 }
 
 /// Stiffness that may have changed between two recordings. Offsets are averaged over whether it has.

@@ -6,9 +6,10 @@ use super::inflation::{self, Inflation};
 use super::recorder::Recorded;
 use super::result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
-    SegmentEstimate, SessionEstimate, TendonEstimate, TorqueRange, Verdict,
+    SegmentEstimate, SessionEstimate, TendonEstimate, Verdict,
 };
 use super::segments::Segments;
+use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::estimator::mean_temperature;
 use crate::nuisance::NuisanceChange;

@@ -1,6 +1,6 @@
 //! What the reader of a session's estimate should know, as data; the words are the report's.
 
-use super::result::TorqueRange;
+use super::torque_range::TorqueRange;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 

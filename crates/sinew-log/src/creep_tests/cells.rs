@@ -8,6 +8,7 @@ pub(super) enum Cell {
     Empty,
     Number(f64),
     /// A time that carries its own unit, s: a workbook's time of day, a Parquet timestamp.
+    #[cfg_attr(not(any(feature = "parquet", feature = "sheets")), allow(dead_code))]
     Clock(f64),
     Text(String),
 }

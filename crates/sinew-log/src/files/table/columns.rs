@@ -249,6 +249,7 @@ impl Columns {
     }
 
     /// Place of the time among the used cells.
+    #[cfg(feature = "parquet")]
     pub(crate) fn time_place(&self) -> usize {
         self.used.binary_search(&self.time_column).unwrap_or(0)
     }
