@@ -216,10 +216,10 @@ fn times_come_from_a_table_in_any_order() {
         ("file,t\na.png,0\n", "no column 'time_s'"),
         (
             "file,time_s\na.png,soon\n",
-            "line 2, column 'time_s' = 'soon' (s): must be a finite number",
+            "line 2, column 'time_s' = 'soon' (s): is not a finite number",
         ),
-        ("file,time_s\na.png,nan\n", "must be a finite number"),
-        ("file,time_s\na.png\n", "line 2, column 'time_s': is empty"),
+        ("file,time_s\na.png,nan\n", "is not a finite number"),
+        ("file,time_s\na.png\n", "line 2: 'time_s' is empty"),
         (
             "file,time_s\na.png,0\na.png,1\n",
             "line 3, column 'file' = 'a.png': must be named once; it is named twice",

@@ -249,7 +249,7 @@ fn a_correction_changes_nothing_else_that_is_drawn() {
 fn without_a_correction_there_is_nothing_to_compare() {
     let message = compare(&biorob_like(), &with("")).unwrap_err().to_string();
     assert!(
-        message.contains("[correction]") && message.contains("offset"),
+        message.contains("correction:") && message.contains("offset"),
         "{message}"
     );
 }
@@ -263,7 +263,7 @@ fn bad_corrections_name_file_line_key_and_value() {
         ),
         (
             "[correction]\noffset = \"stated\"",
-            &["offset_rad", "[correction]"],
+            &["offset_rad", "line 20: correction"],
         ),
         (
             "[correction]\noffset = \"true\"\noffset_rad = 0.01",

@@ -80,7 +80,7 @@ const DURATIONS: [(&str, f64); 4] = [
 /// A hundred years.
 const DURATION_S_MAX: f64 = 3.2e9;
 /// What a rope may pull with, N.
-const TENSION: Bound = Bound::NotNegative;
+const TENSION: Bound = Bound::Within(0.0, 1e9);
 const TEMPERATURE: Bound = Bound::Within(-100.0, 200.0);
 
 fn stretch(block: &impl Fields) -> Result<Stretch, Located> {
@@ -142,11 +142,11 @@ mod tests {
             ),
             (
                 "[[block]]\nduration_s = 1\ntension_n = -5\n",
-                "at least 0 N",
+                "between 0 and 1000000000 N",
             ),
             (
                 "[[block]]\nduration_s = 1\ntension_n = nan\n",
-                "at least 0 N",
+                "between 0 and 1000000000 N",
             ),
             (
                 "[[block]]\nduration_s = 1\ntension_n = 1\ntemperature_c = 900\n",

@@ -264,7 +264,8 @@ fn cautions(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<Caution> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Catalogue;
+    use crate::{Catalogue, Duty};
+    use sinew_model::rope::routing::Pulley;
 
     fn request(duty: Duty, route: Route) -> Request {
         Request {

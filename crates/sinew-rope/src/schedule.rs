@@ -23,6 +23,7 @@ pub struct Schedule {
     /// Times since stringing, s, with the catalogue's own values.
     pub times_s: Vec<f64>,
     /// First of them; NaN (null) where a draw has none.
+    #[cfg_attr(feature = "schema", schemars(with = "PerhapsNever"))]
     pub first_s: Bounded,
     /// Share of draws that need no re-tensioning at all.
     pub never_share: f64,
@@ -35,6 +36,19 @@ pub struct Schedule {
     pub start_n: Option<Bounded>,
     /// Its tension when it is left alone.
     pub left_alone: LeftAlone,
+}
+
+/// A time and its bounds as JSON has them: null where it never comes.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[expect(dead_code, reason = "the schema is made from its fields")]
+struct PerhapsNever {
+    /// With the catalogue's own values, s.
+    value: Option<f64>,
+    /// Lower bound, s.
+    low: Option<f64>,
+    /// Upper bound, s.
+    high: Option<f64>,
 }
 
 /// Tension of a rope that is strung once and left alone, at the catalogue's own values.

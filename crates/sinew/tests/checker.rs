@@ -106,6 +106,9 @@ impl Checker<'_> {
             }
             "oneOf" | "anyOf" => {
                 let mut nearest: Option<Vec<String>> = None;
+                // Keys beside the branches are named beside them.
+                let beside = schema.get("properties").and_then(Value::as_object);
+                let value = &without(value, beside);
                 for rule in rule.as_array().into_iter().flatten() {
                     let mut own = Vec::new();
                     self.value(rule, value, at, &mut own);
@@ -133,6 +136,15 @@ impl Checker<'_> {
         }
         Some(schema.get("properties")?.as_object()?.keys().collect())
     }
+}
+
+/// An object without some keys.
+fn without(value: &Value, keys: Option<&Map<String, Value>>) -> Value {
+    let mut value = value.clone();
+    if let (Some(object), Some(keys)) = (value.as_object_mut(), keys) {
+        object.retain(|key, _| !keys.contains_key(key));
+    }
+    value
 }
 
 fn length(value: &Value) -> Option<u64> {

@@ -453,9 +453,9 @@ fn a_robot_and_a_recording_say_what_they_hold() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["joints"][2]["stiffness_nm_per_rad"], 20.0);
     assert_eq!(json["joints"][2]["friction_stated"], true);
-    let length_mm = json["joints"][2]["tendon"]["length_mm"].as_f64();
-    // Through metres and back: one rounding.
-    assert!(length_mm.is_some_and(|mm| (mm - 700.0).abs() < 1e-9));
+    let length_m = json["joints"][2]["tendon"]["length_m"].as_f64();
+    // From millimetres: one rounding.
+    assert!(length_m.is_some_and(|m| (m - 0.7).abs() < 1e-12));
 
     let info = sinew(&["log", "info", "s.mcap"], dir.path());
     assert_eq!(code(&info), 0, "{}", err(&info));

@@ -139,7 +139,7 @@ fn what_cannot_be_corrected_is_refused_before_anything_is_written() {
     let missing = WORK.to_string() + "[correction]\nestimate = \"nobody.json\"\n";
     std::fs::write(at("missing.toml"), missing).unwrap();
     for (scenario, parts) in [
-        ("plain.toml", ["[correction]", "offset"]),
+        ("plain.toml", ["correction: offset is missing", "stated"]),
         ("missing.toml", ["nobody.json", "sinew estimate"]),
     ] {
         let out = at("never.mcap");

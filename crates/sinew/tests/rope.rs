@@ -92,7 +92,7 @@ fn a_users_rope_begins_with_a_shipped_one() {
         &["rope", "list"],
         dir.path(),
         1,
-        &["bad.toml, line", "law.toe_percent = -0.2"],
+        &["bad.toml, line", "law.toe_percent.value = -0.2"],
     );
 }
 
@@ -169,7 +169,7 @@ fn duties_come_from_tables_and_warn() {
         &args,
         dir.path(),
         1,
-        &["duty.toml", "tension_n = -1", "at least 0 N"],
+        &["duty.toml", "tension_n = -1", "between 0 and 1000000000 N"],
     );
     let args = ["rope", "predict", "liros-dc000-0301"];
     refused(

@@ -162,7 +162,13 @@ fn every_key_is_in_the_reference() {
         )
         .unwrap();
         let mut rows = Vec::new();
-        rows_of(&document.schema, &document.schema, "", &mut rows, 0);
+        rows_of(
+            &document.schema,
+            &document.schema,
+            "",
+            &mut rows,
+            &mut Vec::new(),
+        );
         let mut seen = BTreeSet::new();
         for row in rows {
             if seen.insert(row.clone()) {
@@ -173,19 +179,27 @@ fn every_key_is_in_the_reference() {
     published(&repository().join("docs/src/reference/json-keys.md"), &page);
 }
 
-/// A row per key below a schema.
-fn rows_of(schema: &Value, root: &Value, path: &str, rows: &mut Vec<String>, depth: usize) {
-    assert!(depth < 40, "{path} goes round");
+/// A row per key below a schema; `within` are the named types on the way, of which none is entered twice.
+fn rows_of<'a>(
+    schema: &'a Value,
+    root: &'a Value,
+    path: &str,
+    rows: &mut Vec<String>,
+    within: &mut Vec<&'a str>,
+) {
+    let name = schema["$ref"].as_str();
+    if name.is_some_and(|name| within.contains(&name)) {
+        return;
+    }
+    within.extend(name);
     let schema = resolved(schema, root);
     for (key, value) in schema["properties"].as_object().into_iter().flatten() {
-        let at = if path.is_empty() {
-            key.clone()
-        } else {
-            format!("{path}.{key}")
+        let at = match path {
+            "" => key.clone(),
+            _ => format!("{path}.{key}"),
         };
-        let about = value["description"]
-            .as_str()
-            .or(resolved(value, root)["description"].as_str());
+        let descriptions = [value, resolved(value, root), schema];
+        let about = descriptions.iter().find_map(|s| s["description"].as_str());
         let about = about
             .unwrap_or_default()
             .split_whitespace()
@@ -197,27 +211,21 @@ fn rows_of(schema: &Value, root: &Value, path: &str, rows: &mut Vec<String>, dep
             "| `{at}` | {kind} | {} |\n",
             about.replace('|', "\\|")
         ));
-        let is_simple = kind == "mean and deviation" || kind == "interval";
-        if !is_simple {
-            rows_of(value, root, &at, rows, depth + 1);
+        if kind != "mean and deviation" && kind != "interval" {
+            rows_of(value, root, &at, rows, within);
         }
     }
     for list in ["oneOf", "anyOf", "allOf"] {
         for branch in schema[list].as_array().into_iter().flatten() {
-            rows_of(branch, root, path, rows, depth + 1);
+            rows_of(branch, root, path, rows, within);
         }
     }
     for (inner, mark) in [("items", "[]"), ("additionalProperties", ".NAME")] {
         if schema[inner].is_object() {
-            rows_of(
-                &schema[inner],
-                root,
-                &format!("{path}{mark}"),
-                rows,
-                depth + 1,
-            );
+            rows_of(&schema[inner], root, &format!("{path}{mark}"), rows, within);
         }
     }
+    within.truncate(within.len() - usize::from(name.is_some()));
 }
 
 fn resolved<'a>(schema: &'a Value, root: &'a Value) -> &'a Value {

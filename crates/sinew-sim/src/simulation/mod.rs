@@ -66,8 +66,8 @@ impl OffsetParts {
 /// A simulated robot that is recorded frame by frame, in constant memory.
 ///
 /// ```no_run
-/// # fn f(robot: &sinew_model::robot::Robot) -> Result<(), crate::SimulateError> {
-/// use crate::{Scenario, Simulation};
+/// # fn f(robot: &sinew_model::robot::Robot) -> Result<(), sinew_sim::SimulateError> {
+/// use sinew_sim::{Scenario, Simulation};
 /// let mut simulation = Simulation::new(robot, &Scenario::default())?;
 /// while let Some(frame) = simulation.next_frame()? {
 ///     println!("{} {:?}", frame.time_ns, frame.q);

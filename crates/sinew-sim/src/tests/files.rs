@@ -179,8 +179,9 @@ fn faults_are_counted_and_seeded() {
 
 #[test]
 fn every_key_is_documented() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
-    let page = std::fs::read_to_string(folder.join("README.md")).expect("there");
+    let page = "../../docs/src/reference/scenario.md";
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    let page = std::fs::read_to_string(page).expect("there");
     let reader = include_str!("../scenario/read.rs");
     // Every quoted lower-case word with an underscore is a key: kinds and shapes have none.
     let keys: Vec<&str> = reader
@@ -198,7 +199,7 @@ fn every_key_is_documented() {
     for key in keys {
         assert!(
             page.contains(key),
-            "README.md of the scenarios doesn't mention {key}"
+            "the reference of scenarios doesn't mention {key}"
         );
     }
 }
