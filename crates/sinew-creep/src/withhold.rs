@@ -124,8 +124,10 @@ pub struct Coverage {
     /// Tests whose last reading lies within.
     pub ends_inside: usize,
     /// Median of |forecast − truth| at the end, over the test's creep.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub end_error_ratio: f64,
     /// Median half width of the interval at the end, over the test's creep.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub end_half_width_ratio: f64,
 }
 

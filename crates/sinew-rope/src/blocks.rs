@@ -41,7 +41,7 @@ impl Duty {
     pub fn from_toml(text: &str, file: &str) -> Result<Self, Located> {
         let read = |s: &Section<'_>| -> Result<_, Located> {
             let repeat = s.flag_or("repeat", true)?;
-            Ok((s.each("block", |s| stretch(s))?, repeat))
+            Ok((s.each("block", stretch)?, repeat))
         };
         let (stretches, repeat) = TomlFile::parse(text, file)?.root().whole(read)?;
         Self::checked(stretches, repeat, file)
