@@ -7,7 +7,7 @@ use sinew_model::offset::{Belief, Prior, RecursiveOffsets, UNKNOWN_OFFSET_RAD, b
 use sinew_model::robot::Robot;
 
 /// The recursive form since `baseline` (with the file's name), for a robot that runs: blocks of a
-/// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`] go into
+/// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`](sinew_model::offset::FeatureConfig) go into
 /// [`RecursiveOffsets::step`].
 ///
 /// Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
