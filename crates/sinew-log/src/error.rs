@@ -50,3 +50,24 @@ pub enum LogError {
         reason: String,
     },
 }
+
+impl LogError {
+    pub(crate) fn io(file: &str, action: &'static str, source: std::io::Error) -> Self {
+        let file = file.to_owned();
+        Self::Io {
+            file,
+            action,
+            source,
+        }
+    }
+
+    pub(crate) fn refused(file: &str, reason: impl Into<String>) -> Self {
+        let (file, reason) = (file.to_owned(), reason.into());
+        Self::NotARecording { file, reason }
+    }
+
+    pub(crate) fn request(file: &str, reason: impl Into<String>) -> Self {
+        let (file, reason) = (file.to_owned(), reason.into());
+        Self::Request { file, reason }
+    }
+}

@@ -97,6 +97,7 @@ mod health;
 mod info;
 mod mapping;
 mod options;
+mod unit;
 
 pub use creep_tests::{
     ColumnChoice, ColumnUse, Specimen, TestFile, TestFormat, TestOptions, TestQuantity, read_test,

@@ -1,8 +1,8 @@
 //! What a header says: quantity and unit.
 
-use super::unit::{self, Unit};
-use super::{ColumnChoice, TestQuantity};
+use super::{ColumnChoice, TestQuantity, unit};
 use crate::error::LogError;
+use crate::unit::Unit;
 use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 
@@ -167,14 +167,14 @@ pub(super) fn roles(
             })
             .ok_or_else(|| {
                 let hint = hint(&choice.column, headers);
-                LogError::Request {
-                    file: file.to_owned(),
-                    reason: format!(
+                LogError::request(
+                    file,
+                    format!(
                         "no column '{}'{hint} columns are {}",
                         choice.column,
                         list(headers)
                     ),
-                }
+                )
             })?;
         let said = choice
             .unit

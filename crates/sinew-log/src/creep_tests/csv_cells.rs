@@ -19,9 +19,8 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Table>, LogError> {
         .has_headers(false)
         .from_reader(text.as_bytes());
     for record in reader.records() {
-        let record = record.map_err(|error| LogError::NotARecording {
-            file: file.to_owned(),
-            reason: format!("it is not delimited text: {error}"),
+        let record = record.map_err(|error| {
+            LogError::refused(file, format!("it is not delimited text: {error}"))
         })?;
         let line = record.position().map_or(0, csv::Position::line);
         let row = record.iter().map(|cell| Cell::of_text(cell, dialect));

@@ -208,17 +208,13 @@ pub struct TestFile {
 /// modulus, a unit that is missing, unknown or of another dimension, a cell that is no number.
 pub fn read_test(path: &Path, options: &TestOptions) -> Result<TestFile, LogError> {
     let name = path.display().to_string();
-    let io = |source| LogError::Io {
-        file: name.clone(),
-        action: "read",
-        source,
-    };
+    let io = |source| LogError::io(&name, "read", source);
     let length = std::fs::metadata(path).map_err(io)?.len();
     if length > FILE_LIMIT_BYTES {
-        return Err(LogError::NotARecording {
-            file: name,
-            reason: format!("{length} bytes; a test file may have {FILE_LIMIT_BYTES}"),
-        });
+        return Err(LogError::refused(
+            &name,
+            format!("{length} bytes; a test file may have {FILE_LIMIT_BYTES}"),
+        ));
     }
     let bytes = std::fs::read(path).map_err(io)?;
     read_test_bytes(bytes, &name, options)
@@ -237,10 +233,7 @@ pub fn read_test_bytes(
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let refuse = |reason: &str| LogError::NotARecording {
-        file: name.to_owned(),
-        reason: reason.to_owned(),
-    };
+    let refuse = |reason: &str| LogError::refused(name, reason);
     if bytes.is_empty() {
         return Err(refuse("the file is empty"));
     }

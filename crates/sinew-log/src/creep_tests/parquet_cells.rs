@@ -11,10 +11,7 @@ use super::cells::{Cell, Table};
 use crate::error::LogError;
 
 pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Vec<Table>, LogError> {
-    let refuse = |reason: String| LogError::NotARecording {
-        file: file.to_owned(),
-        reason,
-    };
+    let refuse = |reason: String| LogError::refused(file, reason);
     // The library's decoders may panic on damaged pages.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes)))
         .map_err(|_| refuse("its pages are damaged".to_owned()))?

@@ -80,10 +80,7 @@ pub(super) fn take(
     options: &TestOptions,
     file: &mut TestFile,
 ) -> Result<(), LogError> {
-    let refuse = |reason: String| LogError::NotARecording {
-        file: name.to_owned(),
-        reason,
-    };
+    let refuse = |reason: String| LogError::refused(name, reason);
     let head = header::find(table).map_err(refuse)?;
     let mut notes = table.notes.clone();
     let roles = roles(
@@ -171,12 +168,12 @@ pub(super) fn take(
             && at - first_time < 0.5 * (last_time - first_time);
         if key_open.as_ref() != Some(&key) || anew {
             if file.specimens.len() - start >= SPECIMEN_LIMIT {
-                return Err(LogError::NotARecording {
-                    file: name.to_owned(),
-                    reason: format!(
+                return Err(LogError::refused(
+                    name,
+                    format!(
                         "more than {SPECIMEN_LIMIT} specimens; name the columns that tell them apart (--specimen)"
                     ),
-                });
+                ));
             }
             file.specimens.push(open(&key, &head, &keys, &roles));
             key_open = Some(key);
@@ -324,13 +321,13 @@ fn key_columns(
                     .position(|header| header.eq_ignore_ascii_case(column))
                     .ok_or_else(|| {
                         let hint = hint(column, &head.headers);
-                        LogError::Request {
-                            file: file.to_owned(),
-                            reason: format!(
+                        LogError::request(
+                            file,
+                            format!(
                                 "no column '{column}'{hint} columns are {}",
                                 list(&head.headers)
                             ),
-                        }
+                        )
                     })
             })
             .collect();

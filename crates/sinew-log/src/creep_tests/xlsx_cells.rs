@@ -18,10 +18,7 @@ pub(super) fn read(
     file: &str,
     sheet: Option<&str>,
 ) -> Result<Vec<Table>, LogError> {
-    let refuse = |reason: String| LogError::NotARecording {
-        file: file.to_owned(),
-        reason,
-    };
+    let refuse = |reason: String| LogError::refused(file, reason);
     // The library decodes foreign bytes; a panic in it must not end the program.
     let tables = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let mut book: Xlsx<_> = open_workbook_from_rs(Cursor::new(bytes))
@@ -31,10 +28,10 @@ pub(super) fn read(
             None => names,
             Some(sheet) if names.iter().any(|name| name == sheet) => vec![sheet.to_owned()],
             Some(sheet) => {
-                return Err(LogError::Request {
-                    file: file.to_owned(),
-                    reason: format!("no sheet '{sheet}'; sheets are {}", list(&names)),
-                });
+                return Err(LogError::request(
+                    file,
+                    format!("no sheet '{sheet}'; sheets are {}", list(&names)),
+                ));
             }
         };
         let mut tables = Vec::new();

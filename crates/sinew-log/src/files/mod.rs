@@ -3,6 +3,7 @@
 mod ahead;
 mod mcap;
 mod read_seek;
+mod reader;
 mod recording;
 pub(crate) mod table;
 mod write;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::mcap::McapReader;
 use super::read_seek::ReadSeek;
+use super::reader::Reader;
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
@@ -16,7 +17,7 @@ use crate::error::LogError;
 use crate::frame::{Channels, Frame};
 use crate::health::Health;
 use crate::options::OpenOptions;
-use sinew_files::names::{list, nearest};
+use sinew_files::names::{hint, list};
 
 /// The format of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,19 +41,12 @@ pub struct Progress {
     pub bytes_total: u64,
 }
 
-enum Backend {
-    Mcap(Box<McapReader>),
-    Csv(Box<CsvReader>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<ParquetReader>),
-}
-
 /// A recording being read: frames in the order of their stamps.
 ///
 /// Memory is bounded by one chunk (MCAP), row (CSV) or row-group page
 /// (Parquet) and the reorder window, never by the file.
 pub struct Recording {
-    backend: Backend,
+    reader: Box<dyn Reader>,
     file: String,
     options: OpenOptions,
     /// All joints and what is recorded of them, as found.
@@ -92,21 +86,14 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
         path
     };
     let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| LogError::Io {
-        file: name.clone(),
-        action: "open",
-        source,
-    })?;
+    let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
     Recording::from_reader(Box::new(file), &name, options)
 }
 
 fn single_bag_file(directory: &Path) -> Result<std::path::PathBuf, LogError> {
     let name = directory.display().to_string();
-    let entries = std::fs::read_dir(directory).map_err(|source| LogError::Io {
-        file: name.clone(),
-        action: "read",
-        source,
-    })?;
+    let entries =
+        std::fs::read_dir(directory).map_err(|source| LogError::io(&name, "read", source))?;
     let mut files: Vec<_> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
         .filter(|path| {
@@ -117,10 +104,10 @@ fn single_bag_file(directory: &Path) -> Result<std::path::PathBuf, LogError> {
     files.sort();
     match (files.len(), files.pop()) {
         (1, Some(file)) => Ok(file),
-        (count, _) => Err(LogError::NotARecording {
-            file: name,
-            reason: format!("a directory with {count} .mcap files; name one file"),
-        }),
+        (count, _) => Err(LogError::refused(
+            &name,
+            format!("a directory with {count} .mcap files; name one file"),
+        )),
     }
 }
 
@@ -137,11 +124,7 @@ impl Recording {
         options: &OpenOptions,
     ) -> Result<Recording, LogError> {
         check_options(options, name)?;
-        let io = |source| LogError::Io {
-            file: name.to_owned(),
-            action: "read",
-            source,
-        };
+        let io = |source| LogError::io(&name, "read", source);
         let mut magic = [0_u8; 8];
         let mut got = 0;
         while got < magic.len() {
@@ -153,18 +136,15 @@ impl Recording {
             }
         }
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
-        let refuse = |reason: String| LogError::NotARecording {
-            file: name.to_owned(),
-            reason,
-        };
+        let refuse = |reason: String| LogError::refused(name, reason);
         if got == 0 {
             return Err(refuse("the file is empty".to_owned()));
         }
         let magic = &magic[..got];
         let extension = name.rsplit_once('.').map(|(_, extension)| extension);
         let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
-        let mut backend = if magic == mcap::MAGIC {
-            Backend::Mcap(Box::new(McapReader::open(reader, name, options)?))
+        let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
+            Box::new(McapReader::open(reader, name, options)?)
         } else if magic.starts_with(b"PAR1") {
             #[cfg(not(feature = "parquet"))]
             return Err(refuse(
@@ -172,7 +152,7 @@ impl Recording {
                     .to_owned(),
             ));
             #[cfg(feature = "parquet")]
-            Backend::Parquet(Box::new(ParquetReader::open(reader, name, options)?))
+            Box::new(ParquetReader::open(reader, name, options)?)
         } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
             return Err(refuse(
                 "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
@@ -184,17 +164,12 @@ impl Recording {
         } else if let Some(what) = known_stranger(magic) {
             return Err(refuse(what.to_owned()));
         } else {
-            Backend::Csv(Box::new(CsvReader::open(reader, name, options)?))
+            Box::new(CsvReader::open(reader, name, options)?)
         };
-        let (joints, channels) = match &mut backend {
-            Backend::Mcap(reader) => (reader.joints.clone(), reader.channels.clone()),
-            Backend::Csv(reader) => reader.columns().found(),
-            #[cfg(feature = "parquet")]
-            Backend::Parquet(reader) => reader.columns().found(),
-        };
-        let joiner = backend.joiner(&joints, options);
+        let (joints, channels) = opened.found();
+        let joiner = opened.joiner(&joints, options);
         Ok(Recording {
-            backend,
+            reader: opened,
             file: name.to_owned(),
             options: options.clone(),
             found: (joints.clone(), channels.clone()),
@@ -210,12 +185,7 @@ impl Recording {
 
     /// The format found.
     pub fn format(&self) -> Format {
-        match self.backend {
-            Backend::Mcap(_) => Format::Mcap,
-            Backend::Csv(_) => Format::Csv,
-            #[cfg(feature = "parquet")]
-            Backend::Parquet(_) => Format::Parquet,
-        }
+        self.reader.format()
     }
 
     /// The joints of the frames: all found, in the recording's order, or those selected.
@@ -233,10 +203,7 @@ impl Recording {
 
     /// The URDF in the recording's `/robot_description`, if there is one.
     pub fn robot_description(&self) -> Option<&str> {
-        match &self.backend {
-            Backend::Mcap(reader) => reader.robot_description.as_deref(),
-            _ => None,
-        }
+        self.reader.robot_description()
     }
 
     /// Chooses the joints of the frames and their order. Call before the first frame.
@@ -245,10 +212,7 @@ impl Recording {
     /// A name that is not recorded or given twice, with the names there are and the nearest
     /// one; or a call after the first frame. The selection is then unchanged.
     pub fn select(&mut self, joints: &[&str]) -> Result<(), LogError> {
-        let request = |reason: String| LogError::Request {
-            file: self.file.clone(),
-            reason,
-        };
+        let request = |reason: String| LogError::request(&self.file, reason);
         if self.started {
             return Err(request(
                 "joints can be selected before the first frame only".to_owned(),
@@ -260,9 +224,7 @@ impl Recording {
         };
         for (place, joint) in joints.iter().enumerate() {
             let Some(index) = self.found.0.iter().position(|known| known == joint) else {
-                let hint = nearest(joint, &self.found.0)
-                    .map(|name| format!("; did you mean '{name}'?"))
-                    .unwrap_or_default();
+                let hint = hint(joint, &self.found.0);
                 return Err(request(format!(
                     "no joint '{joint}'{hint} joints are {}",
                     list(&self.found.0)
@@ -275,13 +237,8 @@ impl Recording {
         }
         self.joints = joints.iter().map(|&joint| joint.to_owned()).collect();
         self.channels = channels;
-        match &mut self.backend {
-            Backend::Mcap(reader) => reader.select(&self.joints),
-            Backend::Csv(reader) => reader.select(&self.joints),
-            #[cfg(feature = "parquet")]
-            Backend::Parquet(reader) => reader.select(&self.joints),
-        }
-        self.joiner = self.backend.joiner(&self.joints, &self.options);
+        self.reader.select(&self.joints);
+        self.joiner = self.reader.joiner(&self.joints, &self.options);
         Ok(())
     }
 
@@ -297,13 +254,7 @@ impl Recording {
                 self.finish();
                 return Ok(None);
             }
-            let more = match &mut self.backend {
-                Backend::Mcap(reader) => reader.pull(&mut self.joiner, &mut self.health),
-                Backend::Csv(reader) => reader.pull(&mut self.joiner, &mut self.health),
-                #[cfg(feature = "parquet")]
-                Backend::Parquet(reader) => reader.pull(&mut self.joiner, &mut self.health),
-            };
-            match more {
+            match self.reader.pull(&mut self.joiner, &mut self.health) {
                 Ok(true) => {}
                 Ok(false) => {
                     self.ended = true;
@@ -311,7 +262,7 @@ impl Recording {
                 }
                 Err(error) => {
                     self.ended = true;
-                    self.joiner = self.backend.joiner(&[], &self.options);
+                    self.joiner = self.reader.joiner(&[], &self.options);
                     return Err(error);
                 }
             }
@@ -333,37 +284,12 @@ impl Recording {
 
     /// How far the file has been read.
     pub fn progress(&self) -> Progress {
-        let (bytes_done, bytes_total) = match &self.backend {
-            Backend::Mcap(reader) => (reader.bytes_done(), reader.bytes_total()),
-            Backend::Csv(reader) => (reader.bytes_done(), reader.bytes_total()),
-            #[cfg(feature = "parquet")]
-            Backend::Parquet(reader) => (reader.bytes_done(), reader.bytes_total()),
-        };
-        Progress {
-            bytes_done,
-            bytes_total,
-        }
-    }
-}
-
-impl Backend {
-    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
-        match self {
-            Backend::Mcap(reader) => reader.joiner(joints, options),
-            Backend::Csv(reader) => reader.columns().joiner(joints, options),
-            #[cfg(feature = "parquet")]
-            Backend::Parquet(reader) => reader.columns().joiner(joints, options),
-        }
+        self.reader.progress()
     }
 }
 
 fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
-    let request = |reason: String| {
-        Err(LogError::Request {
-            file: name.to_owned(),
-            reason,
-        })
-    };
+    let request = |reason: String| Err(LogError::request(name, reason));
     for (what, value) in [
         ("gap_s", options.gap_s),
         ("reorder_s", options.reorder_s),

@@ -33,7 +33,7 @@
 //! fields are converted.
 
 mod parse;
-pub(crate) mod unit;
+mod unit;
 
 use std::path::Path;
 

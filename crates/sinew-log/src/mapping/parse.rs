@@ -2,9 +2,10 @@
 
 use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 
-use super::unit::{Dimension, Unit, time_unit_exponent};
+use super::unit::{self, time_unit_exponent};
 use super::{JointEffort, JointMap, Mapping, McapMap, Source, Term, TimeMap, Wrap};
 use crate::frame::Quantity;
+use crate::unit::{Dimension, Unit};
 
 /// Most bytes a mapping file may have: a mapping is written by hand.
 pub(super) const TEXT_LIMIT_BYTES: u64 = 4 << 20;
@@ -143,7 +144,7 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
     let unit = match s.value("unit") {
         None => Unit::SI,
         Some(text) => {
-            Unit::parse(text.text()?).map_err(|reason| text.fault(Fault::NotAllowed, reason))?
+            unit::parse(text.text()?).map_err(|reason| text.fault(Fault::NotAllowed, reason))?
         }
     };
     let symbol = quantity.symbol();
@@ -156,7 +157,7 @@ fn term(s: &Section<'_>, quantity: Quantity) -> Result<(Term, Unit), Located> {
         let problem = format!("a motor's current can be a tau_m, not a {symbol}");
         return Err(s.here(Fault::Contradiction, problem));
     }
-    if !unit.fits(quantity) && scale.is_none() {
+    if !unit::fits(unit, quantity) && scale.is_none() {
         let si = quantity.suffix().trim_start_matches('_');
         let must = format!(
             "a unit of {symbol} ({si}): it cannot be a {symbol}; else give the 'scale' that converts it"

@@ -12,6 +12,8 @@ use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
+use crate::files::reader::Reader;
+use crate::files::recording::{Format, Progress};
 use crate::frame::{Channels, Quantity};
 use crate::health::{Health, UNKNOWN_LIMIT};
 use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
@@ -45,9 +47,9 @@ pub(crate) struct McapReader {
     container: Container,
     names: Names,
     mapping: Vec<JointMap>,
-    pub(crate) joints: Vec<String>,
-    pub(crate) channels: Channels,
-    pub(crate) robot_description: Option<String>,
+    joints: Vec<String>,
+    channels: Channels,
+    robot_description: Option<String>,
     /// Recorded names of all joints known, for telling the unknown ones.
     known: Vec<Vec<u8>>,
     schemas: HashMap<u16, String>,
@@ -66,11 +68,7 @@ impl McapReader {
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
-        let io = |source| LogError::Io {
-            file: file.to_owned(),
-            action: "read",
-            source,
-        };
+        let io = |source| LogError::io(file, "read", source);
         let source = Source::new(reader).map_err(io)?;
         let mut container = Container::new(source, options.chunk_limit_bytes);
         let contents = scan::scan(&mut container).map_err(io)?;
@@ -121,112 +119,6 @@ impl McapReader {
         let all = reader.joints.clone();
         reader.select(&all);
         Ok(reader)
-    }
-
-    /// Which joints the rows hold from now on, in which order.
-    pub(crate) fn select(&mut self, joints: &[String]) {
-        let mut selection = Selection {
-            n: joints.len(),
-            ..Selection::default()
-        };
-        for (index, joint) in joints.iter().enumerate() {
-            let mapped = self.mapping.iter().find(|mapped| mapped.name == *joint);
-            let recorded = mapped.map_or(joint.as_str(), JointMap::recorded_name);
-            let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
-            selection
-                .joint_side
-                .insert(recorded.as_bytes().to_vec(), index);
-            selection
-                .motor_side
-                .insert(motor.as_bytes().to_vec(), index);
-        }
-        self.selection = selection;
-        self.streams.clear();
-        for (id, topic, kind) in self.announced.clone() {
-            self.stream(id, &topic, kind);
-        }
-    }
-
-    pub(crate) fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
-        let mut signals = Vec::with_capacity(6 * joints.len());
-        for quantity in Quantity::PER_JOINT {
-            for joint in joints {
-                let source = self
-                    .mapping
-                    .iter()
-                    .find(|mapped| mapped.name == *joint)
-                    .and_then(|mapped| mapped.sources[quantity.index()].as_ref());
-                signals.push(match source {
-                    None => Signal::si(quantity),
-                    Some(source) => Signal {
-                        scale: source.terms.first().map_or(1.0, |term| term.scale),
-                        offset: source.terms.first().map_or(0.0, |term| term.offset),
-                        period: match source.wrap {
-                            Wrap::Never => None,
-                            Wrap::Period(period) => Some(period),
-                        },
-                    },
-                });
-            }
-        }
-        let conditioner = Conditioner::new(joints, signals, to_ns(options.gap_s));
-        let mut sides: Vec<&[Quantity]> = Vec::new();
-        if self.names.motor_topic.is_some() {
-            sides.push(&self.motor_blocks);
-        }
-        if self.names.external_topic.is_some() {
-            sides.push(&[Quantity::TauExt]);
-        }
-        Joiner::new(
-            joints.len(),
-            &self.joint_blocks,
-            &sides,
-            to_ns(options.reorder_s),
-            to_ns(options.interpolate_s),
-            conditioner,
-        )
-    }
-
-    pub(crate) fn bytes_done(&self) -> u64 {
-        self.container.bytes_done()
-    }
-
-    pub(crate) fn bytes_total(&self) -> u64 {
-        self.container.bytes_total()
-    }
-
-    /// Reads one message of interest into the joiner; `false` at the end.
-    pub(crate) fn pull(
-        &mut self,
-        joiner: &mut Joiner,
-        health: &mut Health,
-    ) -> Result<bool, LogError> {
-        while !self.ended {
-            let item = self.container.next(health).map_err(|source| LogError::Io {
-                file: self.file.clone(),
-                action: "read",
-                source,
-            })?;
-            match item {
-                Item::End => self.ended = true,
-                Item::Damage => joiner.mark_damage(),
-                Item::Schema { id, name } => {
-                    self.schemas.insert(id, name);
-                }
-                Item::Channel(channel) => self.channel(&channel),
-                Item::Message {
-                    channel,
-                    log_time_ns,
-                } => {
-                    let known = self.streams.get(usize::from(channel));
-                    if known.is_some_and(Option::is_some) {
-                        self.message(channel, log_time_ns, joiner, health);
-                        return Ok(true);
-                    }
-                }
-            }
-        }
-        Ok(false)
     }
 
     fn channel(&mut self, channel: &mcap::records::Channel) {
@@ -347,6 +239,118 @@ impl McapReader {
         if !layout.is_cacheable() {
             stream.layouts.remove(0);
         }
+    }
+}
+
+impl Reader for McapReader {
+    fn format(&self) -> Format {
+        Format::Mcap
+    }
+
+    fn found(&self) -> (Vec<String>, Channels) {
+        (self.joints.clone(), self.channels.clone())
+    }
+
+    fn select(&mut self, joints: &[String]) {
+        let mut selection = Selection {
+            n: joints.len(),
+            ..Selection::default()
+        };
+        for (index, joint) in joints.iter().enumerate() {
+            let mapped = self.mapping.iter().find(|mapped| mapped.name == *joint);
+            let recorded = mapped.map_or(joint.as_str(), JointMap::recorded_name);
+            let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
+            selection
+                .joint_side
+                .insert(recorded.as_bytes().to_vec(), index);
+            selection
+                .motor_side
+                .insert(motor.as_bytes().to_vec(), index);
+        }
+        self.selection = selection;
+        self.streams.clear();
+        for (id, topic, kind) in self.announced.clone() {
+            self.stream(id, &topic, kind);
+        }
+    }
+
+    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner {
+        let mut signals = Vec::with_capacity(6 * joints.len());
+        for quantity in Quantity::PER_JOINT {
+            for joint in joints {
+                let source = self
+                    .mapping
+                    .iter()
+                    .find(|mapped| mapped.name == *joint)
+                    .and_then(|mapped| mapped.sources[quantity.index()].as_ref());
+                signals.push(match source {
+                    None => Signal::si(quantity),
+                    Some(source) => Signal {
+                        scale: source.terms.first().map_or(1.0, |term| term.scale),
+                        offset: source.terms.first().map_or(0.0, |term| term.offset),
+                        period: match source.wrap {
+                            Wrap::Never => None,
+                            Wrap::Period(period) => Some(period),
+                        },
+                    },
+                });
+            }
+        }
+        let conditioner = Conditioner::new(joints, signals, to_ns(options.gap_s));
+        let mut sides: Vec<&[Quantity]> = Vec::new();
+        if self.names.motor_topic.is_some() {
+            sides.push(&self.motor_blocks);
+        }
+        if self.names.external_topic.is_some() {
+            sides.push(&[Quantity::TauExt]);
+        }
+        Joiner::new(
+            joints.len(),
+            &self.joint_blocks,
+            &sides,
+            to_ns(options.reorder_s),
+            to_ns(options.interpolate_s),
+            conditioner,
+        )
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            bytes_done: self.container.bytes_done(),
+            bytes_total: self.container.bytes_total(),
+        }
+    }
+
+    fn robot_description(&self) -> Option<&str> {
+        self.robot_description.as_deref()
+    }
+
+    fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
+        while !self.ended {
+            let item = self
+                .container
+                .next(health)
+                .map_err(|source| LogError::io(&self.file, "read", source))?;
+            match item {
+                Item::End => self.ended = true,
+                Item::Damage => joiner.mark_damage(),
+                Item::Schema { id, name } => {
+                    self.schemas.insert(id, name);
+                }
+                Item::Channel(channel) => self.channel(&channel),
+                Item::Message {
+                    channel,
+                    log_time_ns,
+                } => {
+                    let known = self.streams.get(usize::from(channel));
+                    if known.is_some_and(Option::is_some) {
+                        self.message(channel, log_time_ns, joiner, health);
+                        return Ok(true);
+                    }
+                }
+            }
+        }
+        Ok(false)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::error::LogError;
 use crate::frame::{Channels, Quantities, Quantity};
 use crate::mapping::{JointEffort, JointMap, Mapping};
 use crate::options::OpenOptions;
-use sinew_files::names::{list, nearest};
+use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 
 /// Topic of the joint side unless told otherwise.
@@ -123,14 +123,9 @@ pub(super) fn choose(
             .collect()
     };
     let all_names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
-    let request = |reason: String| LogError::Request {
-        file: file.to_owned(),
-        reason,
-    };
+    let request = |reason: String| LogError::request(file, reason);
     let missing = |wanted: &str| {
-        let hint = nearest(wanted, &all_names)
-            .map(|name| format!("; did you mean '{name}'?"))
-            .unwrap_or_default();
+        let hint = hint(wanted, &all_names);
         request(format!(
             "no topic '{wanted}'{hint} topics are {}",
             list(&all_names)
@@ -174,13 +169,13 @@ pub(super) fn choose(
                                 format!(" before byte {}: {}", damage.offset, damage.reason)
                             })
                             .unwrap_or_default();
-                        return Err(LogError::NotARecording {
-                            file: file.to_owned(),
-                            reason: format!(
+                        return Err(LogError::refused(
+                            file,
+                            format!(
                                 "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
                                 list(&all_names)
                             ),
-                        });
+                        ));
                     }
                     several => {
                         let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
@@ -305,17 +300,15 @@ pub(super) fn joints_of(
         for joint in &mapping.joints {
             let wanted = joint.recorded_name();
             if !recorded.contains(&wanted) {
-                let hint = nearest(wanted, &recorded)
-                    .map(|name| format!("; did you mean '{name}'?"))
-                    .unwrap_or_default();
-                return Err(LogError::Request {
-                    file: file.to_owned(),
-                    reason: format!(
+                let hint = hint(wanted, &recorded);
+                return Err(LogError::request(
+                    file,
+                    format!(
                         "the mapping {} names the joint '{wanted}', which is not recorded{hint} joints are {}",
                         mapping.file,
                         list(&recorded)
                     ),
-                });
+                ));
             }
             joints.push(joint.name.clone());
         }

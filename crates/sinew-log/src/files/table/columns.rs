@@ -105,13 +105,13 @@ impl Columns {
             _ => columns.find_joints(names),
         }
         if columns.joints.is_empty() {
-            return Err(LogError::NotARecording {
-                file: file.to_owned(),
-                reason: format!(
+            return Err(LogError::refused(
+                file,
+                format!(
                     "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns; columns are {}",
                     list(names)
                 ),
-            });
+            ));
         }
         columns.map_temperature(names, mapping, file)?;
         let all = columns.joints.clone();
@@ -362,13 +362,13 @@ fn time_of(
             .unwrap_or(9);
         return column.map(|column| (column, exponent)).ok_or_else(|| {
             let hint = hint(wanted, names);
-            LogError::Request {
-                file: file.to_owned(),
-                reason: format!(
+            LogError::request(
+                file,
+                format!(
                     "no time column '{wanted}'{hint} columns are {}",
                     list(names)
                 ),
-            }
+            )
         });
     }
     KNOWN
@@ -380,13 +380,10 @@ fn time_of(
                 map.and_then(|map| map.exponent).unwrap_or(*exponent),
             ))
         })
-        .ok_or_else(|| LogError::NotARecording {
-            file: file.to_owned(),
-            reason: format!(
+        .ok_or_else(|| LogError::refused(file, format!(
                 "no time column: time_s or time_ns, or [time] column in a mapping; columns are {}",
                 list(names)
-            ),
-        })
+            )))
 }
 
 #[cfg(test)]

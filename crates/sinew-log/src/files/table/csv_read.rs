@@ -11,10 +11,11 @@ use sinew_files::{Fault, Located, Utf16Reader};
 
 use super::columns::Columns;
 use super::decimal::parse_ns;
-use crate::assemble::Joiner;
+use super::{Row, Rows, Table};
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
-use crate::frame::{ABSENT, BLOCKS};
+use crate::files::recording::{Format, Progress};
+use crate::frame::ABSENT;
 use crate::health::Health;
 use crate::options::OpenOptions;
 use sinew_files::names::shorten;
@@ -53,14 +54,12 @@ impl Read for Meter {
     }
 }
 
-pub(crate) struct CsvReader {
+/// The rows of delimited text.
+pub(crate) struct CsvRows {
     file: String,
     names: Vec<String>,
-    columns: Columns,
     reader: csv::Reader<Meter>,
     record: ByteRecord,
-    cells: Vec<f64>,
-    row: Vec<f64>,
     done: Arc<AtomicU64>,
     length: u64,
     /// Bytes before the header: a byte order mark.
@@ -68,8 +67,10 @@ pub(crate) struct CsvReader {
     /// The file's last byte is not a line end.
     unterminated: bool,
     dialect: Dialect,
-    last_ns: Option<i64>,
 }
+
+/// Delimited text as a recording.
+pub(crate) type CsvReader = Table<CsvRows>;
 
 impl CsvReader {
     pub(crate) fn open(
@@ -77,15 +78,8 @@ impl CsvReader {
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
-        let io = |source| LogError::Io {
-            file: file.to_owned(),
-            action: "read",
-            source,
-        };
-        let refuse = |reason: String| LogError::NotARecording {
-            file: file.to_owned(),
-            reason,
-        };
+        let io = |source| LogError::io(file, "read", source);
+        let refuse = |reason: String| LogError::refused(file, reason);
         reader.seek(SeekFrom::Start(0)).map_err(io)?;
         let head = read_head(&mut reader).map_err(io)?;
         let (encoding, mark) = Encoding::of(&head);
@@ -144,53 +138,38 @@ impl CsvReader {
             .collect();
         let columns = Columns::new(&names, options, file)?;
         done.store(start + reader.position().byte(), Ordering::Relaxed);
-        let mut this = CsvReader {
+        let rows = CsvRows {
             file: file.to_owned(),
             names,
-            columns,
             reader,
             record,
-            cells: Vec::new(),
-            row: Vec::new(),
             done,
             length,
             base: start,
             unterminated,
             dialect,
-            last_ns: None,
         };
-        this.resize(this.columns.found().0.len());
-        Ok(this)
+        Ok(Table::new(rows, columns))
+    }
+}
+
+impl Rows for CsvRows {
+    const FORMAT: Format = Format::Csv;
+
+    fn progress(&self) -> Progress {
+        Progress {
+            bytes_done: self.done.load(Ordering::Relaxed).min(self.length),
+            bytes_total: self.length,
+        }
     }
 
-    fn resize(&mut self, joints: usize) {
-        self.cells = vec![ABSENT; self.columns.used.len()];
-        self.row = vec![ABSENT; BLOCKS * joints];
-    }
-
-    pub(crate) fn columns(&self) -> &Columns {
-        &self.columns
-    }
-
-    pub(crate) fn select(&mut self, joints: &[String]) {
-        self.columns.select(joints);
-        self.resize(joints.len());
-    }
-
-    pub(crate) fn bytes_done(&self) -> u64 {
-        self.done.load(Ordering::Relaxed).min(self.length)
-    }
-
-    pub(crate) fn bytes_total(&self) -> u64 {
-        self.length
-    }
-
-    /// Reads one row into the joiner; `false` at the end.
-    pub(crate) fn pull(
+    fn next(
         &mut self,
-        joiner: &mut Joiner,
+        columns: &Columns,
+        cells: &mut [f64],
+        last_ns: Option<i64>,
         health: &mut Health,
-    ) -> Result<bool, LogError> {
+    ) -> Result<Row, LogError> {
         let start = self.base + self.reader.position().byte();
         let found = self
             .reader
@@ -198,7 +177,7 @@ impl CsvReader {
             .map_err(|error| csv_error(&self.file, error))?;
         if !found {
             self.done.store(self.length, Ordering::Relaxed);
-            return Ok(false);
+            return Ok(Row::End);
         }
         let end = self.base + self.reader.position().byte();
         self.done.store(end, Ordering::Relaxed);
@@ -207,58 +186,58 @@ impl CsvReader {
         let cut_off = self.unterminated && end >= self.length;
         let short = self.record.len() < self.names.len();
         if cut_off && short {
-            return Ok(self.lost_tail(start, health, "it has too few cells"));
+            return Ok(self.lost_tail(start, last_ns, health, "it has too few cells"));
         }
         if self.record.len() != self.names.len() {
             health.ragged_rows += 1;
         }
-        for (place, &column) in self.columns.used.iter().enumerate() {
-            if column == self.columns.time_column {
+        for (place, &column) in columns.used.iter().enumerate() {
+            if column == columns.time_column {
                 continue;
             }
             let cell = self.record.get(column).unwrap_or(b"");
-            self.cells[place] = match self.dialect.number(cell) {
+            cells[place] = match self.dialect.number(cell) {
                 Some(value) => value.unwrap_or(ABSENT),
                 None if cut_off && column + 1 == self.record.len() => {
-                    return Ok(self.lost_tail(start, health, "its last cell is no number"));
+                    return Ok(self.lost_tail(
+                        start,
+                        last_ns,
+                        health,
+                        "its last cell is no number",
+                    ));
                 }
                 None => return Err(self.bad_cell(column, "is not a number")),
             };
         }
         let cell = self
             .record
-            .get(self.columns.time_column)
+            .get(columns.time_column)
             .unwrap_or(b"")
             .trim_ascii();
-        let time_ns = match self.time(cell) {
+        let time_ns = match self.time(cell, columns.time_exponent) {
             Some(time_ns) => time_ns,
             None if cell.is_empty()
                 || self.dialect.number(cell).flatten().is_some_and(f64::is_nan) =>
             {
                 health.rows_without_time += 1;
-                return Ok(true);
+                return Ok(Row::Skipped);
             }
-            None if cut_off && self.columns.time_column + 1 == self.record.len() => {
-                return Ok(self.lost_tail(start, health, "its last cell is no time"));
+            None if cut_off && columns.time_column + 1 == self.record.len() => {
+                return Ok(self.lost_tail(start, last_ns, health, "its last cell is no time"));
             }
             None => {
                 return Err(self.bad_cell(
-                    self.columns.time_column,
+                    columns.time_column,
                     "is not a time within the years 1677 to 2262",
                 ));
             }
         };
-        self.last_ns = Some(time_ns);
-        self.columns.row(&self.cells, &mut self.row);
-        let row = &self.row;
-        joiner
-            .primary
-            .insert(time_ns, |slot| slot.copy_from_slice(row));
-        Ok(true)
+        Ok(Row::At(time_ns))
     }
+}
 
-    fn time(&self, cell: &[u8]) -> Option<i64> {
-        let exponent = self.columns.time_exponent;
+impl CsvRows {
+    fn time(&self, cell: &[u8], exponent: i32) -> Option<i64> {
         parse_ns(cell, exponent).or_else(|| {
             if !self.dialect.decimal_comma {
                 return None;
@@ -268,14 +247,14 @@ impl CsvReader {
         })
     }
 
-    fn lost_tail(&self, start: u64, health: &mut Health, why: &str) -> bool {
+    fn lost_tail(&self, start: u64, last_ns: Option<i64>, health: &mut Health, why: &str) -> Row {
         health.damaged(
             start,
             self.length.saturating_sub(start),
-            self.last_ns,
+            last_ns,
             format!("the last line is cut off: {why}"),
         );
-        true
+        Row::Skipped
     }
 
     fn bad_cell(&self, column: usize, what: &str) -> LogError {
@@ -334,16 +313,9 @@ fn csv_error(file: &str, error: csv::Error) -> LogError {
     let line = error.position().map(csv::Position::line);
     match error.into_kind() {
         csv::ErrorKind::Io(source) if source.kind() == std::io::ErrorKind::InvalidData => {
-            LogError::NotARecording {
-                file: file.to_owned(),
-                reason: source.to_string(),
-            }
+            LogError::refused(file, source.to_string())
         }
-        csv::ErrorKind::Io(source) => LogError::Io {
-            file: file.to_owned(),
-            action: "read",
-            source,
-        },
+        csv::ErrorKind::Io(source) => LogError::io(file, "read", source),
         other => Located::new(file, Fault::Syntax, format!("{other:?}"))
             .line(line.unwrap_or(0))
             .into(),

@@ -11,10 +11,11 @@ use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReade
 
 use super::columns::Columns;
 use super::decimal::float_ns;
-use crate::assemble::Joiner;
+use super::{Row, Rows, Table};
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
-use crate::frame::{ABSENT, BLOCKS, is_absent};
+use crate::files::recording::{Format, Progress};
+use crate::frame::{ABSENT, is_absent};
 use crate::health::Health;
 use crate::options::OpenOptions;
 
@@ -107,10 +108,10 @@ struct Cells {
     is_integer: bool,
 }
 
-pub(crate) struct ParquetReader {
+/// The rows of a Parquet file.
+pub(crate) struct ParquetRows {
     names: Vec<String>,
     leaves: Vec<Leaf>,
-    columns: Columns,
     reader: SerializedFileReader<Shared>,
     length: u64,
     rows_total: u64,
@@ -119,11 +120,11 @@ pub(crate) struct ParquetReader {
     batch_rows: usize,
     batch_at: usize,
     rows_done: u64,
-    cells: Vec<f64>,
-    row: Vec<f64>,
-    last_ns: Option<i64>,
     ended: bool,
 }
+
+/// A Parquet file as a recording.
+pub(crate) type ParquetReader = Table<ParquetRows>;
 
 impl ParquetReader {
     pub(crate) fn open(
@@ -131,20 +132,13 @@ impl ParquetReader {
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
-        let io = |source| LogError::Io {
-            file: file.to_owned(),
-            action: "read",
-            source,
-        };
+        let io = |source| LogError::io(file, "read", source);
         let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
         let shared = Shared {
             reader: Arc::new(Mutex::new(reader)),
             length,
         };
-        let refuse = |reason: String| LogError::NotARecording {
-            file: file.to_owned(),
-            reason,
-        };
+        let refuse = |reason: String| LogError::refused(file, reason);
         let reader = guarded(|| SerializedFileReader::new(shared)).map_err(|reason| {
             refuse(format!(
                 "its Parquet footer cannot be read ({reason}); a Parquet file that was cut off cannot be recovered"
@@ -180,10 +174,9 @@ impl ParquetReader {
         }
         let columns = Columns::new(&names, options, file)?;
         let rows_total = reader.metadata().file_metadata().num_rows().max(0) as u64;
-        let mut this = ParquetReader {
+        let rows = ParquetRows {
             names,
             leaves,
-            columns,
             reader,
             length,
             rows_total,
@@ -192,79 +185,66 @@ impl ParquetReader {
             batch_rows: 0,
             batch_at: 0,
             rows_done: 0,
-            cells: Vec::new(),
-            row: Vec::new(),
-            last_ns: None,
             ended: false,
         };
-        this.resize(this.columns.found().0.len());
-        Ok(this)
+        Ok(Table::new(rows, columns))
     }
+}
 
-    fn resize(&mut self, joints: usize) {
-        self.cells = vec![ABSENT; self.columns.used.len()];
-        self.row = vec![ABSENT; BLOCKS * joints];
-    }
+impl Rows for ParquetRows {
+    const FORMAT: Format = Format::Parquet;
 
-    pub(crate) fn columns(&self) -> &Columns {
-        &self.columns
-    }
-
-    pub(crate) fn select(&mut self, joints: &[String]) {
-        self.columns.select(joints);
-        self.resize(joints.len());
-    }
-
-    pub(crate) fn bytes_done(&self) -> u64 {
-        if self.ended || self.rows_total == 0 {
-            return self.length;
-        }
+    fn progress(&self) -> Progress {
         let share = self.rows_done.min(self.rows_total) as f64 / self.rows_total as f64;
-        (share * self.length as f64) as u64
+        let bytes_done = match self.ended || self.rows_total == 0 {
+            true => self.length,
+            false => (share * self.length as f64) as u64,
+        };
+        Progress {
+            bytes_done,
+            bytes_total: self.length,
+        }
     }
 
-    pub(crate) fn bytes_total(&self) -> u64 {
-        self.length
-    }
-
-    /// Reads one row into the joiner; `false` at the end.
-    pub(crate) fn pull(
+    fn next(
         &mut self,
-        joiner: &mut Joiner,
+        columns: &Columns,
+        cells: &mut [f64],
+        last_ns: Option<i64>,
         health: &mut Health,
-    ) -> Result<bool, LogError> {
+    ) -> Result<Row, LogError> {
         while self.batch_at >= self.batch_rows {
             if self.ended {
-                return Ok(false);
+                return Ok(Row::End);
             }
-            if let Err(reason) = self.next_batch() {
+            if let Err(reason) = self.next_batch(&columns.used) {
                 self.ended = true;
                 let lost_rows = self.rows_total.saturating_sub(self.rows_done);
                 let share = lost_rows as f64 / self.rows_total.max(1) as f64;
                 health.damaged(
-                    self.bytes_done(),
+                    self.progress().bytes_done,
                     (share * self.length as f64) as u64,
-                    self.last_ns,
+                    last_ns,
                     format!(
                         "row {} of {}: {reason}; the remaining {lost_rows} rows are lost",
                         self.rows_done, self.rows_total
                     ),
                 );
-                return Ok(false);
+                return Ok(Row::End);
             }
         }
         let at = self.batch_at;
         self.batch_at += 1;
         self.rows_done += 1;
         health.messages += 1;
-        for (cell, column) in self.cells.iter_mut().zip(&self.group) {
+        for (cell, column) in cells.iter_mut().zip(&self.group) {
             *cell = column.values[at];
         }
-        let place = self.columns.time_place();
+        let place = columns.time_place();
         let time = &self.group[place];
-        let exponent = self.leaves[self.columns.time_column]
+        let exponent = self.leaves[columns.time_column]
             .timestamp
-            .unwrap_or(self.columns.time_exponent);
+            .unwrap_or(columns.time_exponent);
         let time_ns = if is_absent(time.values[at]) {
             None
         } else if time.is_integer {
@@ -275,19 +255,15 @@ impl ParquetReader {
         };
         let Some(time_ns) = time_ns else {
             health.rows_without_time += 1;
-            return Ok(true);
+            return Ok(Row::Skipped);
         };
-        self.last_ns = Some(time_ns);
-        self.columns.row(&self.cells, &mut self.row);
-        let row = &self.row;
-        joiner
-            .primary
-            .insert(time_ns, |slot| slot.copy_from_slice(row));
-        Ok(true)
+        Ok(Row::At(time_ns))
     }
+}
 
+impl ParquetRows {
     /// Decodes the next rows of all used columns in lockstep.
-    fn next_batch(&mut self) -> Result<(), String> {
+    fn next_batch(&mut self, used: &[usize]) -> Result<(), String> {
         self.batch_at = 0;
         self.batch_rows = 0;
         loop {
@@ -296,10 +272,10 @@ impl ParquetReader {
                     self.ended = true;
                     return Ok(());
                 }
-                self.open_group()?;
+                self.open_group(used)?;
             }
             let mut rows = None;
-            for (cells, &column) in self.group.iter_mut().zip(&self.columns.used) {
+            for (cells, &column) in self.group.iter_mut().zip(used) {
                 let leaf = self.leaves[column];
                 let read = guarded(|| cells.decode(leaf))
                     .map_err(|reason| format!("column '{}': {reason}", self.names[column]))?;
@@ -324,10 +300,10 @@ impl ParquetReader {
         }
     }
 
-    fn open_group(&mut self) -> Result<(), String> {
+    fn open_group(&mut self, used: &[usize]) -> Result<(), String> {
         let group = guarded(|| self.reader.get_row_group(self.next_group))?;
         self.next_group += 1;
-        for &column in &self.columns.used {
+        for &column in used {
             let reader = guarded(|| group.get_column_reader(column))?;
             let is_integer = matches!(
                 reader,

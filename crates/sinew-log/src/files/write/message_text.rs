@@ -3,13 +3,44 @@
 //! Texts from ros2/common_interfaces, ros2/rcl_interfaces (Apache-2.0) and
 //! ros-controls/control_msgs (BSD-3-Clause), comments shortened.
 
+/// What both joint messages begin with.
+macro_rules! header {
+    () => {
+        "\
+================================================================================
+MSG: std_msgs/Header
+# Standard metadata for higher-level stamped data types.
+# This is generally used to communicate timestamped data
+# in a particular coordinate frame.
+
+# Two-integer timestamp that is expressed as seconds and nanoseconds.
+builtin_interfaces/Time stamp
+
+# Transform frame with which this data is associated.
+string frame_id
+
+================================================================================
+MSG: builtin_interfaces/Time
+# This message communicates ROS Time defined here:
+# https://design.ros2.org/articles/clock_and_time.html
+
+# The seconds component, valid over all int32 values.
+int32 sec
+
+# The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.
+uint32 nanosec
+"
+    };
+}
+
 /// `std_msgs/msg/String`.
 pub(super) const STRING: (&str, &str) = ("std_msgs/msg/String", "string data\n");
 
 /// `sensor_msgs/msg/JointState`.
 pub(super) const JOINT_STATE: (&str, &str) = (
     "sensor_msgs/msg/JointState",
-    "\
+    concat!(
+        "\
 # This is a message that holds data to describe the state of a set of torque controlled joints.
 #
 # The state of each joint (revolute or prismatic) is defined by:
@@ -34,35 +65,16 @@ float64[] position
 float64[] velocity
 float64[] effort
 
-================================================================================
-MSG: std_msgs/Header
-# Standard metadata for higher-level stamped data types.
-# This is generally used to communicate timestamped data
-# in a particular coordinate frame.
-
-# Two-integer timestamp that is expressed as seconds and nanoseconds.
-builtin_interfaces/Time stamp
-
-# Transform frame with which this data is associated.
-string frame_id
-
-================================================================================
-MSG: builtin_interfaces/Time
-# This message communicates ROS Time defined here:
-# https://design.ros2.org/articles/clock_and_time.html
-
-# The seconds component, valid over all int32 values.
-int32 sec
-
-# The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.
-uint32 nanosec
 ",
+        header!()
+    ),
 );
 
 /// `control_msgs/msg/DynamicJointState`.
 pub(super) const DYNAMIC_JOINT_STATE: (&str, &str) = (
     "control_msgs/msg/DynamicJointState",
-    "\
+    concat!(
+        "\
 # Header timestamp should be update time of joint state
 std_msgs/Header header
 
@@ -73,29 +85,9 @@ string[] joint_names
 # in `joint_names`
 InterfaceValue[] interface_values
 
-================================================================================
-MSG: std_msgs/Header
-# Standard metadata for higher-level stamped data types.
-# This is generally used to communicate timestamped data
-# in a particular coordinate frame.
-
-# Two-integer timestamp that is expressed as seconds and nanoseconds.
-builtin_interfaces/Time stamp
-
-# Transform frame with which this data is associated.
-string frame_id
-
-================================================================================
-MSG: builtin_interfaces/Time
-# This message communicates ROS Time defined here:
-# https://design.ros2.org/articles/clock_and_time.html
-
-# The seconds component, valid over all int32 values.
-int32 sec
-
-# The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.
-uint32 nanosec
-
+",
+        header!(),
+        "
 ================================================================================
 MSG: control_msgs/InterfaceValue
 # List of resource interface names
@@ -103,5 +95,6 @@ string[] interface_names
 
 # Values corresponding to the list of interface names
 float64[] values
-",
+"
+    ),
 );

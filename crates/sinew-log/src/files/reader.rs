@@ -1,0 +1,32 @@
+//! What every format of a recording can do.
+
+use super::recording::{Format, Progress};
+use crate::assemble::Joiner;
+use crate::error::LogError;
+use crate::frame::Channels;
+use crate::health::Health;
+use crate::options::OpenOptions;
+
+/// One format's way from bytes to samples.
+pub(super) trait Reader: Send {
+    fn format(&self) -> Format;
+
+    /// The joints found, and what is recorded of each.
+    fn found(&self) -> (Vec<String>, Channels);
+
+    /// Which joints the samples hold from now on, in which order.
+    fn select(&mut self, joints: &[String]);
+
+    /// A joiner for the samples of these joints.
+    fn joiner(&self, joints: &[String], options: &OpenOptions) -> Joiner;
+
+    /// Reads a sample into the joiner; `false` at the end.
+    fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError>;
+
+    fn progress(&self) -> Progress;
+
+    /// The robot's URDF, where it is recorded.
+    fn robot_description(&self) -> Option<&str> {
+        None
+    }
+}
