@@ -1,7 +1,8 @@
 //! A file of results that a stopped run goes on with: a line of settings, then a line per result.
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
@@ -16,15 +17,52 @@ pub struct JournalError {
     why: String,
 }
 
-/// What all results of a file have in common.
-pub(crate) trait Settings: Serialize + DeserializeOwned + PartialEq {
-    /// What the first line begins with.
-    const HEAD: &'static str;
-    /// What the file holds, in words.
-    const HOLDS: &'static str;
+/// A kind of results that are kept.
+pub(crate) struct Kind {
+    /// What the first line of its files calls it.
+    pub(crate) format: &'static str,
+    /// Changes with what makes the results or writes them: older files can't go on.
+    pub(crate) version: u32,
+    /// What a file holds, in words.
+    pub(crate) holds: &'static str,
+}
 
-    /// Why results of `self` don't go with `wanted`.
-    fn difference(&self, wanted: &Self) -> String;
+/// Something that all results of a file have in common.
+pub(crate) struct Setting {
+    pub(crate) name: &'static str,
+    pub(crate) value: String,
+    /// What is said of a file with another one; its value stands for `{}`.
+    pub(crate) other: &'static str,
+}
+
+/// The first line of a file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    format: String,
+    version: u32,
+    /// Version of the program.
+    program: String,
+    settings: BTreeMap<String, String>,
+}
+
+impl Head {
+    /// Why results under this head don't go on with `settings`.
+    fn difference(&self, wanted: &Self, settings: &[Setting]) -> Option<String> {
+        let value = |s: &Setting| self.settings.get(s.name).map_or("", String::as_str);
+        if let Some(other) = settings.iter().find(|s| value(s) != s.value) {
+            Some(other.other.replace("{}", value(other)))
+        } else if self.program != wanted.program {
+            Some(format!("versions {} and {}", self.program, wanted.program))
+        } else if self.version != wanted.version {
+            Some(format!(
+                "estimator {}, now {}",
+                self.version, wanted.version
+            ))
+        } else {
+            None
+        }
+    }
 }
 
 /// Tells what results were made with from anything else: FNV-1a, which is stable over versions.
@@ -48,9 +86,10 @@ impl Journal {
     ///
     /// # Errors
     /// Why the file can't be used, and what to do.
-    pub(crate) fn open<S: Settings, R: DeserializeOwned>(
+    pub(crate) fn open<R: DeserializeOwned>(
         path: Option<&Path>,
-        settings: &S,
+        kind: &Kind,
+        settings: &[Setting],
     ) -> Result<(Self, Vec<R>), JournalError> {
         let mut journal = Self {
             name: path.map_or_else(String::new, |p| p.display().to_string()),
@@ -59,6 +98,15 @@ impl Journal {
         let Some(path) = path else {
             return Ok((journal, Vec::new()));
         };
+        let wanted = Head {
+            format: kind.format.into(),
+            version: kind.version,
+            program: env!("CARGO_PKG_VERSION").into(),
+            settings: (settings.iter())
+                .map(|s| (s.name.into(), s.value.clone()))
+                .collect(),
+        };
+        let start = format!("{{\"format\":\"{}\"", kind.format);
         let wrong = |why: String| journal.refuse(why);
         let io = |e: std::io::Error| wrong(format!("can't be used: {e}"));
         let mut file = OpenOptions::new()
@@ -76,15 +124,22 @@ impl Journal {
         let whole = text.rfind('\n').map_or(0, |at| at + 1);
         let mut lines = text[..whole].lines();
         let mut done = Vec::new();
-        let foreign = || wrong(format!("is not a file of {}; name another", S::HOLDS));
+        let foreign = || wrong(format!("is not a file of {}; name another", kind.holds));
         match lines.next() {
-            None if !text.is_empty() && !text.starts_with(S::HEAD) => return Err(foreign()),
+            None if !text.is_empty() && !start.starts_with(&text) && !text.starts_with(&start) => {
+                return Err(foreign());
+            }
             None => {}
             Some(first) => {
-                let found: S = serde_json::from_str(first).map_err(|_| foreign())?;
-                if found != *settings {
-                    let why = found.difference(settings);
-                    let holds = S::HOLDS;
+                if !first.starts_with(&start) {
+                    return Err(foreign());
+                }
+                let found: Option<Head> = serde_json::from_str(first).ok();
+                let why = found.map_or(Some("another version".into()), |f| {
+                    f.difference(&wanted, settings)
+                });
+                if let Some(why) = why {
+                    let holds = kind.holds;
                     return Err(wrong(format!(
                         "holds {holds} of other settings: {why}; name another file"
                     )));
@@ -100,7 +155,7 @@ impl Journal {
         file.set_len(whole as u64).map_err(io)?;
         journal.file = Some(file);
         if whole == 0 {
-            journal.add(settings)?;
+            journal.add(&wanted)?;
         }
         Ok((journal, done))
     }

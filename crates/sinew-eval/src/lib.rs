@@ -4,6 +4,7 @@ pub mod control;
 pub mod excitation;
 mod jobs;
 mod journal;
+mod numbers;
 pub mod paper;
 pub mod scenarios;
 pub mod year;

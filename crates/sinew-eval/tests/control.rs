@@ -133,10 +133,10 @@ fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     assert!(unread.contains("not read"), "{unread}");
     s.correction.read_estimate(folder.path()).unwrap();
     let simulation = Simulation::new(&robot, &s).unwrap();
-    let known = simulation.known_at(1, 0.0);
+    let known = simulation.correction_at(1, 0.0);
     assert!((known.delta_e_rad.mean - 0.010).abs() < 1e-15);
     assert!((known.delta_e_rad.deviation - 0.0005).abs() < 1e-15);
-    assert_eq!(simulation.known_at(0, 0.0).delta_e_rad.mean, 0.0);
+    assert_eq!(simulation.correction_at(0, 0.0).delta_e_rad.mean, 0.0);
     let score = run(&robot, &s, &[0.01; 4]).unwrap();
     assert!(score.joints[1].rest_rms_rad < 1e-6);
 

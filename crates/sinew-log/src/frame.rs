@@ -120,11 +120,6 @@ impl Frame {
         }
     }
 
-    /// The number of joints.
-    pub fn joint_count(&self) -> usize {
-        self.q.len()
-    }
-
     /// The values of one quantity; temperature as a slice of one.
     pub fn get(&self, quantity: Quantity) -> &[f64] {
         match quantity {

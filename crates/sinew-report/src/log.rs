@@ -26,8 +26,8 @@ pub fn render(info: &RecordingInfo) -> String {
             ms(info.shortest_step_s),
             ms(info.longest_step_s),
             match info.segments {
-                1 => "1 stretch".to_string(),
-                n => format!("{n} stretches"),
+                1 => "1 segment".to_string(),
+                n => format!("{n} segments"),
             }
         )),
         2,

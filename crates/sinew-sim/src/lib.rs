@@ -6,14 +6,14 @@
 
 mod contacts;
 mod controller;
-mod drawn;
+mod controller_model;
 mod error;
 mod faults;
 mod friction;
-mod known;
 mod motion;
 mod plant;
 mod run;
+mod sampled;
 pub mod scenario;
 mod sensors;
 mod simulation;

@@ -65,13 +65,6 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
-impl Summary {
-    /// Simulated time over the time it took.
-    pub fn real_time_factor(&self) -> f64 {
-        self.duration_s / self.wall_s.max(1e-9)
-    }
-}
-
 /// Where the truth of a recording goes: `NAME.truth.json` beside `NAME.mcap`.
 pub fn truth_path(out: &Path) -> PathBuf {
     out.with_extension("truth.json")

@@ -189,7 +189,7 @@ impl Truth {
                 .iter()
                 .enumerate()
                 .filter(|(i, _)| {
-                    let injected = |o: &&super::drawn::DrawnOffset| {
+                    let injected = |o: &&super::sampled::SampledOffset| {
                         o.joint == *i && o.kind == OffsetKind::Injected
                     };
                     simulation.offsets().iter().any(|o| injected(&o))

@@ -40,15 +40,6 @@ pub struct DetectionSample<'a> {
     pub touching: bool,
 }
 
-/// Alarms of one detector.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Alarms {
-    /// Factor on the threshold.
-    pub(super) factor: f64,
-    /// From, to, s.
-    pub(super) intervals: Vec<(f64, f64)>,
-}
-
 impl Detection {
     pub(super) fn new(
         robot: &Robot,
@@ -151,17 +142,11 @@ impl Detection {
         }
     }
 
-    /// Closes what is open at `end_s`.
-    pub(super) fn finish(self, end_s: f64) -> Vec<Alarms> {
-        self.alarms
-            .into_iter()
-            .map(|mut alarm| {
-                alarm.intervals.extend(alarm.since_s.map(|s| (s, end_s)));
-                Alarms {
-                    factor: alarm.factor,
-                    intervals: alarm.intervals,
-                }
-            })
-            .collect()
+    /// Closes what is open at `end_s`: factor and alarms of each detector.
+    pub(super) fn finish(self, end_s: f64) -> impl Iterator<Item = (f64, Vec<(f64, f64)>)> {
+        self.alarms.into_iter().map(move |mut alarm| {
+            alarm.intervals.extend(alarm.since_s.map(|s| (s, end_s)));
+            (alarm.factor, alarm.intervals)
+        })
     }
 }

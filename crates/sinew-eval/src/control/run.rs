@@ -108,7 +108,7 @@ pub fn run_with_detectors(
     let mut simulation = Simulation::new(robot, scenario)?;
     let names = simulation.joint_names().to_vec();
     let n = names.len();
-    let known: Vec<JointCorrection> = (0..n).map(|i| simulation.known_at(i, 0.0)).collect();
+    let known: Vec<JointCorrection> = (0..n).map(|i| simulation.correction_at(i, 0.0)).collect();
     let all: Vec<f64> = std::iter::once(1.0)
         .chain(factors.iter().copied())
         .collect();
@@ -122,9 +122,9 @@ pub fn run_with_detectors(
         let (q, theta) = (frame.q.clone(), frame.theta.clone());
         let truth = simulation.true_state();
         let t = truth.time_s;
-        if simulation.known_changes() {
+        if simulation.correction_changes() {
             for i in 0..n {
-                detection.set_known(i, &simulation.known_at(i, t))?;
+                detection.set_known(i, &simulation.correction_at(i, t))?;
             }
         }
         detection
@@ -156,9 +156,9 @@ pub fn run_with_detectors(
         .iter()
         .map(|c| (c.start_s, c.start_s + c.duration_s))
         .collect();
-    let mut sensitivities = detection.finish(end_s).into_iter().map(|a| Sensitivity {
-        threshold_factor: a.factor,
-        contacts: ContactScore::of(&a.intervals, &contacts, from_s, end_s),
+    let mut sensitivities = detection.finish(end_s).map(|(factor, alarms)| Sensitivity {
+        threshold_factor: factor,
+        contacts: ContactScore::of(&alarms, &contacts, from_s, end_s),
     });
     // The first one is the scenario's own.
     let own = sensitivities.next().map(|s| s.contacts);

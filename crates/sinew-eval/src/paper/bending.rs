@@ -284,22 +284,18 @@ fn drawn(name: FigureName, title: &str, titles: &[&str], cases: &[Vec<Simulated>
     let mut assumptions = assumptions();
     assumptions.extend(geometry());
     PaperFigure {
-        name,
-        title: title.into(),
-        about: Vec::new(),
-        figure: Figure::new(title)
-            .subtitle(format!("simulated: Liros DC000-0301 at 23 °C{band}"))
-            .size(900.0, 460.0)
-            .panel(panel.x_range(0.0, last)),
         panels: vec![PanelData {
             title: title.into(),
             series,
         }],
-        sentences: Vec::new(),
-        not_judged: Vec::new(),
-        tables: Vec::new(),
-        rows: Vec::new(),
-        files: None,
         assumptions,
+        ..PaperFigure::new(
+            name,
+            title,
+            Figure::new(title)
+                .subtitle(format!("simulated: Liros DC000-0301 at 23 °C{band}"))
+                .size(900.0, 460.0)
+                .panel(panel.x_range(0.0, last)),
+        )
     }
 }

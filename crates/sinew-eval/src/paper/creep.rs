@@ -290,26 +290,22 @@ fn figure(
     assumptions.push(format!(
         "Free length {LENGTH_MM} mm; the load is there at once."
     ));
+    let drawing = Figure::new(title)
+        .subtitle(format!(
+            "simulated: {LOAD_N} N, {celsius} °C{dashed}; bars at the right: 95 % of the draws at the end"
+        ))
+        .size(900.0, 520.0)
+        .panel(panel);
     PaperFigure {
-        name,
-        title: title.into(),
         about: vec![format!(
             "Virtual creep tests at {LOAD_N} N and {celsius} °C over {MINUTES} min with the catalogue's ropes. m_E is the slope of a straight line fitted from {SLOPE_FROM_MIN} min on."
         )],
-        figure: Figure::new(title)
-            .subtitle(format!(
-                "simulated: {LOAD_N} N, {celsius} °C{dashed}; bars at the right: 95 % of the draws at the end"
-            ))
-            .size(900.0, 520.0)
-            .panel(panel),
         panels: vec![data],
         sentences,
         not_judged: vec![
             "The standard atmosphere's humidity (23/50): the law knows temperature only.".into(),
         ],
-        tables: Vec::new(),
-        rows: Vec::new(),
-        files: None,
         assumptions,
+        ..PaperFigure::new(name, title, drawing)
     }
 }

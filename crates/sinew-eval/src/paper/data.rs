@@ -79,6 +79,25 @@ pub struct PaperFigure {
     pub files: Option<Written>,
 }
 
+impl PaperFigure {
+    /// Title and drawing, nothing else yet.
+    pub(super) fn new(name: FigureName, title: &str, figure: Figure) -> Self {
+        Self {
+            name,
+            title: title.into(),
+            about: Vec::new(),
+            figure,
+            tables: Vec::new(),
+            sentences: Vec::new(),
+            not_judged: Vec::new(),
+            assumptions: Vec::new(),
+            panels: Vec::new(),
+            rows: Vec::new(),
+            files: None,
+        }
+    }
+}
+
 impl JsonDocument for PaperFigure {
     const SCHEMA: &'static str = "sinew/paper/1";
 }

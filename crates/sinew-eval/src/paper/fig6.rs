@@ -94,18 +94,17 @@ pub fn fig6(robot: &Robot) -> Result<PaperFigure, PaperError> {
     sentences.push(payload(robot, shoulder, &nominal)?);
     sentences.extend(contact(robot, shoulder, &nominal)?);
     let panels = panels(&trial, shoulder, &cases);
+    let figure = draw(&panels);
     Ok(PaperFigure {
-        name: FigureName::Fig6,
-        title: "Fig. 6: offset estimate in simulation, with model errors".into(),
         about: about(robot, shoulder),
-        figure: draw(&panels),
         panels,
         sentences,
-        not_judged: Vec::new(),
-        tables: Vec::new(),
-        rows: Vec::new(),
-        files: None,
         assumptions: assumptions(),
+        ..PaperFigure::new(
+            FigureName::Fig6,
+            "Fig. 6: offset estimate in simulation, with model errors",
+            figure,
+        )
     })
 }
 
@@ -307,27 +306,16 @@ fn contact(
 const NAMES: [&str; 3] = ["no offset", "10 mrad added", "15 mrad added"];
 
 fn panels(trial: &Trial, shoulder: usize, cases: &[Case]) -> Vec<PanelData> {
-    let mut panels = Vec::new();
-    for case in cases {
-        panels.push(PanelData {
-            title: case.title.into(),
-            series: NAMES
-                .iter()
-                .zip(&case.paper)
-                .map(|(name, curve)| trial.series(name, curve))
-                .collect(),
-        });
-    }
-    for case in cases {
-        panels.push(PanelData {
-            title: format!("{}, matched", case.title),
-            series: NAMES
-                .iter()
-                .zip(&case.matched)
-                .map(|(name, curve)| trial.series(name, curve))
-                .collect(),
-        });
-    }
+    let panel = |title: String, curves: &[Vec<f64>]| PanelData {
+        title,
+        series: (NAMES.iter().zip(curves))
+            .map(|(name, curve)| trial.series(name, curve))
+            .collect(),
+    };
+    let paper = cases.iter().map(|c| panel(c.title.into(), &c.paper));
+    let matched = cases.iter();
+    let matched = matched.map(|c| panel(format!("{}, matched", c.title), &c.matched));
+    let mut panels: Vec<PanelData> = paper.chain(matched).collect();
     for case in cases {
         let mut paper = difference(&case.paper[2], &case.paper[1]);
         for (value, theta) in paper.iter_mut().zip(&trial.theta) {

@@ -13,6 +13,7 @@ use sinew_sim::scenario::{
     Draw, Encoder, FrictionSpec, Offset, OffsetKind, PerJoint, Shape, Temperature, Truth,
 };
 
+const TITLE: &str = "Fig. 7: offset estimate of a simulated “real” elbow";
 const JOINT: &str = "elbow";
 /// The paper's artificial offset, rad.
 const ADDED_RAD: f64 = 0.010;
@@ -149,9 +150,8 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
     let matched = curves(&matching)?;
     let sentences = sentences(&first, &paper, &matched, relaxed_rad, radius_m);
     let panels = panels(&first, &paper, &matched);
+    let figure = draw(&panels, relaxed_rad);
     Ok(PaperFigure {
-        name: FigureName::Fig7,
-        title: "Fig. 7: offset estimate of a simulated “real” elbow".into(),
         about: vec![
             format!(
                 "The elbow of the {} arm climbs from 0 to 90° in {STEPS} moves of {MOVE_S} s with rests of {PAUSE_S} s, four times: as it is; with {:.0} mrad added to the recorded motor position; with the rope relaxed by {:.1} mm at the tensioner ({:.0} mrad on a pulley of {:.0} mm); and re-tensioned.",
@@ -163,19 +163,15 @@ pub fn fig7(robot: &Robot) -> Result<PaperFigure, PaperError> {
             ),
             "The plant is not the model: stiffness −7 %, masses +5 %, a stiffening spring, 3 % of delayed elasticity, friction at joint and drive, 13-bit joint encoders with eccentricity, noisy motor angles. The estimator knows the description only, with joint friction set to zero.".into(),
         ],
-        figure: draw(&panels, relaxed_rad),
         panels,
         sentences,
-        not_judged: Vec::new(),
-        tables: Vec::new(),
-        rows: Vec::new(),
-        files: None,
         assumptions: vec![
             "The paper's robot is replaced by a simulation: what holds here is that the method survives these errors, not that they are the BioRob's.".into(),
             "Observer at 20 1/s, velocities and positions through the state-variable filter at 40 rad/s: the paper doesn't say how its velocities were made.".into(),
             "From run to run joint friction differs by 5 %, temperature by up to 1 K (which moves stiffness by 0.2 %/K and the motor's zero by 0.05 mrad/K); the tensioner brings the rope back to within 0.01 mm (0.4 mrad).".into(),
             "Relaxing the rope is physical: the spring feels it and the joint sags. Adding an offset to the recording isn't felt.".into(),
         ],
+        ..PaperFigure::new(FigureName::Fig7, TITLE, figure)
     })
 }
 

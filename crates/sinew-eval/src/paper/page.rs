@@ -94,17 +94,11 @@ mod tests {
     fn a_page_shows_sentences_and_what_is_not_judged() {
         let sentence = |holds| Sentence::new("A < B", "by eye", 15.147_3, Unit::Rad, holds);
         let page = html(&PaperFigure {
-            name: FigureName::Fig6,
-            title: "a < b & \"c\"".into(),
             about: vec!["how".into()],
-            panels: Vec::new(),
-            figure: Figure::new("f"),
             sentences: vec![sentence(true), sentence(false)],
             not_judged: vec!["who knows".into()],
-            tables: Vec::new(),
             assumptions: vec!["nothing".into()],
-            rows: Vec::new(),
-            files: None,
+            ..PaperFigure::new(FigureName::Fig6, "a < b & \"c\"", Figure::new("f"))
         });
         for words in [
             "a &lt; b &amp; &quot;c&quot;",

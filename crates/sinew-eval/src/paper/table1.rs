@@ -45,17 +45,10 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         known("with a plait", count(&|r| r.entry.plait.is_some()), 5.0),
     ];
     Ok(PaperFigure {
-        name: FigureName::Table1,
-        title: "Table I: the ropes, and their simulated creep test".into(),
         about: vec![format!(
             "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
         )],
-        panels: Vec::new(),
-        rows: Vec::new(),
-        files: None,
-        figure: figure(&tests),
         sentences,
-        not_judged: Vec::new(),
         tables: vec![
             table("Table I as printed", &PUBLISHED, rows),
             table(
@@ -65,6 +58,11 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             ),
         ],
         assumptions: assumptions(),
+        ..PaperFigure::new(
+            FigureName::Table1,
+            "Table I: the ropes, and their simulated creep test",
+            figure(&tests),
+        )
     })
 }
 

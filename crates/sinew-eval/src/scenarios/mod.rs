@@ -8,7 +8,6 @@ mod adapted;
 mod bound;
 mod catalogue;
 mod estimator;
-mod journal;
 mod paper;
 mod recording;
 mod result;

@@ -1,15 +1,21 @@
 //! Many recordings, in parallel, resumable.
 
-use super::journal::Settings;
 use super::result::ScenarioReport;
 use super::summary::summarise;
 use super::{Plan, Recording, ScenarioError, record};
-use crate::journal::Journal;
+use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
 use sinew_sim::{Scenario, SimulateError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+
+/// Another simulation or estimator: what older files hold can't go on.
+const RECORDINGS: journal::Kind = journal::Kind {
+    format: "sinew-scenarios",
+    version: 6,
+    holds: "scenario results",
+};
 
 /// What to run.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,12 +52,25 @@ pub fn run(
             plan.scenario.record.tau_m = false;
         }
     }
-    let settings = Settings::new(
-        journal::checksum(&everything(&plans)),
-        options.steps,
-        options.motor_torque,
-    );
-    let (mut journal, done) = Journal::open(options.out.as_deref(), &settings)?;
+    let setting = |name, value, other| Setting { name, value, other };
+    let settings = [
+        setting(
+            "steps",
+            options.steps.to_string(),
+            "with and without session C (--no-steps)",
+        ),
+        setting(
+            "motor_torque",
+            options.motor_torque.to_string(),
+            "with and without motor torque (--no-motor-torque)",
+        ),
+        setting(
+            "scenarios",
+            journal::checksum(&everything(&plans)),
+            "of another robot, or of other scenarios than this program's",
+        ),
+    ];
+    let (mut journal, done) = Journal::open(options.out.as_deref(), &RECORDINGS, &settings)?;
     let wanted: Vec<(usize, u64)> = (0..options.n)
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
         .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))

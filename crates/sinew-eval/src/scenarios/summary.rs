@@ -2,7 +2,7 @@
 
 use super::result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
 use super::{FoundStep, JointScore, Options, Plan, Recording, StepScore};
-use sinew_model::statistics::quantile;
+use crate::numbers::{finite, mean, quantile_of, rms};
 use sinew_model::{Interval95, Z95};
 use sinew_report::session_warning;
 use std::collections::BTreeMap;
@@ -171,24 +171,6 @@ fn kind(warning: &str) -> String {
         }
     }
     out
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Quantile of numbers in any order.
-fn quantile_of(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    quantile(&values, share)
 }
 
 /// Where a share lies with 95 % confidence.

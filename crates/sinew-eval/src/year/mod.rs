@@ -6,7 +6,6 @@
 
 pub mod chain;
 mod forecaster;
-mod journal;
 mod judge;
 mod result;
 mod simulated_year;
@@ -23,9 +22,8 @@ pub use summary::summary;
 pub use table::render_table;
 
 use crate::jobs;
-use crate::journal::{Journal, JournalError};
+use crate::journal::{self, Journal, JournalError, Setting};
 use chain::{ChainError, ChainRequest, Session};
-use journal::Settings;
 use judge::Fleet;
 use rayon::prelude::*;
 use simulated_year::WATCHED;
@@ -35,6 +33,13 @@ use sinew_rope::{Catalogue, CatalogueError};
 use std::collections::BTreeMap;
 use std::path::Path;
 use surrogate::SessionErrors;
+
+/// Other numbers or names: what older files hold can't go on.
+const YEARS: journal::Kind = journal::Kind {
+    format: "sinew-years",
+    version: 3,
+    holds: "simulated years",
+};
 
 /// What years are asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +122,17 @@ pub fn run(
     out: Option<&Path>,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<YearReport, YearError> {
-    let (mut journal, kept) = Journal::open::<_, RobotYear>(out, &Settings::new(robot, request))?;
+    let setting = |name, value, other| Setting { name, value, other };
+    let settings = [
+        setting("robot", robot.name.clone(), "robot '{}'"),
+        setting("joints", request.joints.join(", "), "joints {} (--joints)"),
+        setting(
+            "errors",
+            format!("{:?}", request.errors),
+            "errors of other sessions (--session)",
+        ),
+    ];
+    let (mut journal, kept) = Journal::open::<RobotYear>(out, &YEARS, &settings)?;
     let mut done: BTreeMap<u64, RobotYear> = (kept.into_iter())
         .filter(|y| request.seeds().contains(&y.seed))
         .map(|y| (y.seed, y))

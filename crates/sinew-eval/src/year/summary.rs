@@ -3,7 +3,8 @@
 use super::result::{
     DayForecast, DayInterval, ForecastSummary, Forecaster, RobotYear, TendonResult, YearSummary,
 };
-use sinew_model::statistics::{quantile, upper_median};
+use crate::numbers::{finite, quantile_of};
+use sinew_model::statistics::upper_median;
 
 /// Sums the years up for each forecaster.
 pub fn summary(years: &[RobotYear]) -> Vec<YearSummary> {
@@ -27,13 +28,9 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<YearSummary> {
         return None;
     }
     let failed = own.iter().filter(|(y, t)| y.failed_joint == t.joint);
-    let mut delays: Vec<f64> = failed
-        .clone()
-        .filter_map(|(_, t)| t.found_after_days)
-        .collect();
-    delays.sort_unstable_by(f64::total_cmp);
-    let mut rms: Vec<f64> = own.iter().map(|(_, t)| t.error_rms_rad).collect();
-    rms.sort_unstable_by(f64::total_cmp);
+    let delays = failed.clone().filter_map(|(_, t)| t.found_after_days);
+    let delays: Vec<f64> = delays.collect();
+    let rms = own.iter().map(|(_, t)| t.error_rms_rad).collect();
     let false_alarms = own.iter().map(|(_, t)| t.false_alarm_days.len()).sum();
     let mut days: Vec<f64> = own
         .iter()
@@ -47,11 +44,11 @@ fn of(who: Forecaster, years: &[RobotYear]) -> Option<YearSummary> {
         failures: failed.count(),
         found_two_days: delays.iter().filter(|d| **d <= 2.0).count(),
         found: delays.len(),
-        delay_median_days: finite(quantile(&delays, 0.5)),
+        delay_median_days: finite(quantile_of(delays, 0.5)),
         false_alarms,
         sudden_creep: own.iter().map(|(_, t)| t.sudden_creep_days.len()).sum(),
         false_alarms_per_robot_year: false_alarms as f64 / years.len() as f64,
-        tracking_rms_rad: quantile(&rms, 0.5),
+        tracking_rms_rad: quantile_of(rms, 0.5),
         forecasts: days
             .into_iter()
             .map(|day| {
@@ -89,8 +86,4 @@ fn forecasts(made_day: f64, made: &[DayForecast]) -> ForecastSummary {
             (end(f.interval_90_day.high) - end(f.interval_90_day.low)) / f.true_day
         }),
     }
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }

@@ -6,7 +6,7 @@
 
 mod correction;
 mod draw;
-mod happens;
+mod events;
 mod names;
 mod profile;
 mod read;

@@ -2,7 +2,7 @@
 
 use super::correction::{contact_detection, correction};
 use super::draw::{Draw, Keys as _, per};
-use super::happens::{contact, faults, jam, offset, payload, random_contacts, record, session};
+use super::events::{contact, faults, jam, offset, payload, random_contacts, record, session};
 use super::*;
 use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
 use std::f64::consts::PI;

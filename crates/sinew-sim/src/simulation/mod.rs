@@ -5,11 +5,11 @@ mod setup;
 
 use crate::contacts::Contacts;
 use crate::controller::Controller;
-use crate::drawn::{DrawnJam, DrawnOffset, DrawnPayload, DrawnTemperature};
+use crate::controller_model::ControllerModel;
 use crate::error::SimulateError;
-use crate::known::Known;
 use crate::motion::Trajectory;
 use crate::plant::{Drive, Inputs, Plant, PointForce};
+use crate::sampled::{SampledJam, SampledOffset, SampledPayload, SampledTemperature};
 use crate::scenario::{OffsetKind, Scenario};
 use crate::sensors::Sensors;
 use sinew_log::Frame;
@@ -85,12 +85,12 @@ pub struct Simulation {
     trajectory: Trajectory,
     contacts: Contacts,
     sensors: Sensors,
-    offsets: Vec<DrawnOffset>,
-    known: Known,
-    payloads: Vec<DrawnPayload>,
+    offsets: Vec<SampledOffset>,
+    controller_model: ControllerModel,
+    payloads: Vec<SampledPayload>,
     held: Vec<bool>,
-    temperature: DrawnTemperature,
-    jams: Vec<DrawnJam>,
+    temperature: SampledTemperature,
+    jams: Vec<SampledJam>,
     /// Coulomb friction of each joint without a jam, N·m.
     joint_coulomb_nm: Vec<f64>,
     /// Factor on the stiffness of each joint from the scenario's time on.
@@ -178,22 +178,23 @@ impl Simulation {
 
     /// What is known of joint `i` at `t`, s, to whoever corrects a recording: injected offsets
     /// included.
-    pub fn known_at(&self, i: usize, t: f64) -> JointCorrection {
-        self.known.of_joint(i, self.offset_at(i, t).sum())
+    pub fn correction_at(&self, i: usize, t: f64) -> JointCorrection {
+        self.controller_model
+            .of_joint(i, self.offset_at(i, t).sum())
     }
 
     /// Whether what is known changes with the true offset.
-    pub fn known_changes(&self) -> bool {
-        self.known.follows_truth()
+    pub fn correction_changes(&self) -> bool {
+        self.controller_model.follows_truth()
     }
 
     /// Offsets as drawn.
-    pub fn offsets(&self) -> &[DrawnOffset] {
+    pub fn offsets(&self) -> &[SampledOffset] {
         &self.offsets
     }
 
     /// Payloads as drawn.
-    pub fn payloads(&self) -> &[DrawnPayload] {
+    pub fn payloads(&self) -> &[SampledPayload] {
         &self.payloads
     }
 
@@ -213,7 +214,7 @@ impl Simulation {
     }
 
     /// Temperature as drawn.
-    pub fn temperature(&self) -> &DrawnTemperature {
+    pub fn temperature(&self) -> &SampledTemperature {
         &self.temperature
     }
 
@@ -248,10 +249,12 @@ impl Simulation {
         if self.tick.is_multiple_of(self.control_steps) {
             self.trajectory
                 .at(t, &mut self.q_d, &mut self.dq_d, &mut self.ddq_d);
-            if self.known.follows_truth() {
+            if self.controller_model.follows_truth() {
                 for i in 0..self.names.len() {
                     // The set-point needs what the spring feels; an injected offset it doesn't.
-                    let known = self.known.of_joint(i, self.offset_at(i, t).physical);
+                    let known = self
+                        .controller_model
+                        .of_joint(i, self.offset_at(i, t).physical);
                     self.controller.know(i, &known)?;
                 }
             }
@@ -300,7 +303,7 @@ impl Simulation {
     fn change_payload(&mut self, t: f64) -> Result<(), SimulateError> {
         // Half a step of tolerance puts the change on the tick that the file means.
         let soon = t + 0.5 * self.scenario.integration_step_s;
-        let holds = |p: &DrawnPayload| soon >= p.attach_s && soon < p.release_s;
+        let holds = |p: &SampledPayload| soon >= p.attach_s && soon < p.release_s;
         let same = self
             .payloads
             .iter()

@@ -1,8 +1,8 @@
 //! Draws the truth of a simulation and puts its arm at rest.
 
 use super::*;
-use crate::drawn::{check_names, draw_temperature, drives, transmissions, true_arm, unknown};
 use crate::plant::State;
+use crate::sampled::{check_names, draw_temperature, drives, transmissions, true_arm, unknown};
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
 use sinew_files::{Fault, Located};
@@ -42,10 +42,10 @@ impl Simulation {
         let drives = drives(scenario, &names, &transmissions, &mut truth_rng);
         let temperature = draw_temperature(scenario, &names, &mut truth_rng);
         let mut grip_rng = rng(robot_seed, Stream::Grip);
-        let payloads: Vec<DrawnPayload> = scenario
+        let payloads: Vec<SampledPayload> = scenario
             .payloads
             .iter()
-            .map(|p| DrawnPayload {
+            .map(|p| SampledPayload {
                 link: p.link.clone(),
                 mass_kg: p.mass_kg.sample(&mut truth_rng),
                 com_m: std::array::from_fn(|k| {
@@ -57,11 +57,11 @@ impl Simulation {
             .collect();
         // What the language learned later is drawn from a stream of its own.
         let mut later_rng = rng(robot_seed, Stream::Later);
-        let offsets: Vec<DrawnOffset> = scenario
+        let offsets: Vec<SampledOffset> = scenario
             .offsets
             .iter()
             .filter_map(|o| {
-                Some(DrawnOffset {
+                Some(SampledOffset {
                     joint: robot.arm.joint_index(&o.joint)?,
                     kind: o.kind,
                     size_rad: o.size_rad.sample(&mut truth_rng),
@@ -85,7 +85,7 @@ impl Simulation {
             .jams
             .iter()
             .filter_map(|j| {
-                Some(DrawnJam {
+                Some(SampledJam {
                     joint: robot.arm.joint_index(&j.joint)?,
                     torque_nm: j.torque_nm,
                     from_s: j.from_s,
@@ -93,12 +93,12 @@ impl Simulation {
                 })
             })
             .collect();
-        let known = Known::new(robot, scenario)?;
+        let controller_model = ControllerModel::new(robot, scenario)?;
         let controller = Controller::new(
             robot,
             &nominal_inertia,
             scenario,
-            known.at_start(),
+            controller_model.at_start(),
             &mut truth_rng,
         )?;
         let limits: Vec<(f64, f64)> = robot.limits.iter().map(|l| (l.lower, l.upper)).collect();
@@ -134,7 +134,7 @@ impl Simulation {
             ),
             sensors,
             offsets,
-            known,
+            controller_model,
             held: vec![false; payloads.len()],
             payloads,
             temperature,

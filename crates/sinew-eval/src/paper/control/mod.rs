@@ -48,21 +48,21 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
     let joints = stretched_joints(robot)?;
     let climbs = climb::climbs(robot, joints)?;
     let rows = cases::rows(robot, &effort)?;
+    let figure = draw::figure(&climbs, &rows);
     let mut sentences = sentences::climbing(&climbs);
     sentences.extend(sentences::working(&rows));
     Ok(PaperFigure {
-        name: FigureName::Control,
-        title: "Control and collision detection with stretched ropes, before and after correction"
-            .into(),
         about: about(robot, &effort),
         panels: draw::panels(&climbs),
-        figure: draw::figure(&climbs, &rows),
         sentences,
-        not_judged: Vec::new(),
         tables: vec![page::full_table(&rows, effort.seeds)],
         assumptions: assumptions(),
         rows,
-        files: None,
+        ..PaperFigure::new(
+            FigureName::Control,
+            "Control and collision detection with stretched ropes, before and after correction",
+            figure,
+        )
     })
 }
 

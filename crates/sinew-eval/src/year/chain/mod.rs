@@ -5,7 +5,6 @@
 //! softens it by 0.1 to 0.3 %/K, a failed strand takes its share of the stiffness along. Recordings stay in
 //! memory.
 
-mod journal;
 mod motion;
 mod session;
 mod statistics;
@@ -16,8 +15,7 @@ pub use statistics::{FailureSeen, JointErrors, LagCorrelation, statistics};
 
 use super::simulated_year::{SimulatedYear, WATCHED};
 use crate::jobs;
-use crate::journal::{Journal, JournalError};
-use journal::Settings;
+use crate::journal::{self, Journal, JournalError, Setting};
 use session::ChainRobot;
 use sinew_estimate::session::SessionError;
 use sinew_model::robot::Robot;
@@ -54,6 +52,13 @@ impl ChainRequest {
     }
 }
 
+/// Another simulation or estimator: what older files hold can't go on.
+const SESSIONS: journal::Kind = journal::Kind {
+    format: "sinew-sessions",
+    version: 6,
+    holds: "simulated sessions",
+};
+
 /// Why there are no sessions.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -82,8 +87,34 @@ pub(super) fn sessions(
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Vec<Vec<Session>>, ChainError> {
     let days = request.days.clamp(1, WATCHED);
-    let settings = Settings::new(robot, joints, request);
-    let (mut journal, kept) = Journal::open::<_, Session>(request.out.as_deref(), &settings)?;
+    let described = (
+        &robot.arm,
+        &robot.transmissions,
+        &robot.limits,
+        &robot.tolerances,
+    );
+    let setting = |name, value, other| Setting { name, value, other };
+    let settings = [
+        setting(
+            "session",
+            request.kind.name().into(),
+            "{} sessions (--session)",
+        ),
+        setting(
+            "chained",
+            request.chained.to_string(),
+            "with and without --chained",
+        ),
+        setting("robot", robot.name.clone(), "robot '{}'"),
+        setting("joints", joints.join(", "), "joints {} (--joints)"),
+        setting(
+            "description",
+            journal::checksum(&format!("{described:?}")),
+            "another description of the robot",
+        ),
+    ];
+    let (mut journal, kept) =
+        Journal::open::<Session>(request.out.as_deref(), &SESSIONS, &settings)?;
     let mut done: BTreeMap<(u64, usize), Session> = kept
         .into_iter()
         .filter(|s| (1..=days).contains(&s.day) && lives.iter().any(|l| l.seed == s.seed))

@@ -1,6 +1,7 @@
 //! How wrong sessions are: what the surrogate of the simulated years is set from.
 
 use super::{Session, SessionJoint};
+use crate::numbers::{finite, mean, rms};
 use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 
@@ -124,12 +125,11 @@ fn seen(sessions: &[Session], i: usize, at: usize) -> Option<FailureSeen> {
     if before.len().min(after.len()) < FEWEST {
         return None;
     }
-    let mean = |part: &[Session], f: &dyn Fn(&SessionJoint) -> Option<f64>| {
+    let of = |part: &[Session], f: &dyn Fn(&SessionJoint) -> Option<f64>| {
         let all: Vec<f64> = part.iter().filter_map(|s| f(&s.joints[i])).collect();
-        (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+        finite(mean(&all))
     };
-    let change =
-        |f: &dyn Fn(&SessionJoint) -> Option<f64>| Some(mean(after, f)? - mean(before, f)?);
+    let change = |f: &dyn Fn(&SessionJoint) -> Option<f64>| Some(of(after, f)? - of(before, f)?);
     let (last, first) = (&sessions[at - 1].joints[i], &sessions[at].joints[i]);
     // A day's creep is in both.
     let size_rad = first.truth_rad - last.truth_rad;
@@ -158,11 +158,6 @@ fn line(points: &[(f64, f64)]) -> (f64, f64, Vec<f64>) {
         .map(|(x, y)| y - my - slope * (x - mx))
         .collect();
     (my, slope, left)
-}
-
-/// Root mean square; NaN of none.
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 /// Days between sessions whose errors are compared.
@@ -232,7 +227,6 @@ impl Tally {
         let mut sizes: Vec<f64> = self.left.iter().map(|e| e.abs()).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| quantile(&sizes, share);
-        let finite = |v: f64| v.is_finite().then_some(v);
         let share = |n: usize, of: usize| finite(n as f64 / of as f64);
         let judged = self.errors.len();
         JointErrors {

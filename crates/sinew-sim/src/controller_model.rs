@@ -8,13 +8,13 @@ use sinew_model::robot::Robot;
 
 /// Knowledge of every joint's transmission.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Known {
+pub(crate) struct ControllerModel {
     offset: KnownOffset,
     /// With `delta_e` as stated, or its error alone where the offset follows the truth.
     joints: Vec<JointCorrection>,
 }
 
-impl Known {
+impl ControllerModel {
     /// Draws what the scenario leaves open, from a stream of its own.
     pub(crate) fn new(robot: &Robot, scenario: &Scenario) -> Result<Self, SimulateError> {
         let c = &scenario.correction;

@@ -13,7 +13,7 @@ use sinew_model::transmission::Transmission;
 
 /// An offset, drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DrawnOffset {
+pub struct SampledOffset {
     pub joint: usize,
     pub kind: OffsetKind,
     pub size_rad: f64,
@@ -22,7 +22,7 @@ pub struct DrawnOffset {
 
 /// A load, drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DrawnPayload {
+pub struct SampledPayload {
     pub link: String,
     pub mass_kg: f64,
     pub com_m: [f64; 3],
@@ -32,7 +32,7 @@ pub struct DrawnPayload {
 
 /// A joint that sticks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct DrawnJam {
+pub(super) struct SampledJam {
     pub(super) joint: usize,
     pub(super) torque_nm: f64,
     pub(super) from_s: f64,
@@ -41,7 +41,7 @@ pub(super) struct DrawnJam {
 
 /// Temperature and its effects, drawn.
 #[derive(Debug, Clone)]
-pub struct DrawnTemperature {
+pub struct SampledTemperature {
     pub(super) reference_c: f64,
     profile_c: Vec<(f64, f64)>,
     pub change_k: f64,
@@ -52,7 +52,7 @@ pub struct DrawnTemperature {
     pub drift_rad_per_k: Vec<f64>,
 }
 
-impl DrawnTemperature {
+impl SampledTemperature {
     /// °C at `t`, s.
     pub(super) fn at(&self, t: f64) -> f64 {
         let base = if self.profile_c.is_empty() {
@@ -252,10 +252,10 @@ pub(super) fn draw_temperature(
     scenario: &Scenario,
     names: &[String],
     rng: &mut ChaCha8Rng,
-) -> DrawnTemperature {
+) -> SampledTemperature {
     let t = &scenario.temperature;
     let zero = vec![0.0; names.len()];
-    DrawnTemperature {
+    SampledTemperature {
         reference_c: t.reference_c,
         profile_c: t.profile_c.clone().unwrap_or_default(),
         change_k: t.change_k.sample(rng),
