@@ -39,47 +39,44 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     ));
     page = page.section("Elongation", first);
     let mut facts = vec![
-        vec![
-            "line every".into(),
+        (
+            "line every",
             format!(
                 "{} mm = {:.3} px",
                 millimetres(scale.pitch_m),
                 scale.pitch_px
             ),
-        ],
-        vec![
-            "resolution".into(),
+        ),
+        (
+            "resolution",
             format!("{:.2} px/mm", 1e-3 * summary.px_per_m),
-        ],
-        vec![
-            "direction".into(),
+        ),
+        (
+            "direction",
             if scale.upright { "upright" } else { "lying" }.into(),
-        ],
-        vec![
-            "tilt".into(),
-            format!("{:.2}°", scale.tilt_rad.to_degrees()),
-        ],
-        vec![
-            "change of pitch along the scale".into(),
+        ),
+        ("tilt", format!("{:.2}°", scale.tilt_rad.to_degrees())),
+        (
+            "change of pitch along the scale",
             format!("{:.2} %", 100.0 * scale.pitch_change_ratio),
-        ],
-        vec!["lines in sight".into(), scale.lines.to_string()],
-        vec![
-            "longer lines".into(),
+        ),
+        ("lines in sight", scale.lines.to_string()),
+        (
+            "longer lines",
             scale
                 .longer_every
                 .map_or("none".into(), |n| format!("every {n}")),
-        ],
-        vec!["reference frame".into(), summary.reference_frame.clone()],
-        vec![
-            "elongation per movement".into(),
+        ),
+        ("reference frame", summary.reference_frame.clone()),
+        (
+            "elongation per movement",
             format!("{}", summary.elongation_per_movement),
-        ],
-        vec![
-            "longest step".into(),
+        ),
+        (
+            "longest step",
             format!("{} mm", rounded(1e3 * summary.step_max_m, 3)),
-        ],
-        vec!["worst quality used".into(), rounded(summary.quality_min, 2)],
+        ),
+        ("worst quality used", rounded(summary.quality_min, 2)),
     ];
     for (name, unit, value) in [
         ("force", "N", outcome.conditions.force_n),
@@ -91,29 +88,21 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
         ("temperature", "°C", outcome.conditions.temperature_c),
     ] {
         if let Some(value) = value {
-            facts.push(vec![name.into(), format!("{value} {unit}")]);
+            facts.push((name, format!("{value} {unit}")));
         }
     }
-    page = page.section(
-        "Scale and camera",
-        vec![Block::Table(Table {
-            rows: facts,
-            ..Table::default()
-        })],
-    );
+    page = page.section("Scale and camera", vec![Block::Table(Table::facts(facts))]);
     if !summary.rejected.is_empty() {
         let rows = summary
             .rejected
             .iter()
-            .map(|r| vec![r.reason.to_string(), r.frames.to_string(), r.first.clone()])
-            .collect();
+            .map(|r| vec![r.reason.to_string(), r.frames.to_string(), r.first.clone()]);
         page = page.section(
             "Frames not used",
-            vec![Block::Table(Table {
-                head: vec!["reason".into(), "frames".into(), "first".into()],
+            vec![Block::Table(Table::new(
+                &["reason", "frames", "first"],
                 rows,
-                ..Table::default()
-            })],
+            ))],
         );
     }
     page.section(

@@ -14,6 +14,7 @@ use super::profile;
 use super::rope_base::FixedParameter;
 use super::search::Search;
 use super::solver::{Ending, LeastSquares, TrustRegion};
+use super::span::extremes;
 use super::starts::starts;
 
 /// A law fitted to one or several curves.
@@ -172,12 +173,4 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         level: options.level,
         seed: options.seed,
     })
-}
-
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(*v), h.max(*v))
-        })
 }

@@ -1,5 +1,6 @@
 //! Stages of the load, jumps and outliers of the strain.
 
+use super::span::extremes;
 use sinew_model::statistics::quantile;
 
 /// From this share of the largest load on, a change is a change of stage.
@@ -99,14 +100,8 @@ pub(super) fn oddities(place: &[f64], strain: &[f64]) -> Oddities {
         // 1.4826 makes the median deviation that of a normal distribution.
         (centre, 1.482_6 * median(&apart))
     };
-    let range = {
-        let (low, high) = strain
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(*v), h.max(*v))
-            });
-        high - low
-    };
+    let (low, high) = extremes(strain);
+    let range = high - low;
     // Outliers: the difference to the neighbours' straight line.
     let bent: Vec<f64> = (1..n - 1)
         .map(|i| {

@@ -26,10 +26,19 @@ impl Span {
 
     /// Of readings; `None` without any.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
+        let (low, high) = extremes(values);
         (!values.is_empty()).then(|| Self {
             mean: values.iter().sum::<f64>() / values.len() as f64,
-            low: values.iter().copied().fold(f64::INFINITY, f64::min),
-            high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            low,
+            high,
         })
     }
+}
+
+/// Smallest and largest; an empty range the wrong way round of none.
+pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
+    let wider = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), wider)
 }

@@ -6,6 +6,7 @@ use super::forecast::Forecast;
 use super::law::Law;
 use super::options::FitOptions;
 use super::outlook::Outlook;
+use super::span::extremes;
 use serde::{Deserialize, Serialize};
 
 /// Who forecasts.
@@ -58,15 +59,8 @@ pub fn withhold(
     };
     let (seen, hidden) = curve.split(last - share * (last - first));
     let mut results = Vec::new();
-    let range = {
-        let (low, high) = curve
-            .strain
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| {
-                (l.min(*e), h.max(*e))
-            });
-        high - low
-    };
+    let (low, high) = extremes(&curve.strain);
+    let range = high - low;
     let judge = |forecaster: Forecaster, forecast: &Forecast| {
         let end = hidden.strain.len() - 1;
         let within = |i: usize| {

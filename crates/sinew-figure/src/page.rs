@@ -58,6 +58,38 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+impl Table {
+    /// A table under a heading of every column.
+    pub fn new(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        Self {
+            head: head.iter().map(ToString::to_string).collect(),
+            rows: rows.into_iter().collect(),
+            ..Self::default()
+        }
+    }
+
+    /// A table of names and values.
+    pub fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, String)>) -> Self {
+        let rows = rows
+            .into_iter()
+            .map(|(name, value)| vec![name.to_owned(), value]);
+        Self::new(&[], rows)
+    }
+
+    /// Puts a line above.
+    #[must_use]
+    pub fn captioned(mut self, text: impl Into<String>) -> Self {
+        self.caption = text.into();
+        self
+    }
+}
+
+impl From<Table> for Block {
+    fn from(table: Table) -> Self {
+        Self::Table(table)
+    }
+}
+
 /// A sentence of a source, judged from data by a stated criterion.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Sentence {

@@ -31,5 +31,5 @@ pub use json::JsonDocument;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use section::{Section, TomlFile, Value};
-pub use text::read_text;
+pub use text::{csv_cell, read_text};
 pub use utf16::Utf16Reader;

@@ -100,6 +100,15 @@ fn cp1252(byte: u8) -> char {
     }
 }
 
+/// A text as a cell of CSV: in quotes where it holds a comma, a quote or a line end (RFC 4180).
+pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -56,6 +56,27 @@ pub fn indented(text: &str, first: usize, rest: usize) -> String {
     out
 }
 
+/// Text for a terminal, part after part. What comes from a file is made [`plain`].
+#[derive(Debug, Default)]
+pub(crate) struct Told(pub(crate) String);
+
+impl Told {
+    /// A paragraph.
+    pub(crate) fn say(&mut self, text: impl AsRef<str>) {
+        self.0 += &paragraph(&plain(text.as_ref()), 2);
+    }
+
+    /// A paragraph, indented.
+    pub(crate) fn item(&mut self, text: impl AsRef<str>) {
+        self.0 += &indented(&plain(text.as_ref()), 2, 4);
+    }
+
+    /// Lines as they are.
+    pub(crate) fn add(&mut self, text: impl AsRef<str>) {
+        self.0 += text.as_ref();
+    }
+}
+
 /// A number to three digits.
 pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {

@@ -4,44 +4,27 @@ use sinew_files::{Fault, Located, read_text};
 use sinew_model::rope::entry::CatalogueEntry;
 use std::path::{Path, PathBuf};
 
+/// Shipped ropes: file and text of each.
+macro_rules! shipped {
+    ($($name:literal),+ $(,)?) => {
+        [$((
+            concat!($name, ".toml"),
+            include_str!(concat!("../../../ropes/", $name, ".toml")),
+        )),+]
+    };
+}
+
 /// The ropes of the paper's Table I, in its order.
-const SHIPPED: [(&str, &str); 9] = [
-    (
-        "gottifredi-maffioli-sk99-ultra.toml",
-        include_str!("../../../ropes/gottifredi-maffioli-sk99-ultra.toml"),
-    ),
-    (
-        "liros-aramid-braided-cord.toml",
-        include_str!("../../../ropes/liros-aramid-braided-cord.toml"),
-    ),
-    (
-        "liros-dc000-0301.toml",
-        include_str!("../../../ropes/liros-dc000-0301.toml"),
-    ),
-    (
-        "liros-dc000-0701.toml",
-        include_str!("../../../ropes/liros-dc000-0701.toml"),
-    ),
-    (
-        "ockert-climax-combat.toml",
-        include_str!("../../../ropes/ockert-climax-combat.toml"),
-    ),
-    (
-        "teufelberger-fl-32-ng.toml",
-        include_str!("../../../ropes/teufelberger-fl-32-ng.toml"),
-    ),
-    (
-        "teufelberger-fl-9-ng.toml",
-        include_str!("../../../ropes/teufelberger-fl-9-ng.toml"),
-    ),
-    (
-        "tu-chemnitz-technora-black.toml",
-        include_str!("../../../ropes/tu-chemnitz-technora-black.toml"),
-    ),
-    (
-        "tu-chemnitz-vectran.toml",
-        include_str!("../../../ropes/tu-chemnitz-vectran.toml"),
-    ),
+const SHIPPED: [(&str, &str); 9] = shipped![
+    "gottifredi-maffioli-sk99-ultra",
+    "liros-aramid-braided-cord",
+    "liros-dc000-0301",
+    "liros-dc000-0701",
+    "ockert-climax-combat",
+    "teufelberger-fl-32-ng",
+    "teufelberger-fl-9-ng",
+    "tu-chemnitz-technora-black",
+    "tu-chemnitz-vectran",
 ];
 
 /// Largest catalogue entry read, bytes: a hundred times the shipped ones.

@@ -3,7 +3,7 @@
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
-pub use super::route::{Request, Route};
+pub use super::route::{Guide, Request, Route};
 use super::strand::{Mean, StrandError, strand};
 use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
@@ -125,6 +125,25 @@ pub fn predict_with_progress(
     request: &Request,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Prediction, PredictError> {
+    Ok(drawn(rope, request, done)?.prediction(rope, request))
+}
+
+/// One rope's strand at the catalogue's values and in every draw.
+pub(crate) struct Drawn {
+    pub(crate) draws: Draws,
+    read_at: RopeLoad,
+    /// A minute after tensioning, then at the times of the request.
+    nominal: Vec<Mean>,
+    /// The same in each draw; `None` where the rope breaks.
+    drawn: Vec<Option<Vec<Mean>>>,
+}
+
+/// Runs a strand through the duty, at the catalogue's values and in every draw.
+pub(crate) fn drawn(
+    rope: &CatalogueRope,
+    request: &Request,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Drawn, PredictError> {
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
     let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
@@ -141,78 +160,73 @@ pub fn predict_with_progress(
         StrandError::Routing(error) => error.into(),
     })?;
     let finished = AtomicUsize::new(0);
-    let drawn: Vec<Vec<Mean>> = draws
-        .laws
-        .par_iter()
-        .map(|law| {
-            let means = strand(law, request, read_at, &times).ok();
-            done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-            means
-        })
-        .collect::<Vec<_>>()
-        .into_iter()
-        .flatten()
-        .collect();
-    let broken = draws.laws.len() - drawn.len();
-    let m_per_percent = 0.01 * request.route.length_m;
-    let mut readings = Vec::with_capacity(request.times_s.len());
-    for (i, &time_s) in request.times_s.iter().enumerate() {
-        let at = i + 1;
-        let interval = |f: &dyn Fn(&[Mean]) -> f64| {
-            let all: Vec<f64> = drawn.iter().map(|m| f(m)).collect();
-            bounded(f(&nominal), &all)
-        };
-        let strain_percent = interval(&|m| m[at].strain);
-        readings.push(Reading {
-            time_s,
-            strain_ratio: strain_percent.scaled(0.01),
-            elongation_m: strain_percent.scaled(m_per_percent),
-            since_tensioned_m: interval(&|m| m[at].strain - m[0].strain).scaled(m_per_percent),
-            irreversible_m: interval(&|m| m[at].irreversible).scaled(m_per_percent),
-        });
-    }
-    let entry = &rope.entry;
-    Ok(Prediction {
-        rope: entry.name.clone(),
-        duty: request.duty.about.clone(),
-        summary,
-        length_m: request.route.length_m,
-        read_at_n: read_at.tension_n,
-        read_at_c: read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
-        readings,
-        strength_left_share: bending(rope, &draws, request),
-        broken_share: broken as f64 / draws.laws.len().max(1) as f64,
-        starting_guesses: entry.guesses(),
-        parameters: entry.law.len(),
-        draws: request.draws,
-        seed: request.seed,
-        cautions: cautions(rope, &draws.nominal, request),
+    let each = draws.laws.par_iter().map(|law| {
+        let means = strand(law, request, read_at, &times).ok();
+        done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        means
+    });
+    let drawn = each.collect();
+    Ok(Drawn {
+        draws,
+        read_at,
+        nominal,
+        drawn,
     })
 }
 
-/// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
-/// breaks.
-pub(crate) fn growth_of_draws(
-    rope: &CatalogueRope,
-    request: &Request,
-) -> Result<Vec<f64>, CatalogueError> {
-    let draws = Draws::new(rope, request.draws, request.seed)?;
-    let summary = request.duty.summary();
-    let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
-        summary.tension_mean_n,
-        summary.temperature_mean_c,
-    ));
-    let last = request.times_s.last().copied().unwrap_or(TENSIONED_AFTER_S);
-    let times = [TENSIONED_AFTER_S, last];
-    Ok(draws
-        .laws
-        .par_iter()
-        .map(|law| {
-            strand(law, request, read_at, &times).map_or(f64::NAN, |m| {
-                0.01 * request.route.length_m * (m[1].strain - m[0].strain)
-            })
-        })
-        .collect())
+impl Drawn {
+    /// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
+    /// breaks.
+    pub(crate) fn growth_m(&self, request: &Request) -> Vec<f64> {
+        let of = |m: &Vec<Mean>| {
+            let [first, .., last] = m.as_slice() else {
+                return 0.0;
+            };
+            0.01 * request.route.length_m * (last.strain - first.strain)
+        };
+        let each = self.drawn.iter().map(|m| m.as_ref().map_or(f64::NAN, of));
+        each.collect()
+    }
+
+    /// What the draws say.
+    pub(crate) fn prediction(&self, rope: &CatalogueRope, request: &Request) -> Prediction {
+        let drawn: Vec<&Vec<Mean>> = self.drawn.iter().flatten().collect();
+        let broken = self.drawn.len() - drawn.len();
+        let m_per_percent = 0.01 * request.route.length_m;
+        let reading = |(at, &time_s): (usize, &f64)| {
+            let interval = |f: &dyn Fn(&[Mean]) -> f64| {
+                let all: Vec<f64> = drawn.iter().map(|m| f(m)).collect();
+                bounded(f(&self.nominal), &all)
+            };
+            // The first is a minute after tensioning.
+            let at = at + 1;
+            let strain_percent = interval(&|m| m[at].strain);
+            Reading {
+                time_s,
+                strain_ratio: strain_percent.scaled(0.01),
+                elongation_m: strain_percent.scaled(m_per_percent),
+                since_tensioned_m: interval(&|m| m[at].strain - m[0].strain).scaled(m_per_percent),
+                irreversible_m: interval(&|m| m[at].irreversible).scaled(m_per_percent),
+            }
+        };
+        let entry = &rope.entry;
+        Prediction {
+            rope: entry.name.clone(),
+            duty: request.duty.about.clone(),
+            summary: request.duty.summary(),
+            length_m: request.route.length_m,
+            read_at_n: self.read_at.tension_n,
+            read_at_c: self.read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
+            readings: request.times_s.iter().enumerate().map(reading).collect(),
+            strength_left_share: bending(rope, &self.draws, request),
+            broken_share: broken as f64 / self.drawn.len().max(1) as f64,
+            starting_guesses: entry.guesses(),
+            parameters: entry.law.len(),
+            draws: request.draws,
+            seed: request.seed,
+            cautions: cautions(rope, &self.draws.nominal, request),
+        }
+    }
 }
 
 fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Bounded> {

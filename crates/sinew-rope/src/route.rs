@@ -3,6 +3,7 @@
 use super::duty::Duty;
 use sinew_model::rope::RopeLoad;
 use sinew_model::rope::routing::Pulley;
+use sinew_model::transmission::Guide as TendonGuide;
 
 /// How a rope lies in the machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,46 @@ impl Route {
             stroke_m: 0.0,
             pulleys: Vec::new(),
             strokes_per_hour: 0.0,
+        }
+    }
+
+    /// Puts guiding pulleys along the strand; one that doesn't say where stands evenly among all.
+    #[must_use]
+    pub fn guided(mut self, guides: &[Guide]) -> Self {
+        let place = |(i, guide): (usize, &Guide)| Pulley {
+            at_m: guide
+                .at_m
+                .unwrap_or(self.length_m * (i + 1) as f64 / (guides.len() + 1) as f64),
+            radius_m: guide.radius_m,
+            wrap_rad: guide.wrap_rad,
+            friction: guide.friction,
+        };
+        self.pulleys = guides.iter().enumerate().map(place).collect();
+        self
+    }
+}
+
+/// A guiding pulley that may not say where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guide {
+    /// Angle that the rope lies on it, rad.
+    pub wrap_rad: f64,
+    /// Radius, m.
+    pub radius_m: f64,
+    /// Coefficient of friction; `None`: the rope's.
+    pub friction: Option<f64>,
+    /// Where the rope meets it, from the drive, m.
+    pub at_m: Option<f64>,
+}
+
+impl From<&TendonGuide> for Guide {
+    /// A robot's guide; friction 0 is not stated.
+    fn from(guide: &TendonGuide) -> Self {
+        Self {
+            wrap_rad: guide.wrap_rad,
+            radius_m: guide.radius_m,
+            friction: (guide.friction > 0.0).then_some(guide.friction),
+            at_m: None,
         }
     }
 }

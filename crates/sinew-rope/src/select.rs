@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
 use sinew_model::rope::RopeLoad;
-use sinew_model::rope::validity::Outside;
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -235,71 +234,58 @@ fn judge(
     let value = |v: &Option<sinew_model::rope::entry::Value>| v.as_ref().map(|v| v.value);
     let (diameter_mm, weight_g_per_m) = (value(&entry.diameter_mm), value(&entry.weight_g_per_m));
     let summary = request.duty.summary();
-    let mut reasons = Vec::new();
-    let mut held = |fails: Option<Rejection>| reasons.extend(fails);
-    held(
-        constraints
-            .diameter_max_mm
-            .and_then(|limit| match diameter_mm {
-                None => Some(Rejection::DiameterNotPublished),
-                Some(v) => (v > limit).then_some(Rejection::TooThick {
-                    diameter_m: 1e-3 * v,
-                    limit_m: 1e-3 * limit,
-                }),
-            }),
-    );
-    held(
-        constraints
-            .weight_max_g_per_m
-            .and_then(|limit| match weight_g_per_m {
-                None => Some(Rejection::WeightNotPublished),
-                Some(v) => (v > limit).then_some(Rejection::TooHeavy {
-                    weight_kg_per_m: 1e-3 * v,
-                    limit_kg_per_m: 1e-3 * limit,
-                }),
-            }),
-    );
-    held(
-        constraints
-            .diameter_min_mm
-            .and_then(|limit| match diameter_mm {
-                None => Some(Rejection::DiameterNotPublished),
-                Some(v) => (v < limit).then_some(Rejection::TooThin {
-                    diameter_m: 1e-3 * v,
-                    limit_m: 1e-3 * limit,
-                }),
-            }),
-    );
+    let safety_factor = value(&entry.breaking_load_n).map(|n| n / summary.tension_max_n);
     let bend_ratio = constraints
         .pulley_diameter_mm
         .zip(diameter_mm)
         .map(|(pulley, rope)| pulley / rope);
-    held(
-        constraints
-            .bend_ratio_min
-            .and_then(|limit| match bend_ratio {
-                None => Some(Rejection::BendRatioNotKnown),
-                Some(v) => (v < limit).then_some(Rejection::BendRatio {
-                    ratio: v,
-                    limit_ratio: limit,
-                }),
-            }),
-    );
-    let safety_factor = value(&entry.breaking_load_n).map(|n| n / summary.tension_max_n);
-    held(
-        constraints
-            .safety_factor_min
-            .and_then(|limit| match safety_factor {
-                None => Some(Rejection::BreakingLoadNotPublished),
-                Some(v) => (v < limit).then_some(Rejection::SafetyFactor {
-                    ratio: v,
-                    limit_ratio: limit,
-                }),
-            }),
-    );
+    let mut reasons: Vec<Rejection> = [
+        above(
+            diameter_mm,
+            constraints.diameter_max_mm,
+            Rejection::DiameterNotPublished,
+            |v, limit| Rejection::TooThick {
+                diameter_m: 1e-3 * v,
+                limit_m: 1e-3 * limit,
+            },
+        ),
+        above(
+            weight_g_per_m,
+            constraints.weight_max_g_per_m,
+            Rejection::WeightNotPublished,
+            |v, limit| Rejection::TooHeavy {
+                weight_kg_per_m: 1e-3 * v,
+                limit_kg_per_m: 1e-3 * limit,
+            },
+        ),
+        below(
+            diameter_mm,
+            constraints.diameter_min_mm,
+            Rejection::DiameterNotPublished,
+            |v, limit| Rejection::TooThin {
+                diameter_m: 1e-3 * v,
+                limit_m: 1e-3 * limit,
+            },
+        ),
+        below(
+            bend_ratio,
+            constraints.bend_ratio_min,
+            Rejection::BendRatioNotKnown,
+            |ratio, limit_ratio| Rejection::BendRatio { ratio, limit_ratio },
+        ),
+        below(
+            safety_factor,
+            constraints.safety_factor_min,
+            Rejection::BreakingLoadNotPublished,
+            |ratio, limit_ratio| Rejection::SafetyFactor { ratio, limit_ratio },
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     // The law is asked only where it can answer.
-    let prediction = match predict::predict(rope, request) {
-        Ok(prediction) => prediction,
+    let drawn = match predict::drawn(rope, request, &|_| {}) {
+        Ok(drawn) => drawn,
         Err(PredictError::Routing(e)) => return Err(Judged::Refused(e.into())),
         Err(e) => {
             reasons.push(Rejection::NotPredicted {
@@ -308,21 +294,19 @@ fn judge(
             return Err(Judged::Reasons(reasons));
         }
     };
-    if let Ok(draws) = Draws::new(rope, 0, request.seed) {
-        for s in &request.duty.stretches {
-            let outside = Outside::of(&draws.nominal, s.from).or(Outside::of(&draws.nominal, s.to));
-            if outside.hot {
-                reasons.push(Rejection::Hot);
-                break;
-            }
-        }
+    let Prediction {
+        rope: name,
+        cautions,
+        readings,
+        ..
+    } = drawn.prediction(rope, request);
+    if cautions.contains(&Caution::Hot) {
+        reasons.push(Rejection::Hot);
     }
     let unknown = Bounded::even(f64::NAN, 0.0);
-    let stiffness = stiffness_n_per_m(rope, request).unwrap_or(unknown);
-    let elongation_m = prediction
-        .readings
-        .last()
-        .map_or(unknown, |r| r.since_tensioned_m);
+    let stiffness = stiffness_n_per_m(&drawn.draws, request);
+    let elongation_m = readings.last().map_or(unknown, |r| r.since_tensioned_m);
+    // A value that is not a number keeps no limit.
     if let Some(limit_m) = constraints.elongation_max_mm.map(|mm| 1e-3 * mm)
         && (elongation_m.high.is_nan() || elongation_m.high > limit_m)
     {
@@ -342,10 +326,8 @@ fn judge(
     if !reasons.is_empty() {
         return Err(Judged::Reasons(reasons));
     }
-    let growth = predict::growth_of_draws(rope, request).unwrap_or_default();
-    let Prediction { cautions, rope, .. } = prediction;
     let candidate = Candidate {
-        rope,
+        rope: name,
         diameter_m: diameter_mm.map(|mm| 1e-3 * mm),
         weight_kg_per_m: weight_g_per_m.map(|g| 1e-3 * g),
         safety_factor_ratio: safety_factor,
@@ -355,12 +337,33 @@ fn judge(
         pareto: false,
         cautions,
     };
-    Ok((candidate, growth))
+    Ok((candidate, drawn.growth_m(request)))
+}
+
+/// Why a value that may be at most `limit` does not show it.
+fn above(
+    found: Option<f64>,
+    limit: Option<f64>,
+    unknown: Rejection,
+    beyond: impl Fn(f64, f64) -> Rejection,
+) -> Option<Rejection> {
+    let limit = limit?;
+    found.map_or(Some(unknown), |v| (v > limit).then(|| beyond(v, limit)))
+}
+
+/// Why a value that must be at least `limit` does not show it.
+fn below(
+    found: Option<f64>,
+    limit: Option<f64>,
+    unknown: Rejection,
+    beyond: impl Fn(f64, f64) -> Rejection,
+) -> Option<Rejection> {
+    let limit = limit?;
+    found.map_or(Some(unknown), |v| (v < limit).then(|| beyond(v, limit)))
 }
 
 /// Stiffness of the strand for small quick changes at the duty's mean load, N/m.
-fn stiffness_n_per_m(rope: &CatalogueRope, request: &predict::Request) -> Option<Bounded> {
-    let draws = Draws::new(rope, request.draws, request.seed).ok()?;
+fn stiffness_n_per_m(draws: &Draws, request: &predict::Request) -> Bounded {
     let summary = request.duty.summary();
     let load = RopeLoad::celsius(summary.tension_mean_n, summary.temperature_mean_c);
     let m_per_percent = 0.01 * request.route.length_m;
@@ -368,7 +371,7 @@ fn stiffness_n_per_m(rope: &CatalogueRope, request: &predict::Request) -> Option
         law.compliance_percent_per_n(load)
             .map_or(f64::NAN, |c| 1.0 / (c * m_per_percent))
     });
-    Some(bounded(nominal, &drawn))
+    bounded(nominal, &drawn)
 }
 
 #[cfg(test)]

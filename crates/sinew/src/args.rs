@@ -1,12 +1,14 @@
 //! Values of options, refused with their unit where they can't be.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use sinew_estimate::feeder::Injection;
 use sinew_log::{JointEffort, LogError, Mapping, OpenOptions};
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-fn number(text: &str, unit: &str) -> Result<f64, String> {
+/// A finite number of `unit`.
+pub(crate) fn number(text: &str, unit: &str) -> Result<f64, String> {
     let value: f64 = text
         .trim()
         .parse()
@@ -18,27 +20,34 @@ fn number(text: &str, unit: &str) -> Result<f64, String> {
     }
 }
 
-fn positive(text: &str, unit: &str) -> Result<f64, String> {
-    match number(text, unit)? {
+/// Reads a number of `unit` above 0.
+pub(crate) fn positive(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match number(text, unit)? {
         value if value > 0.0 => Ok(value),
         value => Err(format!("{value} {unit} must be above 0")),
     }
 }
 
-/// Observer gain.
-pub(crate) fn gain(text: &str) -> Result<f64, String> {
-    positive(text, "1/s")
+/// Reads a number of `unit` of at least 0.
+pub(crate) fn not_negative(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match number(text, unit)? {
+        value if value >= 0.0 => Ok(value),
+        value => Err(format!("{value} {unit} must be at least 0")),
+    }
 }
 
-/// A time span.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
-    positive(text, "s")
-}
+/// A word, its help, and what it stands for.
+pub(crate) type Choice<T> = (&'static str, &'static str, T);
 
-/// A length.
-#[cfg(feature = "camera")]
-pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
-    positive(text, "mm")
+/// Reads one of several words.
+pub(crate) fn choice<T: Clone + Send + Sync>(
+    of: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = of.iter().map(|c| PossibleValue::new(c.0).help(c.1));
+    PossibleValuesParser::new(words).try_map(|word| {
+        let chosen = of.iter().find(|c| c.0 == word);
+        chosen.map(|c| c.2.clone()).ok_or("is no such word")
+    })
 }
 
 /// `recorded`, or a cut-off.
@@ -47,7 +56,7 @@ pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
         return Ok(VelocityFilter::Recorded);
     }
     let cutoff_rad_per_s =
-        positive(text, "rad/s").map_err(|e| format!("{e}; or the word 'recorded'"))?;
+        positive("rad/s")(text).map_err(|e| format!("{e}; or the word 'recorded'"))?;
     Ok(VelocityFilter::StateVariable { cutoff_rad_per_s })
 }
 
@@ -89,54 +98,52 @@ pub(crate) enum Method {
 }
 
 /// Where the elastic torque comes from.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum Source {
-    /// Momentum observer: positions and the robot's masses
-    Observer,
-    /// Joint torque sensors in the recording
-    TorqueSensor,
-    /// Motor torque in the recording, motor inertia and friction
-    Motor,
-}
-
-impl From<Source> for TorqueSource {
-    fn from(source: Source) -> Self {
-        match source {
-            Source::Observer => Self::Observer,
-            Source::TorqueSensor => Self::TorqueSensor,
-            Source::Motor => Self::Motor,
-        }
-    }
-}
+pub(crate) const SOURCES: [Choice<TorqueSource>; 3] = [
+    (
+        "observer",
+        "Momentum observer: positions and the robot's masses",
+        TorqueSource::Observer,
+    ),
+    (
+        "torque-sensor",
+        "Joint torque sensors in the recording",
+        TorqueSource::TorqueSensor,
+    ),
+    (
+        "motor",
+        "Motor torque in the recording, motor inertia and friction",
+        TorqueSource::Motor,
+    ),
+];
 
 /// Lag treatment.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum Lag {
-    /// theta - q passes the same filters as the torque
-    Matched,
-    /// theta - q unfiltered, as in the paper
-    Paper,
-}
-
-impl From<Lag> for Comparison {
-    fn from(lag: Lag) -> Self {
-        match lag {
-            Lag::Matched => Self::Matched,
-            Lag::Paper => Self::Paper,
-        }
-    }
-}
+pub(crate) const LAGS: [Choice<Comparison>; 2] = [
+    (
+        "matched",
+        "theta - q passes the same filters as the torque",
+        Comparison::Matched,
+    ),
+    (
+        "paper",
+        "theta - q unfiltered, as in the paper",
+        Comparison::Paper,
+    ),
+];
 
 /// What `effort` of the joint side is.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum Effort {
-    /// Elastic joint torque from a sensor
-    TauEl,
-    /// Motor torque, reflected to the joint
-    TauM,
-    /// Not used
-    Ignore,
-}
+const EFFORTS: [Choice<JointEffort>; 3] = [
+    (
+        "tau-el",
+        "Elastic joint torque from a sensor",
+        JointEffort::TauEl,
+    ),
+    (
+        "tau-m",
+        "Motor torque, reflected to the joint",
+        JointEffort::TauM,
+    ),
+    ("ignore", "Not used", JointEffort::Ignore),
+];
 
 /// How a recording is read.
 #[derive(Debug, Args)]
@@ -156,13 +163,13 @@ pub(crate) struct Opening {
     #[arg(long, value_name = "NAME")]
     motor_interface: Option<String>,
     /// What the joint side's effort is [default: tau-el]
-    #[arg(long, value_name = "WHAT", hide_possible_values = false)]
-    joint_effort: Option<Effort>,
+    #[arg(long, value_name = "WHAT", value_parser = choice(&EFFORTS))]
+    joint_effort: Option<JointEffort>,
 }
 
 impl Opening {
     /// The mapping file, if one was named.
-    pub(crate) fn mapping(&self) -> Option<&std::path::Path> {
+    pub(crate) fn mapping(&self) -> Option<&Path> {
         self.mapping.as_deref()
     }
 
@@ -177,13 +184,7 @@ impl Opening {
         if let Some(name) = &self.motor_interface {
             options.motor_interface.clone_from(name);
         }
-        if let Some(effort) = self.joint_effort {
-            options.joint_effort = match effort {
-                Effort::TauEl => JointEffort::TauEl,
-                Effort::TauM => JointEffort::TauM,
-                Effort::Ignore => JointEffort::Ignore,
-            };
-        }
+        options.joint_effort = self.joint_effort.unwrap_or(options.joint_effort);
         Ok(options)
     }
 }
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn values_are_refused_with_their_unit() {
         for bad in ["-3", "0", "nan", "inf", "fast", ""] {
-            assert!(gain(bad).unwrap_err().contains("1/s"), "{bad}");
+            assert!(positive("1/s")(bad).unwrap_err().contains("1/s"), "{bad}");
             assert!(velocity_filter(bad).unwrap_err().contains("rad/s"), "{bad}");
         }
         assert_eq!(velocity_filter("Recorded"), Ok(VelocityFilter::Recorded));

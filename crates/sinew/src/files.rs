@@ -1,17 +1,30 @@
 //! Checks of output paths before long work begins.
 
 use crate::terminal::Failure;
+use sinew_files::{OutputError, write_file};
 use std::path::{Path, PathBuf};
+
+/// A file, if it was asked for, and what it is called on the command line.
+pub(crate) type Named<'a> = (&'a str, Option<&'a Path>);
+
+/// Writes a text where a file was asked for.
+///
+/// # Errors
+/// [`OutputError`].
+pub(crate) fn write_text(
+    path: Option<&Path>,
+    text: impl FnOnce() -> String,
+) -> Result<(), OutputError> {
+    path.map_or(Ok(()), |path| write_file(path, text().as_bytes()))
+}
 
 /// Refuses an output that has no folder to lie in or would replace an input or another output.
 ///
 /// # Errors
 /// [`Failure::Refused`] naming the option and the path.
-pub(crate) fn check_outputs(
-    outputs: &[(&str, &Path)],
-    inputs: &[(&str, &Path)],
-) -> Result<(), Failure> {
+pub(crate) fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Result<(), Failure> {
     for (i, (option, path)) in outputs.iter().enumerate() {
+        let Some(path) = path else { continue };
         let place = |why: String| Failure::Refused(format!("{option} {}: {why}", path.display()));
         if path.is_dir() {
             return Err(place("is a folder; name a file".into()));
@@ -21,7 +34,8 @@ pub(crate) fn check_outputs(
             return Err(place(format!("folder {} does not exist", folder.display())));
         }
         let others = inputs.iter().chain(&outputs[..i]);
-        if let Some((other, _)) = others.into_iter().find(|(_, p)| same(p, path)) {
+        let is_same = |p: Option<&Path>| p.is_some_and(|p| same(p, path));
+        if let Some((other, _)) = others.into_iter().find(|(_, p)| is_same(*p)) {
             return Err(place(format!("is the same file as {other}")));
         }
     }

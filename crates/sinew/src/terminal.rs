@@ -1,6 +1,7 @@
 //! What goes to stdout and stderr, and how a command ends.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sinew_files::JsonDocument;
 use std::error::Error;
 use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr, stdout};
 
@@ -44,6 +45,18 @@ pub(crate) fn answer(text: &str) -> Result<(), Failure> {
             ErrorKind::BrokenPipe => Failure::ReaderGone,
             _ => Failure::Refused(format!("can't write to stdout: {e}")),
         })
+}
+
+/// Writes the result to stdout: one JSON document where that was asked for, else words.
+pub(crate) fn answer_as<D: JsonDocument>(
+    json: bool,
+    document: &D,
+    words: impl FnOnce(&D) -> String,
+) -> Result<(), Failure> {
+    answer(&match json {
+        true => document.to_json()?,
+        false => words(document),
+    })
 }
 
 /// Writes `word: text` to stderr; a closed stderr is nobody's loss.

@@ -3,6 +3,7 @@
 use super::{Fault, Stage};
 use crate::error::{CreepError, Unusable};
 use crate::scan::{median, plateaus, smoothed};
+use crate::span::extremes;
 
 /// ISO 899-1: the load stays within this share of its value.
 const LOAD_TOLERANCE: f64 = 0.01;
@@ -121,11 +122,7 @@ impl Load {
         for p in &plateaus[loaded..] {
             let inside = &force[p.from..p.to];
             let level = median(inside);
-            let (low, high) = inside
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| {
-                    (l.min(*f), h.max(*f))
-                });
+            let (low, high) = extremes(inside);
             let drift = (high - level).max(level - low);
             if level > 0.05 * largest && drift > LOAD_TOLERANCE * level {
                 faults.push(Fault::LoadDrift {

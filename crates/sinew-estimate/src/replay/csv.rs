@@ -2,7 +2,7 @@
 
 use super::frames::FrameOutcome;
 use crate::error::EstimateError;
-use sinew_files::AtomicFile;
+use sinew_files::{AtomicFile, csv_cell};
 use sinew_model::transmission::Transmission;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -28,11 +28,7 @@ impl CsvSink {
         for &i in &elastic {
             for (symbol, unit) in [("delta_e", "_rad"), ("tau_el", "_nm"), ("usable", "")] {
                 let column = format!("{symbol}.{}{unit}", names[i]);
-                if column.contains([',', '"', '\n', '\r']) {
-                    let _ = write!(line, ",\"{}\"", column.replace('"', "\"\""));
-                } else {
-                    let _ = write!(line, ",{column}");
-                }
+                let _ = write!(line, ",{}", csv_cell(&column));
             }
         }
         line.push('\n');

@@ -1,7 +1,7 @@
 //! A list of poses with what to expect of it, and as a file.
 
 use serde::Serialize;
-use sinew_files::JsonDocument;
+use sinew_files::{JsonDocument, csv_cell};
 use std::fmt::Write as _;
 
 /// Poses to visit, and what to expect from it.
@@ -146,12 +146,7 @@ impl Proposal {
     pub fn to_csv(&self) -> String {
         let mut out = String::from("move_s,pause_s");
         for joint in &self.joints {
-            let name = if joint.contains([',', '"']) {
-                format!("\"{}\"", joint.replace('"', "\"\""))
-            } else {
-                joint.clone()
-            };
-            let _ = write!(out, ",{name}_rad");
+            let _ = write!(out, ",{}", csv_cell(&format!("{joint}_rad")));
         }
         out.push('\n');
         for pose in &self.poses {

@@ -166,12 +166,9 @@ fn passes() -> Result<Table, PaperError> {
         "over two",
         "over three",
     ];
-    Ok(Table {
-        caption: "Length of the guided strand by the number of pulleys that a stroke takes it over"
-            .into(),
-        head: head.map(String::from).to_vec(),
-        rows,
-    })
+    Ok(Table::new(&head, rows).captioned(
+        "Length of the guided strand by the number of pulleys that a stroke takes it over",
+    ))
 }
 
 /// Fig. 5: the force changes after 80 min.

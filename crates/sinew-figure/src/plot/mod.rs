@@ -35,10 +35,28 @@ mod png;
 mod series;
 mod words;
 
+use sinew_files::{OutputError, write_file};
+use std::path::{Path, PathBuf};
+
 pub use label::escape_xml;
 pub use panel::{Mark, Panel, RightAxis};
 pub use png::{Pixels, PngError, pixels};
 pub use series::{Band, Colour, Dash, Line, Series};
+
+/// Why a figure was not written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// Neither of the two formats.
+    #[error("{}: the name of a figure must end in .svg or .png", .0.display())]
+    Ending(PathBuf),
+    /// No PNG could be made.
+    #[error(transparent)]
+    Png(#[from] PngError),
+    /// The system refused.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
 
 /// A figure: one or more panels under a title.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,6 +120,19 @@ impl Figure {
     /// The figure as SVG text, to stand alone or inside HTML.
     pub fn svg(&self) -> String {
         draw::svg(self)
+    }
+
+    /// Writes the figure as SVG or as PNG with two pixels per CSS px, by the end of the file's name.
+    ///
+    /// # Errors
+    /// [`FigureError`].
+    pub fn write(&self, path: &Path) -> Result<(), FigureError> {
+        let bytes = match path.extension().and_then(|e| e.to_str()) {
+            Some("svg") => self.svg().into_bytes(),
+            Some("png") => self.png(2.0)?,
+            _ => return Err(FigureError::Ending(path.to_path_buf())),
+        };
+        Ok(write_file(path, &bytes)?)
     }
 
     /// The figure as PNG on white; `scale` is pixels per CSS px (2 for print).

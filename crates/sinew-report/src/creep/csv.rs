@@ -4,22 +4,13 @@ use super::words::{fault, group, interval_kind, open, scatter_source};
 use sinew_creep::{
     AnalyzeReport, CompareReport, FitReport, PERCENT_PER_H, ShiftReport, WithheldReport,
 };
+use sinew_files::csv_cell;
 use sinew_model::Bounded;
 
 /// One line, cells quoted where needed.
 fn line<S: AsRef<str>>(cells: &[S]) -> String {
-    let quoted: Vec<String> = cells
-        .iter()
-        .map(|cell| {
-            let cell = cell.as_ref();
-            if cell.contains([',', '"', '\n', '\r']) {
-                format!("\"{}\"", cell.replace('"', "\"\""))
-            } else {
-                cell.to_owned()
-            }
-        })
-        .collect();
-    quoted.join(",") + "\n"
+    let quoted = cells.iter().map(|cell| csv_cell(cell.as_ref()));
+    quoted.collect::<Vec<_>>().join(",") + "\n"
 }
 
 fn number(v: Option<f64>) -> String {

@@ -7,41 +7,14 @@ use super::page_tables::{
 };
 use super::picture::{Plotted, figure, plotted};
 use sinew_creep::{
-    Analysis, AnalyzeReport, CompareReport, Conditions, Coverage, Failure, FitReport, FitSet,
-    Isochrone, Joint, Rank, Scatter, Source, Tests, WithheldReport, scatter,
+    AnalyzeReport, CompareReport, Conditions, Failure, FitReport, Joint, Scatter, Source, Tests,
+    WithheldReport, scatter,
 };
 use sinew_figure::plot::Figure;
 use sinew_figure::{Block, Page};
 
 /// Specimens beyond which readings are left to the table file.
 const READINGS_OF: usize = 12;
-
-/// What a report shows; empty lists leave their section out.
-#[derive(Debug, Default)]
-struct Contents<'a> {
-    /// Heading.
-    title: String,
-    /// Raw data.
-    sources: &'a [Source],
-    /// What the laboratory states.
-    conditions: Conditions,
-    /// Specimens.
-    analyses: &'a [Analysis],
-    /// Ropes in the order of their strain.
-    ranks: &'a [Rank],
-    /// Repeats.
-    groups: &'a [Scatter],
-    /// Strain against load at the same times.
-    isochrones: &'a [Isochrone],
-    /// Laws fitted, per specimen or group.
-    fits: &'a [FitSet],
-    /// Forecasts held against withheld readings.
-    withheld: &'a [Coverage],
-    /// What couldn't be analysed, with the reason.
-    failures: &'a [Failure],
-    /// Figures with the line under them.
-    figures: Vec<(Figure, String)>,
-}
 
 /// The report of analyses: curves, readings, moduli, isochrones.
 pub fn analyze_page(report: &AnalyzeReport, tests: &Tests) -> Page {
@@ -50,38 +23,31 @@ pub fn analyze_page(report: &AnalyzeReport, tests: &Tests) -> Page {
         let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
         figures.push((figure, caption.into()));
     }
-    page(Contents {
-        title: "Creep test".to_owned(),
-        sources: &report.sources,
-        conditions: report.conditions.clone(),
-        analyses: &report.specimens,
-        groups: &report.groups,
-        isochrones: &report.isochrones,
-        failures: &report.failures,
-        figures,
-        ..Contents::default()
-    })
+    let mut page = begin("Creep test", &report.conditions, tests, figures);
+    page = repeats(page, &report.groups);
+    page = readings(page, tests);
+    if !report.isochrones.is_empty() {
+        let table = isochrone_table(&report.isochrones);
+        page = page.section("Isochronous curves", vec![table.into()]);
+    }
+    end(page, &report.sources, &report.failures, tests)
 }
 
 /// The report of a comparison.
-pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: Conditions) -> Page {
+pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditions) -> Page {
     // Specimens of no group are ropes of their own, not repeats.
-    let repeats = tests.analyses.iter().filter(|a| a.group.is_some());
-    page(Contents {
-        title: "Creep of ropes compared".to_owned(),
-        sources: &report.sources,
-        conditions,
-        analyses: &tests.analyses,
-        ranks: &report.ranks,
-        groups: &scatter(repeats),
-        failures: &report.failures,
-        figures: vec![(figure("", &plotted(tests), false), String::new())],
-        ..Contents::default()
-    })
+    let grouped = tests.analyses.iter().filter(|a| a.group.is_some());
+    let figures = vec![(figure("", &plotted(tests), false), String::new())];
+    let mut page = begin("Creep of ropes compared", conditions, tests, figures);
+    if !report.ranks.is_empty() {
+        page = page.section("Ranking", vec![rank_table(&report.ranks).into()]);
+    }
+    page = readings(repeats(page, &scatter(grouped)), tests);
+    end(page, &report.sources, &report.failures, tests)
 }
 
 /// The report of fits; where every specimen was fitted alone, curves show law and forecast.
-pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: Conditions) -> Page {
+pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Conditions) -> Page {
     let mut all = plotted(tests);
     if joint == Joint::None {
         for p in &mut all {
@@ -93,32 +59,25 @@ pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: Con
             p.forecast.clone_from(&set.forecast);
         }
     }
-    page(Contents {
-        title: "Creep test".to_owned(),
-        sources: &report.sources,
-        conditions,
-        analyses: &tests.analyses,
-        fits: &report.fits,
-        failures: &report.failures,
-        figures: curves(
-            &all,
-            "Dashed: the law of smallest AICc. Shaded: where a reading lies.",
-        ),
-        ..Contents::default()
-    })
+    let caption = "Dashed: the law of smallest AICc. Shaded: where a reading lies.";
+    let mut page = begin("Creep test", conditions, tests, curves(&all, caption));
+    page = readings(page, tests);
+    if tests.analyses.len() <= READINGS_OF {
+        for set in &report.fits {
+            page = page.section(format!("Laws: {}", set.name), fit_blocks(&set.laws));
+        }
+    }
+    end(page, &report.sources, &report.failures, tests)
 }
 
 /// The report of forecasts held against withheld ends.
-pub fn withhold_page(report: &WithheldReport, tests: &Tests, conditions: Conditions) -> Page {
-    page(Contents {
-        title: "Creep test".to_owned(),
-        sources: &report.sources,
-        conditions,
-        analyses: &tests.analyses,
-        withheld: &report.withheld,
-        failures: &report.failures,
-        ..Contents::default()
-    })
+pub fn withhold_page(report: &WithheldReport, tests: &Tests, conditions: &Conditions) -> Page {
+    let page = begin("Creep test", conditions, tests, Vec::new());
+    let page = readings(page, tests).section("Forecast held against withheld readings", vec![
+        Block::Paragraph("The end of every test was hidden from the fit; a share of 95 % inside would be right.".into()),
+        coverage_table(&report.withheld).into(),
+    ]);
+    end(page, &report.sources, &report.failures, tests)
 }
 
 /// Curves over time and over its logarithm.
@@ -129,72 +88,55 @@ fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
     ]
 }
 
-/// Builds the page.
-fn page(contents: Contents<'_>) -> Page {
-    let Contents {
-        title,
-        sources,
-        conditions,
-        analyses,
-        ranks,
-        groups,
-        isochrones,
-        fits,
-        withheld,
-        failures,
-        figures,
-    } = contents;
+/// What was tested, and the curves with the line under each figure.
+fn begin(
+    title: &str,
+    conditions: &Conditions,
+    tests: &Tests,
+    figures: Vec<(Figure, String)>,
+) -> Page {
+    let analyses = &tests.analyses;
     let mut page = Page::new(title);
     let plural = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     page.subtitle = format!(
         "{} from {}",
         plural(analyses.len(), "specimen"),
-        plural(sources.len(), "file")
+        plural(tests.sources.len(), "file")
     );
     page.footer = format!("Sinew {}", env!("CARGO_PKG_VERSION"));
-    page = page.section(
-        "Test",
-        vec![Block::Table(test_table(&conditions, analyses))],
-    );
+    let figures = figures.into_iter();
     let mut blocks: Vec<Block> = figures
-        .into_iter()
         .map(|(figure, caption)| Block::Figure(Box::new(figure), caption))
         .collect();
-    blocks.push(Block::Table(result_table(analyses)));
-    page = page.section("Creep", blocks);
-    if !ranks.is_empty() {
-        page = page.section("Ranking", vec![Block::Table(rank_table(ranks))]);
-    }
+    blocks.push(result_table(analyses).into());
+    page.section("Test", vec![test_table(conditions, analyses).into()])
+        .section("Creep", blocks)
+}
+
+/// How specimens of a group differ, where one has several.
+fn repeats(page: Page, groups: &[Scatter]) -> Page {
     if groups.iter().any(|g| g.specimens > 1) {
-        page = page.section("Groups", vec![Block::Table(group_table(groups))]);
+        page.section("Groups", vec![group_table(groups).into()])
+    } else {
+        page
     }
-    if analyses.len() <= READINGS_OF {
-        let blocks = reading_blocks(analyses);
-        if !blocks.is_empty() {
-            page = page.section("Readings", blocks);
-        }
+}
+
+/// Readings of a few specimens, and what came back when the load fell.
+fn readings(mut page: Page, tests: &Tests) -> Page {
+    let blocks = reading_blocks(&tests.analyses);
+    if tests.analyses.len() <= READINGS_OF && !blocks.is_empty() {
+        page = page.section("Readings", blocks);
     }
-    if let Some(table) = recovery_table(analyses) {
-        page = page.section("Recovery", vec![Block::Table(table)]);
+    match recovery_table(&tests.analyses) {
+        Some(table) => page.section("Recovery", vec![table.into()]),
+        None => page,
     }
-    if !isochrones.is_empty() {
-        page = page.section(
-            "Isochronous curves",
-            vec![Block::Table(isochrone_table(isochrones))],
-        );
-    }
-    if analyses.len() <= READINGS_OF {
-        for set in fits {
-            page = page.section(format!("Laws: {}", set.name), fit_blocks(&set.laws));
-        }
-    }
-    if !withheld.is_empty() {
-        page = page.section("Forecast held against withheld readings", vec![
-            Block::Paragraph("The end of every test was hidden from the fit; a share of 95 % inside would be right.".into()),
-            Block::Table(coverage_table(withheld)),
-        ]);
-    }
-    let odd = odd_blocks(failures, analyses);
+}
+
+/// What is odd, and the raw data.
+fn end(mut page: Page, sources: &[Source], failures: &[Failure], tests: &Tests) -> Page {
+    let odd = odd_blocks(failures, &tests.analyses);
     if !odd.is_empty() {
         page = page.section("What is odd about the records", odd);
     }

@@ -42,14 +42,7 @@ pub(super) fn test_table(conditions: &Conditions, analyses: &[Analysis]) -> Tabl
         ("Preconditioning", stated(&conditions.preconditioning)),
         ("Conditions", stated(&conditions.conditions)),
     ];
-    Table {
-        caption: String::new(),
-        head: Vec::new(),
-        rows: rows
-            .into_iter()
-            .map(|(k, v)| vec![k.to_owned(), v])
-            .collect(),
-    }
+    Table::facts(rows)
 }
 
 fn bracketed(b: Bounded) -> String {
@@ -75,23 +68,23 @@ pub(super) fn reading_blocks(analyses: &[Analysis]) -> Vec<Block> {
         .iter()
         .filter(|a| !a.readings.is_empty())
         .map(|a| {
-            Block::Table(Table {
-                caption: format!("{}: strain from the zero ({})", a.name, zero(a.zero)),
-                head: ["time", "strain, %", "creep modulus, MPa"]
-                    .map(String::from)
-                    .to_vec(),
-                rows: a
-                    .readings
-                    .iter()
-                    .map(|r| {
+            Block::Table(
+                Table::new(
+                    &["time", "strain, %", "creep modulus, MPa"],
+                    a.readings.iter().map(|r| {
                         vec![
                             reading_time(r.time_s),
                             format!("{:.4}", 100.0 * r.strain_ratio),
                             r.modulus_pa.map_or("–".into(), |m| short(m * 1e-6)),
                         ]
-                    })
-                    .collect(),
-            })
+                    }),
+                )
+                .captioned(format!(
+                    "{}: strain from the zero ({})",
+                    a.name,
+                    zero(a.zero)
+                )),
+            )
         })
         .collect()
 }
@@ -113,30 +106,24 @@ pub(super) fn recovery_table(analyses: &[Analysis]) -> Option<Table> {
             })
         })
         .collect();
-    (!rows.is_empty()).then(|| Table {
-        caption: String::new(),
-        head: [
-            "specimen",
-            "load, N",
-            "at once, %",
-            "later, %",
-            "left, %",
-            "watched for",
-        ]
-        .map(String::from)
-        .to_vec(),
-        rows,
+    (!rows.is_empty()).then(|| {
+        Table::new(
+            &[
+                "specimen",
+                "load, N",
+                "at once, %",
+                "later, %",
+                "left, %",
+                "watched for",
+            ],
+            rows,
+        )
     })
 }
 
 /// Exponent and secant of every group and time.
 pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
-    Table {
-        caption: "Strain of a group's specimens after the same time under different loads, ε ∝ σ^p; p = 1: strain is proportional to load. Load per %: secant at the middle of the loads.".into(),
-        head: ["group", "after", "specimens", "load per %", "p", "from", "to"]
-            .map(String::from)
-            .to_vec(),
-        rows: isochrones
+    Table::new(&["group", "after", "specimens", "load per %", "p", "from", "to"], isochrones
             .iter()
             .map(|i| {
                 vec![
@@ -148,9 +135,7 @@ pub(super) fn isochrone_table(isochrones: &[Isochrone]) -> Table {
                     short(i.exponent.low),
                     short(i.exponent.high),
                 ]
-            })
-            .collect(),
-    }
+            })).captioned("Strain of a group's specimens after the same time under different loads, ε ∝ σ^p; p = 1: strain is proportional to load. Load per %: secant at the middle of the loads.")
 }
 
 /// Failures and oddities, each a line.
@@ -174,14 +159,15 @@ pub(super) fn odd_blocks(failures: &[Failure], analyses: &[Analysis]) -> Vec<Blo
 
 /// Files with their checksums, and what was understood of them.
 pub(super) fn source_blocks(sources: &[Source]) -> Vec<Block> {
-    let mut blocks = vec![Block::Table(Table {
-        caption: "A file with another checksum is another file.".into(),
-        head: ["file", "SHA-256"].map(String::from).to_vec(),
-        rows: sources
-            .iter()
-            .map(|s| vec![s.file.clone(), s.sha256.clone()])
-            .collect(),
-    })];
+    let mut blocks = vec![Block::Table(
+        Table::new(
+            &["file", "SHA-256"],
+            sources
+                .iter()
+                .map(|s| vec![s.file.clone(), s.sha256.clone()]),
+        )
+        .captioned("A file with another checksum is another file."),
+    )];
     let notes: Vec<String> = sources
         .iter()
         .flat_map(|s| {
@@ -200,12 +186,7 @@ pub(super) fn source_blocks(sources: &[Source]) -> Vec<Block> {
 }
 
 pub(super) fn result_table(analyses: &[Analysis]) -> Table {
-    Table {
-        caption: "m_E: slope of a straight line from 20 min on unless stated otherwise, with the interval that correlated residuals leave. 95 % of creep: when less than a twentieth of the creep was still to come.".into(),
-        head: ["specimen", "load, N", "end, %", "creep, %", "m_E, %/h", "95 % of creep", "saturated"]
-            .map(String::from)
-            .to_vec(),
-        rows: analyses
+    Table::new(&["specimen", "load, N", "end, %", "creep, %", "m_E, %/h", "95 % of creep", "saturated"], analyses
             .iter()
             .map(|a| {
                 vec![
@@ -218,88 +199,72 @@ pub(super) fn result_table(analyses: &[Analysis]) -> Table {
                     a.saturation_s.map_or("–".into(), duration),
                     a.saturated.map_or("–", |s| if s { "yes" } else { "no" }).into(),
                 ]
-            })
-            .collect(),
-    }
+            })).captioned("m_E: slope of a straight line from 20 min on unless stated otherwise, with the interval that correlated residuals leave. 95 % of creep: when less than a twentieth of the creep was still to come.")
 }
 
 /// Ropes in the order of their strain.
 pub(super) fn rank_table(ranks: &[Rank]) -> Table {
     let after = ranks.first().map_or(0.0, |r| r.at_s) / 60.0;
-    Table {
-        caption: format!(
-            "Strain after {} min; brackets are 95 % intervals of a rope's mean. Ropes whose \
-             intervals overlap share a rank.",
-            short(after)
-        ),
-        head: [
+    Table::new(
+        &[
             "rank",
             "rope",
             "specimens",
             "strain, %",
             "m_E, %/h",
             "between specimens",
-        ]
-        .map(String::from)
-        .to_vec(),
-        rows: ranks
-            .iter()
-            .map(|r| {
-                vec![
-                    r.rank.to_string(),
-                    r.name.clone(),
-                    r.specimens.to_string(),
-                    bracketed(r.strain_ratio.scaled(100.0)),
-                    r.slope_per_s
-                        .map_or("–".into(), |s| bracketed(s.scaled(PERCENT_PER_H))),
-                    format!(
-                        "{} %, {}",
-                        short(100.0 * r.scatter_share),
-                        scatter_source(r.scatter_source)
-                    ),
-                ]
-            })
-            .collect(),
-    }
+        ],
+        ranks.iter().map(|r| {
+            vec![
+                r.rank.to_string(),
+                r.name.clone(),
+                r.specimens.to_string(),
+                bracketed(r.strain_ratio.scaled(100.0)),
+                r.slope_per_s
+                    .map_or("–".into(), |s| bracketed(s.scaled(PERCENT_PER_H))),
+                format!(
+                    "{} %, {}",
+                    short(100.0 * r.scatter_share),
+                    scatter_source(r.scatter_source)
+                ),
+            ]
+        }),
+    )
+    .captioned(format!(
+        "Strain after {} min; brackets are 95 % intervals of a rope's mean. Ropes whose \
+             intervals overlap share a rank.",
+        short(after)
+    ))
 }
 
 pub(super) fn group_table(groups: &[Scatter]) -> Table {
-    Table {
-        caption: "Mean and standard deviation between specimens.".into(),
-        head: ["group", "specimens", "end, %", "m_E, %/h", "apart"]
-            .map(String::from)
-            .to_vec(),
-        rows: groups
-            .iter()
-            .map(|g| {
-                let with = |unit: f64, v: f64, d: Option<f64>| match d {
-                    Some(d) => format!("{} ± {}", short(unit * v), short(unit * d)),
-                    None => short(unit * v),
-                };
-                vec![
-                    group(&g.group).to_owned(),
-                    g.specimens.to_string(),
-                    with(100.0, g.end_strain_ratio, g.end_deviation_ratio),
-                    g.slope_per_s.map_or("–".into(), |s| {
-                        with(PERCENT_PER_H, s, g.slope_deviation_per_s)
-                    }),
-                    g.apart.join(", "),
-                ]
-            })
-            .collect(),
-    }
+    Table::new(
+        &["group", "specimens", "end, %", "m_E, %/h", "apart"],
+        groups.iter().map(|g| {
+            let with = |unit: f64, v: f64, d: Option<f64>| match d {
+                Some(d) => format!("{} ± {}", short(unit * v), short(unit * d)),
+                None => short(unit * v),
+            };
+            vec![
+                group(&g.group).to_owned(),
+                g.specimens.to_string(),
+                with(100.0, g.end_strain_ratio, g.end_deviation_ratio),
+                g.slope_per_s.map_or("–".into(), |s| {
+                    with(PERCENT_PER_H, s, g.slope_deviation_per_s)
+                }),
+                g.apart.join(", "),
+            ]
+        }),
+    )
+    .captioned("Mean and standard deviation between specimens.")
 }
 
 pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
     let least = fits.iter().map(|f| f.aicc).fold(f64::INFINITY, f64::min);
-    let mut blocks = vec![Block::Table(Table {
-        caption: "Smaller AICc is better; a difference above 10 leaves no doubt.".into(),
-        head: ["law", "equation", "ΔAICc", "weight", "BIC", "residual, %"]
-            .map(String::from)
-            .to_vec(),
-        rows: fits
-            .iter()
-            .map(|f| {
+    let mut blocks = vec![Block::Table(
+        Table::new(
+            &["law", "equation", "ΔAICc", "weight", "BIC", "residual, %"],
+            fits.iter().map(|f| {
                 vec![
                     f.law.name().to_owned(),
                     f.law.equation().to_owned(),
@@ -308,26 +273,16 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
                     format!("{:.1}", f.bic),
                     short(100.0 * f.residual_strain_ratio),
                 ]
-            })
-            .collect(),
-    })];
+            }),
+        )
+        .captioned("Smaller AICc is better; a difference above 10 leaves no doubt."),
+    )];
     for fit in fits {
         let kind = fit
             .parameters
             .first()
             .map_or("", |p| interval_kind(p.interval));
-        blocks.push(Block::Table(Table {
-            caption: format!(
-                "{}: std. errors from the covariance, intervals by {kind}; noise of the readings {} %, {:.0} % of its variance slow (memory: time times {})",
-                fit.law.name(),
-                short(100.0 * fit.residual_strain_ratio),
-                100.0 * fit.noise.share,
-                short(fit.noise.memory.exp())
-            ),
-            head: ["parameter", "value", "std. error", "from", "to", "unit", "remark"]
-                .map(String::from)
-                .to_vec(),
-            rows: fit
+        blocks.push(Block::from(Table::new(&["parameter", "value", "std. error", "from", "to", "unit", "remark"], fit
                 .parameters
                 .iter()
                 .map(|p| {
@@ -343,9 +298,13 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
                             format!("not identifiable from this record: {why}")
                         }),
                     ]
-                })
-                .collect(),
-        }));
+                })).captioned(format!(
+                "{}: std. errors from the covariance, intervals by {kind}; noise of the readings {} %, {:.0} % of its variance slow (memory: time times {})",
+                fit.law.name(),
+                short(100.0 * fit.residual_strain_ratio),
+                100.0 * fit.noise.share,
+                short(fit.noise.memory.exp())
+            ))));
         if let Some(how) = not_converged(fit) {
             blocks.push(Block::Notice(format!("{}: {how}.", fit.law.name())));
         }
@@ -353,44 +312,37 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
             let fixed = |h: &FixedParameter| {
                 vec![h.name.clone(), short(h.value), why_fixed(h.why).to_owned()]
             };
-            blocks.push(Block::Table(Table {
-                caption: "Held at the base rope's values: the records can't tell them.".into(),
-                head: ["parameter", "value", "why"].map(String::from).to_vec(),
-                rows: fit.fixed.iter().map(fixed).collect(),
-            }));
+            blocks.push(Block::Table(
+                Table::new(&["parameter", "value", "why"], fit.fixed.iter().map(fixed))
+                    .captioned("Held at the base rope's values: the records can't tell them."),
+            ));
         }
     }
     blocks
 }
 
 pub(super) fn coverage_table(rows: &[Coverage]) -> Table {
-    Table {
-        caption: String::new(),
-        head: [
+    Table::new(
+        &[
             "law",
             "tests",
             "readings inside, %",
             "ends inside, %",
             "median error at the end, % of creep",
             "median half width",
-        ]
-        .map(String::from)
-        .to_vec(),
-        rows: rows
-            .iter()
-            .map(|c| {
-                vec![
-                    c.forecaster.name().to_owned(),
-                    c.tests.to_string(),
-                    format!(
-                        "{:.1}",
-                        100.0 * c.readings_inside as f64 / c.readings as f64
-                    ),
-                    format!("{:.1}", 100.0 * c.ends_inside as f64 / c.tests as f64),
-                    format!("{:.1}", 100.0 * c.end_error_ratio),
-                    format!("{:.1}", 100.0 * c.end_half_width_ratio),
-                ]
-            })
-            .collect(),
-    }
+        ],
+        rows.iter().map(|c| {
+            vec![
+                c.forecaster.name().to_owned(),
+                c.tests.to_string(),
+                format!(
+                    "{:.1}",
+                    100.0 * c.readings_inside as f64 / c.readings as f64
+                ),
+                format!("{:.1}", 100.0 * c.ends_inside as f64 / c.tests as f64),
+                format!("{:.1}", 100.0 * c.end_error_ratio),
+                format!("{:.1}", 100.0 * c.end_half_width_ratio),
+            ]
+        }),
+    )
 }

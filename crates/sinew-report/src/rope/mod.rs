@@ -1,6 +1,7 @@
-//! Predictions, choices and plans as HTML pages.
+//! Predictions, choices and plans as HTML pages and as text.
 
 mod bench;
+mod catalogue;
 mod choice;
 mod planned;
 mod predicted;
@@ -8,13 +9,14 @@ mod selected;
 mod words;
 
 pub use bench::{bench_csv, bench_figure, bench_table};
+pub use catalogue::{catalogue_table, rope_table};
 pub use choice::figure;
-pub use planned::planned;
-pub use predicted::predicted;
-pub use selected::{reasons, selected, shared_cautions};
+pub use planned::{plan_table, planned};
+pub use predicted::{predicted, prediction_table};
+pub use selected::{selected, selection_table};
 pub use words::{caution, rejection};
 
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Page, rounded};
 use sinew_model::Bounded;
 use sinew_rope::Caution;
 use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
@@ -54,22 +56,6 @@ pub fn bracketed(i: Bounded, digits: u8) -> String {
         rounded(i.low, digits),
         rounded(i.high, digits)
     )
-}
-
-fn table(head: &[&str], rows: Vec<Vec<String>>) -> Block {
-    Block::Table(Table {
-        head: head.iter().map(|h| (*h).to_owned()).collect(),
-        rows,
-        ..Table::default()
-    })
-}
-
-fn facts<const N: usize>(rows: [(&str, String); N]) -> Block {
-    let rows = rows.into_iter().map(|(k, v)| vec![k.to_owned(), v]);
-    Block::Table(Table {
-        rows: rows.collect(),
-        ..Table::default()
-    })
 }
 
 fn notices(cautions: &[Caution]) -> impl Iterator<Item = Block> + '_ {

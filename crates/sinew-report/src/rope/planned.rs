@@ -1,8 +1,9 @@
 //! A plan of pretension as a page.
 
-use super::{bracketed, notices, page, spoken, table};
+use super::{bracketed, caution, notices, page, spoken};
+use crate::text::{self, Told};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
-use sinew_figure::{Block, Page, rounded};
+use sinew_figure::{Block, Page, Table, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
 
 /// How to bed a rope in, and when to tension it again.
@@ -53,7 +54,7 @@ pub fn planned(p: &Plan) -> Page {
         ),
     )
     .section("", first)
-    .section("Bedding-in", vec![table(&head, rows.collect())])
+    .section("Bedding-in", vec![Table::new(&head, rows).into()])
     .section(
         "Re-tensioning at constant length",
         vec![
@@ -90,7 +91,7 @@ fn schedules(p: &Plan) -> Block {
         s.start_n
             .map_or_else(|| "no tension does".into(), |i| bracketed(i, 2))
     };
-    table(
+    Table::new(
         &["", "as it comes", "bedded in"],
         vec![
             row("re-tension after", &times),
@@ -104,6 +105,7 @@ fn schedules(p: &Plan) -> Block {
             row("string it at, N, and none is needed", &start),
         ],
     )
+    .into()
 }
 
 fn plan_figure(p: &Plan) -> Figure {
@@ -136,4 +138,108 @@ fn plan_figure(p: &Plan) -> Figure {
         .columns(2)
         .panel(bedding)
         .panel(strung)
+}
+
+/// The plan as text for a terminal.
+pub fn plan_table(p: &Plan) -> String {
+    let mut out = Told::default();
+    out.say(format!(
+        "{}: {} N at {} °C, strand of {} mm, for {}",
+        p.rope,
+        rounded(p.tension_n, 3),
+        rounded(p.temperature_c, 3),
+        rounded(1e3 * p.length_m, 4),
+        spoken(p.horizon_s)
+    ));
+    out.say(format!(
+        "at constant tension it grows by {} mm from a minute after tensioning",
+        bracketed(p.without_m.scaled(1e3), 2)
+    ));
+    out.add("\nbedding-in: hold the rope at a tension for a time, then go back\n");
+    let head = [
+        "",
+        "for",
+        "hold at\nN",
+        "still to come\nmm",
+        "taken away\n%",
+    ];
+    let rows = p
+        .procedures
+        .iter()
+        .enumerate()
+        .map(|(i, q)| {
+            let mark = if p.chosen == Some(i) { "*" } else { "" };
+            vec![
+                mark.into(),
+                spoken(q.duration_s),
+                rounded(q.tension_n, 3),
+                bracketed(q.still_to_come_m.scaled(1e3), 2),
+                bracketed(q.removed_share.scaled(100.0), 2),
+            ]
+        })
+        .collect();
+    out.add(text::table(&head, rows, 2));
+    let percent = rounded(100.0 * p.remove_share, 2);
+    out.say(match p.chosen {
+        Some(i) => format!(
+            "* the gentlest that does: {} N for {} takes {percent} % or more away",
+            rounded(p.procedures[i].tension_n, 3),
+            spoken(p.procedures[i].duration_s)
+        ),
+        None => format!("none of these takes {percent} % away; the best one is used below"),
+    });
+    out.add(format!(
+        "\nstrung at working tension, a minute to settle, then at constant length (nothing\nelse in the machine gives); tensioned again at {} N\n",
+        rounded(p.lowest_n, 3)
+    ));
+    for (word, s) in [
+        ("as it comes", &p.schedule_new),
+        ("bedded in", &p.schedule_bedded),
+    ] {
+        out.item(schedule_text(word, s, p));
+    }
+    out.add("\n");
+    out.say(format!(
+        "{} of {} parameters are starting guesses; brackets are 95 % intervals",
+        p.starting_guesses, p.parameters
+    ));
+    for what in &p.cautions {
+        out.say(format!("warning: {}", caution(*what)));
+    }
+    out.0
+}
+
+/// One schedule as text.
+fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
+    let mut text = if s.times_s.is_empty() {
+        format!("{word}: no re-tensioning needed")
+    } else {
+        let times: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
+        let more = s.times_s.len().saturating_sub(SHOWN);
+        let more = if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        };
+        format!("{word}: re-tension after {}{more}", times.join(", "))
+    };
+    text += &format!(
+        "; {} times (95 %: {} to {}), none in {:.0} % of the draws; left alone it ends at {} N",
+        s.count.value,
+        rounded(s.count.low, 2),
+        rounded(s.count.high, 2),
+        100.0 * s.never_share,
+        bracketed(s.tension_at_end_n, 2),
+    );
+    match s.start_n {
+        Some(start) => {
+            text += &format!(
+                "; strung at {} N it never falls below {} N",
+                bracketed(start, 3),
+                rounded(p.lowest_n, 3)
+            );
+        }
+        None => text += "; no pretension up to 40 % of the breaking load would hold it",
+    }
+    text
 }

@@ -1,8 +1,9 @@
 //! A prediction as a page.
 
-use super::{bracketed, facts, notices, page, spoken, table};
+use super::{bracketed, caution, notices, page, spoken};
+use crate::text::{self, Told};
 use sinew_figure::plot::{Band, Figure, Line, Panel};
-use sinew_figure::{Block, Page, rounded};
+use sinew_figure::{Block, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::predict::Prediction;
 
@@ -61,7 +62,7 @@ pub fn predicted(p: &Prediction) -> Page {
         s.temperature_max_c,
     ];
     let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
-    let mut basis = vec![facts([
+    let mut basis = vec![Block::from(Table::facts([
         ("duty", p.duty.clone()),
         (
             "one cycle",
@@ -99,7 +100,7 @@ pub fn predicted(p: &Prediction) -> Page {
                 |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
             ),
         ),
-    ])];
+    ]))];
     if p.broken_share > 0.0 {
         basis.push(Block::Notice(format!(
             "The rope breaks in {} % of the draws, which are left out above.",
@@ -108,7 +109,7 @@ pub fn predicted(p: &Prediction) -> Page {
     }
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
-        .section("Readings", vec![table(&head, rows.collect())])
+        .section("Readings", vec![Table::new(&head, rows).into()])
         .section("What it rests on", basis)
 }
 
@@ -123,4 +124,73 @@ fn span([least, mean, most]: [f64; 3], unit: &str) -> String {
         rounded(most, 3),
         rounded(mean, 3)
     )
+}
+
+/// What is to be expected, as text for a terminal.
+pub fn prediction_table(p: &Prediction) -> String {
+    let mut out = Told::default();
+    out.say(format!("{}: {}", p.rope, p.duty));
+    let s = &p.summary;
+    if s.tension_min_n != s.tension_max_n || s.temperature_min_c != s.temperature_max_c {
+        out.say(format!(
+            "one cycle of {}: {} to {} N, mean {} N; {} to {} °C",
+            spoken(s.duration_s),
+            rounded(s.tension_min_n, 3),
+            rounded(s.tension_max_n, 3),
+            rounded(s.tension_mean_n, 3),
+            rounded(s.temperature_min_c, 3),
+            rounded(s.temperature_max_c, 3)
+        ));
+    }
+    out.say(format!(
+        "strand of {} mm, read at {} N and {} °C",
+        rounded(1e3 * p.length_m, 4),
+        rounded(p.read_at_n, 3),
+        rounded(p.read_at_c, 3)
+    ));
+    out.add("\n");
+    let head = [
+        "after",
+        "since tensioned\nmm",
+        "from slack\nmm",
+        "from slack\n%",
+        "stays, mm",
+    ];
+    let rows = p
+        .readings
+        .iter()
+        .map(|r| {
+            vec![
+                spoken(r.time_s),
+                bracketed(r.since_tensioned_m.scaled(1e3), 2),
+                bracketed(r.elongation_m.scaled(1e3), 2),
+                rounded(100.0 * r.strain_ratio.value, 2),
+                rounded(1e3 * r.irreversible_m.value, 2),
+            ]
+        })
+        .collect();
+    out.add(text::table(&head, rows, 1));
+    if let Some(left) = p.strength_left_share {
+        out.say(format!(
+            "strength left after bending: {} % of new ({} to {} %)",
+            rounded(100.0 * left.value, 2),
+            rounded(100.0 * left.low, 2),
+            rounded(100.0 * left.high, 2)
+        ));
+    }
+    if p.broken_share > 0.0 {
+        out.say(format!(
+            "the rope breaks in {} % of the draws, which are left out above",
+            rounded(100.0 * p.broken_share, 2)
+        ));
+    }
+    out.add("\n");
+    out.say(format!(
+        "95 % intervals from {} draws (seed {}); {} of {} parameters are starting guesses",
+        p.draws, p.seed, p.starting_guesses, p.parameters
+    ));
+    for what in &p.cautions {
+        out.say(format!("warning: {}", caution(*what)));
+    }
+    out.0
 }

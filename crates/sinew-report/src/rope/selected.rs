@@ -1,7 +1,8 @@
 //! A choice as a page.
 
 use super::choice::figure;
-use super::{bracketed, caution, page, rejection, spoken, table};
+use super::{bracketed, caution, page, rejection, spoken};
+use crate::text::{self, Told, plain};
 use sinew_figure::{Block, Page, Table, rounded};
 use sinew_rope::Caution;
 use sinew_rope::select::{Constraints, Rejected, Selection};
@@ -38,13 +39,13 @@ fn asked(c: &Constraints) -> Vec<Vec<String>> {
 }
 
 /// Everything a rope fails, in one line.
-pub fn reasons(r: &Rejected) -> String {
+fn reasons(r: &Rejected) -> String {
     let all: Vec<String> = r.reasons.iter().map(rejection).collect();
     all.join("; ")
 }
 
 /// Cautions with the candidates they are for: the same for several ropes is one caution.
-pub fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
+fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
     let mut shared: Vec<(Caution, Vec<&str>)> = Vec::new();
     for c in &s.candidates {
         for caution in &c.cautions {
@@ -106,10 +107,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         if rows.is_empty() {
             Block::Paragraph(none.into())
         } else {
-            Block::Table(Table {
-                rows,
-                ..Table::default()
-            })
+            Block::Table(Table::new(&[], rows))
         }
     };
     let limits = rows_or(asked(constraints), "No constraint.");
@@ -119,11 +117,93 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         .section(
             "Ropes that meet every constraint",
             vec![
-                table(&head, rows.collect()),
+                Table::new(&head, rows).into(),
                 Block::Paragraph(LEGEND.into()),
             ],
         )
         .section("Ropes that fell out, and why", vec![fell])
         .section("What was asked", vec![limits])
         .section("Cautions", cautions.collect())
+}
+
+/// The choice as text for a terminal.
+pub fn selection_table(s: &Selection) -> String {
+    let mut out = Told::default();
+    out.say(format!(
+        "{}; elongation from a minute after tensioning to {}",
+        s.duty,
+        spoken(s.time_s)
+    ));
+    out.add("\n");
+    let none = || "–".to_string();
+    let head = [
+        "rope",
+        "elongation\nmm",
+        "least",
+        "N/mm",
+        "d\nmm",
+        "g/m",
+        "load",
+    ];
+    let rows = s
+        .candidates
+        .iter()
+        .map(|c| {
+            let mark = if c.pareto { " *" } else { "" };
+            vec![
+                in_two(&(plain(&c.rope) + mark)),
+                bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–"),
+                format!("{:.0} %", 100.0 * c.least_share),
+                rounded(1e-3 * c.stiffness_n_per_m.value, 2),
+                c.diameter_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
+                c.weight_kg_per_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
+                c.safety_factor_ratio.map_or_else(none, |v| rounded(v, 2)),
+            ]
+        })
+        .collect();
+    if s.candidates.is_empty() {
+        out.add("no rope meets every constraint\n");
+    } else {
+        out.add(text::table(&head, rows, 1));
+        out.say(
+            "* no rope is both thinner and stretches less. least: share of the draws in \
+             which it stretches least of these; N/mm: stiffness; load: breaking load over \
+             largest tension.",
+        );
+    }
+    if !s.rejected.is_empty() {
+        out.add("\nfell out\n");
+        for r in &s.rejected {
+            out.item(format!("{}: {}", r.rope, reasons(r)));
+        }
+    }
+    let warnings = shared_cautions(s);
+    if !warnings.is_empty() {
+        out.add("\n");
+    }
+    for (what, ropes) in warnings {
+        let text = caution(what);
+        let text = if ropes.len() == s.candidates.len() {
+            format!("warning: {text}")
+        } else {
+            format!("warning: {}: {text}", ropes.join(", "))
+        };
+        out.item(text);
+    }
+    out.0
+}
+
+/// A long name on two lines, cut at a hyphen.
+fn in_two(name: &str) -> String {
+    /// What the numbers leave of 80 columns.
+    const ROOM: usize = 26;
+    let cut = name
+        .char_indices()
+        .filter(|(_, c)| *c == '-')
+        .map(|(at, _)| at + 1)
+        .rfind(|at| name[..*at].chars().count() <= ROOM);
+    match cut {
+        Some(at) if name.chars().count() > ROOM => format!("{}\n{}", &name[..at], &name[at..]),
+        _ => name.to_owned(),
+    }
 }

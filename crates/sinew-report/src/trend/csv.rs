@@ -2,7 +2,7 @@
 
 use sinew_estimate::trend::TrendReport;
 use sinew_files::date::day_of;
-use sinew_files::{OutputError, write_file};
+use sinew_files::{OutputError, csv_cell, write_file};
 use sinew_model::Z95;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,12 +22,7 @@ pub fn write_csv(report: &TrendReport, path: &Path) -> Result<(), OutputError> {
         _ => String::new(),
     };
     for joint in &report.joints {
-        // A name with a comma or a quote is quoted.
-        let name = if joint.name.contains([',', '"', '\n']) {
-            format!("\"{}\"", joint.name.replace('"', "\"\""))
-        } else {
-            joint.name.clone()
-        };
+        let name = csv_cell(&joint.name);
         for s in &joint.series {
             let _ = writeln!(
                 out,

@@ -73,9 +73,11 @@ impl Baseline {
     }
 
     fn learn(&self, log: &Path, out: &Path) -> Result<Finish, Failure> {
-        let mut inputs = vec![("the recording", log)];
-        inputs.extend(self.start.iter().map(|p| ("--start", p.as_path())));
-        check_outputs(&[("--out", out)], &inputs)?;
+        let inputs = [
+            ("the recording", Some(log)),
+            ("--start", self.start.as_deref()),
+        ];
+        check_outputs(&[("--out", Some(out))], &inputs)?;
         let refused = |e: SessionError| Failure::Refused(e.to_string());
         let window = self.window.window()?;
         let known = read_baseline(self.start.as_deref()).map_err(refused)?;

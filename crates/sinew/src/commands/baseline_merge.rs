@@ -1,12 +1,11 @@
 //! `sinew baseline merge`: what several recordings or robots taught, together.
 
-use crate::files::check_outputs;
-use crate::terminal::{Failure, Finish, answer};
+use crate::files::{Named, check_outputs};
+use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_estimate::baseline::{self, Baseline, MergeOptions};
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::SessionError;
-use sinew_files::JsonDocument as _;
 use sinew_report::tables;
 use sinew_report::text::{paragraph, plain};
 use std::path::PathBuf;
@@ -56,13 +55,10 @@ fn scatter(text: &str) -> Result<f64, String> {
 impl Merge {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let mut inputs: Vec<(&str, &std::path::Path)> = self
-            .baselines
-            .iter()
-            .map(|p| ("a baseline", p.as_path()))
-            .collect();
-        inputs.extend(self.common.iter().map(|p| ("--common", p.as_path())));
-        check_outputs(&[("--out", self.out.as_path())], &inputs)?;
+        let named = |p| ("a baseline", Some(PathBuf::as_path(p)));
+        let mut inputs: Vec<Named<'_>> = self.baselines.iter().map(named).collect();
+        inputs.push(("--common", self.common.as_deref()));
+        check_outputs(&[("--out", Some(&self.out))], &inputs)?;
         let refused = |e: SessionError| Failure::Refused(e.to_string());
         let place = self.robot.clone().unwrap_or_else(|| PathBuf::from("."));
         let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Refused(e.to_string()))?;
@@ -88,13 +84,10 @@ impl Merge {
         )
         .map_err(refused)?;
         baseline.write(&self.out)?;
-        if self.json {
-            answer(&summary.to_json()?)?;
-        } else {
-            let text = tables::merged(&summary, self.baselines.len());
+        answer_as(self.json, &summary, |summary| {
             let written = format!("written to {}", self.out.display());
-            answer(&(text + &paragraph(&plain(&written), 2)))?;
-        }
+            tables::merged(summary, self.baselines.len()) + &paragraph(&plain(&written), 2)
+        })?;
         Ok(Finish::lossy(false))
     }
 }

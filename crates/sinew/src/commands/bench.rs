@@ -2,10 +2,9 @@
 
 #[cfg(feature = "camera")]
 use super::bench_read_camera::ReadCamera;
-use crate::files::check_outputs;
-use crate::terminal::{Failure, Finish, answer};
+use crate::files::{check_outputs, write_text};
+use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_files::{JsonDocument, write_file};
 use sinew_report::rope::{bench_csv, bench_figure, bench_table};
 use sinew_rope::Catalogue;
 use sinew_rope::bench::{Bench, routings};
@@ -110,10 +109,10 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     fn run(&self) -> Result<Finish, Failure> {
-        let outputs: Vec<(&str, &Path)> = [("--csv", &self.csv), ("--plot", &self.plot)]
-            .into_iter()
-            .filter_map(|(option, path)| path.as_deref().map(|p| (option, p)))
-            .collect();
+        let outputs = [
+            ("--csv", self.csv.as_deref()),
+            ("--plot", self.plot.as_deref()),
+        ];
         check_outputs(&outputs, &[])?;
         let bench = match routings::paper(&self.bench) {
             Some(bench) => bench,
@@ -133,23 +132,11 @@ impl Simulate {
         let rope = catalogue.find(&self.rope)?;
         let draws = self.draws as usize;
         let run = sinew_rope::bench::run(rope, &bench, self.readings, draws, self.seed)?;
-        if let Some(path) = &self.csv {
-            write_file(path, bench_csv(&run).as_bytes())?;
-        }
+        write_text(self.csv.as_deref(), || bench_csv(&run))?;
         if let Some(path) = &self.plot {
-            let figure = bench_figure(&run);
-            let bytes = if path.extension().is_some_and(|e| e == "png") {
-                figure.png(2.0)?
-            } else {
-                figure.svg().into_bytes()
-            };
-            write_file(path, &bytes)?;
+            bench_figure(&run).write(path)?;
         }
-        if self.json {
-            answer(&run.to_json()?)?;
-        } else {
-            answer(&bench_table(&run))?;
-        }
+        answer_as(self.json, &run, bench_table)?;
         Ok(Finish::Complete)
     }
 }

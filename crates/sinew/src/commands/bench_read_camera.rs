@@ -1,13 +1,12 @@
 //! `sinew bench read-camera`: elongation from pictures of a graduated scale.
 
-use crate::args;
-use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::args::positive;
+use crate::files::{check_outputs, write_text};
+use crate::terminal::{Bar, Failure, Finish, answer_as, complain};
 use clap::Args;
 use sinew_camera::{Conditions, ReadOptions, Region, Request, Summary, Times};
-use sinew_files::{JsonDocument as _, write_file};
 use sinew_report::text::plain;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Read the carriage's position from pictures of a half-millimetre scale
 ///
@@ -86,7 +85,7 @@ struct ScaleOptions {
     #[arg(long)]
     lying: bool,
     /// Largest standard deviation of a frame that is used, mm
-    #[arg(long, value_name = "MM", default_value = "0.02", value_parser = args::length_mm,
+    #[arg(long, value_name = "MM", default_value = "0.02", value_parser = positive("mm"),
           allow_negative_numbers = true)]
     std_most_mm: f64,
 }
@@ -132,19 +131,16 @@ fn region(text: &str) -> Result<Region, String> {
 impl ReadCamera {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let outputs: Vec<(&str, &Path)> = [
-            ("--out", &self.out),
-            ("--frames", &self.frames),
-            ("--overlay", &self.overlay),
-            ("--report", &self.report),
-        ]
-        .into_iter()
-        .filter_map(|(option, path)| Some((option, path.as_deref()?)))
-        .collect();
-        let mut inputs = vec![("the input", self.input.as_path())];
-        if let Some(times) = &self.times {
-            inputs.push(("the table of times", times));
-        }
+        let outputs = [
+            ("--out", self.out.as_deref()),
+            ("--frames", self.frames.as_deref()),
+            ("--overlay", self.overlay.as_deref()),
+            ("--report", self.report.as_deref()),
+        ];
+        let inputs = [
+            ("the input", Some(self.input.as_path())),
+            ("the table of times", self.times.as_deref()),
+        ];
         check_outputs(&outputs, &inputs)?;
         let bar = Bar::new("reading", self.quiet);
         let outcome = sinew_camera::run(&self.request(), &mut |at| {
@@ -158,23 +154,19 @@ impl ReadCamera {
         if let Some(path) = &self.frames {
             outcome.write_frames(path)?;
         }
-        if let Some(path) = &self.report {
+        write_text(self.report.as_deref(), || {
             let name = self.input.file_name().unwrap_or(self.input.as_os_str());
             let title = format!("Camera reading of {}", name.to_string_lossy());
-            let page = sinew_camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"));
-            write_file(path, page.as_bytes())?;
-        }
+            sinew_camera::html(&outcome, &title, env!("CARGO_PKG_VERSION"))
+        })?;
         let summary = Summary::of(&outcome);
         if !self.quiet {
             for note in &summary.notes {
                 complain("note", &plain(note));
             }
         }
-        if self.json {
-            answer(&summary.to_json()?)?;
-        } else {
-            answer(&sinew_report::camera::render(&outcome, &summary))?;
-        }
+        let table = |summary: &Summary| sinew_report::camera::render(&outcome, summary);
+        answer_as(self.json, &summary, table)?;
         Ok(Finish::lossy(summary.frames_used < summary.frames))
     }
 

@@ -1,7 +1,7 @@
 //! `sinew estimate`: from a recording to each tendon's elongation.
 
 use super::session_args::{SessionArgs, read_baseline};
-use crate::args::{self, Lag, Method, Opening, Source};
+use crate::args::{self, LAGS, Method, Opening, SOURCES, choice};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use clap::{ArgGroup, Args};
@@ -9,7 +9,7 @@ use sinew_estimate::feeder::Injection;
 use sinew_estimate::session::{LimitState, SessionError};
 use sinew_estimate::{EstimateDocument, Progress, Request, replay, session};
 use sinew_files::JsonDocument as _;
-use sinew_model::offset::VelocityFilter;
+use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use sinew_report::text::plain;
 use sinew_report::{recording_warning, session_warning, tables};
 use std::path::PathBuf;
@@ -44,13 +44,13 @@ pub(crate) struct Estimate {
     #[arg(long, value_enum, group = "since", help_heading = "Method")]
     method: Option<Method>,
     /// Where the elastic torque comes from
-    #[arg(long, value_enum, default_value = "observer", help_heading = "Method")]
-    source: Source,
+    #[arg(long, value_parser = choice(&SOURCES), default_value = "observer", help_heading = "Method")]
+    source: TorqueSource,
     /// How the lag of the observed torque is treated
-    #[arg(long, value_enum, default_value = "matched", help_heading = "Method")]
-    comparison: Lag,
+    #[arg(long, value_parser = choice(&LAGS), default_value = "matched", help_heading = "Method")]
+    comparison: Comparison,
     /// Observer gain K_I, 1/s [default: 20]
-    #[arg(long, value_name = "1/S", value_parser = args::gain, allow_negative_numbers = true, help_heading = "Method")]
+    #[arg(long, value_name = "1/S", value_parser = args::positive("1/s"), allow_negative_numbers = true, help_heading = "Method")]
     gain: Option<f64>,
     /// Cut-off of the velocity filter, rad/s, or 'recorded' for recorded velocities
     /// [default: 40]
@@ -115,8 +115,8 @@ impl Estimate {
     fn request(&self) -> Result<Request, Failure> {
         let mut request = Request::new(self.log.clone());
         request.robot.clone_from(&self.robot);
-        request.source = self.source.into();
-        request.comparison = self.comparison.into();
+        request.source = self.source;
+        request.comparison = self.comparison;
         request.gain_per_s = self.gain;
         if let Some(filter) = self.velocity_filter {
             request.velocity_filter = filter;
@@ -173,23 +173,17 @@ impl Estimate {
     }
 
     fn check_files(&self) -> Result<(), Failure> {
-        let outputs: Vec<_> = [
-            ("--csv", &self.csv),
-            ("--report", &self.report),
-            ("--save", &self.session.save),
-        ]
-        .into_iter()
-        .filter_map(|(option, path)| Some((option, path.as_deref()?)))
-        .collect();
-        let inputs: Vec<_> = [
+        let outputs = [
+            ("--csv", self.csv.as_deref()),
+            ("--report", self.report.as_deref()),
+            ("--save", self.session.save.as_deref()),
+        ];
+        let inputs = [
             ("the recording", Some(self.log.as_path())),
             ("the reference", self.reference.as_deref()),
             ("the baseline", self.baseline.as_deref()),
             ("the mapping file", self.opening.mapping()),
-        ]
-        .into_iter()
-        .filter_map(|(name, path)| Some((name, path?)))
-        .collect();
+        ];
         check_outputs(&outputs, &inputs)
     }
 }

@@ -1,15 +1,14 @@
 //! `sinew excitation`: poses that make the offsets show.
 
-use crate::args;
+use crate::args::positive;
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::terminal::{Bar, Failure, Finish, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_eval::excitation;
 use sinew_eval::excitation::{Options, Proposal, Sensors};
-use sinew_files::JsonDocument as _;
 use std::path::{Path, PathBuf};
 
 /// Propose a short list of poses that makes the offsets identifiable
@@ -31,7 +30,7 @@ pub(crate) struct Excitation {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(2..=100))]
     poses: u16,
     /// Rest at each pose, s
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = args::seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive("s"), allow_negative_numbers = true)]
     pause: f64,
     /// The gripper is known to be empty
     #[arg(long)]
@@ -62,12 +61,8 @@ impl Excitation {
         let text = match self.out.as_deref() {
             None => None,
             Some(out) => {
-                let inputs: Vec<(&str, &Path)> = self
-                    .baseline
-                    .iter()
-                    .map(|b| ("--baseline", b.as_path()))
-                    .collect();
-                check_outputs(&[("--out", out)], &inputs)?;
+                let inputs = [("--baseline", self.baseline.as_deref())];
+                check_outputs(&[("--out", Some(out))], &inputs)?;
                 Some((out, writer(out)?))
             }
         };
@@ -105,11 +100,7 @@ impl Excitation {
         if let Some((out, write)) = text {
             sinew_files::write_file(out, write(&proposal).as_bytes())?;
         }
-        answer(&if self.json {
-            proposal.to_json()?
-        } else {
-            excitation::render(&proposal)
-        })?;
+        answer_as(self.json, &proposal, excitation::render)?;
         Ok(Finish::Complete)
     }
 }

@@ -1,9 +1,8 @@
 //! `sinew log`: what a recording holds.
 
 use crate::args::Opening;
-use crate::terminal::{Bar, Failure, Finish, answer};
+use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_files::JsonDocument as _;
 use sinew_log::Pace;
 use std::path::PathBuf;
 
@@ -55,10 +54,7 @@ impl Info {
         }
         drop(bar);
         let info = pace.info(&recording, &self.file.display().to_string());
-        answer(&match self.json {
-            true => info.to_json()?,
-            false => sinew_report::log::render(&info),
-        })?;
+        answer_as(self.json, &info, sinew_report::log::render)?;
         Ok(Finish::lossy(info.lossy))
     }
 }

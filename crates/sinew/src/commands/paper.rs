@@ -1,10 +1,9 @@
 //! `sinew paper`: the paper's evaluation, done again.
 
-use crate::terminal::{Failure, Finish, answer, complain};
+use crate::terminal::{Failure, Finish, answer_as, complain};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::paper;
-use sinew_files::JsonDocument as _;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
@@ -78,11 +77,7 @@ impl Paper {
             Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
         };
         paper::write(&mut figure, &self.out)?;
-        answer(&if self.json {
-            figure.to_json()?
-        } else {
-            paper::render(&figure)
-        })?;
+        answer_as(self.json, &figure, paper::render)?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
         if failed > 0 && !self.quiet {
             let of = figure.sentences.len();

@@ -1,10 +1,9 @@
 //! `sinew robot`: what a robot's folder says.
 
-use crate::terminal::{Failure, Finish, answer};
+use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
-use sinew_files::JsonDocument as _;
 use std::path::PathBuf;
 
 /// Check a robot's description
@@ -39,11 +38,7 @@ pub(crate) struct Check {
 impl Check {
     fn run(&self) -> Result<Finish, Failure> {
         let check = RobotCheck::of(&robot_dir::load(&self.dir, None)?);
-        answer(&if self.json {
-            check.to_json()?
-        } else {
-            sinew_report::robot::render(&check)
-        })?;
+        answer_as(self.json, &check, sinew_report::robot::render)?;
         Ok(Finish::Complete)
     }
 }

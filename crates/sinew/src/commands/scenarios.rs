@@ -1,12 +1,11 @@
 //! `sinew scenarios`: how good the absolute offset is, over many simulated recordings.
 
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer};
+use crate::terminal::{Bar, Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_eval::scenarios;
 use sinew_eval::scenarios::{DEFAULT, Options, Plan, UNMODELLED};
-use sinew_files::JsonDocument as _;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -94,9 +93,7 @@ impl Scenarios {
 
 impl Run {
     fn run(&self) -> Result<Finish, Failure> {
-        if let Some(out) = &self.out {
-            check_outputs(&[("--out", out.as_path())], &[])?;
-        }
+        check_outputs(&[("--out", self.out.as_deref())], &[])?;
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let mut wanted: Vec<String> = if self.unmodelled {
             names(&UNMODELLED)
@@ -122,11 +119,7 @@ impl Run {
         let mut progress = |done, all| bar.set(done as f64, all as f64);
         let report = scenarios::run(&options, &mut progress)?;
         drop(bar);
-        if self.json {
-            answer(&report.to_json()?)?;
-        } else {
-            answer(&scenarios::render_table(&report))?;
-        }
+        answer_as(self.json, &report, scenarios::render_table)?;
         Ok(Finish::Complete)
     }
 }

@@ -1,10 +1,10 @@
 //! `sinew simulate`: recordings with a known truth.
 
-use crate::args;
+use crate::args::{Choice, choice, positive};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
 use crate::text::plain;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sinew_estimate::robot_dir;
 use sinew_eval::control::{self, Simulated};
 use sinew_files::JsonDocument as _;
@@ -32,11 +32,11 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Length, s [default: the scenario's]
-    #[arg(long, value_name = "S", value_parser = args::seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = positive("s"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Compression of an MCAP
-    #[arg(long, value_enum, default_value = "zstd")]
-    compression: Packing,
+    #[arg(long, value_parser = choice(&PACKINGS), default_value = "zstd")]
+    compression: Compression,
     /// Run it without and with its correction section, and say how far the joints are from where they
     /// should be and which contacts are missed or false
     #[arg(long)]
@@ -49,21 +49,17 @@ pub(crate) struct Simulate {
     quiet: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Packing {
-    /// Smaller
-    Zstd,
-    /// Faster
-    Lz4,
-    /// Not compressed
-    None,
-}
+const PACKINGS: [Choice<Compression>; 3] = [
+    ("zstd", "Smaller", Compression::Zstd),
+    ("lz4", "Faster", Compression::Lz4),
+    ("none", "Not compressed", Compression::None),
+];
 
 impl Simulate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let inputs = [("the scenario", self.scenario.as_path())];
-        check_outputs(&[("--out", &self.out)], &inputs)?;
+        let inputs = [("the scenario", Some(self.scenario.as_path()))];
+        check_outputs(&[("--out", Some(&self.out))], &inputs)?;
         let name = self.scenario.display().to_string();
         let text = std::fs::read_to_string(&self.scenario)
             .map_err(|e| Failure::Refused(format!("{name}: can't read: {e}")))?;
@@ -93,11 +89,7 @@ impl Simulate {
         }
         let mut options = SimulateOptions::new(&self.out);
         options.robot_description = Some(loaded.urdf_text.clone());
-        options.compression = match self.compression {
-            Packing::Zstd => Compression::Zstd,
-            Packing::Lz4 => Compression::Lz4,
-            Packing::None => Compression::None,
-        };
+        options.compression = self.compression;
         // Before anything is written: a scenario without a correction is refused.
         let comparison = match self.control {
             true => Some(control::compare(&loaded.robot, &scenario)?),

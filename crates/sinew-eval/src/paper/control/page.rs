@@ -84,12 +84,7 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
         let (low, high) = (percent(r.lowest), percent(r.highest));
         format!("{} ({low}–{high})", percent(share))
     };
-    Table {
-        caption: format!(
-            "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; ± standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
-        ),
-        head: head.map(String::from).to_vec(),
-        rows: rows
+    Table::new(&head, rows
             .iter()
             .map(|r| {
                 let c = &r.contacts;
@@ -105,9 +100,9 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
                     range(c.missed_share(), &r.missed_share, 0),
                     number(r.delay_median_ms(), 0),
                 ]
-            })
-            .collect(),
-    }
+            })).captioned(format!(
+            "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; ± standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
+        ))
 }
 
 /// The rows as CSV.

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use sinew_files::AtomicFile;
+use sinew_files::{AtomicFile, csv_cell};
 
 use super::FrameWriter;
 use crate::error::LogError;
@@ -44,7 +44,7 @@ impl CsvWriter {
                     for joint in joints {
                         let name = format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
                         header.push(',');
-                        header.push_str(&quoted(&name));
+                        header.push_str(&csv_cell(&name));
                     }
                 }
             }
@@ -84,14 +84,6 @@ impl FrameWriter for CsvWriter {
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
         Ok(self.file.finish()?)
-    }
-}
-
-fn quoted(name: &str) -> std::borrow::Cow<'_, str> {
-    if name.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", name.replace('"', "\"\"")).into()
-    } else {
-        name.into()
     }
 }
 

@@ -37,20 +37,9 @@ impl Compare {
         let tests = self.files.tests()?;
         let report = sinew_creep::compare(&tests, self.scatter);
         if let Some(path) = &self.plot {
-            let figure = creep::figure("", &creep::plotted(&tests), false);
-            let bytes = match path.extension().and_then(|e| e.to_str()) {
-                Some("png") => figure.png(2.0)?,
-                Some("svg") => figure.svg().into_bytes(),
-                _ => {
-                    return Err(Failure::Refused(format!(
-                        "--plot {}: the name must end in .svg or .png",
-                        path.display()
-                    )));
-                }
-            };
-            sinew_files::write_file(path, &bytes)?;
+            creep::figure("", &creep::plotted(&tests), false).write(path)?;
         }
-        let page = || creep::compare_page(&report, &tests, self.files.conditions());
+        let page = || creep::compare_page(&report, &tests, &self.files.conditions());
         self.files.answer(
             &report,
             creep::compare_csv,

@@ -1,12 +1,12 @@
 //! Options of test files, and their outputs.
 
-use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, answer, complain};
+use crate::files::{Named, check_outputs, write_text};
+use crate::terminal::{Bar, Failure, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
 use sinew_figure::Page;
-use sinew_files::{JsonDocument, write_file};
+use sinew_files::JsonDocument;
 use sinew_log::{ColumnChoice, Specimen, TestOptions};
 use std::path::PathBuf;
 
@@ -94,10 +94,14 @@ impl TestFiles {
 
     /// Reads the files.
     pub(super) fn specimens(&self) -> Result<(Vec<Source>, Vec<Specimen>), Failure> {
-        let inputs: Vec<_> = self.files.iter().map(|f| ("FILES", f.as_path())).collect();
-        let outputs: Vec<_> = [("--csv", &self.csv), ("--report", &self.report)]
-            .into_iter()
-            .filter_map(|(name, path)| Some((name, path.as_deref()?)))
+        let outputs = [
+            ("--csv", self.csv.as_deref()),
+            ("--report", self.report.as_deref()),
+        ];
+        let inputs: Vec<Named<'_>> = self
+            .files
+            .iter()
+            .map(|f| ("FILES", Some(f.as_path())))
             .collect();
         check_outputs(&outputs, &inputs)?;
         let within = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
@@ -171,16 +175,10 @@ impl TestFiles {
         page: Option<&dyn Fn() -> Page>,
         table: impl FnOnce(&D) -> String,
     ) -> Result<(), Failure> {
-        if let Some(path) = &self.csv {
-            write_file(path, csv(document).as_bytes())?;
+        write_text(self.csv.as_deref(), || csv(document))?;
+        if let Some(page) = page {
+            write_text(self.report.as_deref(), || page().html())?;
         }
-        if let (Some(path), Some(page)) = (&self.report, page) {
-            write_file(path, page().html().as_bytes())?;
-        }
-        if self.json {
-            answer(&document.to_json()?)
-        } else {
-            answer(&table(document))
-        }
+        answer_as(self.json, document, table)
     }
 }

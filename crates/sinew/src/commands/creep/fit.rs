@@ -3,9 +3,12 @@
 use super::super::rope::{Ropes, find};
 use super::files::TestFiles;
 use super::write_rope::{rope_name, write_rope};
+use crate::args::{Choice, choice};
 use crate::terminal::{Bar, Failure, Finish};
-use clap::{Args, ValueEnum};
-use sinew_creep::{FitOptions, FitRequest, FitStep, IntervalKind, Law, NoiseKind, RopeBase, Tests};
+use clap::Args;
+use sinew_creep::{
+    FitOptions, FitRequest, FitStep, IntervalKind, Joint, Law, NoiseKind, RopeBase, Tests,
+};
 use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,14 +30,14 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "LAW")]
     law: Vec<Law>,
     /// What is fitted together
-    #[arg(long, value_enum, default_value = "none")]
+    #[arg(long, value_parser = choice(&JOINTS), default_value = "none")]
     joint: Joint,
     /// What is assumed of the readings' errors
-    #[arg(long, value_enum, default_value = "correlated")]
-    noise: Noise,
+    #[arg(long, value_parser = choice(&NOISES), default_value = "correlated")]
+    noise: NoiseKind,
     /// How intervals of parameters are made
-    #[arg(long, value_enum, default_value = "draws")]
-    intervals: Intervals,
+    #[arg(long, value_parser = choice(&INTERVALS), default_value = "draws")]
+    intervals: IntervalKind,
     /// Catalogue rope that the rope law starts from: its breaking load, and what records can't tell
     #[arg(long, value_name = "NAME", help_heading = "Rope law")]
     rope: Option<String>,
@@ -60,33 +63,42 @@ pub(crate) struct Fit {
     shift_c: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
-enum Joint {
-    /// Every specimen alone
-    None,
-    /// Specimens of a group share the law's shape, not its amplitude
-    Shape,
-    /// Specimens of a group share all but their strain zero
-    Group,
-}
+const JOINTS: [Choice<Joint>; 3] = [
+    ("none", "Every specimen alone", Joint::None),
+    (
+        "shape",
+        "Specimens of a group share the law's shape, not its amplitude",
+        Joint::Shape,
+    ),
+    (
+        "group",
+        "Specimens of a group share all but their strain zero",
+        Joint::Group,
+    ),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Noise {
-    /// Independent plus slow errors, both fitted
-    Correlated,
-    /// Independent errors
-    White,
-}
+const NOISES: [Choice<NoiseKind>; 2] = [
+    (
+        "correlated",
+        "Independent plus slow errors, both fitted",
+        NoiseKind::Correlated,
+    ),
+    ("white", "Independent errors", NoiseKind::White),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Intervals {
-    /// Quantiles of draws from what the readings leave open
-    Draws,
-    /// Profile likelihood
-    Profile,
-    /// Parametric bootstrap with correlated errors
-    Bootstrap,
-}
+const INTERVALS: [Choice<IntervalKind>; 3] = [
+    (
+        "draws",
+        "Quantiles of draws from what the readings leave open",
+        IntervalKind::Draws,
+    ),
+    ("profile", "Profile likelihood", IntervalKind::Profile),
+    (
+        "bootstrap",
+        "Parametric bootstrap with correlated errors",
+        IntervalKind::Bootstrap,
+    ),
+];
 
 impl Fit {
     /// Runs the command.
@@ -125,7 +137,7 @@ impl Fit {
                 .map_err(|why| Failure::Refused(format!("--write-rope: {why}")))?;
             write_rope(path, &entry.to_toml())?;
         }
-        let page = || creep::fit_page(&report, &tests, request.joint, self.files.conditions());
+        let page = || creep::fit_page(&report, &tests, request.joint, &self.files.conditions());
         let table = |report: &_| {
             let mut out = creep::fit_table(report);
             if !self.files.group.is_empty() && self.joint == Joint::None {
@@ -142,22 +154,11 @@ impl Fit {
     fn request(&self) -> Result<FitRequest, Failure> {
         Ok(FitRequest {
             laws: self.law.clone(),
-            joint: match self.joint {
-                Joint::None => sinew_creep::Joint::None,
-                Joint::Shape => sinew_creep::Joint::Shape,
-                Joint::Group => sinew_creep::Joint::Group,
-            },
+            joint: self.joint,
             options: FitOptions {
-                noise: match self.noise {
-                    Noise::Correlated => NoiseKind::Correlated,
-                    Noise::White => NoiseKind::White,
-                },
+                noise: self.noise,
                 level: self.files.level,
-                kind: match self.intervals {
-                    Intervals::Draws => IntervalKind::Draws,
-                    Intervals::Profile => IntervalKind::Profile,
-                    Intervals::Bootstrap => IntervalKind::Bootstrap,
-                },
+                kind: self.intervals,
                 seed: self.files.seed,
                 rope: self.base()?,
                 ..FitOptions::default()
@@ -193,7 +194,7 @@ impl Fit {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
-        let page = || creep::withhold_page(&report, tests, self.files.conditions());
+        let page = || creep::withhold_page(&report, tests, &self.files.conditions());
         self.files.answer(
             &report,
             creep::withhold_csv,

@@ -1,34 +1,37 @@
 //! Options that say what a rope has to do, and where it lies.
 
-use super::values::{
-    Guide, celsius, duration, guide, millimetres, millimetres_or_none, newtons, per_hour,
-};
+use super::did_you_mean;
+use super::values::{celsius, duration, guide};
+use crate::args::{Choice, choice, not_negative, positive};
 use crate::terminal::{Failure, complain};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
 use sinew_estimate::strand_duty::{self, Strand};
-use sinew_model::rope::RopeLoad;
-use sinew_model::rope::routing::Pulley;
 use sinew_model::transmission::Tendon;
 use sinew_rope::duty::Duty;
-use sinew_rope::predict::{Request, Route, TIMES_DEFAULT_S};
+use sinew_rope::predict::{Guide, Request, Route, TIMES_DEFAULT_S};
 use std::path::PathBuf;
 
 /// Which strand of a recording.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum StrandArg {
-    /// The one that pulls when the torque is positive
-    Positive,
-    /// The one that pulls when the torque is negative
-    Negative,
-}
+const STRANDS: [Choice<Strand>; 2] = [
+    (
+        "positive",
+        "The one that pulls when the torque is positive",
+        Strand::Positive,
+    ),
+    (
+        "negative",
+        "The one that pulls when the torque is negative",
+        Strand::Negative,
+    ),
+];
 
 /// What the rope has to do.
 #[derive(Debug, Args)]
 pub(super) struct DutyArgs {
     /// Constant tension, N
-    #[arg(long, value_name = "N", value_parser = newtons, help_heading = "Duty")]
+    #[arg(long, value_name = "N", value_parser = not_negative("N"), help_heading = "Duty")]
     tension: Option<f64>,
     /// Temperature, °C (also of a recording)
     #[arg(long, value_name = "C", default_value = "23", value_parser = celsius, allow_negative_numbers = true, help_heading = "Duty")]
@@ -47,8 +50,8 @@ pub(super) struct DutyArgs {
     )]
     recording: Option<PathBuf>,
     /// Strand of the joint that is meant
-    #[arg(long, value_enum, default_value = "positive", help_heading = "Duty")]
-    strand: StrandArg,
+    #[arg(long, value_parser = choice(&STRANDS), default_value = "positive", help_heading = "Duty")]
+    strand: Strand,
     /// Robot's folder: length, guides and pretension of the joint's tendon
     #[arg(long, value_name = "DIR", requires = "joint", help_heading = "Route")]
     robot: Option<PathBuf>,
@@ -56,17 +59,17 @@ pub(super) struct DutyArgs {
     #[arg(long, value_name = "NAME", help_heading = "Route")]
     joint: Option<String>,
     /// Length of the strand, mm [default: the tendon's, else 1000]
-    #[arg(long, value_name = "MM", value_parser = millimetres, help_heading = "Route")]
+    #[arg(long, value_name = "MM", value_parser = positive("mm"), help_heading = "Route")]
     length: Option<f64>,
     /// Guiding pulley `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`; as often as there are. Without a
     /// place they stand evenly along the strand
     #[arg(long, value_name = "GUIDE", value_parser = guide, help_heading = "Route")]
     guide: Vec<Guide>,
     /// How far the rope moves back and forth over its guides, mm
-    #[arg(long, value_name = "MM", default_value = "0", value_parser = millimetres_or_none, help_heading = "Route")]
+    #[arg(long, value_name = "MM", default_value = "0", value_parser = not_negative("mm"), help_heading = "Route")]
     stroke: f64,
     /// Strokes per hour, to count bending damage
-    #[arg(long, value_name = "1/H", default_value = "0", value_parser = per_hour, help_heading = "Route")]
+    #[arg(long, value_name = "1/H", default_value = "0", value_parser = not_negative("1/h"), help_heading = "Route")]
     strokes_per_hour: f64,
     /// Times to read at, such as 8h,30d,1year [default: 1h,1d,1month,1year]
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
@@ -124,9 +127,7 @@ impl DutyArgs {
         let loaded = robot_dir::load(&place, None)?;
         let names = loaded.robot.joint_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
-            let hint = sinew_files::names::nearest(joint, names)
-                .map(|n| format!("; did you mean '{n}'?"))
-                .unwrap_or_default();
+            let hint = did_you_mean(joint, names);
             return Err(Failure::Refused(format!(
                 "{}: no joint '{joint}'; it has {}{hint}",
                 loaded.file.display(),
@@ -180,12 +181,8 @@ impl DutyArgs {
                 "the tendon has no pretension_n; it counts as 0 N",
             );
         }
-        let strand = match self.strand {
-            StrandArg::Positive => Strand::Positive,
-            StrandArg::Negative => Strand::Negative,
-        };
         joint
-            .and_then(|j| strand_duty::duty(j, tendon, pretension_n, self.temperature, strand))
+            .and_then(|j| strand_duty::duty(j, tendon, pretension_n, self.temperature, self.strand))
             .ok_or_else(|| {
                 Failure::Refused(format!(
                     "{}: no torque of joint '{joint_name}' could be made out",
@@ -201,46 +198,19 @@ impl DutyArgs {
             .map(|mm| M_PER_MM * mm)
             .or(tendon.map(|t| t.length_m))
             .unwrap_or(1.0);
-        let evenly = |i: usize, of: usize| length_m * (i + 1) as f64 / (of + 1) as f64;
-        let pulleys: Vec<Pulley> = if self.guide.is_empty() {
-            let guides = tendon.map_or(&[][..], |t| &t.guides);
-            guides
-                .iter()
-                .enumerate()
-                .map(|(i, g)| Pulley {
-                    at_m: evenly(i, guides.len()),
-                    radius_m: g.radius_m,
-                    wrap_rad: g.wrap_rad,
-                    friction: (g.friction > 0.0).then_some(g.friction),
-                })
-                .collect()
-        } else {
-            self.guide
-                .iter()
-                .enumerate()
-                .map(|(i, g)| Pulley {
-                    at_m: g
-                        .at_mm
-                        .map_or_else(|| evenly(i, self.guide.len()), |mm| M_PER_MM * mm),
-                    radius_m: M_PER_MM * g.radius_mm,
-                    wrap_rad: g.wrap_deg.to_radians(),
-                    friction: g.friction,
-                })
-                .collect()
+        let own = tendon.map_or(&[][..], |t| &t.guides);
+        let guides = match self.guide.as_slice() {
+            [] => own.iter().map(Guide::from).collect(),
+            stated => stated.to_vec(),
         };
         Route {
-            length_m,
             stroke_m: M_PER_MM * self.stroke,
-            pulleys,
             strokes_per_hour: self.strokes_per_hour,
+            ..Route::straight(length_m).guided(&guides)
         }
     }
 
-    /// Constant tension and temperature, where nothing else was asked.
-    pub(super) fn read_at(load: Option<f64>, temperature_c: f64) -> Option<RopeLoad> {
-        load.map(|n| RopeLoad::celsius(n, temperature_c))
-    }
-
+    /// Temperature, °C.
     pub(super) fn temperature(&self) -> f64 {
         self.temperature
     }

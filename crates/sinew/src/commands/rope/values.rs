@@ -1,56 +1,7 @@
 //! Values of options: newtons, lengths, durations, guiding pulleys.
 
-use sinew_rope::predict::{DAY_S, HOUR_S, MONTH_S, YEAR_S};
-
-fn number(text: &str, unit: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .trim()
-        .parse()
-        .map_err(|_| format!("'{text}' is not a number ({unit})"))?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(format!("{value} {unit} is not a finite number"))
-    }
-}
-
-fn at_least_zero(text: &str, unit: &str) -> Result<f64, String> {
-    match number(text, unit)? {
-        v if v >= 0.0 => Ok(v),
-        v => Err(format!("{v} {unit} must be at least 0")),
-    }
-}
-
-fn above_zero(text: &str, unit: &str) -> Result<f64, String> {
-    match number(text, unit)? {
-        v if v > 0.0 => Ok(v),
-        v => Err(format!("{v} {unit} must be above 0")),
-    }
-}
-
-pub(super) fn newtons(text: &str) -> Result<f64, String> {
-    at_least_zero(text, "N")
-}
-
-pub(super) fn newtons_above_zero(text: &str) -> Result<f64, String> {
-    above_zero(text, "N")
-}
-
-pub(super) fn millimetres(text: &str) -> Result<f64, String> {
-    above_zero(text, "mm")
-}
-
-pub(super) fn millimetres_or_none(text: &str) -> Result<f64, String> {
-    at_least_zero(text, "mm")
-}
-
-pub(super) fn per_hour(text: &str) -> Result<f64, String> {
-    at_least_zero(text, "1/h")
-}
-
-pub(super) fn ratio(text: &str) -> Result<f64, String> {
-    above_zero(text, "(a ratio)")
-}
+use crate::args::{not_negative, number, positive};
+use sinew_rope::predict::{DAY_S, Guide, HOUR_S, MONTH_S, YEAR_S};
 
 pub(super) fn share(text: &str) -> Result<f64, String> {
     match number(text, "(a share)")? {
@@ -92,15 +43,6 @@ pub(super) fn duration(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A guiding pulley.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Guide {
-    pub(super) wrap_deg: f64,
-    pub(super) radius_mm: f64,
-    pub(super) friction: Option<f64>,
-    pub(super) at_mm: Option<f64>,
-}
-
 /// `WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM]`
 pub(super) fn guide(text: &str) -> Result<Guide, String> {
     let form = "write WRAP_DEG:RADIUS_MM[:FRICTION][@AT_MM], such as 90:8 or 60:8:0.05@250";
@@ -115,12 +57,10 @@ pub(super) fn guide(text: &str) -> Result<Guide, String> {
         _ => return Err(form.into()),
     };
     Ok(Guide {
-        wrap_deg: at_least_zero(wrap, "°")?,
-        radius_mm: above_zero(radius, "mm")?,
-        friction: friction
-            .map(|f| at_least_zero(f, "(friction)"))
-            .transpose()?,
-        at_mm: at.map(|a| at_least_zero(a, "mm")).transpose()?,
+        wrap_rad: not_negative("°")(wrap)?.to_radians(),
+        radius_m: 1e-3 * positive("mm")(radius)?,
+        friction: friction.map(not_negative("(friction)")).transpose()?,
+        at_m: at.map(not_negative("mm")).transpose()?.map(|mm| 1e-3 * mm),
     })
 }
 
@@ -151,10 +91,10 @@ mod tests {
     #[test]
     fn guides_are_read() {
         let g = guide("60:8:0.05@250").expect("a guide");
-        assert_eq!((g.wrap_deg, g.radius_mm), (60.0, 8.0));
-        assert_eq!((g.friction, g.at_mm), (Some(0.05), Some(250.0)));
+        assert_eq!((g.wrap_rad, g.radius_m), (60_f64.to_radians(), 0.008));
+        assert_eq!((g.friction, g.at_m), (Some(0.05), Some(0.25)));
         let g = guide("180:10").expect("a guide");
-        assert_eq!((g.friction, g.at_mm), (None, None));
+        assert_eq!((g.friction, g.at_m), (None, None));
         for text in ["60", "60:0", "a:8", "60:8:1:2", "60:8@", "-5:8"] {
             assert!(guide(text).is_err(), "{text}");
         }

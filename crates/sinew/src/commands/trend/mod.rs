@@ -2,7 +2,8 @@
 
 mod year;
 
-use crate::files::check_outputs;
+use super::rope::Ropes;
+use crate::files::{Named, check_outputs};
 use crate::terminal::{Failure, Finish, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
@@ -11,8 +12,8 @@ use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
 use sinew_report::text::plain;
 use sinew_report::trend::{format_note, html, render_table, write_csv};
-use sinew_rope::{Catalogue, Duty};
-use std::path::{Path, PathBuf};
+use sinew_rope::Duty;
+use std::path::PathBuf;
 
 /// Watch tendons over months: where they stand, what happened, when to tension or replace
 ///
@@ -45,9 +46,8 @@ pub(crate) struct Trend {
     /// What the ropes have to do, a block table (TOML, CSV) [default: not known]
     #[arg(long, value_name = "FILE")]
     duty: Option<PathBuf>,
-    /// Folder with your own ropes (*.toml); ./ropes is read too where it is there
-    #[arg(long = "ropes", value_name = "DIR")]
-    ropes: Vec<PathBuf>,
+    #[command(flatten)]
+    ropes: Ropes,
     /// How far forecasts look, days from the last session
     #[arg(long, value_name = "DAYS", default_value_t = 1095, value_parser = clap::value_parser!(u32).range(1..=36_500))]
     horizon: u32,
@@ -103,7 +103,7 @@ impl Trend {
         };
         let robot = loaded.as_ref().map(|l| &l.robot);
         let sorted = read_sessions(&self.files, robot)?;
-        let catalogue = self.catalogue()?;
+        let catalogue = self.ropes.catalogue()?;
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,
@@ -141,26 +141,13 @@ impl Trend {
         self.tensioned.iter().cloned().chain(replaced).collect()
     }
 
-    fn catalogue(&self) -> Result<Catalogue, Failure> {
-        let here = Path::new("ropes");
-        let own = here.is_dir().then_some(here);
-        let folders: Vec<&Path> = own
-            .into_iter()
-            .chain(self.ropes.iter().map(PathBuf::as_path))
-            .collect();
-        Ok(Catalogue::with_folders(&folders)?)
-    }
-
     fn check_files(&self) -> Result<(), Failure> {
-        let outputs: Vec<(&str, &Path)> = [("--csv", &self.csv), ("--report", &self.report)]
-            .into_iter()
-            .filter_map(|(option, path)| Some((option, path.as_deref()?)))
-            .collect();
-        let inputs: Vec<(&str, &Path)> = self
-            .files
-            .iter()
-            .map(|f| ("a file of records", f.as_path()))
-            .collect();
+        let outputs = [
+            ("--csv", self.csv.as_deref()),
+            ("--report", self.report.as_deref()),
+        ];
+        let named = |f| ("a file of records", Some(PathBuf::as_path(f)));
+        let inputs: Vec<Named<'_>> = self.files.iter().map(named).collect();
         check_outputs(&outputs, &inputs)
     }
 }

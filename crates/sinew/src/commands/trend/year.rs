@@ -1,14 +1,13 @@
 //! `sinew trend simulate-year`: how good the trend is on years whose truth is known.
 
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer};
+use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::year;
 use sinew_eval::year::YearRequest;
 use sinew_eval::year::chain::{ChainRequest, SessionKind};
 use sinew_eval::year::surrogate::SessionErrors;
-use sinew_files::JsonDocument as _;
 use sinew_rope::Catalogue;
 use std::path::PathBuf;
 
@@ -101,9 +100,7 @@ impl Kind {
 
 impl SimulateYear {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        if let Some(path) = &self.out {
-            check_outputs(&[("--out", path)], &[])?;
-        }
+        check_outputs(&[("--out", self.out.as_deref())], &[])?;
         let loaded = robot_dir::load(&self.robot, None)?;
         let catalogue = Catalogue::shipped()?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
@@ -134,11 +131,7 @@ impl SimulateYear {
             let out = self.out.as_deref();
             year::run(robot, &catalogue, &request, out, &mut progress)?
         };
-        if self.json {
-            answer(&report.to_json()?)?;
-        } else {
-            answer(&year::render_table(&report))?;
-        }
+        answer_as(self.json, &report, year::render_table)?;
         Ok(Finish::Complete)
     }
 }

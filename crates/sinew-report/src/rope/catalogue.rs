@@ -1,0 +1,128 @@
+//! The catalogue, and a rope of it, as text.
+
+use crate::text::{self, Told, paragraph, plain};
+use sinew_figure::rounded;
+use sinew_model::rope::entry::{Uncertainty, Value};
+use sinew_rope::{Catalogue, CatalogueRope};
+
+/// All ropes, a line each.
+pub fn catalogue_table(catalogue: &Catalogue) -> String {
+    let head = ["name", "fibre", "d\nmm", "load\nN", "g/m", "guesses"];
+    let row = |rope: &CatalogueRope| {
+        let e = &rope.entry;
+        vec![
+            plain(&e.name),
+            plain(&e.fibre),
+            published(&e.diameter_mm, 3),
+            published(&e.breaking_load_n, 4),
+            published(&e.weight_g_per_m, 3),
+            format!("{}/{}", e.guesses(), e.law.len()),
+        ]
+    };
+    let rows = catalogue.ropes().iter().map(row).collect();
+    let mut out = text::table(&head, rows, 2);
+    let own = catalogue
+        .ropes()
+        .iter()
+        .filter(|r| r.file.is_some())
+        .count();
+    if own > 0 {
+        out += &paragraph(&format!("{own} of them from your folders"), 0);
+    }
+    out
+}
+
+/// A published value; a dash where there is none.
+fn published(value: &Option<Value>, digits: u8) -> String {
+    value
+        .as_ref()
+        .map_or_else(|| "–".into(), |v| rounded(v.value, digits))
+}
+
+/// Everything known about a rope.
+pub fn rope_table(rope: &CatalogueRope) -> String {
+    let e = &rope.entry;
+    let plait = e.plait.as_ref().map(|p| format!(", {p}"));
+    let mut out = Told::default();
+    out.say(format!(
+        "{}: {} {}, {} ({}){}",
+        e.name,
+        e.manufacturer,
+        e.product,
+        e.fibre,
+        e.material.name(),
+        plait.unwrap_or_default()
+    ));
+    if let Some(note) = &e.note {
+        out.say(note);
+    }
+    let row = |name: &str, value: &Value| {
+        let date = value.date.as_ref().map(|d| format!(" {d}"));
+        vec![
+            name.to_string(),
+            plain(&format!(
+                "{}{}",
+                value.origin.name(),
+                date.unwrap_or_default()
+            )),
+            plain(&value.source),
+            number(value.value),
+            interval(value),
+        ]
+    };
+    let head = ["", "origin", "source", "value", "95 % interval"];
+    let published = [
+        ("diameter_mm", &e.diameter_mm),
+        ("breaking_load_n", &e.breaking_load_n),
+        ("weight_g_per_m", &e.weight_g_per_m),
+    ];
+    let known = published
+        .iter()
+        .filter_map(|(name, v)| v.as_ref().map(|v| row(name, v)));
+    out.add("\npublished\n");
+    out.add(text::table(&head, known.collect(), 3));
+    let missing: Vec<&str> = published
+        .iter()
+        .filter(|(_, v)| v.is_none())
+        .map(|(name, _)| *name)
+        .collect();
+    if !missing.is_empty() {
+        out.say(format!("not published: {}", missing.join(", ")));
+    }
+    out.add("\nlaw\n");
+    let law = e.law.iter().map(|(p, v)| row(p.name(), v)).collect();
+    out.add(text::table(&head, law, 3));
+    if let Err(missing) = e.parameters() {
+        out.say(format!(
+            "missing, so nothing can be predicted with this rope: {}",
+            missing.join(", ")
+        ));
+    }
+    if let Some(c) = &e.correlation {
+        let names: Vec<&str> = c.parameters.iter().map(|p| p.name()).collect();
+        out.say(format!("errors correlated among {}", names.join(", ")));
+    }
+    out.add("\nsources\n");
+    for (key, source) in &e.sources {
+        out.item(format!("{key}: {source}"));
+    }
+    out.0
+}
+
+/// Four digits, with a power of ten where a rate or a lifetime needs one.
+fn number(v: f64) -> String {
+    if v != 0.0 && !(1e-3..1e5).contains(&v.abs()) {
+        format!("{v:e}").replace('-', "−")
+    } else {
+        rounded(v, 4)
+    }
+}
+
+/// The 95 % interval of a value.
+fn interval(value: &Value) -> String {
+    match value.uncertainty {
+        Uncertainty::NotStated => "not stated".into(),
+        Uncertainty::Factor(f) => format!("times or over {f}"),
+        Uncertainty::PlusMinus(d) => format!("± {}", number(d)),
+    }
+}
