@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_camera::{Picture, ReadOptions, ScaleReader};
+use sinew_camera::{Picture, ReadOptions, ScaleReader, decode};
 
 const WIDTH: usize = 160;
 const HEIGHT: usize = 40;
@@ -14,12 +14,12 @@ fuzz_target!(|bytes: &[u8]| {
     let mut reader = ScaleReader::new(ReadOptions::default());
     let mut look = |picture: &Picture| {
         if let Ok(reading) = reader.read(picture) {
-            assert!(reading.position_mm.is_finite());
+            assert!(reading.position_m.is_finite());
             assert!((0.0..=1.0).contains(&reading.quality), "{reading:?}");
         }
     };
     if choice % 2 == 0 {
-        if let Ok(picture) = Picture::decode(rest) {
+        if let Ok(picture) = decode(rest) {
             look(&picture);
         }
         return;

@@ -25,13 +25,12 @@ fuzz_target!(|text: &str| {
         let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
         let start = records.first().map_or(0.0, |r| r.time_utc_s);
         for r in records.iter().take(40) {
-            assert!(r.offset_mrad.is_none_or(|[y, i]| y.is_finite() && i > 0.0));
-            let pair = |[v, i]: [f64; 2], unit: f64| [unit * v, unit * i / 1.96];
+            assert!(r.offset_rad.is_none_or(|g| g.mean.is_finite() && g.deviation > 0.0));
             let record = Record {
                 time_s: r.time_utc_s - start + 3600.0,
-                offset_rad: r.offset_mrad.map(|p| pair(p, 1e-3)),
+                offset_rad: r.offset_rad,
                 temperature_c: r.temperature_c,
-                stiffness: r.stiffness_percent.map(|p| pair(p, 1e-2)),
+                stiffness: r.stiffness_ratio,
             };
             // Numbers whose squares overflow are refused, not taken.
             if let Ok(added) = trend.add(record) {
