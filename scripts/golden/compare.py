@@ -89,13 +89,23 @@ class Rules:
         self.sort = rules.get("sort", [])
         self.explained = rules.get("explained", [])
         self.used = set()
+        self.known = {}
 
     def of(self, kind, case, file):
-        for i, rule in enumerate(getattr(self, kind)):
-            cases = rule.get("cases", "*")
-            cases = [cases] if isinstance(cases, str) else cases
-            if any(fnmatch.fnmatch(case, c) for c in cases) and fnmatch.fnmatch(file, rule.get("file", "*")):
-                yield (kind, i), rule
+        """Rules of a kind that speak of a case's file, with what `used` knows them by."""
+        known = self.known.get((kind, case, file))
+        if known is None:
+            known = self.known[kind, case, file] = [
+                ((kind, i), rule)
+                for i, rule in enumerate(getattr(self, kind))
+                if any(fnmatch.fnmatch(case, c) for c in as_list(rule.get("cases", "*")))
+                and fnmatch.fnmatch(file, rule.get("file", "*"))
+            ]
+        return known
+
+
+def as_list(value):
+    return [value] if isinstance(value, str) else value
 
 
 class Tree:
@@ -366,7 +376,7 @@ def compare_file(old, new, rules, outcome, file):
     if old == new:
         return
     old_tree, new_tree = documents(old), documents(new)
-    if old_tree is None and Path(file).suffix == ".csv" and any(True for _ in rules.of("rename", outcome.case, file)):
+    if old_tree is None and Path(file).suffix == ".csv" and rules.of("rename", outcome.case, file):
         old_tree, new_tree = table(old), table(new)
     if isinstance(old_tree, (dict, list)) and isinstance(new_tree, (dict, list)):
         for _, rule in rules.of("sort", outcome.case, file):
