@@ -76,18 +76,29 @@ def fill(template, groups):
     return WILD.sub(lambda w: f"[{next(groups)}]" if w.group() == "[]" else next(groups), template)
 
 
+def one_by_one(rules, names):
+    """Rules that share their cases may stand in one table, a row each."""
+    for rule in rules:
+        rows = rule.pop("each", None)
+        yield from [rule] if rows is None else [{**rule, **dict(zip(names, row))} for row in rows]
+
+
 class Rules:
     def __init__(self, path):
         rules = tomllib.loads(path.read_text()) if path.exists() else {}
+        for kind in ("move", "rename", "added", "dropped", "words", "value"):
+            names = {"added": ["new"], "dropped": ["old"], "words": ["old"]}.get(kind, ["old", "new", "was", "ulps", "apart"])
+            rules[kind] = list(one_by_one(rules.get(kind, []), names))
         self.move = [dict(r, match=pattern(r["old"])) for r in rules.get("move", [])]
         self.rename = [dict(r, match=pattern(r["old"])) for r in rules.get("rename", [])]
         self.added = [dict(r, match=pattern(r["new"])) for r in rules.get("added", [])]
         self.dropped = [dict(r, match=pattern(r["old"])) for r in rules.get("dropped", [])]
         self.words = [dict(r, match=pattern(r["old"])) for r in rules.get("words", [])]
-        self.value = rules.get("value", [])
+        self.value = rules["value"]
         self.normalise = [dict(r, match=re.compile(r["match"])) for r in rules.get("normalise", [])]
         self.sort = rules.get("sort", [])
         self.explained = rules.get("explained", [])
+        self.eased = rules.get("eased", [])
         self.used = set()
         self.known = {}
 
@@ -157,16 +168,23 @@ def day(time_utc_s):
     return datetime.datetime.fromtimestamp(math.floor(time_utc_s), datetime.UTC).strftime("%Y-%m-%d")
 
 
-ALLOWED = {"sqrt": math.sqrt, "abs": abs, "len": len, "float": float, "str": str, "day": day}
+ALLOWED = {"sqrt": math.sqrt, "degrees": math.degrees, "abs": abs, "len": len, "float": float, "str": str, "day": day}
 
 
 def was(rule, values):
     """The old value as it follows from the new ones, in doubles, by the rule's expression."""
-    if len(values) == 1 and "was" not in rule:
+    if len(values) == 1 and "was" not in rule and "null" not in rule:
         return next(iter(values.values()))
     if any(v is None for v in values.values()):
-        return None
+        return rule.get("null")
     return eval(rule.get("was", "new"), {"__builtins__": {}}, {**ALLOWED, **values})
+
+
+def near(value, expected, rule):
+    """Whether two numbers differ by no more than a rule allows: doubles between them, or `apart` in the old unit."""
+    if not (as_number(value) and as_number(expected)):
+        return False
+    return ulps(value, expected) <= rule.get("ulps", 0) or abs(value - expected) <= rule.get("apart", 0.0)
 
 
 def moved(rules, case, file, path):
@@ -213,12 +231,17 @@ def compare_trees(old, new, rules, outcome, file):
             if off is None or off == "renamed":
                 outcome.renamed += 1
                 outcome.note("renamed")
-            elif as_number(value) and as_number(expected) and ulps(value, expected) <= rule.get("ulps", 0):
+            elif near(value, expected, rule):
                 off_by = ulps(value, expected)
                 outcome.ulps += 1
                 outcome.note("within ulps")
                 if off_by > 2:
                     outcome.wide.append((off_by, abs(value - expected), rule["old"]))
+            elif eased := next((k for k, r in rules.of("eased", outcome.case, file) if near(value, expected, r)), None):
+                rules.used.add(eased)
+                outcome.ulps += 1
+                outcome.wide.append((ulps(value, expected), abs(value - expected), rule["old"]))
+                outcome.note("explained")
             else:
                 outcome.note(off, f"{where}: {value!r} is now {expected!r} (from {paths})")
             explained = True
@@ -412,11 +435,13 @@ def compare_case(case, before, after, rules):
             outcome.note("explained", f"{rule['old_path']} is {rule['new_path']}: {rule['why']}")
     for file in sorted(set(old) | set(new)):
         if file not in new or file not in old:
-            why = next((r["why"] for k, r in rules.of("explained", case, file) if r.get("present")), None)
+            key, why = next(((k, r["why"]) for k, r in rules.of("explained", case, file) if r.get("present")), (None, None))
+            rules.used.add(key)
             outcome.note("explained" if why else "NUMBERS DIFFER", f"{file}: only {'before' if file in old else 'after'} {why or ''}")
         elif file == "exit" and old[file] != new[file]:
             codes = [int(old[file]), int(new[file])]
-            why = next((r["why"] for k, r in rules.of("explained", case, file) if r.get("exit") == codes), None)
+            key, why = next(((k, r["why"]) for k, r in rules.of("explained", case, file) if r.get("exit") == codes), (None, None))
+            rules.used.add(key)
             outcome.note("explained" if why else "NUMBERS DIFFER", f"exit code {codes[0]} is now {codes[1]} {why or ''}")
         else:
             compare_file(old[file], new[file], rules, outcome, file)
@@ -464,7 +489,7 @@ def compare(arguments):
     ):
         if names:
             summary.append(f"  {title}: {' '.join(names)}")
-    everything = [(kind, i) for kind in ("move", "rename", "added", "dropped", "value", "words", "explained") for i in range(len(getattr(rules, kind)))]
+    everything = [(kind, i) for kind in ("move", "rename", "added", "dropped", "value", "words", "explained", "eased") for i in range(len(getattr(rules, kind)))]
     unused = [f"{kind} {i + 1}" for kind, i in everything if (kind, i) not in rules.used]
     if unused:
         summary.append(f"  rules that met nothing: {', '.join(unused)}")
