@@ -13,6 +13,8 @@ pub struct TomlFile<'t> {
     file: &'t str,
     text: &'t str,
     table: Spanned<DeTable<'t>>,
+    /// Where the lines end, so that the line of a byte is looked up and not counted.
+    ends: Vec<usize>,
 }
 
 impl<'t> TomlFile<'t> {
@@ -22,15 +24,21 @@ impl<'t> TomlFile<'t> {
     /// [`Fault::Syntax`] with the line.
     pub fn parse(text: &'t str, file: &'t str) -> Result<Self, Located> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let table = DeTable::parse(text).map_err(|error| {
             let words: Vec<&str> = error.message().split_whitespace().collect();
             let located = Located::new(file, Fault::Syntax, words.join(" "));
             match error.span() {
-                Some(span) => located.line(line_at(text, span.start)),
+                Some(span) => located.line(line_at(&ends, span.start)),
                 None => located,
             }
         })?;
-        Ok(Self { file, text, table })
+        Ok(Self {
+            file,
+            text,
+            table,
+            ends,
+        })
     }
 
     /// The whole file as a section.
@@ -47,13 +55,13 @@ impl<'t> TomlFile<'t> {
     }
 
     fn line(&self, byte: usize) -> u64 {
-        line_at(self.text, byte)
+        line_at(&self.ends, byte)
     }
 }
 
 /// Line of a byte, from 1.
-fn line_at(text: &str, byte: usize) -> u64 {
-    1 + text.bytes().take(byte).filter(|b| *b == b'\n').count() as u64
+fn line_at(ends: &[usize], byte: usize) -> u64 {
+    1 + ends.partition_point(|end| *end < byte) as u64
 }
 
 /// A value and its place.
@@ -239,10 +247,7 @@ impl<'d> Section<'d> {
     /// What stands at a key.
     pub fn value(&self, key: &'static str) -> Option<Value<'d>> {
         self.asked.borrow_mut().push(key);
-        self.table
-            .iter()
-            .find(|(k, _)| k.get_ref().as_ref() == key)
-            .map(|(_, value)| self.at(key, value))
+        self.table.get(key).map(|value| self.at(key, value))
     }
 
     fn at(&self, key: &str, value: &'d Spanned<DeValue<'d>>) -> Value<'d> {
@@ -407,9 +412,15 @@ impl<'d> Section<'d> {
         known.sort_unstable();
         known.dedup();
         let named = self.named.get();
-        let stranger = |name: &str| !named && !known.contains(&name);
-        match self.sorted().iter().find(|(name, ..)| stranger(name)) {
-            Some((name, line, _)) => Err(self.unknown(name, *line, &known).into()),
+        let strangers = self.table.keys().filter(|key| {
+            let name: &str = key.get_ref();
+            !named && !known.contains(&name)
+        });
+        match strangers.min_by_key(|key| key.span().start) {
+            Some(key) => {
+                let line = self.doc.line(key.span().start);
+                Err(self.unknown(key.get_ref(), line, &known).into())
+            }
             None => match lacking {
                 Some(lacking) => Err(lacking.into()),
                 None => value,
@@ -468,6 +479,18 @@ mod tests {
     use super::*;
 
     const TEXT: &str = "mod = \"a\"\nmode = \"fast\"\n[arm]\nlength_mm = -3\nlist = [1, 2]\n\n[[arm.joint]]\nq_rad = nan\n";
+
+    #[test]
+    fn a_byte_is_on_the_line_that_counting_gives() {
+        let text = "a = 1\r\n\n[b]\nc = 2\n";
+        let doc = TomlFile::parse(text, "t.toml").expect("TOML");
+        for byte in 0..=text.len() {
+            assert_eq!(
+                doc.line(byte),
+                1 + text[..byte].matches('\n').count() as u64
+            );
+        }
+    }
 
     #[test]
     fn every_fault_has_its_place_value_unit_and_cure() {
