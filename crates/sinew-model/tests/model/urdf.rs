@@ -267,3 +267,60 @@ fn deep_nesting_is_read_and_left_out() {
     let text = PENDULUM.replace("</robot>", &(deep + "</robot>"));
     assert_eq!(parse(&text, &UrdfOptions::default()).unwrap().arm.dof(), 1);
 }
+
+/// What published descriptions carry besides: textures without a file, sensors, tags of simulators, prefixes
+/// that nobody declared.
+const DECORATED: &str = r#"<?xml version="1.0" ?>
+<!-- made by a converter -->
+<robot name="pendulum" xmlns:xacro="http://www.ros.org/wiki/xacro" xmlns:drake="http://drake.mit.edu">
+  <material/>
+  <material name="grey"><texture/></material>
+  <link name="base"><visual name=""><geometry><mesh/></geometry>
+    <material name=""><color rgba=""/><texture /></material></visual><collision/></link>
+  <link name="bob">
+    <drake:inertial><mass value="7"/></drake:inertial>
+    <visual><origin xyz="a b"/><material><texture/></material></visual>
+    <inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+    <contact/><self_collision_checking/></link>
+  <joint name="swing" type="revolute"><parent link="base"/><child link="bob"/>
+    <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+    <calibration/><safety_controller/>
+    <dynamics damping="0.1" friction="0.2"/></joint>
+  <sensor name="imu" type="accelerometer"><parent link="bob"/><origin/></sensor>
+  <transmission name="t"><type/><joint name="swing"><hardwareInterface/></joint><actuator name="m"/></transmission>
+  <gazebo reference="bob"><sensor><plugin/></sensor><link/><joint/></gazebo>
+  <gazebo><controller:position name="c" interface:unit="x"/></gazebo>
+  <yarp:port/>
+</robot>"#;
+
+#[test]
+fn what_dynamics_need_is_read_and_the_rest_left_alone() {
+    let plain = parse(PENDULUM, &UrdfOptions::default()).unwrap();
+    assert_eq!(parse(DECORATED, &UrdfOptions::default()).unwrap(), plain);
+    // Lines are still those of the file.
+    let spoiled = DECORATED.replace("mass value=\"2\"", "mass value=\"two\"");
+    let said = message(&spoiled);
+    assert!(said.contains("line 11") && said.contains("'bob'"), "{said}");
+}
+
+#[test]
+fn xacro_is_refused_by_its_name_with_what_expands_it() {
+    let macros = PENDULUM.replace(
+        "<robot name=\"pendulum\">",
+        "<robot name=\"pendulum\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <xacro:include filename=\"arm.xacro\"/>",
+    );
+    let undeclared = PENDULUM.replace("<link name=\"base\"/>", "<link name=\"base\"/><xacro:arm/>");
+    let numbers = PENDULUM.replace("value=\"2\"", "value=\"${mass}\"");
+    for (text, what) in [
+        (&macros, "line 2: <xacro:include>"),
+        (&undeclared, "line 2: <xacro:arm>"),
+        (&numbers, "line 3: value = \"${mass}\""),
+    ] {
+        let said = message(text);
+        assert!(said.contains(what), "{said}");
+        assert!(said.contains("xacro FILE > robot.urdf"), "{said}");
+        let located = refused(text).located("arm.urdf.xacro", text).to_string();
+        assert!(located.starts_with("arm.urdf.xacro, line "), "{located}");
+    }
+}

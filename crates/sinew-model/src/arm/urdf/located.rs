@@ -1,6 +1,6 @@
 //! What is wrong with a URDF, with its place in the file.
 
-use super::UrdfError;
+use super::{EXPAND, UrdfError};
 use crate::arm::ArmError;
 use alloc::format;
 use alloc::string::ToString;
@@ -18,6 +18,12 @@ impl UrdfError {
                 format!("not a readable URDF: {problem}"),
             )
             .line(u64::from(*line)),
+            Self::Xacro { line, what } => {
+                let problem = format!("{what} is xacro, not URDF yet");
+                Located::new(file, Fault::Syntax, problem)
+                    .line(u64::from(*line))
+                    .cure(format!("expand it: {EXPAND}"))
+            }
             Self::Tree(_) => new(Fault::Contradiction),
             Self::JointType { joint, .. } => {
                 at(&format!("joint '{joint}'"), new(Fault::NotAllowed))

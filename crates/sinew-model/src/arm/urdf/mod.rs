@@ -10,6 +10,9 @@
 //! | any of these with `<mimic>` | a joint of its own, with a warning: the recording has its position too |
 //! | `floating`, `planar`, `spherical` | refused: lock it, or cut the description at the arm's base |
 //!
+//! Visuals, collisions, sensors, transmissions and tags of vendors are left alone, whatever they hold. Xacro is
+//! refused by its name.
+//!
 //! What becomes of odd numbers: a negative mass, NaN or infinity is refused; an inertia that no
 //! body can have (identified models contain such), a joint that carries no mass and a negative
 //! friction are accepted with a warning. A negative friction counts as none.
@@ -77,6 +80,9 @@ pub struct UrdfArm {
     pub warnings: Vec<String>,
 }
 
+/// What makes a URDF of a xacro file.
+const EXPAND: &str = "xacro FILE > robot.urdf";
+
 /// Why a URDF was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -88,6 +94,14 @@ pub enum UrdfError {
         line: u32,
         /// What is wrong there.
         problem: String,
+    },
+    /// Xacro, from which URDF is made.
+    #[error("line {line}: {what} is xacro, not URDF yet; expand it: {EXPAND}")]
+    Xacro {
+        /// Line, from 1.
+        line: u32,
+        /// What gives it away.
+        what: String,
     },
     /// A tree it isn't.
     #[error("{0}")]

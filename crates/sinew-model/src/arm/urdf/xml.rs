@@ -4,7 +4,7 @@ use super::UrdfError;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Error, Node, ParsingOptions};
 
 /// Elements and texts a URDF may have; the largest robots have some ten thousand.
 const NODES_MOST: u32 = 1_000_000;
@@ -67,25 +67,57 @@ pub(super) struct Joint {
     pub(super) mimics: Option<String>,
 }
 
+/// Prefixes of vendors' tags that may be used without being declared.
+const PREFIXES_MOST: usize = 32;
+
 /// Reads `text`.
 pub(super) fn read(text: &str) -> Result<Robot, UrdfError> {
+    let mut text = alloc::borrow::Cow::from(text);
+    for _ in 0..PREFIXES_MOST {
+        match undeclared(&text) {
+            Some(declared) => text = declared.into(),
+            None => break,
+        }
+    }
+    robot(&parsed(&text).map_err(|error| UrdfError::Xml {
+        line: error.pos().row,
+        problem: error.to_string(),
+    })?)
+}
+
+fn parsed(text: &str) -> Result<Document<'_>, Error> {
     let options = ParsingOptions {
         nodes_limit: NODES_MOST,
         ..ParsingOptions::default()
     };
-    let document = Document::parse_with_options(text, options).map_err(|error| UrdfError::Xml {
-        line: error.pos().row,
-        problem: error.to_string(),
-    })?;
+    Document::parse_with_options(text, options)
+}
+
+/// The text with a prefix declared that it uses without: other readers of URDF know no namespaces.
+fn undeclared(text: &str) -> Option<String> {
+    let Err(Error::UnknownNamespace(prefix, _)) = parsed(text) else {
+        return None;
+    };
+    let at = text.find("<robot")? + "<robot".len();
+    let (before, after) = text.split_at(at);
+    Some(format!("{before} xmlns:{prefix}=\"{prefix}\"{after}"))
+}
+
+fn robot(document: &Document<'_>) -> Result<Robot, UrdfError> {
     let root = document.root_element();
+    let is_xacro = |node: &Node<'_, '_>| {
+        let uri = node.tag_name().namespace();
+        uri.is_some_and(|uri| uri.ends_with("xacro"))
+    };
+    if let Some(node) = document.root().descendants().find(is_xacro) {
+        let what = format!("<xacro:{}>", node.tag_name().name());
+        return Err(xacro(node, what));
+    }
     if root.tag_name().name() != "robot" {
         return Err(fault(root, "the outermost element must be <robot>"));
     }
     let version = Version::of(root);
-    let all = |tag: &'static str| {
-        root.children()
-            .filter(move |node| node.tag_name().name() == tag)
-    };
+    let all = |tag: &'static str| root.children().filter(move |node| is(*node, root, tag));
     Ok(Robot {
         name: root.attribute("name").unwrap_or_default().to_string(),
         links: all("link")
@@ -245,7 +277,24 @@ fn rpy_of(quaternion: [f64; 4]) -> [f64; 3] {
 }
 
 fn child<'a, 'i>(node: Node<'a, 'i>, tag: &str) -> Option<Node<'a, 'i>> {
-    node.children().find(|child| child.tag_name().name() == tag)
+    node.children().find(|child| is(*child, node, tag))
+}
+
+/// Whether a node is an element of URDF, which shares the namespace of the one around it, and no vendor's.
+fn is(node: Node<'_, '_>, around: Node<'_, '_>, tag: &str) -> bool {
+    let (own, around) = (node.tag_name(), around.tag_name());
+    own.name() == tag && own.namespace() == around.namespace()
+}
+
+fn xacro(node: Node<'_, '_>, what: String) -> UrdfError {
+    UrdfError::Xacro {
+        line: line(node),
+        what,
+    }
+}
+
+fn line(node: Node<'_, '_>) -> u32 {
+    node.document().text_pos_at(node.range().start).row
 }
 
 fn needed_child<'a, 'i>(node: Node<'a, 'i>, tag: &str) -> Result<Node<'a, 'i>, UrdfError> {
@@ -273,6 +322,9 @@ fn numbers<const N: usize>(node: Node<'_, '_>, name: &str) -> Result<Option<[f64
     let Some(text) = node.attribute(name) else {
         return Ok(None);
     };
+    if text.contains("${") || text.contains("$(") {
+        return Err(xacro(node, format!("{name} = \"{text}\"")));
+    }
     let words = text.split_whitespace().map(str::parse::<f64>);
     let found: Option<Vec<f64>> = words.map(Result::ok).collect();
     let found = found.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
@@ -295,7 +347,7 @@ fn fault(node: Node<'_, '_>, problem: &str) -> UrdfError {
         format!("{} '{name}', ", n.tag_name().name())
     });
     UrdfError::Xml {
-        line: node.document().text_pos_at(node.range().start).row,
+        line: line(node),
         problem: format!("{owner}<{}> {problem}", node.tag_name().name()),
     }
 }
