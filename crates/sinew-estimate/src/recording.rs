@@ -6,7 +6,7 @@ use crate::robot_dir;
 use crate::robot_dir::LoadedRobot;
 use crate::warning::RecordingWarning;
 use sinew_files::names::nearest;
-use sinew_log::{Frame, Recording};
+use sinew_log::{Frame, Quantity, Recording};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
@@ -88,14 +88,27 @@ fn match_joints(
         return Err(EstimateError::Mismatch {
             file: file.into(),
             why: format!(
-                "has no position of joint {}, which the robot has; it has {}. Name it in a mapping file (--mapping), or hold it with locked_at_rad in robot.toml",
+                "has no position of joint {}, which the robot has; it has {}{}. Name it in a mapping file (--mapping), or hold it with locked_at_rad in robot.toml",
                 quoted(&missing),
                 quoted(&known.iter().map(String::as_str).collect::<Vec<_>>()),
+                sources(recording),
             ),
         });
     }
     let unknown = known.iter().filter(|k| !names.contains(k));
     Ok(unknown.cloned().collect())
+}
+
+/// Which topics or columns positions were looked for in.
+fn sources(recording: &Recording) -> String {
+    let positions = [Quantity::Q, Quantity::Theta];
+    let all = recording.sources().into_iter();
+    let own = all.filter(|s| positions.contains(&s.quantity));
+    let told = own.map(|s| format!("{} from {}", s.quantity.symbol(), s.source));
+    match Vec::from_iter(told).join(", ") {
+        none if none.is_empty() => none,
+        told => format!(" ({told})"),
+    }
 }
 
 fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {

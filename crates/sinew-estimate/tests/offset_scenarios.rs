@@ -27,7 +27,7 @@ fn scenario_recordings_open_as_they_are() {
         request.robot = Some(biorob_like_folder());
         let estimate = replay::run(&request, &mut |_| {})
             .unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-        assert_eq!(estimate.recording.format, replay::RecordingFormat::Parquet);
+        assert_eq!(estimate.recording.format, sinew_log::Format::Parquet);
         assert_eq!(estimate.recording.frames, 45_000);
         assert!((estimate.recording.rate_hz.unwrap() - 250.0).abs() < 0.01);
         assert!(!estimate.damaged);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::{Format, Recording};
 use crate::frame::Quantity;
 use crate::health::Health;
+use crate::sources::{SignalSource, TopicInfo};
 
 /// What a recording holds, and how well it could be read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,12 @@ pub struct RecordingInfo {
     pub segments: u32,
     /// Joints in the recording's order.
     pub joints: Vec<JointInfo>,
+    /// Topics in the order of their names; none of a table.
+    pub topics: Vec<TopicInfo>,
+    /// Where each quantity is read from.
+    pub sources: Vec<SignalSource>,
+    /// Columns of a table that nothing is read from.
+    pub unused_columns: Vec<String>,
     /// Whether a temperature is recorded.
     pub temperature: bool,
     /// Whether the recording holds the robot's URDF.
@@ -111,6 +118,9 @@ impl Pace {
                     channels: has.iter().collect(),
                 })
                 .collect(),
+            topics: recording.topics(),
+            sources: recording.sources(),
+            unused_columns: recording.unused_columns(),
             temperature: channels.temperature,
             robot_description: recording.robot_description().is_some(),
             lossy: recording.health().is_lossy(),

@@ -63,7 +63,8 @@
 //! | more values than names; a name twice | surplus ignored; the first counts |
 //! | joints that appear later than the first 256 messages of a topic | named in [`Health::unknown_joints`] and ignored |
 //! | joint asked for is not recorded | refused, with the names and the nearest |
-//! | several topics could be the joint side | refused, with the candidates |
+//! | several topics could be the joint side, or the motor side | refused, with the candidates |
+//! | one topic or column for both sides; an interface asked for that is not there | refused |
 //! | motor side missing, or not near in time | frames without it (NaN); counted |
 //! | out of order within the window | sorted in; counted |
 //! | later than the window | dropped; counted. Eight in a row are a clock jump |
@@ -80,6 +81,7 @@
 //! | CSV row with too few or too many cells | padded, or cut; counted |
 //! | CSV last line without line end and with too few cells or half a number | dropped; damage. A number cut off to a shorter number cannot be told |
 //! | CSV or Parquet row without a time | dropped; counted |
+//! | table whose clock runs backwards, or most of whose rows have the time of the row before | refused |
 //! | CSV row or unclosed quote over 4 MiB | refused |
 //! | Parquet without its footer | refused: it cannot be recovered |
 //! | Parquet page that cannot be decoded | reading stops there; the rest is damage |
@@ -97,6 +99,7 @@ mod health;
 mod info;
 mod mapping;
 mod options;
+mod sources;
 mod unit;
 
 pub use creep_tests::{
@@ -113,3 +116,4 @@ pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
 pub use info::{JointInfo, Pace, RecordingInfo};
 pub use mapping::{JointEffort, Mapping};
 pub use options::OpenOptions;
+pub use sources::{SignalSource, TopicInfo, TopicUse};

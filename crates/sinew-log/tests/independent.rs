@@ -94,13 +94,22 @@ fn mcap_writer_without_chunks_index_and_summary_and_big_endian() {
 
 #[test]
 fn another_interface_name_is_another_quantity() {
-    let options = OpenOptions {
-        motor_interface: "no_such_interface".to_owned(),
+    let with = |interface: &str| OpenOptions {
+        motor_interface: interface.to_owned(),
         ..OpenOptions::default()
     };
-    let recording = open(&data("rosbags.mcap"), &options).unwrap();
-    assert!(!recording.channels().any_has(Quantity::Theta));
-    assert_eq!(compare(recording, true), 200);
+    // The gripper has no motor_position, and the other joints no position.
+    let mut recording = open(&data("rosbags.mcap"), &with("position")).unwrap();
+    assert!(recording.channels().any_has(Quantity::Theta));
+    let (mut frames, mut positions) = (0, 0);
+    while let Some(frame) = recording.next_frame().unwrap() {
+        frames += 1;
+        positions += frame.theta.iter().filter(|theta| theta.is_finite()).count();
+    }
+    assert_eq!((frames, positions), (200, 200));
+    // One that nobody recorded is refused with those there are.
+    let error = open(&data("rosbags.mcap"), &with("no_such_interface")).unwrap_err();
+    assert!(error.to_string().contains("'motor_position'"), "{error}");
 }
 
 #[test]

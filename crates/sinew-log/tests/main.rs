@@ -11,5 +11,6 @@ mod messages;
 mod parquet;
 mod roundtrip;
 mod shared;
+mod sources;
 mod support;
 mod tables;

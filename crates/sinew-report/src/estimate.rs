@@ -5,10 +5,12 @@ use super::sentences::{doubt, headline};
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::warnings::recording_warning;
 use super::words::{basis_row, joint_refusal, loss_reason};
-use sinew_estimate::replay::{Estimate, JointEstimate, Loss, RecordingFormat};
+use crate::log::format_name;
+use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::SessionEstimate;
 use sinew_figure::{Block, Page, Table, count, duration, given, rounded, share, with_error};
 use sinew_files::date::utc_text;
+use sinew_log::SignalSource;
 use sinew_model::offset::{Comparison, TorqueSource};
 
 /// The estimate as one HTML file that opens offline.
@@ -95,14 +97,6 @@ pub fn html_with(estimate: &Estimate, session: Option<&SessionEstimate>) -> Stri
         ],
     )
     .html()
-}
-
-fn format_name(format: RecordingFormat) -> &'static str {
-    match format {
-        RecordingFormat::Mcap => "MCAP",
-        RecordingFormat::Csv => "CSV",
-        RecordingFormat::Parquet => "Parquet",
-    }
 }
 
 fn how_sure(estimate: &Estimate) -> String {
@@ -263,6 +257,9 @@ fn circumstances(estimate: &Estimate) -> Table {
         "recording",
         format!("{} ({})", recording.path, format_name(recording.format)),
     );
+    for SignalSource { quantity, source } in &recording.sources {
+        add(quantity.symbol(), format!("from {source}"));
+    }
     if let Some(date) = utc_text(recording.start_time_ns) {
         add("begins", date);
     }

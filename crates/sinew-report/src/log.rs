@@ -2,9 +2,10 @@
 
 use crate::text::{paragraph, plain, table};
 use sinew_figure::rounded;
-use sinew_log::{Format, Health, Quantity, RecordingInfo};
+use sinew_log::{Format, Health, Quantity, RecordingInfo, SignalSource, TopicInfo, TopicUse};
 
-fn format_name(format: Format) -> &'static str {
+/// A format as people call it.
+pub(crate) fn format_name(format: Format) -> &'static str {
     match format {
         Format::Mcap => "MCAP",
         Format::Csv => "CSV",
@@ -12,12 +13,44 @@ fn format_name(format: Format) -> &'static str {
     }
 }
 
+/// Every topic with its type, count, rate, and what it is taken for.
+fn topics(topics: &[TopicInfo]) -> String {
+    if topics.is_empty() {
+        return String::new();
+    }
+    let rows = topics.iter().map(|topic| {
+        let taken_for = match topic.taken_for {
+            Some(TopicUse::JointSide) => "joint side",
+            Some(TopicUse::MotorSide) => "motor side",
+            Some(TopicUse::ExternalTorque) => "external torque",
+            Some(TopicUse::RobotDescription) => "URDF",
+            None => "not used",
+        };
+        vec![
+            format!("{}\n{}", plain(&topic.name), plain(&topic.kind)),
+            topic.messages.to_string(),
+            rounded(topic.rate_hz.unwrap_or(f64::NAN), 4),
+            taken_for.into(),
+        ]
+    });
+    let head = ["topic and type", "messages", "Hz", "taken for"];
+    let mut out = String::from("\n") + &table(&head, rows.collect(), 1);
+    for topic in topics.iter().filter(|topic| !topic.interfaces.is_empty()) {
+        let interfaces = topic.interfaces.join(", ");
+        out += &paragraph(
+            &plain(&format!("interfaces of {}: {interfaces}", topic.name)),
+            2,
+        );
+    }
+    out
+}
+
 /// Rate, channels and what was lost, at most 80 columns wide.
 pub fn render(info: &RecordingInfo) -> String {
     let ms = |step_s: Option<f64>| rounded(1e3 * step_s.unwrap_or(f64::NAN), 3);
     let mut out = paragraph(
         &plain(&format!(
-            "{}: {}, {} frames, {} s at {} Hz (steps of {} to {} ms), {} without a gap",
+            "{}: {}, {} frames, {} s at {} Hz (steps of {} to {} ms), in {}",
             info.file,
             format_name(info.format),
             info.frames,
@@ -47,7 +80,17 @@ pub fn render(info: &RecordingInfo) -> String {
         row
     });
     out.push_str(&table(&head, rows.collect(), 1));
+    out.push_str(&topics(&info.topics));
     let mut line = |text: String| out.push_str(&paragraph(&plain(&text), 2));
+    for SignalSource { quantity, source } in &info.sources {
+        line(format!("{} from {source}", quantity.symbol()));
+    }
+    if !info.unused_columns.is_empty() {
+        line(format!(
+            "columns not used: {}",
+            info.unused_columns.join(", ")
+        ));
+    }
     let yes = |b: bool| if b { "yes" } else { "no" };
     line(format!(
         "temperature: {}; robot_description: {}",

@@ -84,7 +84,11 @@ pub(super) fn made_up() -> Estimate {
         sinew_version: "0.1.0".into(),
         recording: RecordingInfo {
             path: "monday.mcap".into(),
-            format: RecordingFormat::Mcap,
+            format: sinew_log::Format::Mcap,
+            sources: vec![sinew_log::SignalSource {
+                quantity: sinew_log::Quantity::Q,
+                source: "/joint_states position".into(),
+            }],
             start_time_ns: 1_709_210_096_000_000_000,
             duration_s: 40.0,
             frames: 40_000,

@@ -30,7 +30,7 @@ mod tally;
 pub(crate) use pass::Pass;
 pub use result::{
     Basis, Difference, Estimate, JointEstimate, JointRefusal, Loss, LossReason, Origin, Quantity,
-    RecordingFormat, RecordingInfo, RobotInfo, Series, Settings, TorqueStatistics,
+    RecordingInfo, RobotInfo, Series, Settings, TorqueStatistics,
 };
 pub use run::run;
 pub(crate) use run::{compare, reference};

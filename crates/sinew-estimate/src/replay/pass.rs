@@ -6,13 +6,12 @@ use super::csv::CsvSink;
 use super::frames::{JointSummary, Replay};
 use super::health::{health_losses, health_warnings, judge};
 use super::result::{
-    Estimate, JointEstimate, JointRefusal, RecordingFormat, RecordingInfo, RobotInfo, Series,
-    TorqueStatistics,
+    Estimate, JointEstimate, JointRefusal, RecordingInfo, RobotInfo, Series, TorqueStatistics,
 };
 use crate::error::EstimateError;
 use crate::recording::Opened;
 use crate::request::Request;
-use sinew_log::{Format, Frame};
+use sinew_log::Frame;
 use sinew_model::offset::{OffsetConfig, OffsetObserver};
 use sinew_model::transmission::Transmission;
 
@@ -103,11 +102,8 @@ impl<'a> Pass<'a> {
         }
         let info = RecordingInfo {
             path: file,
-            format: match recording.format() {
-                Format::Mcap => RecordingFormat::Mcap,
-                Format::Csv => RecordingFormat::Csv,
-                Format::Parquet => RecordingFormat::Parquet,
-            },
+            format: recording.format(),
+            sources: recording.sources(),
             start_time_ns: replay.start_ns(),
             duration_s: replay.duration_s(),
             frames: replay.frames(),

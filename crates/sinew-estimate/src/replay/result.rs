@@ -3,6 +3,7 @@
 use crate::feeder::{Injection, Refusal};
 use crate::warning::RecordingWarning;
 use serde::{Deserialize, Deserializer, Serialize};
+use sinew_log::{Format, SignalSource};
 use sinew_model::offset::{Comparison, TorqueSource};
 
 /// The estimate of one recording.
@@ -36,7 +37,9 @@ pub struct RecordingInfo {
     /// File name as given.
     pub path: String,
     /// Its format.
-    pub format: RecordingFormat,
+    pub format: Format,
+    /// Where each quantity is read from.
+    pub sources: Vec<SignalSource>,
     /// Time of the first frame, ns since the recording's epoch.
     pub start_time_ns: i64,
     /// From first to last frame, s.
@@ -47,19 +50,6 @@ pub struct RecordingInfo {
     pub rate_hz: Option<f64>,
     /// Segments without a gap or clock jump.
     pub segments: u32,
-}
-
-/// Format of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum RecordingFormat {
-    /// MCAP as ROS 2 writes it.
-    Mcap,
-    /// Delimited text.
-    Csv,
-    /// Apache Parquet.
-    Parquet,
 }
 
 /// What it was held against.

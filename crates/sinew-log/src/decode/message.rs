@@ -22,6 +22,14 @@ pub enum MessageKind {
 }
 
 impl MessageKind {
+    /// The schema's name.
+    pub fn schema(self) -> &'static str {
+        match self {
+            MessageKind::JointState => "sensor_msgs/msg/JointState",
+            MessageKind::DynamicJointState => "control_msgs/msg/DynamicJointState",
+        }
+    }
+
     /// The type of a schema's name; `None`: not one that is read.
     pub fn of_schema(name: &str) -> Option<MessageKind> {
         match name {

@@ -6,6 +6,7 @@ use crate::error::LogError;
 use crate::frame::Channels;
 use crate::health::Health;
 use crate::options::OpenOptions;
+use crate::sources::{SignalSource, TopicInfo};
 
 /// One format's way from bytes to samples.
 pub(super) trait Reader: Send {
@@ -24,6 +25,19 @@ pub(super) trait Reader: Send {
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError>;
 
     fn progress(&self) -> Progress;
+
+    /// Where each quantity found is read from.
+    fn sources(&self) -> Vec<SignalSource>;
+
+    /// The topics there are, by name; complete at the end.
+    fn topics(&self) -> Vec<TopicInfo> {
+        Vec::new()
+    }
+
+    /// Columns that nothing is read from.
+    fn unused_columns(&self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// The robot's URDF, where it is recorded.
     fn robot_description(&self) -> Option<&str> {

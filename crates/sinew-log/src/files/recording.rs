@@ -17,6 +17,7 @@ use crate::error::LogError;
 use crate::frame::{Channels, Frame};
 use crate::health::Health;
 use crate::options::OpenOptions;
+use crate::sources::{SignalSource, TopicInfo};
 use sinew_files::names::{hint, list};
 
 /// The format of a recording.
@@ -186,6 +187,21 @@ impl Recording {
     /// The format found.
     pub fn format(&self) -> Format {
         self.reader.format()
+    }
+
+    /// Where each quantity found is read from: topic and field or interface, or the columns.
+    pub fn sources(&self) -> Vec<SignalSource> {
+        self.reader.sources()
+    }
+
+    /// The topics of the recording and what each is taken for; counts are complete after the last frame.
+    pub fn topics(&self) -> Vec<TopicInfo> {
+        self.reader.topics()
+    }
+
+    /// Columns of a table that nothing is read from.
+    pub fn unused_columns(&self) -> Vec<String> {
+        self.reader.unused_columns()
     }
 
     /// The joints of the frames: all found, in the recording's order, or those selected.

@@ -132,6 +132,16 @@ pub(crate) struct Source {
     pub(crate) line: u64,
 }
 
+impl Source {
+    /// Whether it reads the same columns in the same way.
+    pub(crate) fn reads_as(&self, other: &Source) -> bool {
+        let same = |(a, b): (&Term, &Term)| {
+            (&a.column, a.scale, a.offset) == (&b.column, b.scale, b.offset)
+        };
+        self.terms.len() == other.terms.len() && self.terms.iter().zip(&other.terms).all(same)
+    }
+}
+
 /// `si = scale · raw + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Term {

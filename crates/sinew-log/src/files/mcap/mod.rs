@@ -6,7 +6,7 @@ mod scan;
 mod source;
 mod topics;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::assemble::{Conditioner, Joiner, Signal};
 use crate::decode::{Entry, Layout, MessageKind, parse, stamp_ns};
@@ -19,7 +19,9 @@ use crate::health::{Health, UNKNOWN_LIMIT};
 use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
+use crate::sources::{SignalSource, TopicInfo, TopicUse};
 use container::{Container, Item};
+use scan::{Topic, is_description, topic_of};
 use source::Source;
 use topics::{Names, Role, check_mapping, choose, joints_of};
 
@@ -32,6 +34,36 @@ struct Stream {
     kind: MessageKind,
     /// Most recently used first.
     layouts: Vec<Layout>,
+}
+
+/// A channel, and how often it was met.
+#[derive(Debug, Default)]
+struct Seen {
+    topic: String,
+    schema: String,
+    interfaces: Vec<String>,
+    is_description: bool,
+    messages: u64,
+    first_ns: u64,
+    last_ns: u64,
+}
+
+impl Seen {
+    fn describe(&mut self, topic: &Topic) {
+        self.topic.clone_from(&topic.name);
+        self.schema.clone_from(&topic.schema);
+        self.interfaces = topic.interfaces();
+        self.is_description = is_description(topic);
+    }
+
+    fn message(&mut self, log_time_ns: u64) {
+        if self.messages == 0 {
+            self.first_ns = log_time_ns;
+        }
+        self.first_ns = self.first_ns.min(log_time_ns);
+        self.last_ns = self.last_ns.max(log_time_ns);
+        self.messages += 1;
+    }
 }
 
 /// The joints handed out: where a recorded name goes on each side.
@@ -52,8 +84,10 @@ pub(crate) struct McapReader {
     robot_description: Option<String>,
     /// Recorded names of all joints known, for telling the unknown ones.
     known: Vec<Vec<u8>>,
-    schemas: HashMap<u16, String>,
+    schemas: BTreeMap<u16, String>,
     streams: Vec<Option<Stream>>,
+    /// Every channel, at its number.
+    seen: Vec<Seen>,
     /// Channels known from the start: a damaged chunk may hold their definition.
     announced: Vec<(u16, String, MessageKind)>,
     selection: Selection,
@@ -98,8 +132,9 @@ impl McapReader {
             channels,
             robot_description: contents.robot_description,
             known,
-            schemas: HashMap::new(),
+            schemas: BTreeMap::new(),
             streams: Vec::new(),
+            seen: Vec::new(),
             announced: contents
                 .topics
                 .iter()
@@ -116,12 +151,28 @@ impl McapReader {
             motor_blocks,
             ended: false,
         };
+        for (id, topic) in &contents.topics {
+            reader.saw(*id).describe(topic);
+        }
         let all = reader.joints.clone();
         reader.select(&all);
         Ok(reader)
     }
 
+    /// What is noted of a channel.
+    fn saw(&mut self, id: u16) -> &mut Seen {
+        let id = usize::from(id);
+        if self.seen.len() <= id {
+            self.seen.resize_with(id + 1, Seen::default);
+        }
+        &mut self.seen[id]
+    }
+
     fn channel(&mut self, channel: &mcap::records::Channel) {
+        if self.saw(channel.id).topic.is_empty() {
+            let topic = topic_of(channel, &self.schemas);
+            self.saw(channel.id).describe(&topic);
+        }
         let kind = self
             .schemas
             .get(&channel.schema_id)
@@ -133,13 +184,7 @@ impl McapReader {
 
     /// From now on messages of the channel are read, if its topic has a role.
     fn stream(&mut self, id: u16, topic: &str, kind: MessageKind) {
-        let role = if topic == self.names.joint_topic {
-            Role::Joint
-        } else if Some(topic) == self.names.motor_topic.as_deref() {
-            Role::Motor
-        } else if Some(topic) == self.names.external_topic.as_deref() {
-            Role::External
-        } else {
+        let Some(role) = self.names.role(topic) else {
             return;
         };
         let id = usize::from(id);
@@ -321,6 +366,40 @@ impl Reader for McapReader {
         }
     }
 
+    fn sources(&self) -> Vec<SignalSource> {
+        self.names.sources(&self.channels)
+    }
+
+    fn topics(&self) -> Vec<TopicInfo> {
+        let mut topics: BTreeMap<&str, Seen> = BTreeMap::new();
+        for seen in self.seen.iter().filter(|seen| !seen.topic.is_empty()) {
+            let all = topics.entry(&seen.topic).or_default();
+            if seen.messages > 0 {
+                all.message(seen.first_ns);
+                all.message(seen.last_ns);
+                all.messages = all.messages + seen.messages - 2;
+            }
+            all.schema.clone_from(&seen.schema);
+            all.is_description = seen.is_description;
+            all.interfaces.extend_from_slice(&seen.interfaces);
+        }
+        let info = |(name, all): (&str, Seen)| TopicInfo {
+            name: name.to_owned(),
+            kind: all.schema,
+            messages: all.messages,
+            rate_hz: (all.messages > 1 && all.last_ns > all.first_ns)
+                .then(|| (all.messages - 1) as f64 * 1e9 / (all.last_ns - all.first_ns) as f64),
+            interfaces: all.interfaces,
+            taken_for: match self.names.role(name) {
+                Some(Role::Joint) => Some(TopicUse::JointSide),
+                Some(Role::Motor) => Some(TopicUse::MotorSide),
+                Some(Role::External) => Some(TopicUse::ExternalTorque),
+                None => all.is_description.then_some(TopicUse::RobotDescription),
+            },
+        };
+        topics.into_iter().map(info).collect()
+    }
+
     fn robot_description(&self) -> Option<&str> {
         self.robot_description.as_deref()
     }
@@ -342,6 +421,7 @@ impl Reader for McapReader {
                     channel,
                     log_time_ns,
                 } => {
+                    self.saw(channel).message(log_time_ns);
                     let known = self.streams.get(usize::from(channel));
                     if known.is_some_and(Option::is_some) {
                         self.message(channel, log_time_ns, joiner, health);

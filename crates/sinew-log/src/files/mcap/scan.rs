@@ -1,6 +1,6 @@
 //! What an MCAP recording holds, from its start and, where there is one, its summary.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::{Record, op};
 
@@ -42,6 +42,18 @@ pub(super) struct Topic {
     pub(super) messages: u64,
     /// Joints in the order met.
     pub(super) joints: Vec<(String, Fields)>,
+}
+
+impl Topic {
+    /// Interfaces that its joints have, sorted.
+    pub(super) fn interfaces(&self) -> Vec<String> {
+        let all = self
+            .joints
+            .iter()
+            .flat_map(|(_, fields)| &fields.interfaces);
+        let all: BTreeSet<&String> = all.collect();
+        all.into_iter().cloned().collect()
+    }
 }
 
 /// What the recording holds.
@@ -215,7 +227,7 @@ impl Contents {
     }
 }
 
-fn topic_of(channel: &mcap::records::Channel, schemas: &BTreeMap<u16, String>) -> Topic {
+pub(super) fn topic_of(channel: &mcap::records::Channel, schemas: &BTreeMap<u16, String>) -> Topic {
     Topic {
         name: channel.topic.clone(),
         schema: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
@@ -225,7 +237,7 @@ fn topic_of(channel: &mcap::records::Channel, schemas: &BTreeMap<u16, String>) -
     }
 }
 
-fn is_description(topic: &Topic) -> bool {
+pub(super) fn is_description(topic: &Topic) -> bool {
     topic.name.rsplit('/').next() == Some("robot_description")
         && matches!(
             topic.schema.as_str(),

@@ -6,8 +6,10 @@ use crate::error::LogError;
 use crate::frame::{Channels, Quantities, Quantity};
 use crate::mapping::{JointEffort, JointMap, Mapping};
 use crate::options::OpenOptions;
+use crate::sources::SignalSource;
 use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
+use std::collections::BTreeSet;
 
 /// Topic of the joint side unless told otherwise.
 const JOINT_TOPIC: &str = "/joint_states";
@@ -27,6 +29,8 @@ pub(super) enum Role {
 pub(super) struct Names {
     pub(super) joint_topic: String,
     pub(super) motor_topic: Option<String>,
+    /// Whether the motor side is a JointState, which has fields and no interfaces.
+    motor_is_plain: bool,
     pub(super) external_topic: Option<String>,
     pub(super) motor_interface: String,
     pub(super) motor_effort_interface: String,
@@ -35,6 +39,54 @@ pub(super) struct Names {
 }
 
 impl Names {
+    /// What a topic is for.
+    pub(super) fn role(&self, topic: &str) -> Option<Role> {
+        if topic == self.joint_topic {
+            Some(Role::Joint)
+        } else if Some(topic) == self.motor_topic.as_deref() {
+            Some(Role::Motor)
+        } else if Some(topic) == self.external_topic.as_deref() {
+            Some(Role::External)
+        } else {
+            None
+        }
+    }
+
+    /// Where each quantity of these channels is read from.
+    pub(super) fn sources(&self, channels: &Channels) -> Vec<SignalSource> {
+        let (joint, motor) = (Some(&self.joint_topic), self.motor_topic.as_ref());
+        let effort_of = |effort| self.joint_effort == effort;
+        let all = Quantity::PER_JOINT
+            .into_iter()
+            .chain([Quantity::Temperature]);
+        let found = all.filter(|quantity| channels.any_has(*quantity));
+        found
+            .filter_map(|quantity| {
+                let (topic, field) = match quantity {
+                    Quantity::Q => (joint, "position"),
+                    Quantity::Dq => (joint, "velocity"),
+                    Quantity::TauEl => (joint, "effort"),
+                    Quantity::TauM if effort_of(JointEffort::TauM) => (joint, "effort"),
+                    Quantity::Theta => (motor, self.motor_interface.as_str()),
+                    Quantity::TauM => (motor, self.motor_effort_interface.as_str()),
+                    Quantity::Temperature => (motor, self.temperature_interface.as_str()),
+                    Quantity::TauExt => (self.external_topic.as_ref(), "effort"),
+                };
+                let plain = match quantity {
+                    Quantity::Theta => "position",
+                    _ => "effort",
+                };
+                let field = if topic == motor && self.motor_is_plain {
+                    plain
+                } else {
+                    field
+                };
+                let source = format!("{} {field}", topic?);
+                Some(SignalSource { quantity, source })
+            })
+            .collect()
+    }
+
     pub(super) fn quantity(&self, role: Role, field: Field<'_>) -> Option<Quantity> {
         match (role, field) {
             (Role::Joint, Field::Position) => Some(Quantity::Q),
@@ -114,123 +166,66 @@ pub(super) fn choose(
         .clone()
         .or_else(|| mapped.and_then(|m| m.joint_state_topic.clone()));
 
-    let topics: Vec<&Topic> = contents.topics.values().collect();
-    let of_kind = |kind: MessageKind| -> Vec<&Topic> {
-        topics
-            .iter()
-            .copied()
-            .filter(|topic| MessageKind::of_schema(&topic.schema) == Some(kind))
-            .collect()
-    };
-    let all_names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
-    let request = |reason: String| LogError::request(file, reason);
-    let missing = |wanted: &str| {
-        let hint = hint(wanted, &all_names);
-        request(format!(
-            "no topic '{wanted}'{hint} topics are {}",
-            list(&all_names)
-        ))
-    };
-
-    let states = of_kind(MessageKind::JointState);
+    let topics = Topics::of(contents, file);
+    let states = topics.of_kind(MessageKind::JointState);
     let joint = match &joint_wish {
-        Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
-            None => return Err(missing(wanted)),
-            Some(topic)
-                if MessageKind::of_schema(&topic.schema) != Some(MessageKind::JointState) =>
-            {
-                return Err(request(format!(
-                    "topic '{wanted}' holds '{}'; the joint side is sensor_msgs/msg/JointState",
-                    topic.schema
-                )));
-            }
-            Some(topic) => *topic,
-        },
+        Some(wanted) => topics.named(wanted, "joint side", &[MessageKind::JointState])?,
         None => {
-            let candidates: Vec<&Topic> = states
-                .iter()
-                .copied()
-                .filter(|topic| {
-                    Some(&topic.name) != motor_wish.as_ref()
-                        && topic.name != external
-                        && (motor_wish.is_some() || !is_motor_name(&topic.name))
-                })
-                .collect();
-            match candidates.iter().find(|topic| topic.name == JOINT_TOPIC) {
-                Some(topic) => *topic,
-                None => match candidates.as_slice() {
-                    [only] => *only,
-                    [] => {
-                        let damage = contents
-                            .health
-                            .damage
-                            .first()
-                            .map(|damage| {
-                                format!(" before byte {}: {}", damage.offset, damage.reason)
-                            })
-                            .unwrap_or_default();
-                        return Err(LogError::refused(
-                            file,
-                            format!(
-                                "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
-                                list(&all_names)
-                            ),
-                        ));
-                    }
-                    several => {
-                        let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
-                        return Err(request(format!(
-                            "several topics could be the joint side: {}; choose one as joint_state_topic",
-                            list(&names)
-                        )));
-                    }
-                },
-            }
+            let could_be = |topic: &&Topic| {
+                Some(&topic.name) != motor_wish.as_ref()
+                    && topic.name != external
+                    && (motor_wish.is_some() || !is_motor_name(&topic.name))
+            };
+            let candidates: Vec<&Topic> = states.iter().copied().filter(could_be).collect();
+            let choice = "joint_state_topic (--joint-topic)";
+            let found = topics.one_of(&candidates, JOINT_TOPIC, "joint side", choice)?;
+            found.ok_or_else(|| topics.no_joint_side(contents))?
         }
     };
     if joint.encoding != "cdr" {
-        return Err(request(format!(
-            "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
-            joint.name, joint.encoding
-        )));
+        return Err(LogError::request(
+            file,
+            format!(
+                "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
+                joint.name, joint.encoding
+            ),
+        ));
     }
-
     let motor = match &motor_wish {
-        Some(wanted) => match topics.iter().find(|topic| topic.name == *wanted) {
-            None => return Err(missing(wanted)),
-            Some(topic) if MessageKind::of_schema(&topic.schema).is_none() => {
-                return Err(request(format!(
-                    "topic '{wanted}' holds '{}'; the motor side is control_msgs/msg/DynamicJointState or sensor_msgs/msg/JointState",
-                    topic.schema
-                )));
-            }
-            Some(topic) => Some(*topic),
-        },
+        Some(wanted) => {
+            let kinds = [MessageKind::DynamicJointState, MessageKind::JointState];
+            Some(topics.named(wanted, "motor side", &kinds)?)
+        }
         None => {
-            let dynamic = of_kind(MessageKind::DynamicJointState);
-            dynamic
-                .iter()
-                .copied()
-                .find(|topic| topic.name == MOTOR_TOPIC)
-                .or(match dynamic.as_slice() {
-                    [only] => Some(*only),
-                    _ => None,
-                })
-                .or_else(|| {
-                    states
-                        .iter()
-                        .copied()
-                        .find(|topic| topic.name != joint.name && is_motor_name(&topic.name))
-                })
+            let mut candidates = topics.of_kind(MessageKind::DynamicJointState);
+            if candidates.is_empty() {
+                let motors = states.into_iter();
+                let motors = motors.filter(|t| t.name != joint.name && is_motor_name(&t.name));
+                candidates = motors.collect();
+            }
+            let choice = "motor_topic (--motor-topic)";
+            topics.one_of(&candidates, MOTOR_TOPIC, "motor side", choice)?
         }
     };
-    let external = topics
-        .iter()
+    if motor.is_some_and(|motor| motor.name == joint.name) {
+        return Err(LogError::request(
+            file,
+            format!(
+                "joint side and motor side are the same topic, '{}'; name the motor's (--motor-topic), topics are {}",
+                joint.name,
+                list(&topics.labels())
+            ),
+        ));
+    }
+    let external = (contents.topics.values())
         .find(|topic| topic.name == external && topic.schema.ends_with("JointState"))
         .map(|topic| topic.name.clone());
-    Ok(Names {
+    let names = Names {
         joint_topic: joint.name.clone(),
         motor_topic: motor.map(|topic| topic.name.clone()),
+        motor_is_plain: motor.is_some_and(|motor| {
+            MessageKind::of_schema(&motor.schema) == Some(MessageKind::JointState)
+        }),
         external_topic: external,
         motor_interface: name(
             &options.motor_interface,
@@ -251,7 +246,106 @@ pub(super) fn choose(
             Some(effort) if options.joint_effort == JointEffort::default() => effort,
             _ => options.joint_effort,
         },
-    })
+    };
+    let interfaces = motor.map_or(Vec::new(), Topic::interfaces);
+    let wanted = &names.motor_interface;
+    let asked = *wanted != defaults.motor_interface;
+    if asked && !interfaces.is_empty() && !interfaces.contains(wanted) {
+        let hint = hint(wanted, &interfaces);
+        let there = list(&interfaces);
+        let reason =
+            format!("no interface '{wanted}' on the motor side{hint} interfaces are {there}");
+        return Err(LogError::request(file, reason));
+    }
+    Ok(names)
+}
+
+/// The topics of a recording, to choose from.
+struct Topics<'a> {
+    all: Vec<&'a Topic>,
+    file: &'a str,
+}
+
+impl<'a> Topics<'a> {
+    fn of(contents: &'a Contents, file: &'a str) -> Self {
+        let mut all: Vec<&Topic> = contents.topics.values().collect();
+        // A topic may have several channels.
+        let mut seen = BTreeSet::new();
+        all.retain(|topic| seen.insert(&topic.name));
+        Topics { all, file }
+    }
+
+    fn of_kind(&self, kind: MessageKind) -> Vec<&'a Topic> {
+        let all = self.all.iter().copied();
+        all.filter(|topic| MessageKind::of_schema(&topic.schema) == Some(kind))
+            .collect()
+    }
+
+    /// Names with their types.
+    fn labels(&self) -> Vec<String> {
+        let label = |topic: &&Topic| format!("{} ({})", topic.name, topic.schema);
+        self.all.iter().map(label).collect()
+    }
+
+    /// The topic asked for.
+    fn named(
+        &self,
+        wanted: &str,
+        side: &str,
+        kinds: &[MessageKind],
+    ) -> Result<&'a Topic, LogError> {
+        let Some(topic) = self.all.iter().find(|topic| topic.name == wanted) else {
+            let names: Vec<&str> = self.all.iter().map(|topic| topic.name.as_str()).collect();
+            let (hint, there) = (hint(wanted, &names), list(&names));
+            let reason = format!("no topic '{wanted}'{hint} topics are {there}");
+            return Err(LogError::request(self.file, reason));
+        };
+        match MessageKind::of_schema(&topic.schema) {
+            Some(kind) if kinds.contains(&kind) => Ok(topic),
+            _ => {
+                let types: Vec<&str> = kinds.iter().map(|kind| kind.schema()).collect();
+                let (holds, types) = (&topic.schema, types.join(" or "));
+                let reason = format!("topic '{wanted}' holds '{holds}'; the {side} is {types}");
+                Err(LogError::request(self.file, reason))
+            }
+        }
+    }
+
+    /// The one with the usual name, or the only one; refused where several are left.
+    fn one_of(
+        &self,
+        candidates: &[&'a Topic],
+        usual: &str,
+        side: &str,
+        choice: &str,
+    ) -> Result<Option<&'a Topic>, LogError> {
+        let usual = candidates.iter().find(|topic| topic.name == usual);
+        match (usual, candidates) {
+            (Some(topic), _) | (None, [topic]) => Ok(Some(topic)),
+            (None, []) => Ok(None),
+            (None, several) => {
+                let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
+                let names = list(&names);
+                let reason =
+                    format!("several topics could be the {side}: {names}; choose one as {choice}");
+                Err(LogError::request(self.file, reason))
+            }
+        }
+    }
+
+    fn no_joint_side(&self, contents: &Contents) -> LogError {
+        let damage = contents.health.damage.first();
+        let damage = damage.map_or(String::new(), |damage| {
+            format!(" before byte {}: {}", damage.offset, damage.reason)
+        });
+        LogError::refused(
+            self.file,
+            format!(
+                "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
+                list(&self.labels())
+            ),
+        )
+    }
 }
 
 fn is_motor_name(topic: &str) -> bool {

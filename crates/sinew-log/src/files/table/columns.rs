@@ -6,6 +6,7 @@ use crate::frame::{ABSENT, BLOCKS, Channels, Quantities, Quantity};
 use crate::mapping::{Mapping, Source, Wrap};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
+use crate::sources::SignalSource;
 use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 
@@ -32,6 +33,8 @@ struct SignalPlan {
 /// What the columns of a table mean.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
+    /// Headers, empty where a column cannot be read.
+    pub(crate) names: Vec<String>,
     joints: Vec<String>,
     channels: Channels,
     signals: Vec<SignalPlan>,
@@ -89,6 +92,7 @@ impl Columns {
         let mapping = options.mapping.as_ref();
         let (time_column, time_exponent) = time_of(names, mapping, file)?;
         let mut columns = Columns {
+            names: names.to_vec(),
             joints: Vec::new(),
             channels: Channels::default(),
             signals: Vec::new(),
@@ -157,6 +161,20 @@ impl Columns {
         file: &str,
     ) -> Result<(), LogError> {
         for joint in &mapping.joints {
+            let [q, theta] = [Quantity::Q, Quantity::Theta].map(|q| &joint.sources[q.index()]);
+            if let (Some(q), Some(theta)) = (q, theta)
+                && q.reads_as(theta)
+            {
+                let problem = "joint side and motor side are the same column";
+                return Err(Located::new(&mapping.file, Fault::Contradiction, problem)
+                    .line(theta.terms.first().map_or(theta.line, |term| term.line))
+                    .value(format!(
+                        "'{}'",
+                        theta.terms[0].column.as_deref().unwrap_or("")
+                    ))
+                    .cure("the motor's own position is needed")
+                    .into());
+            }
             let index = self.joints.len();
             self.joints.push(joint.name.clone());
             self.channels.joints.push(Quantities::default());
@@ -212,6 +230,35 @@ impl Columns {
 
     pub(crate) fn found(&self) -> (Vec<String>, Channels) {
         (self.joints.clone(), self.channels.clone())
+    }
+
+    /// Where each quantity is read from.
+    pub(super) fn sources(&self) -> Vec<SignalSource> {
+        let all = Quantity::PER_JOINT
+            .into_iter()
+            .chain([Quantity::Temperature]);
+        all.filter_map(|quantity| {
+            let own = self.signals.iter().filter(|s| s.quantity == quantity);
+            let columns = own
+                .flat_map(|s| &s.addends)
+                .map(|a| self.names[a.column].as_str());
+            let source = Vec::from_iter(columns).join(", ");
+            (!source.is_empty()).then_some(SignalSource { quantity, source })
+        })
+        .collect()
+    }
+
+    /// Columns that nothing is read from.
+    pub(super) fn unused(&self) -> Vec<String> {
+        let used = |column| {
+            let mut read = self.signals.iter().flat_map(|s| &s.addends);
+            column == self.time_column || read.any(|a| a.column == column)
+        };
+        let names = self.names.iter().enumerate();
+        names
+            .filter(|(column, name)| !name.is_empty() && !used(*column))
+            .map(|(_, name)| name.clone())
+            .collect()
     }
 
     /// Which joints the rows hold from now on, in which order.

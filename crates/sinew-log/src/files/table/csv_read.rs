@@ -57,7 +57,6 @@ impl Read for Meter {
 /// The rows of delimited text.
 pub(crate) struct CsvRows {
     file: String,
-    names: Vec<String>,
     reader: csv::Reader<Meter>,
     record: ByteRecord,
     done: Arc<AtomicU64>,
@@ -140,7 +139,6 @@ impl CsvReader {
         done.store(start + reader.position().byte(), Ordering::Relaxed);
         let rows = CsvRows {
             file: file.to_owned(),
-            names,
             reader,
             record,
             done,
@@ -149,7 +147,7 @@ impl CsvReader {
             unterminated,
             dialect,
         };
-        Ok(Table::new(rows, columns))
+        Ok(Table::new(rows, columns, file))
     }
 }
 
@@ -184,11 +182,11 @@ impl Rows for CsvRows {
         health.messages += 1;
         // Only the last row can lack its line end.
         let cut_off = self.unterminated && end >= self.length;
-        let short = self.record.len() < self.names.len();
+        let short = self.record.len() < columns.names.len();
         if cut_off && short {
             return Ok(self.lost_tail(start, last_ns, health, "it has too few cells"));
         }
-        if self.record.len() != self.names.len() {
+        if self.record.len() != columns.names.len() {
             health.ragged_rows += 1;
         }
         for (place, &column) in columns.used.iter().enumerate() {
@@ -206,7 +204,7 @@ impl Rows for CsvRows {
                         "its last cell is no number",
                     ));
                 }
-                None => return Err(self.bad_cell(column, "is not a number")),
+                None => return Err(self.bad_cell(columns, column, "is not a number")),
             };
         }
         let cell = self
@@ -227,6 +225,7 @@ impl Rows for CsvRows {
             }
             None => {
                 return Err(self.bad_cell(
+                    columns,
                     columns.time_column,
                     "is not a time within the years 1677 to 2262",
                 ));
@@ -257,12 +256,12 @@ impl CsvRows {
         Row::Skipped
     }
 
-    fn bad_cell(&self, column: usize, what: &str) -> LogError {
+    fn bad_cell(&self, columns: &Columns, column: usize, what: &str) -> LogError {
         let cell = self.record.get(column).unwrap_or(b"");
         let cell = String::from_utf8_lossy(cell);
         Located::new(&self.file, Fault::WrongType, what)
             .line(self.record.position().map_or(0, |position| position.line()))
-            .column(self.names.get(column).map_or("", String::as_str))
+            .column(columns.names.get(column).map_or("", String::as_str))
             .value(format!("'{}'", shorten(&cell, 60)))
             .cure("empty or nan means not recorded")
             .into()

@@ -17,7 +17,10 @@ use crate::error::LogError;
 use crate::frame::{ABSENT, BLOCKS, Channels};
 use crate::health::Health;
 use crate::options::OpenOptions;
+use crate::sources::SignalSource;
 use columns::Columns;
+use sinew_files::{Fault, Located};
+use std::cmp::Ordering;
 
 /// What the next row of a table is.
 enum Row {
@@ -52,11 +55,62 @@ pub(super) struct Table<R> {
     cells: Vec<f64>,
     wide: Vec<f64>,
     last_ns: Option<i64>,
+    file: String,
+    clock: Clock,
+}
+
+/// How the times of the first rows follow each other.
+#[derive(Default)]
+struct Clock {
+    rising: u32,
+    falling: u32,
+    equal: u32,
+}
+
+impl Clock {
+    /// Steps after which a clock is known.
+    const STEPS: u32 = 64;
+    /// Steps of a table from which on its clock can be judged.
+    const FEWEST: u32 = 2;
+
+    fn steps(&self) -> u32 {
+        self.rising + self.falling + self.equal
+    }
+
+    fn step(&mut self, from_ns: i64, to_ns: i64) {
+        match to_ns.cmp(&from_ns) {
+            Ordering::Greater => self.rising += 1,
+            Ordering::Less => self.falling += 1,
+            Ordering::Equal => self.equal += 1,
+        }
+    }
+
+    /// What no clock does, and the cure.
+    fn fault(&self) -> Option<(&'static str, &'static str)> {
+        if self.steps() < Self::FEWEST {
+            None
+        } else if self.rising == 0 && self.falling > self.equal {
+            Some((
+                "the clock runs backwards from row to row",
+                "sort the rows by time",
+            ))
+        } else if self.equal > self.rising + self.falling {
+            let problem = "most rows have the same time as the row before";
+            Some((
+                problem,
+                "a float of 32 bits rounds so: write times as float64 or integer ns",
+            ))
+        } else {
+            None
+        }
+    }
 }
 
 impl<R> Table<R> {
-    fn new(rows: R, columns: Columns) -> Self {
+    fn new(rows: R, columns: Columns, file: &str) -> Self {
         let mut table = Table {
+            file: file.to_owned(),
+            clock: Clock::default(),
             rows,
             columns,
             cells: Vec::new(),
@@ -65,6 +119,15 @@ impl<R> Table<R> {
         };
         table.resize(table.columns.found().0.len());
         table
+    }
+
+    fn check_clock(&self) -> Result<(), LogError> {
+        let Some((problem, cure)) = self.clock.fault() else {
+            return Ok(());
+        };
+        let time = &self.columns.names[self.columns.time_column];
+        let located = Located::new(&self.file, Fault::Contradiction, problem);
+        Err(located.column(time).cure(cure).into())
     }
 
     fn resize(&mut self, joints: usize) {
@@ -92,21 +155,36 @@ impl<R: Rows> Reader for Table<R> {
     }
 
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
-        let cells = &mut self.cells;
-        match (self.rows).next(&self.columns, cells, self.last_ns, health)? {
+        match (self.rows).next(&self.columns, &mut self.cells, self.last_ns, health)? {
             Row::At(time_ns) => {
+                if let Some(last_ns) = self.last_ns
+                    && self.clock.steps() < Clock::STEPS
+                {
+                    self.clock.step(last_ns, time_ns);
+                    if self.clock.steps() == Clock::STEPS {
+                        self.check_clock()?;
+                    }
+                }
                 self.last_ns = Some(time_ns);
-                self.columns.row(cells, &mut self.wide);
+                self.columns.row(&self.cells, &mut self.wide);
                 let wide = &self.wide;
                 (joiner.primary).insert(time_ns, |slot| slot.copy_from_slice(wide));
                 Ok(true)
             }
             Row::Skipped => Ok(true),
-            Row::End => Ok(false),
+            Row::End => self.check_clock().map(|()| false),
         }
     }
 
     fn progress(&self) -> Progress {
         self.rows.progress()
+    }
+
+    fn sources(&self) -> Vec<SignalSource> {
+        self.columns.sources()
+    }
+
+    fn unused_columns(&self) -> Vec<String> {
+        self.columns.unused()
     }
 }

@@ -110,7 +110,6 @@ struct Cells {
 
 /// The rows of a Parquet file.
 pub(crate) struct ParquetRows {
-    names: Vec<String>,
     leaves: Vec<Leaf>,
     reader: SerializedFileReader<Shared>,
     length: u64,
@@ -175,7 +174,6 @@ impl ParquetReader {
         let columns = Columns::new(&names, options, file)?;
         let rows_total = reader.metadata().file_metadata().num_rows().max(0) as u64;
         let rows = ParquetRows {
-            names,
             leaves,
             reader,
             length,
@@ -187,7 +185,7 @@ impl ParquetReader {
             rows_done: 0,
             ended: false,
         };
-        Ok(Table::new(rows, columns))
+        Ok(Table::new(rows, columns, file))
     }
 }
 
@@ -217,7 +215,7 @@ impl Rows for ParquetRows {
             if self.ended {
                 return Ok(Row::End);
             }
-            if let Err(reason) = self.next_batch(&columns.used) {
+            if let Err(reason) = self.next_batch(columns) {
                 self.ended = true;
                 let lost_rows = self.rows_total.saturating_sub(self.rows_done);
                 let share = lost_rows as f64 / self.rows_total.max(1) as f64;
@@ -263,7 +261,7 @@ impl Rows for ParquetRows {
 
 impl ParquetRows {
     /// Decodes the next rows of all used columns in lockstep.
-    fn next_batch(&mut self, used: &[usize]) -> Result<(), String> {
+    fn next_batch(&mut self, columns: &Columns) -> Result<(), String> {
         self.batch_at = 0;
         self.batch_rows = 0;
         loop {
@@ -272,19 +270,19 @@ impl ParquetRows {
                     self.ended = true;
                     return Ok(());
                 }
-                self.open_group(used)?;
+                self.open_group(&columns.used)?;
             }
             let mut rows = None;
-            for (cells, &column) in self.group.iter_mut().zip(used) {
+            for (cells, &column) in self.group.iter_mut().zip(&columns.used) {
                 let leaf = self.leaves[column];
                 let read = guarded(|| cells.decode(leaf))
-                    .map_err(|reason| format!("column '{}': {reason}", self.names[column]))?;
+                    .map_err(|reason| format!("column '{}': {reason}", columns.names[column]))?;
                 match rows {
                     None => rows = Some(read),
                     Some(rows) if rows != read => {
                         return Err(format!(
                             "column '{}' has {read} values where the time has {rows}",
-                            self.names[column]
+                            columns.names[column]
                         ));
                     }
                     Some(_) => {}

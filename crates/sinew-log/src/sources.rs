@@ -1,0 +1,47 @@
+//! Where the values of a recording come from.
+
+use crate::frame::Quantity;
+use serde::{Deserialize, Serialize};
+
+/// What a topic is taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TopicUse {
+    /// The joint side: it sets the instants.
+    JointSide,
+    /// The motor side.
+    MotorSide,
+    /// The known external torque.
+    ExternalTorque,
+    /// The robot's URDF.
+    RobotDescription,
+}
+
+/// A topic of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TopicInfo {
+    /// Its name.
+    pub name: String,
+    /// Type of its messages, such as `sensor_msgs/msg/JointState`.
+    pub kind: String,
+    /// Messages read.
+    pub messages: u64,
+    /// Messages per second of the recorder's clock; `None` with fewer than two.
+    pub rate_hz: Option<f64>,
+    /// Interfaces its joints have (`control_msgs/msg/DynamicJointState`).
+    pub interfaces: Vec<String>,
+    /// What it is taken for; `None`: not used.
+    pub taken_for: Option<TopicUse>,
+}
+
+/// Where a quantity is read from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SignalSource {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Topic and field or interface, or the columns.
+    pub source: String,
+}
