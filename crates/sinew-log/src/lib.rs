@@ -48,6 +48,8 @@
 //!
 //! | input | decision |
 //! |---|---|
+//! | folder, pattern, several files | parts of one recording, in the order of their times; of different topics: refused |
+//! | file packed with zstd | unpacked to a temporary file |
 //! | empty file, other format, binary, broken header | refused: [`LogError::NotARecording`], with what was found |
 //! | MCAP without joint states, or cut off before the first | refused, with the topics there are and the damage |
 //! | MCAP without index or summary | read; nothing depends on them |
@@ -109,7 +111,7 @@ pub use creep_tests::{
 pub use error::LogError;
 pub use files::{
     Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Progress, ReadSeek,
-    Recording, open,
+    Recording, open, open_parts,
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};

@@ -36,6 +36,24 @@ pub struct TopicInfo {
     pub taken_for: Option<TopicUse>,
 }
 
+impl TopicInfo {
+    /// Adds what was met of the same topic later.
+    pub(crate) fn add(&mut self, later: &TopicInfo) {
+        let length_s = |t: &TopicInfo| t.rate_hz.map_or(0.0, |hz| (t.messages - 1) as f64 / hz);
+        let (length, steps) = (length_s(self) + length_s(later), |n: u64| {
+            n.saturating_sub(1)
+        });
+        let steps = (steps(self.messages) + steps(later.messages)) as f64;
+        self.messages += later.messages;
+        self.rate_hz = Some(steps / length).filter(|hz| hz.is_finite());
+        for interface in &later.interfaces {
+            if !self.interfaces.contains(interface) {
+                self.interfaces.push(interface.clone());
+            }
+        }
+    }
+}
+
 /// Where a quantity is read from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -9,6 +9,7 @@ mod joining;
 mod mapping;
 mod messages;
 mod parquet;
+mod parts;
 mod roundtrip;
 mod shared;
 mod sources;

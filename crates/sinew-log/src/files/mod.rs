@@ -1,13 +1,16 @@
 //! Recordings as files: containers, tables, writers.
 
 mod ahead;
+mod chain;
 mod mcap;
+mod parts;
 mod read_seek;
 mod reader;
 mod recording;
+mod spool;
 pub(crate) mod table;
 mod write;
 
 pub use read_seek::ReadSeek;
-pub use recording::{Format, Progress, Recording, open};
+pub use recording::{Format, Progress, Recording, open, open_parts};
 pub use write::{Compression, CsvWriter, FrameWriter, McapOptions, McapWriter};

@@ -12,6 +12,12 @@ use crate::sources::{SignalSource, TopicInfo};
 pub(super) trait Reader: Send {
     fn format(&self) -> Format;
 
+    /// What samples are made of: files with the same can follow each other.
+    fn layout(&self) -> String;
+
+    /// When it begins, ns; may use up what is read first.
+    fn starts_ns(&mut self) -> Result<Option<i64>, LogError>;
+
     /// The joints found, and what is recorded of each.
     fn found(&self) -> (Vec<String>, Channels);
 

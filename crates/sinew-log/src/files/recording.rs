@@ -2,11 +2,14 @@
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::chain::Chain;
 use super::mcap::McapReader;
+use super::parts::files;
 use super::read_seek::ReadSeek;
 use super::reader::Reader;
+use super::spool::Spool;
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
@@ -19,6 +22,11 @@ use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
 use sinew_files::names::{hint, list};
+
+/// What a file packed with zstd begins with.
+const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
+/// Most that is unpacked, or read from standard input, bytes.
+const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
 
 /// The format of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,43 +81,118 @@ impl std::fmt::Debug for Recording {
 
 /// Opens a recording; the format is told by the content, then by the extension.
 ///
-/// A directory with a single `.mcap` file (a ROS 2 bag) is opened as that file.
+/// `path` is a file; a folder, whose recordings are its parts (those that the `metadata.yaml` of a ROS 2 bag
+/// names, where there is one); a pattern with `*` or `?` in the file's name; or `-`, standard input. A file
+/// packed with zstd is unpacked first. Parts follow each other in the order of their times.
 ///
 /// # Errors
 /// [`LogError`] when the file cannot be read, is no recording, or lacks what the options ask
 /// for. Damage is not an error; see [`Recording::health`].
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Recording, LogError> {
-    let bag;
-    let path = if path.is_dir() {
-        bag = single_bag_file(path)?;
-        &bag
-    } else {
-        path
-    };
     let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
-    Recording::from_reader(Box::new(file), &name, options)
+    check_options(options, &name)?;
+    if name == "-" {
+        let spool = Spool::of(std::io::stdin().lock(), UNPACKED_LIMIT_BYTES);
+        let spool = spool.map_err(|source| LogError::io("standard input", "read", source))?;
+        return Recording::from_reader(Box::new(spool), "standard input", options);
+    }
+    let reader: Box<dyn Reader> = match &files(path)?[..] {
+        [file] => open_file(file, options)?,
+        parts => Box::new(Chain::open(parts, options)?),
+    };
+    Ok(Recording::new(reader, &name, options))
 }
 
-fn single_bag_file(directory: &Path) -> Result<std::path::PathBuf, LogError> {
-    let name = directory.display().to_string();
-    let entries =
-        std::fs::read_dir(directory).map_err(|source| LogError::io(&name, "read", source))?;
-    let mut files: Vec<_> = entries
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| {
-            path.extension()
-                .is_some_and(|extension| extension == "mcap")
-        })
-        .collect();
-    files.sort();
-    match (files.len(), files.pop()) {
-        (1, Some(file)) => Ok(file),
-        (count, _) => Err(LogError::refused(
-            &name,
-            format!("a directory with {count} .mcap files; name one file"),
-        )),
+/// Opens files that are one recording, in whatever order they are given: each may be anything that [`open`]
+/// takes but standard input.
+///
+/// # Errors
+/// As [`open`]; files of different formats or topics, one that is there twice.
+pub fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Recording, LogError> {
+    if let [path] = paths {
+        return open(path, options);
     }
+    let mut all = Vec::new();
+    for path in paths {
+        all.extend(files(path)?);
+    }
+    let Some(first) = paths.first() else {
+        return Err(LogError::request("", "no file is named"));
+    };
+    let name = format!("{} and {} more", first.display(), paths.len() - 1);
+    check_options(options, &name)?;
+    let reader = Box::new(Chain::open(&all, options)?);
+    Ok(Recording::new(reader, &name, options))
+}
+
+/// Opens one file, whatever its format.
+pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
+    open_reader(Box::new(file), &name, options)
+}
+
+/// Opens what is in one file, whatever its format.
+fn open_reader(
+    mut reader: Box<dyn ReadSeek>,
+    name: &str,
+    options: &OpenOptions,
+) -> Result<Box<dyn Reader>, LogError> {
+    let io = |source| LogError::io(&name, "read", source);
+    let mut magic = [0_u8; 8];
+    let mut got = 0;
+    while got < magic.len() {
+        match reader.read(&mut magic[got..]) {
+            Ok(0) => break,
+            Ok(read) => got += read,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(io(error)),
+        }
+    }
+    reader.seek(SeekFrom::Start(0)).map_err(io)?;
+    let refuse = |reason: String| LogError::refused(name, reason);
+    if got == 0 {
+        return Err(refuse("the file is empty".to_owned()));
+    }
+    let magic = &magic[..got];
+    if magic.starts_with(ZSTD_MAGIC) {
+        let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
+        return open_reader(unpacked(reader, name)?, inner.unwrap_or(name), options);
+    }
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension);
+    let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+    let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
+        Box::new(McapReader::open(reader, name, options)?)
+    } else if magic.starts_with(b"PAR1") {
+        #[cfg(not(feature = "parquet"))]
+        return Err(refuse(
+            "it is a Parquet file, and this program is built without them (cargo feature parquet)"
+                .to_owned(),
+        ));
+        #[cfg(feature = "parquet")]
+        Box::new(ParquetReader::open(reader, name, options)?)
+    } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
+        return Err(refuse(
+            "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
+        ));
+    } else if is_named("parquet") {
+        return Err(refuse(
+            "it does not start as a Parquet file (PAR1)".to_owned(),
+        ));
+    } else if let Some(what) = known_stranger(magic) {
+        return Err(refuse(what.to_owned()));
+    } else {
+        Box::new(CsvReader::open(reader, name, options)?)
+    };
+    Ok(opened)
+}
+
+/// What was packed, to be read again and again.
+fn unpacked(reader: Box<dyn ReadSeek>, name: &str) -> Result<Box<dyn ReadSeek>, LogError> {
+    let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
+    let spool =
+        spool.map_err(|e| LogError::refused(name, format!("zstd: it cannot be unpacked: {e}")))?;
+    Ok(Box::new(spool))
 }
 
 impl Recording {
@@ -120,68 +203,33 @@ impl Recording {
     /// # Errors
     /// As [`open`].
     pub fn from_reader(
-        mut reader: Box<dyn ReadSeek>,
+        reader: Box<dyn ReadSeek>,
         name: &str,
         options: &OpenOptions,
     ) -> Result<Recording, LogError> {
         check_options(options, name)?;
-        let io = |source| LogError::io(&name, "read", source);
-        let mut magic = [0_u8; 8];
-        let mut got = 0;
-        while got < magic.len() {
-            match reader.read(&mut magic[got..]) {
-                Ok(0) => break,
-                Ok(read) => got += read,
-                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(io(error)),
-            }
-        }
-        reader.seek(SeekFrom::Start(0)).map_err(io)?;
-        let refuse = |reason: String| LogError::refused(name, reason);
-        if got == 0 {
-            return Err(refuse("the file is empty".to_owned()));
-        }
-        let magic = &magic[..got];
-        let extension = name.rsplit_once('.').map(|(_, extension)| extension);
-        let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
-        let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
-            Box::new(McapReader::open(reader, name, options)?)
-        } else if magic.starts_with(b"PAR1") {
-            #[cfg(not(feature = "parquet"))]
-            return Err(refuse(
-                "it is a Parquet file, and this program is built without them (cargo feature parquet)"
-                    .to_owned(),
-            ));
-            #[cfg(feature = "parquet")]
-            Box::new(ParquetReader::open(reader, name, options)?)
-        } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
-            return Err(refuse(
-                "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
-            ));
-        } else if is_named("parquet") {
-            return Err(refuse(
-                "it does not start as a Parquet file (PAR1)".to_owned(),
-            ));
-        } else if let Some(what) = known_stranger(magic) {
-            return Err(refuse(what.to_owned()));
-        } else {
-            Box::new(CsvReader::open(reader, name, options)?)
-        };
-        let (joints, channels) = opened.found();
-        let joiner = opened.joiner(&joints, options);
-        Ok(Recording {
-            reader: opened,
+        Ok(Self::new(
+            open_reader(reader, name, options)?,
+            name,
+            options,
+        ))
+    }
+
+    fn new(reader: Box<dyn Reader>, name: &str, options: &OpenOptions) -> Self {
+        let (joints, channels) = reader.found();
+        Recording {
+            joiner: reader.joiner(&joints, options),
+            reader,
             file: name.to_owned(),
             options: options.clone(),
             found: (joints.clone(), channels.clone()),
             joints,
             channels,
-            joiner,
             health: Health::default(),
             started: false,
             ended: false,
             finished: false,
-        })
+        }
     }
 
     /// The format found.
@@ -328,10 +376,12 @@ fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
 
 /// Formats a user may take for a recording.
 fn known_stranger(magic: &[u8]) -> Option<&'static str> {
-    let strangers: [(&[u8], &str); 7] = [
+    let strangers: [(&[u8], &str); 6] = [
         (b"\x1f\x8b", "it is a gzip file; unpack it first"),
-        (b"\x28\xb5\x2f\xfd", "it is a zstd file; unpack it first"),
-        (b"PK\x03\x04", "it is a zip file; unpack it first"),
+        (
+            b"PK\x03\x04",
+            "it is a zip file, as an XLSX workbook is; save a workbook as CSV, unpack anything else",
+        ),
         (
             b"#ROSBAG",
             "it is a ROS 1 bag; convert it to MCAP (mcap convert)",

@@ -112,6 +112,12 @@ impl Bag {
         }
     }
 
+    /// The recorder's clock from now on, ns.
+    pub(crate) fn log_at(&mut self, time_ns: u64) -> &mut Self {
+        self.log_time = time_ns;
+        self
+    }
+
     pub(crate) fn channel(&mut self, topic: &str, schema: &str, encoding: &str) -> u16 {
         let schema = self.writer.add_schema(schema, "ros2msg", b"text").unwrap();
         let id = self

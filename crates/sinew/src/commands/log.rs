@@ -25,10 +25,12 @@ impl Log {
 ///
 /// Exit code 3 when data was lost.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sinew log info monday.mcap")]
+#[command(after_help = "Example:\n  sinew log info monday.mcap\n  sinew log info monday_*.mcap")]
 pub(crate) struct Info {
-    /// Recording: MCAP, CSV or Parquet
-    file: PathBuf,
+    /// Recording: MCAP, CSV or Parquet, packed with zstd or not; a folder, several files or a
+    /// pattern in quotes are its parts; - is standard input
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
     #[command(flatten)]
     opening: Opening,
     /// Print one JSON document instead of the table
@@ -41,7 +43,7 @@ pub(crate) struct Info {
 
 impl Info {
     fn run(&self) -> Result<Finish, Failure> {
-        let mut recording = sinew_log::open(&self.file, &self.opening.options()?)?;
+        let mut recording = sinew_log::open_parts(&self.files, &self.opening.options()?)?;
         let mut pace = Pace::default();
         let bar = Bar::new("reading", self.quiet);
         while let Some(frame) = recording.next_frame()? {
@@ -53,7 +55,10 @@ impl Info {
             }
         }
         drop(bar);
-        let info = pace.info(&recording, &self.file.display().to_string());
+        let names: Vec<String> = (self.files.iter())
+            .map(|f| f.display().to_string())
+            .collect();
+        let info = pace.info(&recording, &names.join(", "));
         answer_as(self.json, &info, sinew_report::log::render)?;
         Ok(Finish::lossy(info.lossy))
     }

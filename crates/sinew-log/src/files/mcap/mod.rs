@@ -94,6 +94,7 @@ pub(crate) struct McapReader {
     joint_blocks: Vec<Quantity>,
     motor_blocks: Vec<Quantity>,
     ended: bool,
+    starts_ns: Option<i64>,
 }
 
 impl McapReader {
@@ -150,6 +151,7 @@ impl McapReader {
             joint_blocks,
             motor_blocks,
             ended: false,
+            starts_ns: contents.starts_ns,
         };
         for (id, topic) in &contents.topics {
             reader.saw(*id).describe(topic);
@@ -290,6 +292,14 @@ impl McapReader {
 impl Reader for McapReader {
     fn format(&self) -> Format {
         Format::Mcap
+    }
+
+    fn layout(&self) -> String {
+        self.names.layout()
+    }
+
+    fn starts_ns(&mut self) -> Result<Option<i64>, LogError> {
+        Ok(self.starts_ns)
     }
 
     fn found(&self) -> (Vec<String>, Channels) {

@@ -62,6 +62,8 @@ pub(super) struct Contents {
     pub(super) topics: BTreeMap<u16, Topic>,
     schemas: BTreeMap<u16, String>,
     pub(super) robot_description: Option<String>,
+    /// The recorder's clock at the first message, ns.
+    pub(super) starts_ns: Option<i64>,
     /// What was found damaged in the part looked at.
     pub(super) health: Health,
 }
@@ -96,7 +98,11 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
                 contents.schemas.insert(id, name);
             }
             Item::Channel(channel) => contents.channel(&channel),
-            Item::Message { channel, .. } => {
+            Item::Message {
+                channel,
+                log_time_ns,
+            } => {
+                contents.starts_ns.get_or_insert(log_time_ns as i64);
                 contents.message(channel, container.payload());
                 let scanned = container.bytes_done();
                 let satisfied = match &summary {

@@ -52,6 +52,14 @@ impl Names {
         }
     }
 
+    /// The topics read, as words.
+    pub(super) fn layout(&self) -> String {
+        let sides = [&self.motor_topic, &self.external_topic];
+        let topics = [Some(&self.joint_topic)].into_iter();
+        let topics = topics.chain(sides.map(Option::as_ref)).flatten();
+        format!("topics {}", list(&Vec::from_iter(topics)))
+    }
+
     /// Where each quantity of these channels is read from.
     pub(super) fn sources(&self, channels: &Channels) -> Vec<SignalSource> {
         let (joint, motor) = (Some(&self.joint_topic), self.motor_topic.as_ref());

@@ -141,6 +141,21 @@ impl<R: Rows> Reader for Table<R> {
         R::FORMAT
     }
 
+    fn layout(&self) -> String {
+        "a table".to_owned()
+    }
+
+    fn starts_ns(&mut self) -> Result<Option<i64>, LogError> {
+        let mut unseen = Health::default();
+        loop {
+            match (self.rows).next(&self.columns, &mut self.cells, None, &mut unseen)? {
+                Row::At(time_ns) => return Ok(Some(time_ns)),
+                Row::Skipped => {}
+                Row::End => return Ok(None),
+            }
+        }
+    }
+
     fn found(&self) -> (Vec<String>, Channels) {
         self.columns.found()
     }

@@ -1,0 +1,157 @@
+//! Which files a path stands for: a file, a folder, a pattern; in which order.
+
+use crate::error::LogError;
+use std::path::{Path, PathBuf};
+
+/// What ends a name of a recording in a folder.
+const ENDINGS: [&str; 6] = [
+    ".mcap",
+    ".mcap.zst",
+    ".mcap.zstd",
+    ".db3",
+    ".db3.zst",
+    ".db3.zstd",
+];
+
+/// The files that `path` stands for; itself where it is one.
+pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    if path.is_dir() {
+        return folder(path);
+    }
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    let pattern = name.filter(|name| name.contains(['*', '?']) && !path.exists());
+    let Some(pattern) = pattern else {
+        return Ok(vec![path.to_path_buf()]);
+    };
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+    let found = named(parent.unwrap_or(Path::new(".")), |name| {
+        matches(&pattern, name)
+    })?;
+    match found.is_empty() {
+        true => Err(LogError::request(
+            &path.display().to_string(),
+            "no file has such a name",
+        )),
+        false => Ok(found),
+    }
+}
+
+/// The recordings of a folder: those its `metadata.yaml` names (a ROS 2 bag), else all.
+fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    let name = path.display().to_string();
+    if let Ok(metadata) = std::fs::read_to_string(path.join("metadata.yaml")) {
+        let listed = bag_files(&metadata);
+        if !listed.is_empty() {
+            return Ok(listed.iter().map(|file| path.join(file)).collect());
+        }
+    }
+    let found = named(path, |name| {
+        ENDINGS.iter().any(|ending| name.ends_with(ending))
+    })?;
+    match found.is_empty() {
+        true => Err(LogError::refused(
+            &name,
+            format!("no recording in this folder: no {}", ENDINGS.join(", ")),
+        )),
+        false => Ok(found),
+    }
+}
+
+/// `relative_file_paths` of a bag's metadata.
+fn bag_files(metadata: &str) -> Vec<String> {
+    let lines = metadata.lines().map(str::trim);
+    let mut listed = lines.skip_while(|line| !line.starts_with("relative_file_paths:"));
+    listed.next();
+    listed
+        .map_while(|line| line.strip_prefix("- "))
+        .map(|file| file.trim().trim_matches(['"', '\'']).to_owned())
+        .collect()
+}
+
+/// Files of a folder by their names, numbers in order.
+fn named(folder: &Path, is: impl Fn(&str) -> bool) -> Result<Vec<PathBuf>, LogError> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|source| LogError::io(&folder.display().to_string(), "read", source))?;
+    let mut found: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| {
+            let name = path.file_name().map(|name| name.to_string_lossy());
+            path.is_file() && name.is_some_and(|name| is(&name))
+        })
+        .collect();
+    found.sort_by_cached_key(|path| natural(&path.to_string_lossy()));
+    Ok(found)
+}
+
+/// A key by which `run_9` comes before `run_10`.
+fn natural(name: &str) -> Vec<(u64, String)> {
+    let mut key = vec![(0_u64, String::new())];
+    for c in name.chars() {
+        let digit = c.to_digit(10).map(u64::from);
+        let fresh = key.last().is_some_and(|(_, text)| !text.is_empty());
+        if digit.is_some() && fresh {
+            key.push((0, String::new()));
+        }
+        if let Some((number, text)) = key.last_mut() {
+            match digit {
+                Some(digit) => *number = number.saturating_mul(10).saturating_add(digit),
+                None => text.push(c),
+            }
+        }
+    }
+    key
+}
+
+/// Whether a name fits a pattern of `*` (anything) and `?` (one character).
+fn matches(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (
+        Vec::from_iter(pattern.chars()),
+        Vec::from_iter(name.chars()),
+    );
+    let (mut p, mut n) = (0, 0);
+    // Where the last star stands, and what it has taken in so far.
+    let mut star: Option<(usize, usize)> = None;
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(c) if *c == '?' || *c == name[n] => {
+                p += 1;
+                n += 1;
+            }
+            _ => match &mut star {
+                Some((at, taken)) => {
+                    *taken += 1;
+                    (p, n) = (*at + 1, *taken);
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern[p..].iter().all(|c| *c == '*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_fit_patterns_and_count_upwards() {
+        for (pattern, name, fits) in [
+            ("*.mcap", "a.mcap", true),
+            ("*.mcap", "a.mcap.zst", false),
+            ("run_?.mcap", "run_1.mcap", true),
+            ("run_?.mcap", "run_12.mcap", false),
+            ("*a*b*", "xxaxxbaxb", true),
+            ("*a*b", "xxaxxba", false),
+            ("*", "", true),
+        ] {
+            assert_eq!(matches(pattern, name), fits, "{pattern} {name}");
+        }
+        let mut names = ["b_1", "a_10", "a_9", "a_10b", "a"];
+        names.sort_by_key(|name| natural(name));
+        assert_eq!(names, ["a", "a_9", "a_10", "a_10b", "b_1"]);
+    }
+}
