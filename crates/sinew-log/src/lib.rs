@@ -85,6 +85,7 @@
 //! | CSV or Parquet row without a time | dropped; counted |
 //! | table whose clock runs backwards, or most of whose rows have the time of the row before | refused |
 //! | CSV row or unclosed quote over 4 MiB | refused |
+//! | Parquet with lists of numbers | each element is a column: `list.0`, or by the name that a LeRobot data set gives it |
 //! | Parquet without its footer | refused: it cannot be recovered |
 //! | Parquet page that cannot be decoded | reading stops there; the rest is damage |
 //! | mapping with an unknown key, unit or impossible factor | refused with file and line |

@@ -6,6 +6,7 @@ mod creep_tests_of_others;
 mod damage;
 mod independent;
 mod joining;
+mod lerobot;
 mod mapping;
 mod messages;
 mod parquet;

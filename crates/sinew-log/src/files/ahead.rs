@@ -1,6 +1,7 @@
 //! Reading on while what has been read is used.
 
-use super::recording::{Progress, Recording};
+use super::reader::Progress;
+use super::recording::Recording;
 use crate::error::LogError;
 use crate::frame::Frame;
 use std::ops::ControlFlow;

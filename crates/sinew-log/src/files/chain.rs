@@ -1,7 +1,7 @@
 //! Several files as one recording, one after the other.
 
-use super::reader::Reader;
-use super::recording::{Format, Progress, open_file};
+use super::opener::open_file;
+use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
 use crate::frame::Channels;

@@ -2,7 +2,9 @@
 
 mod ahead;
 mod chain;
+mod lerobot;
 mod mcap;
+mod opener;
 mod parts;
 mod read_seek;
 mod reader;
@@ -12,5 +14,6 @@ pub(crate) mod table;
 mod write;
 
 pub use read_seek::ReadSeek;
-pub use recording::{Format, Progress, Recording, open, open_parts};
+pub use reader::{Format, Progress};
+pub use recording::{Recording, open, open_parts};
 pub use write::{Compression, CsvWriter, FrameWriter, McapOptions, McapWriter};

@@ -1,5 +1,6 @@
 //! Which files a path stands for: a file, a folder, a pattern; in which order.
 
+use super::lerobot::INFO;
 use crate::error::LogError;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +40,9 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
 /// The recordings of a folder: those its `metadata.yaml` names (a ROS 2 bag), else all.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let name = path.display().to_string();
+    if path.join(INFO).is_file() {
+        return data_set(path);
+    }
     if let Ok(metadata) = std::fs::read_to_string(path.join("metadata.yaml")) {
         let listed = bag_files(&metadata);
         if !listed.is_empty() {
@@ -52,6 +56,28 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
         true => Err(LogError::refused(
             &name,
             format!("no recording in this folder: no {}", ENDINGS.join(", ")),
+        )),
+        false => Ok(found),
+    }
+}
+
+/// The episodes of a LeRobot data set: `data/*/*.parquet`.
+fn data_set(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    let data = path.join("data");
+    let mut chunks: Vec<PathBuf> = std::fs::read_dir(&data)
+        .map_err(|source| LogError::io(&data.display().to_string(), "read", source))?
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.is_dir())
+        .collect();
+    chunks.sort();
+    let mut found = Vec::new();
+    for chunk in &chunks {
+        found.extend(named(chunk, |name| name.ends_with(".parquet"))?);
+    }
+    match found.is_empty() {
+        true => Err(LogError::refused(
+            &data.display().to_string(),
+            "a LeRobot data set without an episode: no .parquet",
         )),
         false => Ok(found),
     }

@@ -1,12 +1,34 @@
 //! What every format of a recording can do.
 
-use super::recording::{Format, Progress};
 use crate::assemble::Joiner;
 use crate::error::LogError;
 use crate::frame::Channels;
 use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
+use serde::{Deserialize, Serialize};
+
+/// The format of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Format {
+    /// MCAP as ROS 2 writes it.
+    Mcap,
+    /// Delimited text with a header line.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// How far a recording has been read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Bytes of the file used so far.
+    pub bytes_done: u64,
+    /// Bytes of the file.
+    pub bytes_total: u64,
+}
 
 /// One format's way from bytes to samples.
 pub(super) trait Reader: Send {

@@ -1,20 +1,15 @@
 //! Opening a recording of any format and reading it frame by frame.
 
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::chain::Chain;
-use super::mcap::McapReader;
+use super::lerobot::ListNames;
+use super::opener::{UNPACKED_LIMIT_BYTES, open_file, open_reader};
 use super::parts::files;
 use super::read_seek::ReadSeek;
-use super::reader::Reader;
+use super::reader::{Format, Progress, Reader};
 use super::spool::Spool;
-use super::table::CsvReader;
-#[cfg(feature = "parquet")]
-use super::table::ParquetReader;
 use crate::assemble::Joiner;
-use serde::{Deserialize, Serialize};
 
 use crate::error::LogError;
 use crate::frame::{Channels, Frame};
@@ -22,33 +17,6 @@ use crate::health::Health;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
 use sinew_files::names::{hint, list};
-
-/// What a file packed with zstd begins with.
-const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
-/// Most that is unpacked, or read from standard input, bytes.
-const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
-
-/// The format of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Format {
-    /// MCAP as ROS 2 writes it.
-    Mcap,
-    /// Delimited text with a header line.
-    Csv,
-    /// Apache Parquet.
-    Parquet,
-}
-
-/// How far a recording has been read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Bytes of the file used so far.
-    pub bytes_done: u64,
-    /// Bytes of the file.
-    pub bytes_total: u64,
-}
 
 /// A recording being read: frames in the order of their stamps.
 ///
@@ -125,76 +93,6 @@ pub fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Recording,
     Ok(Recording::new(reader, &name, options))
 }
 
-/// Opens one file, whatever its format.
-pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
-    open_reader(Box::new(file), &name, options)
-}
-
-/// Opens what is in one file, whatever its format.
-fn open_reader(
-    mut reader: Box<dyn ReadSeek>,
-    name: &str,
-    options: &OpenOptions,
-) -> Result<Box<dyn Reader>, LogError> {
-    let io = |source| LogError::io(&name, "read", source);
-    let mut magic = [0_u8; 8];
-    let mut got = 0;
-    while got < magic.len() {
-        match reader.read(&mut magic[got..]) {
-            Ok(0) => break,
-            Ok(read) => got += read,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(io(error)),
-        }
-    }
-    reader.seek(SeekFrom::Start(0)).map_err(io)?;
-    let refuse = |reason: String| LogError::refused(name, reason);
-    if got == 0 {
-        return Err(refuse("the file is empty".to_owned()));
-    }
-    let magic = &magic[..got];
-    if magic.starts_with(ZSTD_MAGIC) {
-        let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
-        return open_reader(unpacked(reader, name)?, inner.unwrap_or(name), options);
-    }
-    let extension = name.rsplit_once('.').map(|(_, extension)| extension);
-    let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
-    let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
-        Box::new(McapReader::open(reader, name, options)?)
-    } else if magic.starts_with(b"PAR1") {
-        #[cfg(not(feature = "parquet"))]
-        return Err(refuse(
-            "it is a Parquet file, and this program is built without them (cargo feature parquet)"
-                .to_owned(),
-        ));
-        #[cfg(feature = "parquet")]
-        Box::new(ParquetReader::open(reader, name, options)?)
-    } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
-        return Err(refuse(
-            "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
-        ));
-    } else if is_named("parquet") {
-        return Err(refuse(
-            "it does not start as a Parquet file (PAR1)".to_owned(),
-        ));
-    } else if let Some(what) = known_stranger(magic) {
-        return Err(refuse(what.to_owned()));
-    } else {
-        Box::new(CsvReader::open(reader, name, options)?)
-    };
-    Ok(opened)
-}
-
-/// What was packed, to be read again and again.
-fn unpacked(reader: Box<dyn ReadSeek>, name: &str) -> Result<Box<dyn ReadSeek>, LogError> {
-    let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
-    let spool =
-        spool.map_err(|e| LogError::refused(name, format!("zstd: it cannot be unpacked: {e}")))?;
-    Ok(Box::new(spool))
-}
-
 impl Recording {
     /// Opens a recording from anything readable, such as bytes in memory.
     ///
@@ -209,7 +107,7 @@ impl Recording {
     ) -> Result<Recording, LogError> {
         check_options(options, name)?;
         Ok(Self::new(
-            open_reader(reader, name, options)?,
+            open_reader(reader, name, options, &ListNames::default())?,
             name,
             options,
         ))
@@ -372,32 +270,4 @@ fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
         ));
     }
     Ok(())
-}
-
-/// Formats a user may take for a recording.
-fn known_stranger(magic: &[u8]) -> Option<&'static str> {
-    let strangers: [(&[u8], &str); 6] = [
-        (b"\x1f\x8b", "it is a gzip file; unpack it first"),
-        (
-            b"PK\x03\x04",
-            "it is a zip file, as an XLSX workbook is; save a workbook as CSV, unpack anything else",
-        ),
-        (
-            b"#ROSBAG",
-            "it is a ROS 1 bag; convert it to MCAP (mcap convert)",
-        ),
-        (
-            b"SQLite f",
-            "it is an SQLite file, such as a ROS 2 .db3 bag; convert it to MCAP (ros2 bag convert)",
-        ),
-        (
-            b"\x89HDF",
-            "it is an HDF5 file; export it as Parquet or CSV",
-        ),
-        (b"%PDF", "it is a PDF file"),
-    ];
-    strangers
-        .into_iter()
-        .find(|(start, _)| magic.starts_with(start))
-        .map(|(_, what)| what)
 }

@@ -394,11 +394,13 @@ fn time_of(
     mapping: Option<&Mapping>,
     file: &str,
 ) -> Result<(usize, i32), LogError> {
-    const KNOWN: [(&str, i32); 4] = [
+    const KNOWN: [(&str, i32); 5] = [
         ("time_s", 9),
         ("time_ns", 0),
         ("time_us", 3),
         ("time_ms", 6),
+        // LeRobot's, in seconds.
+        ("timestamp", 9),
     ];
     let map = mapping.and_then(|mapping| mapping.time.as_ref());
     if let Some((wanted, map)) = map.and_then(|map| Some((map.column.as_ref()?, map))) {

@@ -14,7 +14,7 @@ use super::decimal::parse_ns;
 use super::{Row, Rows, Table};
 use crate::error::LogError;
 use crate::files::read_seek::ReadSeek;
-use crate::files::recording::{Format, Progress};
+use crate::files::reader::{Format, Progress};
 use crate::frame::ABSENT;
 use crate::health::Health;
 use crate::options::OpenOptions;

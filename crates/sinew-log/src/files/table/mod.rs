@@ -4,14 +4,15 @@ mod columns;
 mod csv_read;
 mod decimal;
 #[cfg(feature = "parquet")]
+mod parquet_cells;
+#[cfg(feature = "parquet")]
 mod parquet_read;
 
 pub(super) use csv_read::CsvReader;
 #[cfg(feature = "parquet")]
 pub(super) use parquet_read::ParquetReader;
 
-use super::reader::Reader;
-use super::recording::{Format, Progress};
+use super::reader::{Format, Progress, Reader};
 use crate::assemble::Joiner;
 use crate::error::LogError;
 use crate::frame::{ABSENT, BLOCKS, Channels};

@@ -5,22 +5,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bytes::Bytes;
 use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
-use parquet::column::reader::ColumnReader;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 
 use super::columns::Columns;
 use super::decimal::float_ns;
+use super::parquet_cells::{Cells, Leaf, first_length, guarded};
 use super::{Row, Rows, Table};
 use crate::error::LogError;
+use crate::files::lerobot::ListNames;
 use crate::files::read_seek::ReadSeek;
-use crate::files::recording::{Format, Progress};
-use crate::frame::{ABSENT, is_absent};
+use crate::files::reader::{Format, Progress};
+use crate::frame::is_absent;
 use crate::health::Health;
 use crate::options::OpenOptions;
 
-/// Rows decoded at a time.
-const BATCH_ROWS: usize = 1024;
 /// Largest piece (page, footer) taken into memory, bytes.
 const PIECE_LIMIT_BYTES: usize = 256 << 20;
 
@@ -85,29 +84,6 @@ impl ChunkReader for Shared {
     }
 }
 
-/// How a column's cells become numbers.
-#[derive(Debug, Clone, Copy)]
-struct Leaf {
-    /// Definition level at which a value is present.
-    present: i16,
-    /// Power of ten to nanoseconds of a timestamp column, which is exact as an integer.
-    timestamp: Option<i32>,
-}
-
-/// One column of the row group being read.
-struct Cells {
-    reader: ColumnReader,
-    levels: Vec<i16>,
-    doubles: Vec<f64>,
-    floats: Vec<f32>,
-    ints: Vec<i32>,
-    longs: Vec<i64>,
-    /// Decoded batch: values, and integers where the column is one.
-    values: Vec<f64>,
-    exact: Vec<i64>,
-    is_integer: bool,
-}
-
 /// The rows of a Parquet file.
 pub(crate) struct ParquetRows {
     leaves: Vec<Leaf>,
@@ -130,6 +106,7 @@ impl ParquetReader {
         mut reader: Box<dyn ReadSeek>,
         file: &str,
         options: &OpenOptions,
+        list_names: &ListNames,
     ) -> Result<Self, LogError> {
         let io = |source| LogError::io(file, "read", source);
         let length = reader.seek(SeekFrom::End(0)).map_err(io)?;
@@ -146,18 +123,14 @@ impl ParquetReader {
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let mut names = Vec::new();
         let mut leaves = Vec::new();
-        for column in schema.columns() {
+        for (index, column) in schema.columns().iter().enumerate() {
             let numeric = matches!(
                 column.physical_type(),
                 Physical::DOUBLE | Physical::FLOAT | Physical::INT32 | Physical::INT64
             );
-            // Lists and texts keep their place but not their name, so nothing finds them.
-            let flat = column.max_rep_level() == 0 && numeric;
-            names.push(if flat {
-                column.path().string()
-            } else {
-                String::new()
-            });
+            if !numeric || column.max_rep_level() > 1 {
+                continue;
+            }
             let timestamp = match column.logical_type_ref() {
                 Some(LogicalType::Timestamp(timestamp)) => Some(match timestamp.unit {
                     TimeUnit::MILLIS => 6,
@@ -166,10 +139,30 @@ impl ParquetReader {
                 }),
                 _ => None,
             };
-            leaves.push(Leaf {
+            let leaf = Leaf {
+                column: index,
+                element: None,
                 present: column.max_def_level(),
                 timestamp,
-            });
+            };
+            if column.max_rep_level() == 0 {
+                names.push(column.path().string());
+                leaves.push(leaf);
+                continue;
+            }
+            // Each element of a list is a column: `state.elbow`, or `state.2`.
+            let path = column.path().parts();
+            let list = path[..path.len().saturating_sub(2).max(1)].join(".");
+            let known = list_names.get(&list);
+            for element in 0..guarded(|| first_length(&reader, index)).unwrap_or(0) {
+                let name = known.and_then(|names| names.get(element));
+                let name = name.map_or_else(|| element.to_string(), Clone::clone);
+                names.push(format!("{list}.{name}"));
+                leaves.push(Leaf {
+                    element: Some(element),
+                    ..leaf
+                });
+            }
         }
         let columns = Columns::new(&names, options, file)?;
         let rows_total = reader.metadata().file_metadata().num_rows().max(0) as u64;
@@ -302,118 +295,10 @@ impl ParquetRows {
         let group = guarded(|| self.reader.get_row_group(self.next_group))?;
         self.next_group += 1;
         for &column in used {
+            let column = self.leaves[column].column;
             let reader = guarded(|| group.get_column_reader(column))?;
-            let is_integer = matches!(
-                reader,
-                ColumnReader::Int32ColumnReader(_) | ColumnReader::Int64ColumnReader(_)
-            );
-            self.group.push(Cells {
-                reader,
-                levels: Vec::new(),
-                doubles: Vec::new(),
-                floats: Vec::new(),
-                ints: Vec::new(),
-                longs: Vec::new(),
-                values: Vec::new(),
-                exact: Vec::new(),
-                is_integer,
-            });
+            self.group.push(Cells::new(reader));
         }
         Ok(())
-    }
-}
-
-impl Cells {
-    /// Decodes a batch; how many rows there were.
-    fn decode(&mut self, leaf: Leaf) -> ParquetResult<usize> {
-        self.levels.clear();
-        self.values.clear();
-        self.exact.clear();
-        let levels = (leaf.present > 0).then_some(&mut self.levels);
-        let rows = match &mut self.reader {
-            ColumnReader::DoubleColumnReader(reader) => {
-                self.doubles.clear();
-                let (rows, ..) =
-                    reader.read_records(BATCH_ROWS, levels, None, &mut self.doubles)?;
-                self.values.extend_from_slice(&self.doubles);
-                rows
-            }
-            ColumnReader::FloatColumnReader(reader) => {
-                self.floats.clear();
-                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.floats)?;
-                self.values
-                    .extend(self.floats.iter().map(|value| f64::from(*value)));
-                rows
-            }
-            ColumnReader::Int32ColumnReader(reader) => {
-                self.ints.clear();
-                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.ints)?;
-                self.exact
-                    .extend(self.ints.iter().map(|value| i64::from(*value)));
-                rows
-            }
-            ColumnReader::Int64ColumnReader(reader) => {
-                self.longs.clear();
-                let (rows, ..) = reader.read_records(BATCH_ROWS, levels, None, &mut self.longs)?;
-                self.exact.extend_from_slice(&self.longs);
-                rows
-            }
-            _ => return Err(ParquetError::General("not a numeric column".to_owned())),
-        };
-        if self.is_integer {
-            self.values
-                .extend(self.exact.iter().map(|value| *value as f64));
-        }
-        if leaf.present > 0 && self.values.len() < rows {
-            self.spread_nulls(leaf.present, rows)?;
-        }
-        if self.values.len() != rows {
-            return Err(ParquetError::General(format!(
-                "{} values for {rows} rows",
-                self.values.len()
-            )));
-        }
-        Ok(rows)
-    }
-
-    /// Moves the values to their rows, from the back; nulls become absent.
-    fn spread_nulls(&mut self, present: i16, rows: usize) -> ParquetResult<()> {
-        let mut from = self.values.len();
-        let filled = self
-            .levels
-            .iter()
-            .filter(|level| **level == present)
-            .count();
-        if self.levels.len() != rows || filled != from {
-            return Err(ParquetError::General(format!(
-                "{} levels and {from} values for {rows} rows",
-                self.levels.len()
-            )));
-        }
-        self.values.resize(rows, ABSENT);
-        if self.is_integer {
-            self.exact.resize(rows, 0);
-        }
-        for to in (0..rows).rev() {
-            if self.levels[to] == present {
-                from -= 1;
-                self.values[to] = self.values[from];
-                if self.is_integer {
-                    self.exact[to] = self.exact[from];
-                }
-            } else {
-                self.values[to] = ABSENT;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Runs the Parquet library with a net: its decoders may panic on damaged pages.
-fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, String> {
-    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(error.to_string()),
-        Err(_) => Err("its pages are damaged".to_owned()),
     }
 }

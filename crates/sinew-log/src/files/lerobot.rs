@@ -1,0 +1,43 @@
+//! What a LeRobot data set says beside its tables.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use serde_json::Value;
+
+/// What describes a data set, in its folder.
+pub(super) const INFO: &str = "meta/info.json";
+/// Largest such file that is read, bytes.
+const INFO_BYTES_MAX: u64 = 16 << 20;
+/// Folders between a table and its data set.
+const DEPTH: usize = 3;
+
+/// Names of a list's elements, by column.
+pub(super) type ListNames = HashMap<String, Vec<String>>;
+
+/// The names that the data set of `table` gives; none where it belongs to none.
+pub(super) fn list_names(table: &Path) -> ListNames {
+    let folders = table.ancestors().skip(1).take(DEPTH);
+    let info = folders
+        .map(|folder| folder.join(INFO))
+        .find(|info| info.is_file());
+    let text = info.and_then(|info| sinew_files::read_text(&info, INFO_BYTES_MAX).ok());
+    let info: Value = text.map_or(Value::Null, |t| {
+        serde_json::from_str(&t).unwrap_or_default()
+    });
+    let features = info.get("features").and_then(Value::as_object);
+    let names = features
+        .into_iter()
+        .flatten()
+        .filter_map(|(column, feature)| {
+            let names = feature.get("names")?;
+            // A list, or under a word such as "motors".
+            let list = names
+                .as_array()
+                .or_else(|| names.as_object()?.values().next()?.as_array())?;
+            let list: Option<Vec<String>> =
+                list.iter().map(|n| Some(n.as_str()?.to_owned())).collect();
+            Some((column.clone(), list?))
+        });
+    names.collect()
+}

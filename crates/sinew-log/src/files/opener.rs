@@ -1,0 +1,125 @@
+//! From one file, or its bytes, to a reader of its format.
+
+use std::fs::File;
+use std::io::{Read, SeekFrom};
+use std::path::Path;
+
+use super::lerobot::{ListNames, list_names};
+use super::mcap::McapReader;
+use super::read_seek::ReadSeek;
+use super::reader::Reader;
+use super::spool::Spool;
+use super::table::CsvReader;
+#[cfg(feature = "parquet")]
+use super::table::ParquetReader;
+use crate::error::LogError;
+use crate::options::OpenOptions;
+
+/// What a file packed with zstd begins with.
+const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
+/// Most that is unpacked, or read from standard input, bytes.
+pub(super) const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
+
+/// Opens one file, whatever its format.
+pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
+    open_reader(Box::new(file), &name, options, &list_names(path))
+}
+
+/// Opens what is in one file, whatever its format.
+pub(super) fn open_reader(
+    mut reader: Box<dyn ReadSeek>,
+    name: &str,
+    options: &OpenOptions,
+    names: &ListNames,
+) -> Result<Box<dyn Reader>, LogError> {
+    let io = |source| LogError::io(&name, "read", source);
+    let mut magic = [0_u8; 8];
+    let mut got = 0;
+    while got < magic.len() {
+        match reader.read(&mut magic[got..]) {
+            Ok(0) => break,
+            Ok(read) => got += read,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(io(error)),
+        }
+    }
+    reader.seek(SeekFrom::Start(0)).map_err(io)?;
+    let refuse = |reason: String| LogError::refused(name, reason);
+    if got == 0 {
+        return Err(refuse("the file is empty".to_owned()));
+    }
+    let magic = &magic[..got];
+    if magic.starts_with(ZSTD_MAGIC) {
+        let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
+        return open_reader(
+            unpacked(reader, name)?,
+            inner.unwrap_or(name),
+            options,
+            names,
+        );
+    }
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension);
+    let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+    let opened: Box<dyn Reader> = if magic == mcap::MAGIC {
+        Box::new(McapReader::open(reader, name, options)?)
+    } else if magic.starts_with(b"PAR1") {
+        #[cfg(not(feature = "parquet"))]
+        return Err(refuse(
+            "it is a Parquet file, and this program is built without them (cargo feature parquet)"
+                .to_owned(),
+        ));
+        #[cfg(feature = "parquet")]
+        Box::new(ParquetReader::open(reader, name, options, names)?)
+    } else if is_named("mcap") || mcap::MAGIC.starts_with(magic) {
+        return Err(refuse(
+            "it does not start as an MCAP file (89 4D 43 41 50 30 0D 0A)".to_owned(),
+        ));
+    } else if is_named("parquet") {
+        return Err(refuse(
+            "it does not start as a Parquet file (PAR1)".to_owned(),
+        ));
+    } else if let Some(what) = known_stranger(magic) {
+        return Err(refuse(what.to_owned()));
+    } else {
+        Box::new(CsvReader::open(reader, name, options)?)
+    };
+    Ok(opened)
+}
+
+/// What was packed, to be read again and again.
+fn unpacked(reader: Box<dyn ReadSeek>, name: &str) -> Result<Box<dyn ReadSeek>, LogError> {
+    let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
+    let spool =
+        spool.map_err(|e| LogError::refused(name, format!("zstd: it cannot be unpacked: {e}")))?;
+    Ok(Box::new(spool))
+}
+
+/// Formats a user may take for a recording.
+fn known_stranger(magic: &[u8]) -> Option<&'static str> {
+    let strangers: [(&[u8], &str); 6] = [
+        (b"\x1f\x8b", "it is a gzip file; unpack it first"),
+        (
+            b"PK\x03\x04",
+            "it is a zip file, as an XLSX workbook is; save a workbook as CSV, unpack anything else",
+        ),
+        (
+            b"#ROSBAG",
+            "it is a ROS 1 bag; convert it to MCAP (mcap convert)",
+        ),
+        (
+            b"SQLite f",
+            "it is an SQLite file, such as a ROS 2 .db3 bag; convert it to MCAP (ros2 bag convert)",
+        ),
+        (
+            b"\x89HDF",
+            "it is an HDF5 file; export it as Parquet or CSV",
+        ),
+        (b"%PDF", "it is a PDF file"),
+    ];
+    strangers
+        .into_iter()
+        .find(|(start, _)| magic.starts_with(start))
+        .map(|(_, what)| what)
+}
