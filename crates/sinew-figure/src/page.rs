@@ -101,8 +101,8 @@ pub struct Sentence {
     pub value: f64,
     /// Unit of the value.
     pub unit: String,
-    /// Whether the criterion is met.
-    pub holds: bool,
+    /// Whether the criterion is met; `None`: the data leave it open.
+    pub holds: Option<bool>,
 }
 
 impl Page {
@@ -223,10 +223,10 @@ fn write_table(out: &mut String, table: &Table) -> std::fmt::Result {
 fn write_sentences(out: &mut String, sentences: &[Sentence]) -> std::fmt::Result {
     out.push_str("<ul class=\"sentences\">\n");
     for sentence in sentences {
-        let (class, verdict) = if sentence.holds {
-            ("holds", "holds")
-        } else {
-            ("fails", "does not hold")
+        let (class, verdict) = match sentence.holds {
+            Some(true) => ("holds", "holds"),
+            Some(false) => ("fails", "does not hold"),
+            None => ("open", "open"),
         };
         writeln!(
             out,

@@ -262,11 +262,16 @@ fn sentences_show_their_verdict_and_criterion() {
     let page = Page::new("Figure 6")
         .section(
             "Difference",
-            vec![Block::Sentences(vec![sentence(true), sentence(false)])],
+            vec![Block::Sentences(vec![
+                sentence(Some(true)),
+                sentence(Some(false)),
+                sentence(None),
+            ])],
         )
         .html();
     assert!(page.contains("<span class=\"verdict\">holds</span>"));
     assert!(page.contains("<span class=\"verdict\">does not hold</span>"));
+    assert!(page.contains("<span class=\"verdict\">open</span>"));
     assert!(page.contains("Criterion: mean within 0.1 mrad of 5 mrad. Found: 4.99 mrad"));
 }
 

@@ -17,7 +17,7 @@ pub(super) const SEED: u64 = 1;
 pub(super) fn assumptions() -> Vec<String> {
     vec![
         "The parameters of the ropes are starting guesses, tuned by hand to the paper's text: that a sentence holds at the catalogue's values shows that the law can say it, not that the ropes do.".into(),
-        format!("\"Holds\" is the verdict at the catalogue's values. What is found beside it, the share of {DRAWS} draws (seed {SEED}) of the parameters in which the sentence holds, shows how much it hangs on the guesses. Parameters are drawn independently within their stated intervals, so sentences that two ropes are alike hold in fewer draws than sentences that they differ."),
+        format!("What is found is the share of {DRAWS} draws (seed {SEED}) of the parameters in which the sentence holds: how much it hangs on the guesses. \"Holds\" is said where it holds at the catalogue's values and in 95 % of the draws, \"does not hold\" where neither is so in more than 5 %, \"open\" between. Parameters are drawn independently within their stated intervals, so sentences that two ropes are alike hold in fewer draws than sentences that they differ."),
         "A strain counts from the new, slack rope, so that it includes the elastic part at once.".into(),
     ]
 }

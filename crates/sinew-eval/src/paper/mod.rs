@@ -35,7 +35,7 @@ pub use fig6::fig6;
 pub use fig7::fig7;
 pub use page::write;
 pub use render::render;
-pub use sentence::{Sentence, Unit};
+pub use sentence::{Sentence, Unit, Verdict};
 pub use table1::table1;
 
 use sinew_model::StepError;

@@ -1,7 +1,7 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::data::{PaperFigure, Written};
-use super::sentence::Sentence;
+use super::sentence::{Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;
 use sinew_figure::{Block, Page};
@@ -76,7 +76,11 @@ fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
         criterion: sentence.criterion.clone(),
         value,
         unit: unit.into(),
-        holds: sentence.holds,
+        holds: match sentence.verdict {
+            Verdict::Holds => Some(true),
+            Verdict::Open => None,
+            Verdict::Fails => Some(false),
+        },
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::control::table as table_of;
 use super::data::PaperFigure;
+use super::sentence::Verdict;
 use sinew_figure::rounded;
 use sinew_report::text::{indented, paragraph, table};
 
@@ -14,11 +15,24 @@ pub fn render(figure: &PaperFigure) -> String {
     }
     out.push_str(&paragraph(&figure.title, 0));
     for sentence in &figure.sentences {
-        let verdict = if sentence.holds { "holds:" } else { "FAILS:" };
+        let verdict = match sentence.verdict {
+            Verdict::Holds => "holds:",
+            Verdict::Open => "open: ",
+            Verdict::Fails => "FAILS:",
+        };
         out.push('\n');
         out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
         let (value, unit) = sentence.shown();
-        let found = format!("found {} {unit}; {}", rounded(value, 3), sentence.criterion);
+        let at = match (sentence.verdict, sentence.holds) {
+            (Verdict::Open, true) => "holds at the catalogue's values; ",
+            (Verdict::Open, false) => "does not hold at the catalogue's values; ",
+            _ => "",
+        };
+        let found = format!(
+            "{at}found {} {unit}; {}",
+            rounded(value, 3),
+            sentence.criterion
+        );
         out.push_str(&indented(&found, 7, 7));
     }
     for text in &figure.not_judged {

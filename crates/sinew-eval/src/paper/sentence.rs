@@ -14,8 +14,35 @@ pub struct Sentence {
     pub value: f64,
     /// Unit of the value.
     pub unit: Unit,
-    /// Whether the criterion is met.
+    /// Whether the criterion is met; of ropes, with the catalogue's own values.
     pub holds: bool,
+    /// What that says.
+    pub verdict: Verdict,
+}
+
+/// What is found of a sentence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It holds; of ropes, in at least 95 % of the draws too.
+    Holds,
+    /// It holds in some draws of what the catalogue leaves open, and in others not.
+    Open,
+    /// It does not hold; of ropes, in at most 5 % of the draws.
+    Fails,
+}
+
+impl Verdict {
+    fn of(holds: bool, value: f64, unit: Unit) -> Self {
+        const SURE: f64 = 0.95;
+        match (holds, unit) {
+            (true, Unit::ShareOfDraws) if value < SURE => Self::Open,
+            (false, Unit::ShareOfDraws) if value > 1.0 - SURE => Self::Open,
+            (true, _) => Self::Holds,
+            (false, _) => Self::Fails,
+        }
+    }
 }
 
 /// SI unit of a sentence's value, or what it counts.
@@ -66,12 +93,14 @@ impl Sentence {
         unit: Unit,
         holds: bool,
     ) -> Self {
+        let value = value / unit.shown().0;
         Self {
             text: text.into(),
             criterion: criterion.into(),
-            value: value / unit.shown().0,
+            value,
             unit,
             holds,
+            verdict: Verdict::of(holds, value, unit),
         }
     }
 
@@ -110,4 +139,26 @@ pub(super) fn below(
 ) -> Sentence {
     let criterion = format!("at most {limit} {}; {derivation}", unit.shown().1);
     Sentence::new(text, criterion, value, unit, value.abs() <= limit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coin_toss_among_the_draws_is_open() {
+        let judged = |percent, holds| Sentence::new("", "", percent, Unit::ShareOfDraws, holds);
+        for (percent, holds, verdict) in [
+            (99.0, true, Verdict::Holds),
+            (47.5, true, Verdict::Open),
+            (30.0, false, Verdict::Open),
+            (2.0, false, Verdict::Fails),
+        ] {
+            assert_eq!(judged(percent, holds).verdict, verdict, "{percent}");
+        }
+        assert_eq!(
+            Sentence::new("", "", 15.0, Unit::Rad, true).verdict,
+            Verdict::Holds
+        );
+    }
 }
