@@ -73,6 +73,68 @@ impl Curve {
         self.steps.windows(2).any(|pair| pair[1].1 < pair[0].1)
     }
 
+    /// The stages of the load: start and last level of each. Small steps follow a drift of the load
+    /// and start none.
+    fn stages(&self) -> Vec<(f64, f64)> {
+        let mut stages: Vec<(f64, f64)> = Vec::new();
+        let mut level = 0.0;
+        for &(start, load) in &self.steps {
+            match stages.last_mut() {
+                Some(stage) if (load - level).abs() <= 0.05 => stage.1 = load,
+                None if load.abs() <= 0.05 => {}
+                _ => {
+                    stages.push((start, load));
+                    level = load;
+                }
+            }
+        }
+        stages
+    }
+
+    /// The load held longest, and when the next stage begins after it.
+    pub(super) fn held(&self) -> Option<(f64, Option<f64>)> {
+        let stages = self.stages();
+        let last = self.time_s.last().copied().unwrap_or(0.0);
+        let next = |i: usize| stages.get(i + 1).map(|stage| stage.0);
+        let length = |i: usize| next(i).unwrap_or(last) - stages[i].0;
+        let loaded = (0..stages.len()).filter(|&i| stages[i].1 > 0.05);
+        // The first of equals.
+        let longest = loaded
+            .rev()
+            .max_by(|&a, &b| length(a).total_cmp(&length(b)))?;
+        Some((stages[longest].1, next(longest)))
+    }
+
+    /// The record up to the end of its longest stage under load, as if that load had stayed.
+    #[must_use]
+    pub(super) fn held_on(&self) -> Curve {
+        let Some((_, Some(end))) = self.held() else {
+            return self.clone();
+        };
+        let at = self.time_s.partition_point(|t| *t < end);
+        let mut held = self.clone();
+        held.time_s.truncate(at);
+        held.strain.truncate(at);
+        held.count.truncate(at);
+        held.steps.retain(|step| step.0 < end);
+        held
+    }
+
+    /// The same specimen, new, under another load and at another temperature from the first step
+    /// on; without readings.
+    #[must_use]
+    pub(super) fn instead(&self, level: f64, temperature_c: Option<f64>) -> Curve {
+        let start = self.steps.first().map_or(0.0, |step| step.0);
+        Curve {
+            time_s: Vec::new(),
+            strain: Vec::new(),
+            count: Vec::new(),
+            steps: vec![(start, level)],
+            temperature_c,
+            ..self.clone()
+        }
+    }
+
     /// The stretch before and the stretch after `time_s`, both under the whole load history.
     #[must_use]
     pub fn split(&self, time_s: f64) -> (Curve, Curve) {
@@ -98,15 +160,7 @@ impl Curve {
         if self.time_s.len() <= POINTS {
             return self.clone();
         }
-        // Small steps follow a drift of the load and don't start a stage.
-        let mut stages = Vec::new();
-        let mut level = 0.0;
-        for &(start, load) in &self.steps {
-            if (load - level).abs() > 0.05 {
-                stages.push(start);
-                level = load;
-            }
-        }
+        let stages: Vec<f64> = self.stages().iter().map(|stage| stage.0).collect();
         let stage = |t: f64| stages.iter().rposition(|start| *start <= t).unwrap_or(0);
         let count = self
             .time_s

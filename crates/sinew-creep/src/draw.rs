@@ -1,5 +1,6 @@
 //! One set of all numbers of a law, and the strain it gives.
 
+use super::curve::Curve;
 use super::model::Model;
 use super::noise::Noise;
 
@@ -41,6 +42,18 @@ impl Draw {
 
     /// Strain, m/m, of the curve with index `curve`, at rising times.
     pub(super) fn strain(&self, model: &Model, curve: usize, time_s: &[f64]) -> Vec<f64> {
+        self.strain_under(model, curve, &model.curves[curve], time_s)
+    }
+
+    /// Strain of the curve with index `curve`, m/m, at rising times, under the loads and at the
+    /// temperature of `member`.
+    pub(super) fn strain_under(
+        &self,
+        model: &Model,
+        curve: usize,
+        member: &Curve,
+        time_s: &[f64],
+    ) -> Vec<f64> {
         let Some((block, place)) = model.blocks.iter().enumerate().find_map(|(b, block)| {
             let place = block.members.iter().position(|m| *m == curve)?;
             Some((b, place))
@@ -49,7 +62,6 @@ impl Draw {
         };
         let beta = &self.beta[block];
         let shared = beta.len() - model.blocks[block].members.len();
-        let member = &model.curves[curve];
         let (rows, offset) = model.rows(&self.values, member, time_s, shared);
         (0..time_s.len())
             .map(|i| {

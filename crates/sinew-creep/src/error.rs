@@ -71,6 +71,14 @@ pub enum CreepError {
         #[from]
         reason: NoEntry,
     },
+    /// A forecast that the records can't tell.
+    #[error("{specimen}: no forecast: {reason}")]
+    NoForecast {
+        /// Specimen or group.
+        specimen: String,
+        /// Why.
+        reason: NoForecast,
+    },
     /// An isotherm with too few readings above zero.
     #[error(
         "the isotherm at {temperature_c:.1} °C needs at least three readings with positive time and value"
@@ -171,6 +179,46 @@ pub enum Unusable {
     /// No temperature, or neither modulus nor strain to shift.
     #[error("no temperature, or neither modulus nor strain")]
     NothingToShift,
+}
+
+/// Why records don't tell a forecast.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum NoForecast {
+    /// No stage under load.
+    #[error("the record holds no load")]
+    NoLoad,
+    /// A load is stated, and none is recorded.
+    #[error("a load in N is stated, and the record has no force (--column force=…:N)")]
+    NoForce,
+    /// A temperature is stated, and none is recorded.
+    #[error("a temperature is stated, and the record has none (--temperature-c)")]
+    NoTemperature,
+    /// A load beyond those of the records.
+    #[error(
+        "{load_n} N lies beyond the {low_n:.1} to {high_n:.1} N that can be told from; tests under several loads, fitted together (--joint group), or the rope law alone (--law rope --rope NAME) tell more"
+    )]
+    Load {
+        /// Asked for, N.
+        load_n: f64,
+        /// Least load that can be told, N.
+        low_n: f64,
+        /// Largest, N.
+        high_n: f64,
+    },
+    /// A temperature beyond those of the records.
+    #[error(
+        "{temperature_c} °C lies beyond the {low_c:.1} to {high_c:.1} °C of the records; tests at several temperatures, fitted together (--joint group), or the rope law alone (--law rope --rope NAME) tell more"
+    )]
+    Temperature {
+        /// Asked for, °C.
+        temperature_c: f64,
+        /// Lowest of the records, °C.
+        low_c: f64,
+        /// Highest, °C.
+        high_c: f64,
+    },
 }
 
 /// Why no catalogue entry can be made of a fit.

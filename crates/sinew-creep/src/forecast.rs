@@ -4,6 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::ahead::Ahead;
 use super::fit::Fit;
 use super::noise::Filter;
 use sinew_model::statistics::quantile;
@@ -34,23 +35,24 @@ struct Paths {
 
 impl Paths {
     /// Paths of the curve with index `curve` at rising times after its last reading.
-    fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Paths {
+    fn of(fit: &Fit, curve: usize, ahead: Ahead, time_s: &[f64]) -> Paths {
         let model = &fit.model;
         let mut random = ChaCha8Rng::seed_from_u64(fit.seed ^ 0x5eed);
-        let member = &model.curves[curve];
+        let member = &ahead.of(&model.curves[curve]);
         let clock = |t: f64| model.clock.at(member, t);
         let end = clock(member.time_s.last().copied().unwrap_or(0.0));
+        let clocks: Vec<f64> = member.time_s.iter().map(|t| clock(*t)).collect();
         let mut filter = Filter::default();
         let mut paths = Paths {
             law: Vec::with_capacity(fit.draws.len()),
             reading: Vec::with_capacity(fit.draws.len()),
         };
         for draw in &fit.draws {
-            let law = draw.strain(model, curve, time_s);
+            let law = draw.strain_under(model, curve, member, time_s);
             // The slow part where the record ends, given this draw's law.
-            filter.prepare(&model.clocks[curve], &member.count, draw.noise);
+            filter.prepare(&clocks, &member.count, draw.noise);
             let mut left: Vec<f64> = draw
-                .strain(model, curve, &member.time_s)
+                .strain_under(model, curve, member, &member.time_s)
                 .iter()
                 .zip(&member.strain)
                 .map(|(fitted, seen)| (seen - fitted) / model.scale)
@@ -83,7 +85,12 @@ impl Paths {
 impl Forecast {
     /// Strain of the curve with index `curve` at rising times after its last reading, by one law.
     pub fn of(fit: &Fit, curve: usize, time_s: &[f64]) -> Forecast {
-        Forecast::from_paths(time_s, &Paths::of(fit, curve, time_s), fit.level)
+        Forecast::under(fit, curve, Ahead::AsRecorded, time_s)
+    }
+
+    /// The same under other loads.
+    pub(super) fn under(fit: &Fit, curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
+        Forecast::from_paths(time_s, &Paths::of(fit, curve, ahead, time_s), fit.level)
     }
 
     /// The same with both intervals `factor` times as wide on either side.
@@ -148,6 +155,11 @@ pub fn akaike_weights(fits: &[Fit]) -> Vec<f64> {
 /// The forecasts of several laws as one, each with its Akaike weight: which law is right is then
 /// part of the interval.
 pub fn combined_forecast(fits: &[Fit], curve: usize, time_s: &[f64]) -> Forecast {
+    combined_under(fits, curve, Ahead::AsRecorded, time_s)
+}
+
+/// The same under other loads.
+pub(super) fn combined_under(fits: &[Fit], curve: usize, ahead: Ahead, time_s: &[f64]) -> Forecast {
     let weights = akaike_weights(fits);
     let level = fits.first().map_or(0.95, |fit| fit.level);
     let total = fits.iter().map(|f| f.draws.len()).max().unwrap_or(0);
@@ -160,7 +172,7 @@ pub fn combined_forecast(fits: &[Fit], curve: usize, time_s: &[f64]) -> Forecast
         if take == 0 {
             continue;
         }
-        let own = Paths::of(fit, curve, time_s);
+        let own = Paths::of(fit, curve, ahead, time_s);
         paths.law.extend(own.law.into_iter().take(take));
         paths.reading.extend(own.reading.into_iter().take(take));
     }

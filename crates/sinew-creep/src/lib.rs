@@ -5,6 +5,7 @@
 //! [`compare`]; [`shift`] needs specimens only. The steps for one specimen are [`prepare`],
 //! [`analyze`] and [`fit`].
 
+mod ahead;
 mod analyze;
 mod bootstrap;
 mod curve;
@@ -44,12 +45,13 @@ mod tests_compared;
 mod tests_fitted;
 mod withhold;
 
+pub use ahead::{ConditionSource, ForecastConditions, ForecastRequest};
 pub use analyze::{
     Analysis, AnalyzeOptions, ISO_READINGS_S, NoSlope, PERCENT_PER_H, Reading, Recovery,
     SLOPE_FROM_S, analyze,
 };
 pub use curve::{Curve, Tension};
-pub use error::{CreepError, Failure, NoEntry, Unusable};
+pub use error::{CreepError, Failure, NoEntry, NoForecast, Unusable};
 pub use fit::{Fit, fit};
 pub use forecast::{Forecast, akaike_weights, combined_forecast};
 pub use isochronous::{Isochrone, IsochronePoint, LoadQuantity, isochrones};

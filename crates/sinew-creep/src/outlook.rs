@@ -11,10 +11,11 @@
 //! the quantile of Student's distribution for a scale known from `K` rehearsals and a prior of
 //! [`PRIOR_FREEDOM`] degrees of freedom that trusts the law's own `σ`.
 
+use super::ahead::Ahead;
 use super::curve::Curve;
 use super::error::CreepError;
 use super::fit::{Fit, fit};
-use super::forecast::{Forecast, combined_forecast};
+use super::forecast::{Forecast, combined_forecast, combined_under};
 use super::law::Law;
 use super::options::FitOptions;
 use super::student::{normal_quantile, student_quantile};
@@ -83,8 +84,24 @@ impl Outlook {
         options: &FitOptions,
         time_s: &[f64],
     ) -> Outlook {
+        Outlook::under(fits, curves, index, Ahead::AsRecorded, options, time_s)
+    }
+
+    /// The same under other loads.
+    pub(super) fn under(
+        fits: &[Fit],
+        curves: &[Curve],
+        index: usize,
+        ahead: Ahead,
+        options: &FitOptions,
+        time_s: &[f64],
+    ) -> Outlook {
         let laws: Vec<Law> = fits.iter().map(|f| f.law).collect();
-        let missed = rehearse(&laws, curves, index, options, time_s);
+        let mut rehearsed = curves.to_vec();
+        if let Some(curve) = rehearsed.get_mut(index) {
+            *curve = ahead.rehearsed(curve);
+        }
+        let missed = rehearse(&laws, &rehearsed, index, options, time_s);
         let of_law = |law: Law| {
             let own = missed
                 .iter()
@@ -99,12 +116,12 @@ impl Outlook {
                 .map(|f| {
                     (
                         f.law,
-                        Ok(Forecast::of(f, index, time_s).widened(of_law(f.law))),
+                        Ok(Forecast::under(f, index, ahead, time_s).widened(of_law(f.law))),
                     )
                 })
                 .collect(),
             combined: (!fits.is_empty())
-                .then(|| combined_forecast(fits, index, time_s).widened(widened)),
+                .then(|| combined_under(fits, index, ahead, time_s).widened(widened)),
             widened,
             rehearsals: together.len(),
         }

@@ -30,7 +30,8 @@ pub enum ScatterSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rank {
-    /// 1 stretches least. Ropes whose intervals overlap with the one before share its rank.
+    /// One more than the ropes whose intervals lie wholly below: 1 where none is shown to stretch
+    /// less.
     pub rank: usize,
     /// Rope.
     pub name: String,
@@ -109,14 +110,17 @@ pub fn rank(
         })
         .collect();
     ranks.sort_by(|a, b| a.strain_ratio.value.total_cmp(&b.strain_ratio.value));
-    for i in 0..ranks.len() {
-        ranks[i].rank = if i > 0 && ranks[i].strain_ratio.low <= ranks[i - 1].strain_ratio.high {
-            ranks[i - 1].rank
-        } else {
-            i + 1
-        };
-    }
+    number(&mut ranks);
     ranks
+}
+
+/// Numbers the ranks: one more than the intervals that lie wholly below.
+fn number(ranks: &mut [Rank]) {
+    let highs: Vec<f64> = ranks.iter().map(|r| r.strain_ratio.high).collect();
+    for rank in ranks {
+        let below = highs.iter().filter(|high| **high < rank.strain_ratio.low);
+        rank.rank = 1 + below.count();
+    }
 }
 
 /// Strain at a time: straight line in the logarithm of time through the readings within a third
@@ -238,6 +242,38 @@ mod tests {
 
     fn exact(value: f64) -> Bounded {
         Bounded::even(value, 0.0)
+    }
+
+    #[test]
+    fn a_rank_counts_the_ropes_that_are_shown_to_stretch_less() {
+        let rank = |low: f64, high: f64| Rank {
+            rank: 0,
+            name: String::new(),
+            specimens: 1,
+            at_s: 1.0,
+            strain_ratio: Bounded {
+                value: 0.5 * (low + high),
+                low,
+                high,
+            },
+            slope_per_s: None,
+            scatter_share: 0.0,
+            scatter_source: ScatterSource::Stated,
+        };
+        let numbers = |mut ranks: Vec<Rank>| {
+            number(&mut ranks);
+            ranks.iter().map(|r| r.rank).collect::<Vec<_>>()
+        };
+        // A chain: the first and the last are apart although each overlaps its neighbour.
+        assert_eq!(
+            numbers(vec![rank(1.0, 2.0), rank(1.8, 3.0), rank(2.5, 4.0)]),
+            [1, 1, 2]
+        );
+        // A wide one in front: the last overlaps it, and lies above the narrow one.
+        assert_eq!(
+            numbers(vec![rank(0.0, 5.0), rank(2.6, 2.7), rank(3.0, 4.0)]),
+            [1, 1, 2]
+        );
     }
 
     #[test]

@@ -2,11 +2,14 @@
 
 use sinew_model::rope::Parameter;
 use sinew_model::rope::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
+use sinew_model::rope::holds::Holds;
 
 use super::error::{CreepError, NoEntry};
 use super::fit::Fit;
 use super::law::Law;
 use super::rope_base::RopeBase;
+use super::rope_walk::TEMPERATURE_C;
+use super::span::extremes;
 use super::student::normal_quantile;
 
 /// What a fitted entry says of itself.
@@ -78,7 +81,37 @@ pub fn rope_entry(
     }
     entry.correlation = Correlation::new(fitted, correlations(&scores));
     entry.note = Some(note(fit, base));
+    entry.holds = Some(holds(fit, base));
     Ok(entry)
+}
+
+/// Loads, temperatures and times of the records that were fitted.
+fn holds(fit: &Fit, base: &RopeBase) -> Holds {
+    let curves = &fit.model.curves;
+    let tensions = curves.iter().flat_map(|curve| {
+        let tension = curve.tension;
+        let steps = curve
+            .steps
+            .iter()
+            .map(|step| step.1)
+            .filter(|step| *step > 0.05);
+        steps.filter_map(move |step| tension.map(|t| t.at(step)))
+    });
+    let shares: Vec<f64> = tensions
+        .map(|n| n / base.parameters.breaking_load_n)
+        .collect();
+    let celsius = curves
+        .iter()
+        .map(|c| c.temperature_c.unwrap_or(TEMPERATURE_C));
+    let celsius: Vec<f64> = celsius.collect();
+    let ends = curves.iter().filter_map(|c| c.time_s.last().copied());
+    let (low, high) = extremes(&shares);
+    Holds {
+        // To five decimals, outwards: the tests' own loads stay inside.
+        load_share: [(1e5 * low).floor() / 1e5, (1e5 * high).ceil() / 1e5],
+        temperature_c: extremes(&celsius).into(),
+        duration_s: ends.fold(0.0, f64::max),
+    }
 }
 
 fn catalogued(name: &str) -> Option<Parameter> {

@@ -1,5 +1,6 @@
 //! From analysed tests to fitted laws: what is fitted together, forecasts, withheld ends.
 
+use super::ahead::{ForecastConditions, ForecastRequest, ahead};
 use super::curve::Curve;
 use super::error::{CreepError, Failure, NoEntry};
 use super::fit::{Fit, fit};
@@ -38,8 +39,8 @@ pub struct FitRequest {
     pub joint: Joint,
     /// How to fit; [`FitOptions::share`] follows from [`Self::joint`].
     pub options: FitOptions,
-    /// Forecast to this time after the load, s.
-    pub forecast_s: Option<f64>,
+    /// Forecast, where one is asked for.
+    pub forecast: Option<ForecastRequest>,
 }
 
 impl FitRequest {
@@ -80,8 +81,10 @@ pub struct FitSet {
     pub name: String,
     /// Laws by rising AICc.
     pub laws: Vec<Fit>,
-    /// Strain under the record's last load, all laws weighed; of a group's first specimen.
+    /// Strain ahead, all laws weighed; of a group's first specimen.
     pub forecast: Option<Forecast>,
+    /// Load and temperature that it is for.
+    pub forecast_conditions: Option<ForecastConditions>,
 }
 
 /// Laws fitted to creep tests.
@@ -114,6 +117,13 @@ pub struct WithheldReport {
     pub withheld: Vec<Coverage>,
     /// What couldn't be analysed.
     pub failures: Vec<Failure>,
+}
+
+impl WithheldReport {
+    /// Whether any law could forecast any test.
+    pub fn forecasts_any(&self) -> bool {
+        self.withheld.iter().any(|c| c.tests > 0)
+    }
 }
 
 impl JsonDocument for WithheldReport {
@@ -178,29 +188,53 @@ pub fn fit_tests(
             pairs.push((set, fits));
         }
     }
-    let forecasts = match request.forecast_s {
-        None => vec![None; pairs.len()],
-        Some(until_s) => each(
+    let forecasts: Vec<_> = match &request.forecast {
+        None => vec![Ok(None); pairs.len()],
+        Some(asked) => each(
             &pairs,
-            |(set, fits)| {
-                let time_s = times_ahead(set.curves.first()?, until_s);
-                Outlook::of(fits, &set.curves, 0, &options, &time_s).combined
-            },
+            |(set, fits)| forecast(set, fits, &options, asked),
             |done| progress(FitStep::Forecasting, done, pairs.len()),
         ),
     };
-    let fits = pairs.into_iter().zip(forecasts);
+    let mut fits = Vec::with_capacity(pairs.len());
+    for ((set, laws), forecast) in pairs.into_iter().zip(forecasts) {
+        let (forecast, forecast_conditions) = match forecast {
+            Ok(found) => found.unzip(),
+            Err(reason) => {
+                failures.push(Failure { name: None, reason });
+                (None, None)
+            }
+        };
+        fits.push(FitSet {
+            name: set.name.clone(),
+            laws,
+            forecast,
+            forecast_conditions,
+        });
+    }
     FitReport {
         sources: tests.sources.clone(),
-        fits: fits
-            .map(|((set, laws), forecast)| FitSet {
-                name: set.name.clone(),
-                laws,
-                forecast,
-            })
-            .collect(),
+        fits,
         failures,
     }
+}
+
+/// The forecast of a set's first curve, all laws weighed, and what it is for.
+fn forecast(
+    set: &Set,
+    fits: &[Fit],
+    options: &FitOptions,
+    asked: &ForecastRequest,
+) -> Result<Option<(Forecast, ForecastConditions)>, CreepError> {
+    let laws: Vec<Law> = fits.iter().map(|f| f.law).collect();
+    let base = options.rope.as_deref();
+    let (how, conditions) = ahead(&set.name, &set.curves, &laws, base, asked)?;
+    let Some(curve) = set.curves.first().map(|curve| how.of(curve)) else {
+        return Ok(None);
+    };
+    let time_s = times_ahead(&curve, asked.until_s);
+    let outlook = Outlook::under(fits, &set.curves, 0, how, options, &time_s);
+    Ok(outlook.combined.map(|forecast| (forecast, conditions)))
 }
 
 /// Fits by rising AICc with their weights, and what failed.
@@ -227,7 +261,10 @@ fn fit_set(set: &Set, laws: &[Law], options: &FitOptions) -> (Vec<Fit>, Vec<Fail
 /// Times after a curve's end, even in the logarithm.
 fn times_ahead(curve: &Curve, until_s: f64) -> Vec<f64> {
     const COUNT: i32 = 40;
-    let end = curve.time_s.last().copied().unwrap_or(1.0).max(1e-3);
+    /// Where a new specimen's forecast begins, s.
+    const FROM_S: f64 = 60.0;
+    let from = curve.time_s.last().copied();
+    let end = from.unwrap_or(FROM_S.min(0.1 * until_s)).max(1e-3);
     let last = until_s.max(1.01 * end);
     (1..=COUNT)
         .map(|i| end * (last / end).powf(f64::from(i) / f64::from(COUNT)))

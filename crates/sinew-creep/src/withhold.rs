@@ -125,6 +125,18 @@ pub struct Coverage {
     pub end_half_width_ratio: f64,
 }
 
+impl Coverage {
+    /// Share of the hidden readings within their intervals; `None` where nothing was forecast.
+    pub fn readings_share(&self) -> Option<f64> {
+        (self.readings > 0).then(|| self.readings_inside as f64 / self.readings as f64)
+    }
+
+    /// Share of the last readings within; `None` where nothing was forecast.
+    pub fn ends_share(&self) -> Option<f64> {
+        (self.tests > 0).then(|| self.ends_inside as f64 / self.tests as f64)
+    }
+}
+
 /// Withholds from many curves, on all processors, and counts per law; `done` is called with the
 /// number of curves finished.
 pub fn withhold_all(

@@ -93,6 +93,12 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
+/// [`plain`], line by line: several messages stay several lines.
+pub fn plain_lines(text: &str) -> String {
+    let lines: Vec<String> = text.lines().map(plain).collect();
+    lines.join("\n")
+}
+
 /// Text from a file without the characters a terminal would obey.
 pub fn plain(text: &str) -> String {
     text.chars()
@@ -123,5 +129,9 @@ mod tests {
     #[test]
     fn escape_sequences_from_files_are_not_obeyed() {
         assert_eq!(plain("\u{1b}[2Jelbow"), "\u{fffd}[2Jelbow");
+        assert_eq!(
+            plain_lines("a: no time\nb: \u{7}"),
+            "a: no time\nb: \u{fffd}"
+        );
     }
 }

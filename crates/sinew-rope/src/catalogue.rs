@@ -2,6 +2,7 @@
 
 use sinew_files::{Fault, Located, read_text};
 use sinew_model::rope::entry::CatalogueEntry;
+use sinew_model::rope::holds::Holds;
 use std::path::{Path, PathBuf};
 
 /// Shipped ropes: file and text of each.
@@ -39,10 +40,29 @@ pub struct CatalogueRope {
     pub file: Option<PathBuf>,
 }
 
+impl CatalogueRope {
+    /// Data behind the values; [`Holds::NOT_STATED`] where the entry doesn't say.
+    pub fn holds(&self) -> Holds {
+        self.entry.holds.unwrap_or(Holds::NOT_STATED)
+    }
+}
+
 /// Ropes by name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Catalogue {
     ropes: Vec<CatalogueRope>,
+    namesakes: Vec<Namesake>,
+}
+
+/// A file of one's own that names its rope as a rope before it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Namesake {
+    /// The name.
+    pub name: String,
+    /// The file.
+    pub file: PathBuf,
+    /// Whether it is another rope: it then replaces the one before.
+    pub replaces: bool,
 }
 
 /// What is wrong with a catalogue.
@@ -96,7 +116,10 @@ impl Catalogue {
             .iter()
             .map(parse)
             .collect::<Result<_, CatalogueError>>()?;
-        Ok(Self { ropes })
+        Ok(Self {
+            ropes,
+            namesakes: Vec::new(),
+        })
     }
 
     /// The shipped ropes and those of `folders`, each read in order of file names; a rope of a
@@ -142,18 +165,35 @@ impl Catalogue {
             });
         }
         for rope in fresh {
-            match self
-                .ropes
-                .iter_mut()
-                .find(|r| r.entry.name == rope.entry.name)
+            let named = |r: &&mut CatalogueRope| r.entry.name == rope.entry.name;
+            let Some(old) = self.ropes.iter_mut().find(named) else {
+                self.ropes.push(rope);
+                continue;
+            };
+            // A copy of a shipped rope is that rope; under another file name it was to be another.
+            let replaces = old.entry != rope.entry;
+            let file = rope.file.clone().unwrap_or_default();
+            if replaces
+                || file
+                    .file_stem()
+                    .is_none_or(|stem| *stem != *rope.entry.name)
             {
-                // A copy of a shipped rope is that rope.
-                Some(old) if old.entry == rope.entry => {}
-                Some(old) => *old = rope,
-                None => self.ropes.push(rope),
+                self.namesakes.push(Namesake {
+                    name: rope.entry.name.clone(),
+                    file,
+                    replaces,
+                });
+            }
+            if replaces {
+                *old = rope;
             }
         }
         Ok(())
+    }
+
+    /// Files that name their rope as one before them.
+    pub fn namesakes(&self) -> &[Namesake] {
+        &self.namesakes
     }
 
     /// All ropes.
@@ -184,6 +224,29 @@ impl Catalogue {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_copy_that_keeps_its_name_is_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let shipped = Catalogue::shipped().expect("shipped");
+        let rope = shipped.find("liros-dc000-0301").expect("there");
+        let told = |file: &str, text: &str| {
+            let folder = tempfile::tempdir_in(folder.path()).expect("a folder");
+            std::fs::write(folder.path().join(file), text).expect("written");
+            let read = Catalogue::with_folders(&[folder.path()]).expect("read");
+            read.namesakes()
+                .iter()
+                .map(|n| n.replaces)
+                .collect::<Vec<_>>()
+        };
+        let text = rope.entry.to_toml();
+        assert_eq!(told("mine.toml", &text), [false]);
+        assert_eq!(told("liros-dc000-0301.toml", &text), [false; 0]);
+        let changed = text.replace("jamming = { value = 3.0", "jamming = { value = 4.0");
+        assert_eq!(told("liros-dc000-0301.toml", &changed), [true]);
+        let renamed = text.replacen("liros-dc000-0301", "mine", 1);
+        assert_eq!(told("mine.toml", &renamed), [false; 0]);
+    }
 
     #[test]
     fn shipped_ropes_are_table_1_as_published() {

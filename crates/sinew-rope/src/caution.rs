@@ -1,6 +1,7 @@
 //! What to be careful about in a prediction.
 
 use serde::{Deserialize, Serialize};
+use sinew_model::rope::holds::Holds;
 use sinew_model::rope::validity::Outside;
 
 /// Something to be careful about.
@@ -21,6 +22,24 @@ pub enum Caution {
     },
     /// Starting guesses made for tests of 85 min, asked for more than a day.
     Extrapolated,
+    /// The rope creeps until it breaks; there is no reading from then on.
+    CreepsApart {
+        /// When, at the catalogue's values, s.
+        time_s: f64,
+    },
+    /// The duty goes beyond the data behind the rope's values; intervals are widened.
+    BeyondData {
+        /// The data.
+        holds: Holds,
+        /// Mean and largest tension of the duty over the breaking load.
+        load_share: [f64; 2],
+        /// Lowest and highest temperature, °C.
+        temperature_c: [f64; 2],
+        /// Longest time asked for, s.
+        duration_s: f64,
+        /// Factor up and down that 95 % of the widening reaches at that time.
+        factor: f64,
+    },
     /// Parameters are starting guesses.
     StartingGuesses {
         /// How many.

@@ -4,6 +4,7 @@ use super::{Catalogue, CatalogueRope};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::rope::entry::{Origin, Uncertainty, Value};
+use sinew_model::rope::holds::Holds;
 use std::collections::BTreeMap;
 
 /// A value of the catalogue with its origin.
@@ -96,6 +97,8 @@ pub struct RopeDescription {
     pub note: Option<String>,
     /// What is published.
     pub published: Published,
+    /// Data behind the values of the law; beyond it predictions widen.
+    pub holds: Holds,
     /// Parameters of the law by their names in the catalogue, which end in their units.
     pub law: BTreeMap<String, CatalogueValue>,
     /// Sources by their keys.
@@ -161,6 +164,7 @@ impl CatalogueRope {
                 breaking_load_n: value(&e.breaking_load_n, 1.0),
                 weight_kg_per_m: value(&e.weight_g_per_m, 1e-3),
             },
+            holds: self.holds(),
             law: e
                 .law
                 .iter()

@@ -67,6 +67,16 @@ impl Draws {
         Ok(Self { nominal, laws })
     }
 
+    /// A standard normal number per draw: how far the law itself is off beyond its data. Another
+    /// stream than the parameters', so that these stay the same draws.
+    pub(crate) fn doubts(&self, rope: &CatalogueRope, seed: u64) -> Vec<f64> {
+        const STREAM: u64 = 1;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&rope.entry.name));
+        rng.set_stream(STREAM);
+        let laws = self.laws.iter();
+        laws.map(|_| StandardNormal.sample(&mut rng)).collect()
+    }
+
     /// Something of every law: nominal first, then each draw.
     pub fn map<T>(&self, f: impl Fn(&Law) -> T) -> (T, Vec<T>) {
         (f(&self.nominal), self.laws.iter().map(f).collect())

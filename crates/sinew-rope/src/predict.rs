@@ -1,19 +1,18 @@
 //! How far a rope will have stretched after an hour, a day, a month, a year of a duty.
 
+use super::CatalogueRope;
 use super::caution::Caution;
+use super::drawn::drawn;
 use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
+pub use super::refusal::PredictError;
 pub use super::route::{Guide, Request, Route};
-use super::strand::{Mean, StrandError, strand};
-use super::{CatalogueError, CatalogueRope};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
-use sinew_model::Bounded;
-use sinew_model::rope::routing::RoutingError;
+use sinew_model::rope::holds::{Beyond, Holds};
 use sinew_model::rope::validity::Outside;
-use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use sinew_model::rope::{Law, State, damage};
+use sinew_model::{Bounded, Z95};
 
 /// Readings made where nothing else is asked for.
 pub const TIMES_DEFAULT_S: [f64; 4] = [HOUR_S, DAY_S, MONTH_S, YEAR_S];
@@ -43,6 +42,8 @@ pub struct Reading {
     pub since_tensioned_m: Bounded,
     /// Part of it that unloading would not bring back, m.
     pub irreversible_m: Bounded,
+    /// Share of the draws in which the rope is broken by then, 0 to 1: they are left out.
+    pub broken_share: f64,
 }
 
 /// The prediction for one rope.
@@ -61,7 +62,7 @@ pub struct Prediction {
     pub read_at_n: f64,
     /// Temperature the readings refer to, °C.
     pub read_at_c: f64,
-    /// Readings.
+    /// Readings, up to the time at which the rope has crept apart.
     pub readings: Vec<Reading>,
     /// Strength left at the last reading, share of new; `None` where bending was not asked for or
     /// the rope's diameter is unknown.
@@ -76,32 +77,20 @@ pub struct Prediction {
     pub draws: usize,
     /// Their seed.
     pub seed: u64,
+    /// When the rope has crept until it breaks, s, at the catalogue's values; there is no reading
+    /// from then on.
+    pub breaks_after_s: Option<f64>,
+    /// Data behind the rope's values.
+    pub holds: Holds,
+    /// How far the duty lies beyond it in load and temperature; intervals are widened for that, and
+    /// for times beyond [`Holds::duration_s`].
+    pub beyond: Beyond,
     /// Where the duty leaves what the law was made for, and other cautions.
     pub cautions: Vec<Caution>,
 }
 
 impl JsonDocument for Prediction {
     const SCHEMA: &'static str = "sinew/rope-predict/1";
-}
-
-/// Why there is no prediction.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PredictError {
-    /// The rope.
-    #[error(transparent)]
-    Catalogue(#[from] CatalogueError),
-    /// The routing.
-    #[error(transparent)]
-    Routing(#[from] RoutingError),
-    /// The load, with the catalogue's own values.
-    #[error("rope '{rope}': {error}")]
-    Load {
-        /// Rope.
-        rope: String,
-        /// Why.
-        error: LoadError,
-    },
 }
 
 /// Predicts the elongation of a strand of one rope.
@@ -125,111 +114,10 @@ pub fn predict_with_progress(
     request: &Request,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Prediction, PredictError> {
-    Ok(drawn(rope, request, done)?.prediction(rope, request))
+    Ok(drawn(rope, request, false, done)?.prediction(rope, request))
 }
 
-/// One rope's strand at the catalogue's values and in every draw.
-pub(crate) struct Drawn {
-    pub(crate) draws: Draws,
-    read_at: RopeLoad,
-    /// A minute after tensioning, then at the times of the request.
-    nominal: Vec<Mean>,
-    /// The same in each draw; `None` where the rope breaks.
-    drawn: Vec<Option<Vec<Mean>>>,
-}
-
-/// Runs a strand through the duty, at the catalogue's values and in every draw.
-pub(crate) fn drawn(
-    rope: &CatalogueRope,
-    request: &Request,
-    done: &(dyn Fn(usize) + Sync),
-) -> Result<Drawn, PredictError> {
-    let draws = Draws::new(rope, request.draws, request.seed)?;
-    let summary = request.duty.summary();
-    let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
-        summary.tension_mean_n,
-        summary.temperature_mean_c,
-    ));
-    let mut times = vec![TENSIONED_AFTER_S];
-    times.extend(&request.times_s);
-    let nominal = strand(&draws.nominal, request, read_at, &times).map_err(|e| match e {
-        StrandError::Load(error) => PredictError::Load {
-            rope: rope.entry.name.clone(),
-            error,
-        },
-        StrandError::Routing(error) => error.into(),
-    })?;
-    let finished = AtomicUsize::new(0);
-    let each = draws.laws.par_iter().map(|law| {
-        let means = strand(law, request, read_at, &times).ok();
-        done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        means
-    });
-    let drawn = each.collect();
-    Ok(Drawn {
-        draws,
-        read_at,
-        nominal,
-        drawn,
-    })
-}
-
-impl Drawn {
-    /// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
-    /// breaks.
-    pub(crate) fn growth_m(&self, request: &Request) -> Vec<f64> {
-        let of = |m: &Vec<Mean>| {
-            let [first, .., last] = m.as_slice() else {
-                return 0.0;
-            };
-            0.01 * request.route.length_m * (last.strain - first.strain)
-        };
-        let each = self.drawn.iter().map(|m| m.as_ref().map_or(f64::NAN, of));
-        each.collect()
-    }
-
-    /// What the draws say.
-    pub(crate) fn prediction(&self, rope: &CatalogueRope, request: &Request) -> Prediction {
-        let drawn: Vec<&Vec<Mean>> = self.drawn.iter().flatten().collect();
-        let broken = self.drawn.len() - drawn.len();
-        let m_per_percent = 0.01 * request.route.length_m;
-        let reading = |(at, &time_s): (usize, &f64)| {
-            let interval = |f: &dyn Fn(&[Mean]) -> f64| {
-                let all: Vec<f64> = drawn.iter().map(|m| f(m)).collect();
-                bounded(f(&self.nominal), &all)
-            };
-            // The first is a minute after tensioning.
-            let at = at + 1;
-            let strain_percent = interval(&|m| m[at].strain);
-            Reading {
-                time_s,
-                strain_ratio: strain_percent.scaled(0.01),
-                elongation_m: strain_percent.scaled(m_per_percent),
-                since_tensioned_m: interval(&|m| m[at].strain - m[0].strain).scaled(m_per_percent),
-                irreversible_m: interval(&|m| m[at].irreversible).scaled(m_per_percent),
-            }
-        };
-        let entry = &rope.entry;
-        Prediction {
-            rope: entry.name.clone(),
-            duty: request.duty.about.clone(),
-            summary: request.duty.summary(),
-            length_m: request.route.length_m,
-            read_at_n: self.read_at.tension_n,
-            read_at_c: self.read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
-            readings: request.times_s.iter().enumerate().map(reading).collect(),
-            strength_left_share: bending(rope, &self.draws, request),
-            broken_share: broken as f64 / self.drawn.len().max(1) as f64,
-            starting_guesses: entry.guesses(),
-            parameters: entry.law.len(),
-            draws: request.draws,
-            seed: request.seed,
-            cautions: cautions(rope, &self.draws.nominal, request),
-        }
-    }
-}
-
-fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Bounded> {
+pub(super) fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Bounded> {
     let route = &request.route;
     let rope_m = 1e-3 * rope.entry.diameter_mm.as_ref()?.value;
     let hours = request.times_s.last()? / HOUR_S;
@@ -254,7 +142,12 @@ fn bending(rope: &CatalogueRope, draws: &Draws, request: &Request) -> Option<Bou
     Some(bounded(nominal, &drawn))
 }
 
-fn cautions(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<Caution> {
+pub(super) fn cautions(
+    rope: &CatalogueRope,
+    law: &Law,
+    request: &Request,
+    beyond: Beyond,
+) -> Vec<Caution> {
     let mut outside = Outside::default();
     for s in &request.duty.stretches {
         outside = outside
@@ -272,6 +165,17 @@ fn cautions(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<Caution> 
     if entry.guesses() > 0 && longest > DAY_S {
         out.push(Caution::Extrapolated);
     }
+    let decades = rope.holds().decades_beyond(longest);
+    if beyond != Beyond::default() || decades > 0.0 {
+        let summary = request.duty.summary();
+        out.push(Caution::BeyondData {
+            holds: rope.holds(),
+            load_share: [summary.tension_mean_n, summary.tension_max_n].map(|n| law.load_ratio(n)),
+            temperature_c: [summary.temperature_min_c, summary.temperature_max_c],
+            duration_s: longest,
+            factor: (Z95 * beyond.deviation_after(decades)).exp(),
+        });
+    }
     out
 }
 
@@ -279,6 +183,7 @@ fn cautions(rope: &CatalogueRope, law: &Law, request: &Request) -> Vec<Caution> 
 mod tests {
     use super::*;
     use crate::{Catalogue, Duty};
+    use sinew_model::rope::RopeLoad;
     use sinew_model::rope::routing::Pulley;
 
     fn request(duty: Duty, route: Route) -> Request {
@@ -310,6 +215,79 @@ mod tests {
             assert!((1e3 * reading.elongation_m.value - 7.0 * i.value).abs() < 1e-12);
         }
         assert!(found.cautions.contains(&Caution::Extrapolated));
+    }
+
+    #[test]
+    fn where_no_rope_is_left_there_is_no_prediction() {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        let rope = catalogue.find("liros-dc000-0301").expect("there");
+        let refused = |n: f64, celsius: f64, stroke_m: f64| {
+            let mut asked = request(Duty::constant(n, celsius), Route::straight(0.7));
+            asked.route.stroke_m = stroke_m;
+            predict(rope, &asked)
+                .expect_err("no rope is left")
+                .to_string()
+        };
+        let broken = refused(4449.0, 23.0, 0.0);
+        assert!(
+            broken.contains("4449 N") && broken.contains("breaks"),
+            "{broken}"
+        );
+        assert!(refused(60.0, 200.0, 0.0).contains("melts at 144 °C"));
+        let out = refused(60.0, 23.0, 0.7);
+        assert!(
+            out.contains("700 mm is no shorter than the strand"),
+            "{out}"
+        );
+        let aramid = catalogue.find("tu-chemnitz-technora-black").expect("there");
+        let hot = request(Duty::constant(60.0, 160.0), Route::straight(0.7));
+        let hot = predict(aramid, &hot).expect("aramid does not melt there");
+        // Its flow is a guess that would take it beyond 10 % within a year.
+        let apart = |c: &Caution| matches!(c, Caution::CreepsApart { time_s } if (MONTH_S..YEAR_S).contains(time_s));
+        assert_eq!(
+            (hot.readings.len(), hot.cautions.iter().any(apart)),
+            (3, true)
+        );
+    }
+
+    #[test]
+    fn intervals_widen_beyond_the_data_in_time_load_and_temperature() {
+        let catalogue = Catalogue::shipped().expect("shipped");
+        let rope = catalogue.find("ockert-climax-combat").expect("there");
+        let found = |n: f64, celsius: f64| {
+            let asked = request(Duty::constant(n, celsius), Route::straight(0.7));
+            predict(rope, &asked).expect("a prediction")
+        };
+        // How many times the lower bound the upper one is.
+        let width = |p: &Prediction, i: usize| {
+            let growth = p.readings[i].since_tensioned_m;
+            growth.high / growth.low
+        };
+        let tested = found(60.0, 23.0);
+        assert_eq!(tested.beyond, Beyond::default());
+        // An hour lies within the 85 min of the data; a month and a year are 2.7 and 3.8 decades more.
+        let [hour, month, year] = [0, 2, 3].map(|i| width(&tested, i));
+        assert!(
+            month > 1.5 * hour && year > 1.1 * month,
+            "{hour} {month} {year}"
+        );
+        let data = |c: &Caution| matches!(c, Caution::BeyondData { .. });
+        assert!(tested.cautions.iter().any(data));
+        let loaded = found(600.0, 23.0);
+        assert!(
+            width(&loaded, 0) > 1.5 * hour,
+            "{} {hour}",
+            width(&loaded, 0)
+        );
+        let warm = found(60.0, 43.0);
+        assert!(width(&warm, 0) > 1.5 * hour, "{} {hour}", width(&warm, 0));
+        // The middle is the law's own answer, as it was.
+        let law = Draws::new(rope, 0, 1).expect("complete").nominal;
+        let mut state = State::default();
+        let load = RopeLoad::at_reference(600.0);
+        law.hold(&mut state, load, YEAR_S).expect("load");
+        let own = law.strain(&state, load).expect("load").total_percent();
+        assert!((100.0 * loaded.readings[3].strain_ratio.value - own).abs() < 1e-9);
     }
 
     #[test]

@@ -7,7 +7,8 @@
 
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
-use super::predict::{HOUR_S, TENSIONED_AFTER_S};
+use super::limits::check_temperature;
+use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
 pub use super::procedure::{Procedure, Request};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
@@ -73,6 +74,9 @@ pub enum PretensionError {
     /// The rope.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
+    /// No rope is left.
+    #[error(transparent)]
+    Limit(#[from] PredictError),
     /// The load, with the catalogue's own values.
     #[error("rope '{rope}': {error}")]
     Load {
@@ -88,6 +92,7 @@ pub enum PretensionError {
 /// # Errors
 /// [`PretensionError`].
 pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionError> {
+    check_temperature(rope, request.temperature_c)?;
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let work = RopeLoad::celsius(request.tension_n, request.temperature_c);
     let refuse = |error| PretensionError::Load {

@@ -1,6 +1,7 @@
 //! Which rope of the catalogue to take for a duty, and why not the others.
 
 use super::caution::Caution;
+use super::drawn::drawn;
 use super::draws::{Draws, bounded};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
@@ -49,8 +50,13 @@ pub struct Candidate {
     pub elongation_m: Bounded,
     /// In how many of the draws it stretches least of all candidates, 0 to 1.
     pub least_share: f64,
-    /// Whether no other candidate is both thinner (or as thin) and stretches less.
+    /// Whether no other candidate of known diameter is as thin or thinner and stretches as little or
+    /// less, at the catalogue's values.
     pub pareto: bool,
+    /// Parameters of the law that are starting guesses.
+    pub starting_guesses: usize,
+    /// All parameters of the law.
+    pub parameters: usize,
     /// Cautions.
     pub cautions: Vec<Caution>,
 }
@@ -160,7 +166,7 @@ impl JsonDocument for Selection {
 /// on something that is not published rejects the rope: it can't be shown to meet it.
 ///
 /// # Errors
-/// [`PredictError::Routing`]; a rope that can't be predicted is rejected with the reason.
+/// [`PredictError::Routing`] and [`PredictError::Stroke`]; a rope that can't be predicted is rejected with the reason.
 pub fn select(
     catalogue: &Catalogue,
     request: &predict::Request,
@@ -284,9 +290,11 @@ fn judge(
     .flatten()
     .collect();
     // The law is asked only where it can answer.
-    let drawn = match predict::drawn(rope, request, &|_| {}) {
-        Ok(drawn) => drawn,
-        Err(PredictError::Routing(e)) => return Err(Judged::Refused(e.into())),
+    let found = match drawn(rope, request, true, &|_| {}) {
+        Ok(found) => found,
+        Err(e @ (PredictError::Routing(_) | PredictError::Stroke { .. })) => {
+            return Err(Judged::Refused(e));
+        }
         Err(e) => {
             reasons.push(Rejection::NotPredicted {
                 reason: e.to_string(),
@@ -299,12 +307,12 @@ fn judge(
         cautions,
         readings,
         ..
-    } = drawn.prediction(rope, request);
+    } = found.prediction(rope, request);
     if cautions.contains(&Caution::Hot) {
         reasons.push(Rejection::Hot);
     }
     let unknown = Bounded::even(f64::NAN, 0.0);
-    let stiffness = stiffness_n_per_m(&drawn.draws, request);
+    let stiffness = stiffness_n_per_m(&found.draws, request);
     let elongation_m = readings.last().map_or(unknown, |r| r.since_tensioned_m);
     // A value that is not a number keeps no limit.
     if let Some(limit_m) = constraints.elongation_max_mm.map(|mm| 1e-3 * mm)
@@ -335,9 +343,11 @@ fn judge(
         elongation_m,
         least_share: 0.0,
         pareto: false,
+        starting_guesses: entry.guesses(),
+        parameters: entry.law.len(),
         cautions,
     };
-    Ok((candidate, drawn.growth_m(request)))
+    Ok((candidate, found.growth_m(request)))
 }
 
 /// Why a value that may be at most `limit` does not show it.

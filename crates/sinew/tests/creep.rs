@@ -335,3 +335,133 @@ fn refusals_say_what_to_do_and_leave_nothing_behind() {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }
+
+/// A file of rows `time_s,force_N,elongation_mm` of a rope of 350 mm.
+fn made(rows: impl Iterator<Item = (f64, f64, f64)>) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("made.csv");
+    let rows: String = rows.map(|(t, f, e)| format!("{t},{f},{e}\n")).collect();
+    let head = "L0 (mm),350\ntime_s,force_N,elongation_mm\n";
+    std::fs::write(&path, head.to_owned() + &rows).unwrap();
+    let path = path.to_str().unwrap().to_owned();
+    (folder, path)
+}
+
+#[test]
+fn a_forecast_names_the_load_that_was_held() {
+    let report = json(&[
+        "creep",
+        "fit",
+        "rope-A.csv",
+        "--law",
+        "log-time",
+        "--forecast-h",
+        "8760",
+        "--json",
+        "--quiet",
+    ]);
+    let conditions = &report["fits"][0]["forecast_conditions"];
+    assert_eq!(conditions["source"], "held");
+    assert!(
+        (conditions["load_n"].as_f64().unwrap() - 60.0).abs() < 0.1,
+        "{conditions}"
+    );
+    assert_eq!(conditions["temperature_c"], 23.0);
+    // Made with 0.030 % per e-folding; the record ends at 2 N, an hour after 85 min at 60 N.
+    let forecast = &report["fits"][0]["forecast"]["strain_ratio"];
+    let last = forecast
+        .as_array()
+        .unwrap()
+        .last()
+        .unwrap()
+        .as_f64()
+        .unwrap();
+    let held = report_end();
+    let more = 0.0003 * (8760.0 * 60.0 / 85.0_f64).ln();
+    assert!(
+        (last - held - more).abs() < 0.1 * more,
+        "{last} {held} {more}"
+    );
+    let table = sinew(&[
+        "creep",
+        "fit",
+        "rope-A.csv",
+        "--law",
+        "log-time",
+        "--forecast-h",
+        "8760",
+        "--quiet",
+    ]);
+    let text = String::from_utf8(table.stdout).unwrap();
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("under 60.0 N at 23.0 °C, as the test was held"),
+        "{text}"
+    );
+    let output = sinew(&[
+        "creep",
+        "fit",
+        "rope-A.csv",
+        "--law",
+        "log-time",
+        "--forecast-h",
+        "9",
+        "--forecast-load-n",
+        "90",
+    ]);
+    assert_eq!(output.status.code(), Some(3));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        errors.contains("90 N lies beyond the 60.0 to 60.0 N"),
+        "{errors}"
+    );
+}
+
+/// Strain of rope A at the end of its 85 min under load, m/m.
+fn report_end() -> f64 {
+    let report = json(&["creep", "analyze", "rope-A.csv", "--json", "--quiet"]);
+    let recovery = &report["specimens"][0]["recovery"][0];
+    recovery["before_strain_ratio"].as_f64().unwrap()
+}
+
+#[test]
+fn a_test_too_short_to_be_hidden_from_has_no_percent() {
+    let (_folder, path) =
+        made((0..7).map(|i| (60.0 * f64::from(i), 60.0, 1.0 + 0.01 * f64::from(i))));
+    let output = sinew(&["creep", "fit", &path, "--withhold", "0.5", "--quiet"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        !text.contains("NaN") && text.contains("Nothing was forecast"),
+        "{text}"
+    );
+    assert_eq!(output.status.code(), Some(3), "{text}");
+}
+
+#[test]
+fn an_elongation_of_the_wrong_sign_is_told() {
+    let creep = |i: i32| 1.0 + 0.1 * (1.0 + f64::from(i)).ln();
+    let rows = |sign: f64| {
+        let before = (-20..0).map(|i| (f64::from(i), 2.0, 0.0));
+        before.chain((0..200).map(move |i| (2.0 + 20.0 * f64::from(i), 60.0, sign * creep(i))))
+    };
+    for (sign, told) in [(1.0, false), (-1.0, true)] {
+        let (_folder, path) = made(rows(sign));
+        let report = json(&["creep", "analyze", &path, "--json", "--quiet"]);
+        let faults = report["specimens"][0]["faults"].as_array().unwrap();
+        let found = faults.iter().any(|f| f["kind"] == "shortens");
+        assert_eq!(found, told, "{faults:?}");
+    }
+}
+
+#[test]
+fn several_reasons_stand_on_several_lines() {
+    let (_one, first) = made([(0.0, 1.0, 0.1)].into_iter());
+    let (_two, second) = made([(0.0, 1.0, 0.1)].into_iter());
+    let output = sinew(&["creep", "analyze", &first, &second]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !errors.contains('\u{fffd}') && errors.lines().count() >= 2,
+        "{errors}"
+    );
+}

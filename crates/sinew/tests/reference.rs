@@ -217,6 +217,8 @@ fn rope_entries() {
     let sources = "[sources]\ns = \"somewhere\"\n";
     let value = "value = 1.0, origin = \"measured\", source = \"s\"";
     let law = format!("[law]\ntoe_percent = {{ {value} }}\n");
+    let holds =
+        "[holds]\nload_share = [0.01, 0.1]\ntemperature_c = [20.0, 30.0]\nduration_s = 1.0\n";
     let correlation = "[correlation]\nparameters = [\"toe_percent\"]\nmatrix = [[1.0]]\n";
     let known = |key: &str| format!("{rope}{sources}{key} = {{ {value}, {UNKNOWN} = 1 }}\n");
     agree(
@@ -232,6 +234,7 @@ fn rope_entries() {
                 "law",
                 format!("{rope}{sources}[law]\n{UNKNOWN} = {{ {value} }}\n"),
             ),
+            ("holds", with(&format!("{rope}{sources}{law}{holds}"))),
             (
                 "correlation",
                 with(&format!("{rope}{sources}{law}{correlation}")),

@@ -329,3 +329,38 @@ fn the_bench_runs_the_papers_cases_and_ones_own() {
         &["'Z' is neither one of A, B"],
     );
 }
+
+#[test]
+fn what_breaks_melts_or_leaves_its_route_is_refused_and_a_copy_is_told() {
+    let dir = empty();
+    let rope = ["rope", "predict", "liros-dc000-0301", "--tension"];
+    let ask = |more: &[&'static str]| [&rope[..], more].concat();
+    refused(
+        &ask(&["4449"]),
+        dir.path(),
+        1,
+        &["4449 N", "creeps until it breaks"],
+    );
+    refused(
+        &ask(&["60", "--temperature", "200"]),
+        dir.path(),
+        1,
+        &["melts at 144 °C"],
+    );
+    let long = ["60", "--length", "700", "--stroke", "700"];
+    refused(
+        &ask(&long),
+        dir.path(),
+        1,
+        &["700 mm is no shorter than the strand of 700 mm"],
+    );
+    let text = told(&ask(&["2000"]), dir.path());
+    assert!(text.contains("creeps until it breaks"), "{text}");
+    let folder = dir.path().join("ropes");
+    std::fs::create_dir(&folder).expect("made");
+    let entry = told(&["rope", "show", "liros-dc000-0301", "--toml"], dir.path());
+    std::fs::write(folder.join("mine.toml"), entry).expect("written");
+    let output = sinew(&["rope", "list"], dir.path());
+    let notes = String::from_utf8_lossy(&output.stderr);
+    assert!(notes.contains("still has that name"), "{notes}");
+}

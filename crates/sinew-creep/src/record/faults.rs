@@ -66,6 +66,11 @@ pub enum Fault {
         /// Largest strain, m/m.
         strain_ratio: f64,
     },
+    /// The rope is shorter under load than before it.
+    Shortens {
+        /// Strain at the end of the first stage, m/m.
+        strain_ratio: f64,
+    },
     /// A length of the record that is possible, but looks like another unit.
     DoubtfulTime {
         /// Length, s.

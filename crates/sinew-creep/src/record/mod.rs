@@ -7,6 +7,7 @@ mod load;
 
 use super::curve::{Curve, Tension};
 use super::error::{CreepError, Unusable};
+use super::scan::median;
 use super::span::Span;
 pub use faults::Fault;
 use faults::{clean, take_out_faults};
@@ -81,6 +82,8 @@ pub struct Prepared {
     pub faults: Vec<Fault>,
 }
 
+/// Strain below zero that no reading error makes, m/m.
+const SHORTER: f64 = 1e-5;
 /// Fewest readings of a creep test.
 const FEWEST: usize = 5;
 
@@ -174,6 +177,17 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
     curve.time_s = keep.iter().map(|&i| curve.time_s[i]).collect();
     curve.strain = keep.iter().map(|&i| curve.strain[i]).collect();
     curve.count = vec![1.0; keep.len()];
+    let first_end = load
+        .stages
+        .first()
+        .map_or(f64::INFINITY, |s| s.end_s + 1e-9);
+    let under_load = curve.time_s.partition_point(|t| *t <= first_end);
+    if let Some(&last) = curve.strain[..under_load].last()
+        && last < -SHORTER
+        && median(&curve.strain[..under_load]) < -SHORTER
+    {
+        faults.push(Fault::Shortens { strain_ratio: last });
+    }
     let temperature_c = range(specimen, TestQuantity::Temperature)
         .or_else(|| options.temperature_c.map(Span::point));
     curve.temperature_c = temperature_c.map(|t| t.mean);

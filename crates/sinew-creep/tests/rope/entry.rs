@@ -2,6 +2,7 @@
 
 use super::{COLD, SIGMA, base, options, records, seeds, truth};
 use sinew_creep::*;
+use sinew_model::rope::holds::Holds;
 use sinew_model::rope::{Law as RopeLaw, RopeLoad, State};
 
 #[test]
@@ -40,10 +41,38 @@ fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
                     assert_ne!(value.uncertainty, Uncertainty::NotStated);
                 }
             }
-            let rope = CatalogueRope {
+            // Data behind the entry: 60 and 240 N of the records, at 23 °C, for their length.
+            let holds = read.holds.unwrap();
+            let shares = [60.0, 240.0].map(|n| n / truth().breaking_load_n);
+            for (found, made) in holds.load_share.iter().zip(shares) {
+                assert!((found / made - 1.0).abs() < 0.01, "{holds:?}");
+            }
+            assert_eq!(holds.temperature_c, [23.0, 23.0]);
+            let mut rope = CatalogueRope {
                 entry: read,
                 file: None,
             };
+            let asked = |draws| Request {
+                duty: Duty::constant(120.0, 23.0),
+                route: Route::straight(1.0),
+                times_s: vec![0.9 * holds.duration_s, 30.0 * 86_400.0],
+                read_at: None,
+                draws,
+                seed,
+            };
+            // A month lies beyond them, and the law may be wrong there.
+            let told = predict(&rope, &asked(400)).unwrap();
+            let widths = [0, 1].map(|i| {
+                let strain = told.readings[i].strain_ratio;
+                (strain.high - strain.low) / strain.value
+            });
+            assert!(widths[0] < 0.1 && widths[1] > 2.0 * widths[0], "{widths:?}");
+            // The law that made these records is the one fitted: what is left is the parameters'
+            // part, and it alone is held against the truth below.
+            rope.entry.holds = Some(Holds {
+                duration_s: 30.0 * 86_400.0,
+                ..holds
+            });
             // Loads between and within those tested; held parameters (flow, λ_t) are the truth's.
             [60.0, 120.0]
                 .into_iter()

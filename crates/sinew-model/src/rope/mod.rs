@@ -28,7 +28,8 @@
 //! ([`ramp()`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
-//! over pulleys, [`validity`] says where the law was never checked, `entry`
+//! over pulleys, [`validity`] says where the law was never checked, [`holds`] what data is behind a
+//! rope's values, `entry`
 //! reads a catalogue entry (feature `catalogue`).
 //!
 //! Not modelled: humidity, ultraviolet light, abrasion, creep rupture, knots and splices, shock.
@@ -46,6 +47,7 @@ pub mod entry;
 mod error;
 mod exponential;
 mod factors;
+pub mod holds;
 mod law;
 mod parameters;
 mod ramp;

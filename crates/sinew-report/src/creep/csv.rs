@@ -124,10 +124,10 @@ pub fn withhold_csv(report: &WithheldReport) -> String {
             c.forecaster.name().to_owned(),
             c.tests.to_string(),
             c.failed.to_string(),
-            (100.0 * c.readings_inside as f64 / c.readings as f64).to_string(),
-            (100.0 * c.ends_inside as f64 / c.tests as f64).to_string(),
-            (100.0 * c.end_error_ratio).to_string(),
-            (100.0 * c.end_half_width_ratio).to_string(),
+            number(c.readings_share().map(|s| 100.0 * s)),
+            number(c.ends_share().map(|s| 100.0 * s)),
+            number(c.ends_share().map(|_| 100.0 * c.end_error_ratio)),
+            number(c.ends_share().map(|_| 100.0 * c.end_half_width_ratio)),
         ]));
     }
     out

@@ -1,8 +1,8 @@
 //! Fits as terminal tables.
 
-use super::words::{interval_kind, not_converged, open, parameter_name, why_fixed};
+use super::words::{ahead, interval_kind, not_converged, open, parameter_name, why_fixed};
 use crate::text::{paragraph, plain, short, table};
-use sinew_creep::{Fit, FitReport, FitSet, Forecast, Law};
+use sinew_creep::{CreepError, Fit, FitReport, FitSet, Law};
 
 /// Fits beyond which parameters go to the table file only.
 const SHOWN: usize = 3;
@@ -19,12 +19,16 @@ pub fn fit_table(report: &FitReport) -> String {
         }
     }
     for set in fits.iter().filter(|s| s.forecast.is_some()).take(SHOWN) {
-        if let Some(text) = set.forecast.as_ref().and_then(|f| end(&set.name, f)) {
+        if let Some(text) = end(set) {
             out.push_str(&paragraph(&plain(&text), 2));
         }
     }
     for failure in report.failures.iter().take(20) {
-        out.push_str(&paragraph(&plain(&format!("- not fitted: {failure}")), 2));
+        let what = match failure.reason {
+            CreepError::NoForecast { .. } => "",
+            _ => "not fitted: ",
+        };
+        out.push_str(&paragraph(&plain(&format!("- {what}{failure}")), 2));
     }
     if report.failures.len() > 20 {
         out.push_str(&format!(
@@ -124,14 +128,17 @@ fn one(set: &FitSet) -> String {
     out + "\n"
 }
 
-/// Where a forecast ends.
-fn end(name: &str, f: &Forecast) -> Option<String> {
+/// Where a forecast ends, and under what.
+fn end(set: &FitSet) -> Option<String> {
+    let (f, conditions) = (set.forecast.as_ref()?, set.forecast_conditions.as_ref()?);
     let last = f.time_s.len().checked_sub(1)?;
     Some(format!(
-        "{name}: after {} h {} % ({} to {} %) under the record's last load, all laws weighed, the interval widened by how far they missed the record's own end",
+        "{}: after {} h {} % ({} to {} %) under {}; all laws weighed, the interval widened by how far they missed the record's own end",
+        set.name,
         short(f.time_s[last] / 3600.0),
         short(100.0 * f.strain_ratio[last]),
         short(100.0 * f.reading_low_strain_ratio[last]),
-        short(100.0 * f.reading_high_strain_ratio[last])
+        short(100.0 * f.reading_high_strain_ratio[last]),
+        ahead(conditions)
     ))
 }

@@ -2,10 +2,11 @@
 
 use super::isochronous::isochronous_figure;
 use super::page_tables::{
-    coverage_table, fit_blocks, group_table, isochrone_table, odd_blocks, rank_table,
-    reading_blocks, recovery_table, result_table, source_blocks, test_table,
+    coverage_table, fit_blocks, forecast_table, group_table, isochrone_table, odd_blocks,
+    rank_table, reading_blocks, recovery_table, result_table, source_blocks, test_table,
 };
 use super::picture::{Plotted, figure, plotted};
+use super::terminal::NOTHING_FORECAST;
 use sinew_creep::{
     AnalyzeReport, CompareReport, Conditions, Failure, FitReport, Joint, Scatter, Source, Tests,
     WithheldReport, scatter,
@@ -61,6 +62,9 @@ pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Co
     }
     let caption = "Dashed: the law of smallest AICc. Shaded: where a reading lies.";
     let mut page = begin("Creep test", conditions, tests, curves(&all, caption));
+    if let Some(table) = forecast_table(&report.fits) {
+        page = page.section("Forecast", vec![table.into()]);
+    }
     page = readings(page, tests);
     if tests.analyses.len() <= READINGS_OF {
         for set in &report.fits {
@@ -73,10 +77,17 @@ pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Co
 /// The report of forecasts held against withheld ends.
 pub fn withhold_page(report: &WithheldReport, tests: &Tests, conditions: &Conditions) -> Page {
     let page = begin("Creep test", conditions, tests, Vec::new());
-    let page = readings(page, tests).section("Forecast held against withheld readings", vec![
-        Block::Paragraph("The end of every test was hidden from the fit; a share of 95 % inside would be right.".into()),
+    let mut blocks = vec![
+        Block::Paragraph(
+            "The end of every test was hidden from the fit; a share of 95 % inside would be right."
+                .into(),
+        ),
         coverage_table(&report.withheld).into(),
-    ]);
+    ];
+    if !report.forecasts_any() {
+        blocks.push(Block::Notice(NOTHING_FORECAST.into()));
+    }
+    let page = readings(page, tests).section("Forecast held against withheld readings", blocks);
     end(page, &report.sources, &report.failures, tests)
 }
 

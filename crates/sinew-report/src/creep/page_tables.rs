@@ -1,13 +1,13 @@
 //! Tables of the report of a creep test.
 
-use super::terminal::secant;
+use super::terminal::{coverage, secant};
 use super::words::{
-    duration, fault, group, interval_kind, not_converged, open, parameter_name, reading_time,
-    scatter_source, short, why_fixed, zero,
+    ahead, duration, fault, group, interval_kind, not_converged, open, parameter_name,
+    reading_time, scatter_source, short, why_fixed, zero,
 };
 use sinew_creep::{
-    Analysis, Conditions, Coverage, Failure, Fit, FixedParameter, Isochrone, PERCENT_PER_H, Rank,
-    Scatter, Source, Span,
+    Analysis, Conditions, Coverage, Failure, Fit, FitSet, FixedParameter, Isochrone, PERCENT_PER_H,
+    Rank, Scatter, Source, Span,
 };
 use sinew_figure::{Block, Table};
 use sinew_model::Bounded;
@@ -231,8 +231,8 @@ pub(super) fn rank_table(ranks: &[Rank]) -> Table {
         }),
     )
     .captioned(format!(
-        "Strain after {} min; brackets are 95 % intervals of a rope's mean. Ropes whose \
-             intervals overlap share a rank.",
+        "Strain after {} min; brackets are 95 % intervals of a rope's mean. A rank is one \
+             more than the ropes whose whole interval lies below.",
         short(after)
     ))
 }
@@ -321,6 +321,31 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
     blocks
 }
 
+/// Where forecasts end, and under what; `None` without any.
+pub(super) fn forecast_table(fits: &[FitSet]) -> Option<Table> {
+    let rows: Vec<Vec<String>> = fits
+        .iter()
+        .filter_map(|set| {
+            let (f, conditions) = (set.forecast.as_ref()?, set.forecast_conditions.as_ref()?);
+            let last = f.time_s.len().checked_sub(1)?;
+            Some(vec![
+                set.name.clone(),
+                ahead(conditions),
+                format!("{} h", short(f.time_s[last] / 3600.0)),
+                short(100.0 * f.strain_ratio[last]),
+                short(100.0 * f.reading_low_strain_ratio[last]),
+                short(100.0 * f.reading_high_strain_ratio[last]),
+            ])
+        })
+        .collect();
+    let head = ["specimen", "under", "after", "strain, %", "from", "to"];
+    (!rows.is_empty()).then(|| {
+        Table::new(&head, rows).captioned(
+            "All laws weighed; the interval of a reading, widened by how far the laws missed the record's own end.",
+        )
+    })
+}
+
 pub(super) fn coverage_table(rows: &[Coverage]) -> Table {
     Table::new(
         &[
@@ -332,17 +357,9 @@ pub(super) fn coverage_table(rows: &[Coverage]) -> Table {
             "median half width",
         ],
         rows.iter().map(|c| {
-            vec![
-                c.forecaster.name().to_owned(),
-                c.tests.to_string(),
-                format!(
-                    "{:.1}",
-                    100.0 * c.readings_inside as f64 / c.readings as f64
-                ),
-                format!("{:.1}", 100.0 * c.ends_inside as f64 / c.tests as f64),
-                format!("{:.1}", 100.0 * c.end_error_ratio),
-                format!("{:.1}", 100.0 * c.end_half_width_ratio),
-            ]
+            let [readings, ends, error, width] = coverage(c, "");
+            let name = c.forecaster.name().to_owned();
+            vec![name, c.tests.to_string(), readings, ends, error, width]
         }),
     )
 }

@@ -3,8 +3,8 @@
 use super::words::{fault, group, reading_time, zero};
 use crate::text::{paragraph, plain, short, table};
 use sinew_creep::{
-    Analysis, AnalyzeReport, CompareReport, Isochrone, LoadQuantity, PERCENT_PER_H, Rank, Scatter,
-    ScatterSource, ShiftReport, WithheldReport,
+    Analysis, AnalyzeReport, CompareReport, Coverage, Isochrone, LoadQuantity, PERCENT_PER_H, Rank,
+    Scatter, ScatterSource, ShiftReport, WithheldReport,
 };
 use sinew_model::Bounded;
 
@@ -253,6 +253,21 @@ fn scatter(ranks: &[Rank]) -> String {
     format!("\n{}", paragraph(&text, 0))
 }
 
+/// Said where no law could be held against anything.
+pub(super) const NOTHING_FORECAST: &str = "Nothing was forecast: what is left before the hidden end is too short for every law. Hide a smaller share, or test for longer.";
+
+/// Shares inside, error and half width in %, each with `unit`; a dash where nothing was forecast.
+pub(super) fn coverage(c: &Coverage, unit: &str) -> [String; 4] {
+    let forecast = |ratio: f64| c.ends_share().map(|_| ratio);
+    [
+        c.readings_share(),
+        c.ends_share(),
+        forecast(c.end_error_ratio),
+        forecast(c.end_half_width_ratio),
+    ]
+    .map(|share| share.map_or("–".into(), |s| format!("{:.1}{unit}", 100.0 * s)))
+}
+
 /// How often forecasts held the hidden end.
 pub fn withhold_table(report: &WithheldReport) -> String {
     let head = [
@@ -265,19 +280,23 @@ pub fn withhold_table(report: &WithheldReport) -> String {
         "half width",
     ];
     let rows = report.withheld.iter().map(|c| {
-        let percent = |v: f64| format!("{v:.1} %");
+        let [readings, ends, error, width] = coverage(c, " %");
         vec![
             c.forecaster.name().to_owned(),
             c.tests.to_string(),
             c.failed.to_string(),
-            percent(100.0 * c.readings_inside as f64 / c.readings as f64),
-            percent(100.0 * c.ends_inside as f64 / c.tests as f64),
-            percent(100.0 * c.end_error_ratio),
-            percent(100.0 * c.end_half_width_ratio),
+            readings,
+            ends,
+            error,
+            width,
         ]
     });
+    let nothing = match report.forecasts_any() {
+        true => String::new(),
+        false => format!("\n{}", paragraph(NOTHING_FORECAST, 0)),
+    };
     format!(
-        "{}\n{}",
+        "{}\n{}{nothing}",
         paragraph(
             &format!(
                 "Last {:.0} % of the time hidden; {:.0} % intervals for readings. Error and half width: median at the end, in % of the test's creep.",

@@ -1,8 +1,8 @@
 //! Words for what creep tests showed.
 
 use sinew_creep::{
-    Ending, Fault, Fit, IntervalKind, NotIdentifiable, Parameter, ScatterSource, StrainZero,
-    Termination, WhyFixed,
+    ConditionSource, Ending, Fault, Fit, ForecastConditions, IntervalKind, NotIdentifiable,
+    Parameter, ScatterSource, StrainZero, Termination, WhyFixed,
 };
 
 /// A time of the standard's readings: `3 min`, `50 h`.
@@ -102,6 +102,10 @@ pub(super) fn fault(fault: &Fault) -> String {
             "strain reaches {:.0} %: is its unit right?",
             100.0 * strain_ratio
         ),
+        Fault::Shortens { strain_ratio } => format!(
+            "under load it is shorter than before, by {:.4} %: is the sign of the elongation inverted?",
+            -100.0 * strain_ratio
+        ),
         Fault::DoubtfulTime { duration_s } => {
             format!("the record lasts {duration_s:.3} s: is the time in minutes or hours?")
         }
@@ -158,6 +162,23 @@ pub(super) fn why_fixed(why: WhyFixed) -> &'static str {
         WhyFixed::NoneWarm => "no record above 35 °C",
         WhyFixed::WithRateOfFlow => "taken with the rate of flow",
     }
+}
+
+/// Load and temperature of a forecast: `60 N at 23 °C, as the test was held`.
+pub(super) fn ahead(c: &ForecastConditions) -> String {
+    let load = match c.load_n {
+        Some(n) => format!("{} N", short(n)),
+        None => "the test's load (no force is recorded)".to_owned(),
+    };
+    let heat = match c.temperature_c {
+        Some(celsius) => format!(" at {} °C", short(celsius)),
+        None => " at the test's temperature (not recorded)".to_owned(),
+    };
+    let source = match c.source {
+        ConditionSource::Held => "as the test was held",
+        ConditionSource::Stated => "as stated, for a new specimen",
+    };
+    format!("{load}{heat}, {source}")
 }
 
 /// How a search ended that did not converge; `None` for one that did.

@@ -1,5 +1,7 @@
 //! The catalogue, and a rope of it, as text.
 
+use super::spoken;
+use super::words::range;
 use crate::text::{self, Told, paragraph, plain};
 use sinew_figure::rounded;
 use sinew_model::rope::entry::{Uncertainty, Value};
@@ -89,7 +91,18 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
     if !missing.is_empty() {
         out.say(format!("not published: {}", missing.join(", ")));
     }
+    let holds = rope.holds();
     out.add("\nlaw\n");
+    out.say(format!(
+        "data behind it: {} of the breaking load, {}, {}{}",
+        range(holds.load_share.map(|s| 100.0 * s), "%"),
+        range(holds.temperature_c, "°C"),
+        spoken(holds.duration_s),
+        match e.holds {
+            Some(_) => "; beyond, predictions widen",
+            None => " (not stated by the entry: taken for any rope)",
+        }
+    ));
     let law = e.law.iter().map(|(p, v)| row(p.name(), v)).collect();
     out.add(text::table(&head, law, 3));
     if let Err(missing) = e.parameters() {

@@ -14,7 +14,7 @@ pub use choice::figure;
 pub use planned::{plan_table, planned};
 pub use predicted::{predicted, prediction_table};
 pub use selected::{selected, selection_table};
-pub use words::{caution, rejection};
+pub use words::{caution, namesake, rejection};
 
 use sinew_figure::{Block, Page, rounded};
 use sinew_model::Bounded;

@@ -1,5 +1,6 @@
 //! A plan of pretension as a page.
 
+use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
@@ -21,11 +22,12 @@ pub fn planned(p: &Plan) -> Page {
     };
     let mut first = vec![Block::Headlines(vec![
         format!(
-            "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.",
+            "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.{}",
             rounded(p.tension_n, 3),
             p.rope,
             bracketed(p.without_m.scaled(1e3), 2),
-            spoken(p.horizon_s)
+            spoken(p.horizon_s),
+            guessed(p.starting_guesses, p.parameters)
         ),
         headline,
     ])];

@@ -1,5 +1,6 @@
 //! A prediction as a page.
 
+use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Band, Figure, Line, Panel};
@@ -12,10 +13,19 @@ pub fn predicted(p: &Prediction) -> Page {
     let mut first = Vec::new();
     if let Some(last) = p.readings.last() {
         first.push(Block::Headlines(vec![format!(
-            "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).",
+            "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).{}",
             p.rope,
             spoken(last.time_s),
-            bracketed(last.since_tensioned_m.scaled(1e3), 2)
+            bracketed(last.since_tensioned_m.scaled(1e3), 2),
+            guessed(p.starting_guesses, p.parameters)
+        )]));
+    }
+    if let Some(time_s) = p.breaks_after_s {
+        first.push(Block::Headlines(vec![format!(
+            "{} creeps until it breaks, after some {}.{}",
+            p.rope,
+            spoken(time_s),
+            guessed(p.starting_guesses, p.parameters)
         )]));
     }
     first.extend(notices(&p.cautions));
@@ -101,16 +111,23 @@ pub fn predicted(p: &Prediction) -> Page {
             ),
         ),
     ]))];
-    if p.broken_share > 0.0 {
-        basis.push(Block::Notice(format!(
-            "The rope breaks in {} % of the draws, which are left out above.",
-            rounded(100.0 * p.broken_share, 2)
-        )));
-    }
+    basis.extend(broken(p).map(|text| Block::Notice(text + ".")));
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
         .section("Readings", vec![Table::new(&head, rows).into()])
         .section("What it rests on", basis)
+}
+
+/// In how many draws the rope breaks, where it does in some.
+fn broken(p: &Prediction) -> Option<String> {
+    let last = p.readings.last()?;
+    (last.broken_share > 0.0).then(|| {
+        format!(
+            "the rope breaks in {} % of the draws within {}, which are left out above",
+            rounded(100.0 * last.broken_share, 2),
+            spoken(last.time_s)
+        )
+    })
 }
 
 /// Least, mean and most; one number where they are the same.
@@ -169,7 +186,11 @@ pub fn prediction_table(p: &Prediction) -> String {
             ]
         })
         .collect();
-    out.add(text::table(&head, rows, 1));
+    if p.readings.is_empty() {
+        out.say("no reading: it breaks before the first");
+    } else {
+        out.add(text::table(&head, rows, 1));
+    }
     if let Some(left) = p.strength_left_share {
         out.say(format!(
             "strength left after bending: {} % of new ({} to {} %)",
@@ -178,11 +199,8 @@ pub fn prediction_table(p: &Prediction) -> String {
             rounded(100.0 * left.high, 2)
         ));
     }
-    if p.broken_share > 0.0 {
-        out.say(format!(
-            "the rope breaks in {} % of the draws, which are left out above",
-            rounded(100.0 * p.broken_share, 2)
-        ));
+    if let Some(text) = broken(p) {
+        out.say(text);
     }
     out.add("\n");
     out.say(format!(

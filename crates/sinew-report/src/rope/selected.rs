@@ -1,6 +1,7 @@
 //! A choice as a page.
 
 use super::choice::figure;
+use super::words::guessed;
 use super::{bracketed, caution, page, rejection, spoken};
 use crate::text::{self, Told, plain};
 use sinew_figure::{Block, Page, Table, rounded};
@@ -8,8 +9,8 @@ use sinew_rope::Caution;
 use sinew_rope::select::{Constraints, Rejected, Selection};
 
 const LEGEND: &str = "Least in: share of the draws in which it stretches least of these. Safety \
-    factor: published breaking load over the largest tension. Beaten by none: no rope is thinner \
-    and stretches less.";
+    factor: published breaking load over the largest tension. Beaten by none: no rope of known \
+    diameter is as thin and stretches as little, by the values before the brackets.";
 
 fn asked(c: &Constraints) -> Vec<Vec<String>> {
     let row = |what: &str, limit: Option<f64>, unit: &str| {
@@ -64,10 +65,11 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let headline = match s.candidates.first() {
         None => "No rope of the catalogue meets every constraint.".to_owned(),
         Some(best) => format!(
-            "{} stretches least: {} mm in {time} (95 % interval in brackets), and least of all in {:.0} % of the draws.",
+            "{} stretches least in {:.0} % of the draws: {} mm in {time} (95 % interval in brackets).{}",
             best.rope,
+            100.0 * best.least_share,
             bracketed(best.elongation_m.scaled(1e3), 2),
-            100.0 * best.least_share
+            guessed(best.starting_guesses, best.parameters)
         ),
     };
     let mut first = vec![Block::Headlines(vec![headline])];
@@ -86,6 +88,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
             optional(c.weight_kg_per_m.map(|kg| 1e3 * kg)),
             optional(c.safety_factor_ratio),
             if c.pareto { "yes" } else { "no" }.into(),
+            format!("{} of {}", c.starting_guesses, c.parameters),
         ]
     });
     let head = [
@@ -97,6 +100,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         "weight, g/m",
         "safety factor",
         "beaten by none",
+        "guessed parameters",
     ];
     let rejected = s.rejected.iter().map(|r| vec![r.rope.clone(), reasons(r)]);
     let cautions = shared_cautions(s).into_iter().map(|(what, mut ropes)| {
@@ -166,10 +170,19 @@ pub fn selection_table(s: &Selection) -> String {
     } else {
         out.add(text::table(&head, rows, 1));
         out.say(
-            "* no rope is both thinner and stretches less. least: share of the draws in \
+            "* no rope of known diameter is as thin and stretches as little. least: share of the draws in \
              which it stretches least of these; N/mm: stiffness; load: breaking load over \
              largest tension.",
         );
+    }
+    for c in &s.candidates {
+        if c.starting_guesses > 0 {
+            let (guesses, all) = (c.starting_guesses, c.parameters);
+            out.item(format!(
+                "{}: {guesses} of {all} parameters are starting guesses",
+                c.rope
+            ));
+        }
     }
     if !s.rejected.is_empty() {
         out.add("\nfell out\n");

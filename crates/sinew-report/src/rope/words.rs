@@ -1,9 +1,11 @@
 //! Cautions and rejections in words.
 
+use super::spoken;
+use sinew_figure::rounded;
 use sinew_model::rope::CELSIUS_ZERO_K;
 use sinew_model::rope::validity::{HMPE_HOT_K, Outside};
-use sinew_rope::Caution;
 use sinew_rope::select::Rejection;
+use sinew_rope::{Caution, Namesake};
 
 /// What to be careful about.
 pub fn caution(caution: Caution) -> String {
@@ -25,6 +27,30 @@ pub fn caution(caution: Caution) -> String {
         Caution::Extrapolated => "starting guesses made for tests of 85 min: beyond a day this is \
              an extrapolation, and the law has no delayed part slower than a day"
             .into(),
+        Caution::CreepsApart { time_s } => format!(
+            "it creeps until it breaks: beyond 10 % after some {}, without an elongation from then on",
+            spoken(time_s)
+        ),
+        Caution::BeyondData {
+            holds,
+            load_share,
+            temperature_c,
+            duration_s,
+            factor,
+        } => {
+            let percent = |share: [f64; 2]| range(share.map(|s| 100.0 * s), "%");
+            format!(
+                "beyond the data behind this rope ({} of its breaking load, {}, {}): asked are {}, \
+                 {}, {}; intervals are up to {} times as far up and down for that",
+                percent(holds.load_share),
+                range(holds.temperature_c, "°C"),
+                spoken(holds.duration_s),
+                percent(load_share),
+                range(temperature_c, "°C"),
+                spoken(duration_s),
+                short(factor)
+            )
+        }
         Caution::StartingGuesses {
             guesses,
             parameters,
@@ -32,6 +58,18 @@ pub fn caution(caution: Caution) -> String {
             "{guesses} of {parameters} parameters are starting guesses: check the plan on one \
              rope before it is used on many"
         ),
+    }
+}
+
+/// A file that names its rope as another one.
+pub fn namesake(n: &Namesake) -> String {
+    let (file, name) = (n.file.display(), &n.name);
+    if n.replaces {
+        format!(
+            "{file} replaces the rope '{name}' that is there already; another rope needs another name"
+        )
+    } else {
+        format!("{file} is a copy of '{name}' and still has that name; give it one of its own")
     }
 }
 
@@ -93,6 +131,22 @@ pub fn rejection(why: &Rejection) -> String {
             HMPE_HOT_K - CELSIUS_ZERO_K
         ),
         Rejection::NotPredicted { reason } => reason.clone(),
+    }
+}
+
+/// `1.3 to 2.3 %`; one number where both are the same.
+pub(super) fn range([low, high]: [f64; 2], unit: &str) -> String {
+    match (rounded(low, 2), rounded(high, 2)) {
+        (low, high) if low == high => format!("{low} {unit}"),
+        (low, high) => format!("{low} to {high} {unit}"),
+    }
+}
+
+/// How many of a law's parameters are guesses, where some are: the end of a headline.
+pub(super) fn guessed(guesses: usize, parameters: usize) -> String {
+    match guesses {
+        0 => String::new(),
+        _ => format!(" {guesses} of the {parameters} parameters behind this are starting guesses."),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Bench, simulate};
 use crate::CatalogueRope;
 use crate::draws::{Draws, bounded};
+use crate::limits::check_temperature;
 use crate::predict::PredictError;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
@@ -55,6 +56,8 @@ pub fn run(
     draws: usize,
     seed: u64,
 ) -> Result<BenchRun, PredictError> {
+    let temperatures = bench.phases.iter().map(|phase| phase.temperature_c);
+    check_temperature(rope, temperatures.fold(f64::NEG_INFINITY, f64::max))?;
     let draws = Draws::new(rope, draws, seed)?;
     let every_s = bench.duration_s() / f64::from(readings);
     let nominal = simulate(&draws.nominal, bench, every_s).map_err(|error| PredictError::Load {

@@ -21,6 +21,10 @@
 //! [correlation]                           # optional: of the errors of fitted values
 //! parameters = ["bedding_percent", "jamming"]
 //! matrix = [[1.0, -0.4], [-0.4, 1.0]]
+//! [holds]                                 # optional: the data behind the values
+//! load_share = [0.01, 0.05]               # tension over breaking load
+//! temperature_c = [23.0, 60.0]
+//! duration_s = 5100.0                     # of the longest test
 //! ```
 //!
 //! `factor = f`: with 95 % probability between `value/f` and `value·f`. `plus_minus = d`: between
@@ -29,6 +33,7 @@
 
 mod parse;
 
+use super::holds::Holds;
 use super::{Parameter, Parameters, Polymer};
 use crate::cholesky;
 use crate::gaussian::QUANTILE_975;
@@ -175,6 +180,8 @@ pub struct CatalogueEntry {
     pub law: BTreeMap<Parameter, Value>,
     /// Correlations of their errors, where a fit stated them.
     pub correlation: Option<Correlation>,
+    /// Data behind the values, where it is stated.
+    pub holds: Option<Holds>,
 }
 
 impl CatalogueEntry {
@@ -257,6 +264,15 @@ impl CatalogueEntry {
             if let Some(value) = value {
                 let _ = writeln!(out, "{key} = {}", inline(value));
             }
+        }
+        if let Some(holds) = &self.holds {
+            let [low, high] = holds.load_share;
+            let [cold, hot] = holds.temperature_c;
+            let _ = writeln!(
+                out,
+                "\n[holds]\nload_share = [{low:?}, {high:?}]\ntemperature_c = [{cold:?}, {hot:?}]\nduration_s = {:?}",
+                holds.duration_s
+            );
         }
         out.push_str("\n[law]\n");
         for (parameter, value) in &self.law {

@@ -1,6 +1,7 @@
 //! From catalogue text to an entry, with the place of what is wrong.
 
 use super::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
+use crate::rope::holds::Holds;
 use crate::rope::{Parameter, Polymer};
 use alloc::borrow::ToOwned;
 use alloc::collections::BTreeMap;
@@ -42,6 +43,7 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
         plait: s.text("plait")?,
         note: s.text("note")?,
         correlation: s.read("correlation", |s| correlation(s, &law))?,
+        holds: s.read("holds", holds)?,
         material: match material.to_lowercase().as_str() {
             "hmpe" => Polymer::Hmpe,
             "aramid" => Polymer::Aramid,
@@ -108,6 +110,34 @@ fn value(s: &Section<'_>, bound: Bound, sources: &Sources) -> Result<Value, Loca
         origin,
         source,
         date,
+    })
+}
+
+fn holds(s: &Section<'_>) -> Result<Holds, Located> {
+    let range = |key, bound, must: &str| {
+        let value = s.value(key).ok_or_else(|| s.missing(key, must))?;
+        let [low, high] = value.numbers(bound, must)?;
+        if low > high {
+            return Err(value.refuse(must));
+        }
+        Ok([low, high])
+    };
+    Ok(Holds {
+        load_share: range(
+            "load_share",
+            Bound::Within(1e-6, 1.0),
+            "the least and the largest tension over breaking load of the data",
+        )?,
+        temperature_c: range(
+            "temperature_c",
+            Bound::Within(-100.0, 200.0),
+            "the lowest and the highest temperature of the data",
+        )?,
+        duration_s: s.need(
+            "duration_s",
+            Bound::Positive,
+            "how long the longest test was",
+        )?,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::files::{Named, check_outputs, write_text};
 use crate::terminal::{Bar, Failure, answer_as, complain};
-use crate::text::plain;
+use crate::text::{plain, plain_lines};
 use clap::Args;
 use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
 use sinew_figure::Page;
@@ -153,7 +153,7 @@ impl TestFiles {
             bar.set(done as f64, of as f64);
         });
         drop(bar);
-        let tests = tests.map_err(|e| Failure::Refused(plain(&e.to_string())))?;
+        let tests = tests.map_err(|e| Failure::Refused(plain_lines(&e.to_string())))?;
         self.warn(&tests.failures);
         Ok(tests)
     }

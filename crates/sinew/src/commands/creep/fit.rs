@@ -3,11 +3,12 @@
 use super::super::rope::{Ropes, find};
 use super::files::TestFiles;
 use super::write_rope::{rope_name, write_rope};
-use crate::args::{Choice, choice};
+use crate::args::{Choice, choice, positive};
 use crate::terminal::{Bar, Failure, Finish};
 use clap::Args;
 use sinew_creep::{
-    FitOptions, FitRequest, FitStep, IntervalKind, Joint, Law, NoiseKind, RopeBase, Tests,
+    FitOptions, FitRequest, FitStep, ForecastRequest, IntervalKind, Joint, Law, NoiseKind,
+    RopeBase, Tests,
 };
 use sinew_report::creep;
 use std::path::PathBuf;
@@ -53,8 +54,19 @@ pub(crate) struct Fit {
     )]
     write_rope: Option<PathBuf>,
     /// Forecast to this time after the load, h
-    #[arg(long, value_name = "H")]
+    #[arg(long, value_name = "H", value_parser = positive("h"))]
     forecast_h: Option<f64>,
+    /// Load of the forecast, N, on a new specimen [default: the one held longest, as if it had stayed]
+    #[arg(long, value_name = "N", requires = "forecast_h", value_parser = positive("N"))]
+    forecast_load_n: Option<f64>,
+    /// Temperature of the forecast, °C, of a new specimen [default: the test's own]
+    #[arg(
+        long,
+        value_name = "C",
+        requires = "forecast_h",
+        allow_negative_numbers = true
+    )]
+    forecast_temperature_c: Option<f64>,
     /// Hide this last share of every test and count how often the forecast's interval holds it
     #[arg(long, value_name = "SHARE", conflicts_with_all = ["forecast_h", "shift_c"])]
     withhold: Option<f64>,
@@ -107,17 +119,9 @@ impl Fit {
             return self.shift(reference_c);
         }
         let tests = self.files.tests()?;
-        let mut request = self.request()?;
+        let request = self.request()?;
         if let Some(share) = self.withhold {
             return self.withhold(share, &tests, &request);
-        }
-        if let Some(hours) = self.forecast_h {
-            if !(hours > 0.0 && hours.is_finite()) {
-                return Err(Failure::Refused(format!(
-                    "--forecast-h {hours}: must be above 0"
-                )));
-            }
-            request.forecast_s = Some(3600.0 * hours);
         }
         let bar = Bar::new("fitting", self.files.quiet);
         let report = sinew_creep::fit_tests(&tests, &request, |step, done, of| {
@@ -163,7 +167,11 @@ impl Fit {
                 rope: self.base()?,
                 ..FitOptions::default()
             },
-            forecast_s: None,
+            forecast: self.forecast_h.map(|hours| ForecastRequest {
+                until_s: 3600.0 * hours,
+                load_n: self.forecast_load_n,
+                temperature_c: self.forecast_temperature_c,
+            }),
         })
     }
 
@@ -178,7 +186,7 @@ impl Fit {
             }
             return Ok(None);
         };
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(self.files.quiet)?;
         let base = RopeBase::new(find(&catalogue, name)?.entry.clone())?;
         Ok(Some(Arc::new(base)))
     }
@@ -201,7 +209,8 @@ impl Fit {
             Some(&page),
             creep::withhold_table,
         )?;
-        Ok(Finish::lossy(!report.failures.is_empty()))
+        let lossy = !report.failures.is_empty() || !report.forecasts_any();
+        Ok(Finish::lossy(lossy))
     }
 
     fn shift(&self, reference_c: f64) -> Result<Finish, Failure> {

@@ -21,7 +21,7 @@ pub(crate) struct List {
 
 impl List {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(false)?;
         answer_as(self.json, &catalogue.list(), |_| {
             catalogue_table(&catalogue)
         })?;

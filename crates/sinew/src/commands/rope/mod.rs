@@ -8,8 +8,10 @@ mod select;
 mod show;
 mod values;
 
-use crate::terminal::{Failure, Finish};
+use crate::terminal::{Failure, Finish, complain};
+use crate::text::plain;
 use clap::{Args, Subcommand};
+use sinew_report::rope::namesake;
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
 
@@ -45,14 +47,19 @@ pub(crate) struct Ropes {
 }
 
 impl Ropes {
-    pub(crate) fn catalogue(&self) -> Result<Catalogue, CatalogueError> {
+    /// Shipped ropes and one's own; names taken twice are noted on stderr unless `quiet`.
+    pub(crate) fn catalogue(&self, quiet: bool) -> Result<Catalogue, CatalogueError> {
         let here = Path::new("ropes");
         let mut folders: Vec<&Path> = Vec::new();
         if here.is_dir() {
             folders.push(here);
         }
         folders.extend(self.folders.iter().map(PathBuf::as_path));
-        Catalogue::with_folders(&folders)
+        let catalogue = Catalogue::with_folders(&folders)?;
+        for same in catalogue.namesakes().iter().filter(|_| !quiet) {
+            complain("note", &plain(&namesake(same)));
+        }
+        Ok(catalogue)
     }
 }
 

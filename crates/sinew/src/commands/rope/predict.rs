@@ -46,7 +46,7 @@ pub(crate) struct Predict {
 impl Predict {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         check_outputs(&[("--report", self.report.as_deref())], &[])?;
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(self.quiet)?;
         let mut resolved = self.duty.resolve(self.quiet)?;
         let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {
             return Err(Failure::Refused(

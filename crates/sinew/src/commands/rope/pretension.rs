@@ -59,7 +59,7 @@ pub(crate) struct Pretension {
 impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         check_outputs(&[("--report", self.report.as_deref())], &[])?;
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(false)?;
         let rope = find(&catalogue, &self.name)?;
         let lowest_n = self.lowest.unwrap_or(0.8 * self.tension);
         if lowest_n >= self.tension {

@@ -69,7 +69,7 @@ impl Select {
             ("--report", self.report.as_deref()),
         ];
         check_outputs(&outputs, &[])?;
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(self.quiet)?;
         let request = self.duty.resolve(self.quiet)?.request;
         let constraints = Constraints {
             diameter_max_mm: self.max_diameter,

@@ -103,7 +103,7 @@ impl Trend {
         };
         let robot = loaded.as_ref().map(|l| &l.robot);
         let sorted = read_sessions(&self.files, robot)?;
-        let catalogue = self.ropes.catalogue()?;
+        let catalogue = self.ropes.catalogue(self.quiet)?;
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,

@@ -1,0 +1,77 @@
+//! Why there is no prediction.
+
+use super::CatalogueError;
+use super::limits::STRAIN_MOST_PERCENT;
+use super::predict::{DAY_S, HOUR_S};
+use sinew_model::rope::LoadError;
+use sinew_model::rope::routing::RoutingError;
+
+/// Why there is no prediction.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PredictError {
+    /// The rope.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// The routing.
+    #[error(transparent)]
+    Routing(#[from] RoutingError),
+    /// The load, with the catalogue's own values.
+    #[error("rope '{rope}': {error}")]
+    Load {
+        /// Rope.
+        rope: String,
+        /// Why.
+        error: LoadError,
+    },
+    /// The fibre melts.
+    #[error(
+        "rope '{rope}': at {temperature_c} °C there is no rope; its fibre melts at {melts_c} °C"
+    )]
+    Melts {
+        /// Rope.
+        rope: String,
+        /// Hottest of the duty, °C.
+        temperature_c: f64,
+        /// Where it melts, °C.
+        melts_c: f64,
+    },
+    /// The rope creeps until it breaks.
+    #[error(
+        "rope '{rope}': under {tension_n} N it stretches beyond {} % within {}: it creeps until it breaks, and no elongation can be given",
+        STRAIN_MOST_PERCENT, rounded(*time_s)
+    )]
+    Creeps {
+        /// Rope.
+        rope: String,
+        /// Largest tension of the duty, N.
+        tension_n: f64,
+        /// When, s.
+        time_s: f64,
+    },
+    /// A stroke that pulls the rope out of its route.
+    #[error(
+        "a stroke of {} mm is no shorter than the strand of {} mm: none of it would stay between its ends",
+        millimetres(*stroke_m), millimetres(*length_m)
+    )]
+    Stroke {
+        /// Stroke, m.
+        stroke_m: f64,
+        /// Strand, m.
+        length_m: f64,
+    },
+}
+
+/// Millimetres without the last digits that a factor of 1000 leaves.
+fn millimetres(m: f64) -> f64 {
+    (1e9 * m).round() / 1e6
+}
+
+/// A time in the unit that suits it.
+fn rounded(time_s: f64) -> String {
+    match time_s {
+        t if t < 2.0 * HOUR_S => format!("{:.0} min", t / 60.0),
+        t if t < 2.0 * DAY_S => format!("{:.0} h", t / HOUR_S),
+        t => format!("{:.0} days", t / DAY_S),
+    }
+}
