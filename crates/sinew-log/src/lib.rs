@@ -1,4 +1,4 @@
-//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet.
+//! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet; SQLite bags with the feature `db3`.
 //!
 //! What was measured, and nothing else: no physics, no clock, no network. In three storeys: [`decode`]
 //! (bytes to messages), [`assemble`] (samples to frames, time as an argument), and on top the files.
@@ -87,6 +87,7 @@
 //! | CSV row or unclosed quote over 4 MiB | refused |
 //! | Parquet with lists of numbers | each element is a column: `list.0`, or by the name that a LeRobot data set gives it |
 //! | Parquet without its footer | refused: it cannot be recovered |
+//! | SQLite bag with a damaged page | read up to there; the rest is damage |
 //! | Parquet page that cannot be decoded | reading stops there; the rest is damage |
 //! | mapping with an unknown key, unit or impossible factor | refused with file and line |
 //!

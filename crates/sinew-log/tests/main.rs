@@ -4,6 +4,8 @@ mod ahead;
 mod creep_tests;
 mod creep_tests_of_others;
 mod damage;
+#[cfg(feature = "db3")]
+mod db3;
 mod independent;
 mod joining;
 mod lerobot;

@@ -10,6 +10,7 @@ pub(crate) fn format_name(format: Format) -> &'static str {
         Format::Mcap => "MCAP",
         Format::Csv => "CSV",
         Format::Parquet => "Parquet",
+        Format::Db3 => "SQLite",
     }
 }
 

@@ -2,6 +2,8 @@
 
 mod ahead;
 mod chain;
+#[cfg(feature = "db3")]
+mod db3;
 mod lerobot;
 mod mcap;
 mod opener;

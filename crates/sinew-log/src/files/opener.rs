@@ -8,15 +8,15 @@ use super::lerobot::{ListNames, list_names};
 use super::mcap::McapReader;
 use super::read_seek::ReadSeek;
 use super::reader::Reader;
-use super::spool::Spool;
+use super::spool::{Spool, ZSTD_MAGIC};
 use super::table::CsvReader;
 #[cfg(feature = "parquet")]
 use super::table::ParquetReader;
 use crate::error::LogError;
 use crate::options::OpenOptions;
 
-/// What a file packed with zstd begins with.
-const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
+/// What an SQLite file begins with.
+const SQLITE_MAGIC: &[u8] = b"SQLite f";
 /// Most that is unpacked, or read from standard input, bytes.
 pub(super) const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
 
@@ -24,15 +24,17 @@ pub(super) const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
 pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| LogError::io(&name, "open", source))?;
-    open_reader(Box::new(file), &name, options, &list_names(path))
+    let (names, path) = (list_names(path), Some(path));
+    open_reader(Box::new(file), &name, options, &names, path)
 }
 
-/// Opens what is in one file, whatever its format.
+/// Opens what is in one file, whatever its format; `path` is where it lies.
 pub(super) fn open_reader(
     mut reader: Box<dyn ReadSeek>,
     name: &str,
     options: &OpenOptions,
     names: &ListNames,
+    path: Option<&Path>,
 ) -> Result<Box<dyn Reader>, LogError> {
     let io = |source| LogError::io(&name, "read", source);
     let mut magic = [0_u8; 8];
@@ -53,12 +55,9 @@ pub(super) fn open_reader(
     let magic = &magic[..got];
     if magic.starts_with(ZSTD_MAGIC) {
         let inner = name.strip_suffix(".zst").or(name.strip_suffix(".zstd"));
-        return open_reader(
-            unpacked(reader, name)?,
-            inner.unwrap_or(name),
-            options,
-            names,
-        );
+        let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
+        let spool = spool.map_err(|e| refuse(format!("zstd: it cannot be unpacked: {e}")))?;
+        return open_spool(spool, inner.unwrap_or(name), options, names);
     }
     let extension = name.rsplit_once('.').map(|(_, extension)| extension);
     let is_named = |wanted: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(wanted));
@@ -80,6 +79,23 @@ pub(super) fn open_reader(
         return Err(refuse(
             "it does not start as a Parquet file (PAR1)".to_owned(),
         ));
+    } else if magic.starts_with(SQLITE_MAGIC) {
+        #[cfg(not(feature = "db3"))]
+        {
+            let _nothing_is_read = path;
+            return Err(refuse(
+                "it is an SQLite file, such as a ROS 2 .db3 bag, and this build reads none: convert it to MCAP (ros2 bag convert), or build with cargo build --release --features db3"
+                    .to_owned(),
+            ));
+        }
+        #[cfg(feature = "db3")]
+        match path {
+            Some(path) => Box::new(super::db3::open(reader, path, name, options)?),
+            None => {
+                let spool = Spool::of(reader, UNPACKED_LIMIT_BYTES).map_err(io)?;
+                return open_spool(spool, name, options, names);
+            }
+        }
     } else if let Some(what) = known_stranger(magic) {
         return Err(refuse(what.to_owned()));
     } else {
@@ -88,17 +104,20 @@ pub(super) fn open_reader(
     Ok(opened)
 }
 
-/// What was packed, to be read again and again.
-fn unpacked(reader: Box<dyn ReadSeek>, name: &str) -> Result<Box<dyn ReadSeek>, LogError> {
-    let spool = zstd::Decoder::new(reader).and_then(|d| Spool::of(d, UNPACKED_LIMIT_BYTES));
-    let spool =
-        spool.map_err(|e| LogError::refused(name, format!("zstd: it cannot be unpacked: {e}")))?;
-    Ok(Box::new(spool))
+/// Opens what came once and is kept now.
+fn open_spool(
+    spool: Spool,
+    name: &str,
+    options: &OpenOptions,
+    names: &ListNames,
+) -> Result<Box<dyn Reader>, LogError> {
+    let path = spool.path().to_path_buf();
+    open_reader(Box::new(spool), name, options, names, Some(&path))
 }
 
 /// Formats a user may take for a recording.
 fn known_stranger(magic: &[u8]) -> Option<&'static str> {
-    let strangers: [(&[u8], &str); 6] = [
+    let strangers: [(&[u8], &str); 5] = [
         (b"\x1f\x8b", "it is a gzip file; unpack it first"),
         (
             b"PK\x03\x04",
@@ -107,10 +126,6 @@ fn known_stranger(magic: &[u8]) -> Option<&'static str> {
         (
             b"#ROSBAG",
             "it is a ROS 1 bag; convert it to MCAP (mcap convert)",
-        ),
-        (
-            b"SQLite f",
-            "it is an SQLite file, such as a ROS 2 .db3 bag; convert it to MCAP (ros2 bag convert)",
         ),
         (
             b"\x89HDF",

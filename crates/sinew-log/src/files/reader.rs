@@ -19,6 +19,8 @@ pub enum Format {
     Csv,
     /// Apache Parquet.
     Parquet,
+    /// SQLite as ROS 2 writes it.
+    Db3,
 }
 
 /// How far a recording has been read.

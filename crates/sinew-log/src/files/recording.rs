@@ -107,7 +107,7 @@ impl Recording {
     ) -> Result<Recording, LogError> {
         check_options(options, name)?;
         Ok(Self::new(
-            open_reader(reader, name, options, &ListNames::default())?,
+            open_reader(reader, name, options, &ListNames::default(), None)?,
             name,
             options,
         ))

@@ -2,8 +2,11 @@
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What a file packed with zstd begins with.
+pub(super) const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// A file of this process that is gone with it.
 pub(super) struct Spool {
@@ -34,6 +37,13 @@ impl Spool {
         }
         spool.file.rewind()?;
         Ok(spool)
+    }
+}
+
+impl Spool {
+    /// Where it lies.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
     }
 }
 

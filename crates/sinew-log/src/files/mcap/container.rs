@@ -5,9 +5,10 @@
 //! first message is used, and what is left of a cut-off chunk; the linear reader
 //! ends with an error instead. Record bodies are parsed by the `mcap` crate.
 
-use mcap::records::{Channel, ChunkHeader, Record, op};
+use mcap::records::{ChunkHeader, Record, op};
 
 use super::chunk::Unpacker;
+use super::messages::Item;
 use super::source::Source;
 use crate::health::Health;
 
@@ -20,20 +21,6 @@ const MESSAGE_HEADER: usize = 2 + 4 + 8 + 8;
 const CHUNK_HEADER_LIMIT: usize = 4 << 10;
 const CHUNK_HEADER_FIXED: usize = 8 + 8 + 8 + 4 + 4 + 8;
 
-/// What the container met.
-pub(super) enum Item {
-    /// A message; its payload is at [`Container::payload`].
-    Message { channel: u16, log_time_ns: u64 },
-    /// A channel was defined.
-    Channel(Channel),
-    /// A schema was defined.
-    Schema { id: u16, name: String },
-    /// Part of the file was skipped; what follows does not connect to what came before.
-    Damage,
-    /// The end of the data.
-    End,
-}
-
 /// Which buffer the current message lies in.
 #[derive(Clone, Copy)]
 enum Place {
@@ -41,7 +28,7 @@ enum Place {
     Chunk,
 }
 
-pub(super) struct Container {
+pub(in crate::files) struct Container {
     source: Source,
     unpacker: Unpacker,
     limit: usize,

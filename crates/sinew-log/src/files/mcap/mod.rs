@@ -2,6 +2,7 @@
 
 mod chunk;
 mod container;
+pub(in crate::files) mod messages;
 mod scan;
 mod source;
 mod topics;
@@ -19,8 +20,9 @@ use crate::mapping::{JointEffort, JointMap, Mapping, Wrap};
 use crate::options::OpenOptions;
 use crate::options::to_ns;
 use crate::sources::{SignalSource, TopicInfo, TopicUse};
-use container::{Container, Item};
-use scan::{Topic, is_description, topic_of};
+use container::Container;
+use messages::{Item, Messages, Topic};
+use scan::{is_description, topic_of};
 use source::Source;
 use topics::{Names, Role, check_mapping, choose, joints_of};
 
@@ -73,9 +75,9 @@ struct Selection {
     motor_side: HashMap<Vec<u8>, usize>,
 }
 
-pub(crate) struct McapReader {
+pub(in crate::files) struct BagReader<M> {
     file: String,
-    container: Container,
+    container: M,
     names: Names,
     mapping: Vec<JointMap>,
     joints: Vec<String>,
@@ -96,15 +98,28 @@ pub(crate) struct McapReader {
     starts_ns: Option<i64>,
 }
 
+/// MCAP as a recording.
+pub(in crate::files) type McapReader = BagReader<Container>;
+
 impl McapReader {
     pub(crate) fn open(
         reader: Box<dyn ReadSeek>,
         file: &str,
         options: &OpenOptions,
     ) -> Result<Self, LogError> {
+        let source = Source::new(reader).map_err(|e| LogError::io(file, "read", e))?;
+        let container = Container::new(source, options.chunk_limit_bytes);
+        BagReader::of(container, file, options)
+    }
+}
+
+impl<M: Messages> BagReader<M> {
+    pub(in crate::files) fn of(
+        mut container: M,
+        file: &str,
+        options: &OpenOptions,
+    ) -> Result<Self, LogError> {
         let io = |source| LogError::io(file, "read", source);
-        let source = Source::new(reader).map_err(io)?;
-        let mut container = Container::new(source, options.chunk_limit_bytes);
         let contents = scan::scan(&mut container).map_err(io)?;
         let names = choose(&contents, options, file)?;
         let empty = Mapping::default();
@@ -123,7 +138,7 @@ impl McapReader {
             .into_iter()
             .filter(|quantity| !joint_blocks.contains(quantity))
             .collect();
-        let mut reader = McapReader {
+        let mut reader = BagReader {
             file: file.to_owned(),
             container,
             names,
@@ -288,9 +303,9 @@ impl McapReader {
     }
 }
 
-impl Reader for McapReader {
+impl<M: Messages> Reader for BagReader<M> {
     fn format(&self) -> Format {
-        Format::Mcap
+        M::FORMAT
     }
 
     fn layout(&self) -> String {
@@ -369,10 +384,7 @@ impl Reader for McapReader {
     }
 
     fn progress(&self) -> Progress {
-        Progress {
-            bytes_done: self.container.bytes_done(),
-            bytes_total: self.container.bytes_total(),
-        }
+        self.container.progress()
     }
 
     fn sources(&self) -> Vec<SignalSource> {

@@ -1,12 +1,14 @@
 //! What an MCAP recording holds, from its start and, where there is one, its summary.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use mcap::records::{Record, op};
 
-use super::container::{Container, Item, record_header};
+use super::container::{Container, record_header};
+use super::messages::{Fields, Item, Messages, Summary, Topic};
 use crate::decode::Cdr;
 use crate::decode::{Field, MessageKind, parse};
+use crate::files::reader::{Format, Progress};
 use crate::health::Health;
 
 /// Bytes of the file looked at for what the summary announces.
@@ -20,41 +22,9 @@ const NAME_LIMIT: usize = 4096;
 /// Largest summary section read, bytes.
 const SUMMARY_LIMIT: u64 = 64 << 20;
 /// Magic bytes at both ends of the file.
-pub(super) const MAGIC_BYTES: u64 = 8;
+const MAGIC_BYTES: u64 = 8;
 /// Footer record and closing magic, bytes.
 const TAIL_BYTES: u64 = 9 + 20 + MAGIC_BYTES;
-
-/// Which of a joint's values a topic holds.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Fields {
-    pub(super) position: bool,
-    pub(super) velocity: bool,
-    pub(super) effort: bool,
-    pub(super) interfaces: Vec<String>,
-}
-
-/// A topic and what its first messages name.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Topic {
-    pub(super) name: String,
-    pub(super) schema: String,
-    pub(super) encoding: String,
-    pub(super) messages: u64,
-    /// Joints in the order met.
-    pub(super) joints: Vec<(String, Fields)>,
-}
-
-impl Topic {
-    /// Interfaces that its joints have, sorted.
-    pub(super) fn interfaces(&self) -> Vec<String> {
-        let all = self
-            .joints
-            .iter()
-            .flat_map(|(_, fields)| &fields.interfaces);
-        let all: BTreeSet<&String> = all.collect();
-        all.into_iter().cloned().collect()
-    }
-}
 
 /// What the recording holds.
 #[derive(Debug, Default)]
@@ -68,17 +38,10 @@ pub(super) struct Contents {
     pub(super) health: Health,
 }
 
-#[derive(Default)]
-struct Summary {
-    topics: BTreeMap<u16, Topic>,
-    /// Start of a chunk and the channels in it.
-    chunks: Vec<(u64, Vec<u16>)>,
-}
-
 /// Looks at the recording; leaves the container at the first record.
-pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
-    let summary = read_summary(container)?;
-    container.restart(MAGIC_BYTES)?;
+pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Contents> {
+    let summary = container.summary()?;
+    container.rewind()?;
     let mut contents = Contents::default();
     // Channels are defined where they are first used. The summary repeats them, so
     // that a file whose first chunk is damaged can still be read.
@@ -104,7 +67,7 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
             } => {
                 contents.starts_ns.get_or_insert(log_time_ns as i64);
                 contents.message(channel, container.payload());
-                let scanned = container.bytes_done();
+                let scanned = container.progress().bytes_done;
                 let satisfied = match &summary {
                     None => scanned > BLIND_SCAN_BYTES,
                     Some(summary) => scanned > SCAN_BYTES || contents.has_met(&summary.topics),
@@ -121,7 +84,7 @@ pub(super) fn scan(container: &mut Container) -> std::io::Result<Contents> {
     {
         contents.find_description(container, &summary.chunks)?;
     }
-    container.restart(MAGIC_BYTES)?;
+    container.rewind()?;
     Ok(contents)
 }
 
@@ -197,7 +160,7 @@ impl Contents {
     /// Looks a robot description up in the chunks the summary says it is in.
     fn find_description(
         &mut self,
-        container: &mut Container,
+        container: &mut impl Messages,
         chunks: &[(u64, Vec<u16>)],
     ) -> std::io::Result<()> {
         let wanted: Vec<u16> = self
@@ -225,7 +188,7 @@ impl Contents {
                 _ => {}
             }
             // One chunk is enough: the summary said so.
-            let position = container.bytes_done();
+            let position = container.progress().bytes_done;
             if *last_position.get_or_insert(position) != position {
                 return Ok(());
             }
@@ -255,6 +218,38 @@ fn description(payload: &[u8]) -> Option<String> {
     let text = Cdr::new(payload).and_then(|mut cdr| cdr.string()).ok()?;
     let text = String::from_utf8_lossy(text);
     (!text.trim().is_empty()).then(|| text.into_owned())
+}
+
+impl Messages for Container {
+    const FORMAT: Format = Format::Mcap;
+
+    fn next(&mut self, health: &mut Health) -> std::io::Result<Item> {
+        Container::next(self, health)
+    }
+
+    #[inline]
+    fn payload(&self) -> &[u8] {
+        Container::payload(self)
+    }
+
+    fn summary(&mut self) -> std::io::Result<Option<Summary>> {
+        read_summary(self)
+    }
+
+    fn rewind(&mut self) -> std::io::Result<()> {
+        Container::restart(self, MAGIC_BYTES)
+    }
+
+    fn restart(&mut self, offset: u64) -> std::io::Result<()> {
+        Container::restart(self, offset)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            bytes_done: self.bytes_done(),
+            bytes_total: self.bytes_total(),
+        }
+    }
 }
 
 /// The summary section, if the file has a readable one; never an error of its own.

@@ -1,6 +1,7 @@
 //! Which topic is what, and which joints the recording holds.
 
-use super::scan::{Contents, Fields, Topic};
+use super::messages::{Fields, Topic};
+use super::scan::Contents;
 use crate::decode::{Field, MessageKind};
 use crate::error::LogError;
 use crate::frame::{Channels, Quantities, Quantity};

@@ -1,0 +1,220 @@
+//! ROS 2 bags that are SQLite files: a table of topics, a table of messages.
+
+use std::io::{Error, Result};
+use std::path::Path;
+
+use mcap::records::Channel;
+use rusqlite::{Connection, OpenFlags, params};
+
+use super::mcap::BagReader;
+use super::mcap::messages::{Item, Messages, Summary, Topic};
+use super::read_seek::ReadSeek;
+use super::reader::{Format, Progress};
+use super::spool::ZSTD_MAGIC;
+use crate::error::LogError;
+use crate::health::Health;
+use crate::options::OpenOptions;
+
+/// Messages fetched at a time.
+const BATCH: i64 = 256;
+
+/// The messages of a bag, in the order of their times.
+pub(super) struct Db3 {
+    bag: Connection,
+    /// What the file lies in, where it was unpacked.
+    _kept: Box<dyn ReadSeek>,
+    bytes: u64,
+    limit: usize,
+    topics: Vec<Channel>,
+    schemas: Vec<String>,
+    first_ns: i64,
+    last_ns: i64,
+    /// Definitions handed out: a schema and a channel each.
+    defined: usize,
+    batch: Vec<Row>,
+    at: usize,
+    /// Time and number of the last message fetched.
+    fetched: (i64, i64),
+    ended: bool,
+}
+
+struct Row {
+    topic: u16,
+    time_ns: i64,
+    data: Vec<u8>,
+}
+
+/// A bag as a recording.
+pub(super) type Db3Reader = BagReader<Db3>;
+
+/// Opens the bag at `path`, which `kept` reads from.
+pub(super) fn open(
+    kept: Box<dyn ReadSeek>,
+    path: &Path,
+    file: &str,
+    options: &OpenOptions,
+) -> std::result::Result<Db3Reader, LogError> {
+    let refuse = |e: rusqlite::Error| LogError::refused(file, format!("not a ROS 2 bag: {e}"));
+    let bag = Db3::open(kept, path, options.chunk_limit_bytes).map_err(refuse)?;
+    BagReader::of(bag, file, options)
+}
+
+impl Db3 {
+    fn open(kept: Box<dyn ReadSeek>, path: &Path, limit: usize) -> rusqlite::Result<Self> {
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let bag = Connection::open_with_flags(path, flags)?;
+        let (mut topics, mut schemas) = (Vec::new(), Vec::new());
+        let text = "SELECT id, name, type, serialization_format FROM topics ORDER BY id";
+        let mut statement = bag.prepare(text)?;
+        let mut rows = statement.query([])?;
+        while let Some(row) = rows.next()? {
+            let id: u16 = row.get(0)?;
+            topics.push(Channel {
+                id,
+                schema_id: id,
+                topic: row.get(1)?,
+                message_encoding: row.get(3)?,
+                metadata: Default::default(),
+            });
+            schemas.push(row.get(2)?);
+        }
+        drop(rows);
+        drop(statement);
+        let ends = "SELECT coalesce(min(timestamp), 0), coalesce(max(timestamp), 0) FROM messages";
+        let ends = bag.query_row(ends, [], |row| Ok((row.get(0)?, row.get(1)?)));
+        // A damaged index costs the progress, not the messages.
+        let (first_ns, last_ns) = ends.unwrap_or((0, 0));
+        Ok(Db3 {
+            bag,
+            _kept: kept,
+            bytes: std::fs::metadata(path).map_or(0, |file| file.len()),
+            limit,
+            topics,
+            schemas,
+            first_ns,
+            last_ns,
+            defined: 0,
+            batch: Vec::new(),
+            at: 0,
+            fetched: (i64::MIN, i64::MIN),
+            ended: false,
+        })
+    }
+
+    fn fetch(&mut self) -> rusqlite::Result<()> {
+        self.batch.clear();
+        self.at = 0;
+        let text = "SELECT id, topic_id, timestamp, data FROM messages \
+                    WHERE (timestamp, id) > (?1, ?2) ORDER BY timestamp, id LIMIT ?3";
+        let mut statement = self.bag.prepare(text)?;
+        let mut rows = statement.query(params![self.fetched.0, self.fetched.1, BATCH])?;
+        while let Some(row) = rows.next()? {
+            let time_ns = row.get(2)?;
+            self.fetched = (time_ns, row.get(0)?);
+            self.batch.push(Row {
+                topic: row.get(1)?,
+                time_ns,
+                data: row.get(3)?,
+            });
+        }
+        Ok(())
+    }
+
+    /// A message that was packed by itself, unpacked.
+    fn unpack(&mut self) -> Result<()> {
+        let limit = self.limit;
+        let data = &mut self.batch[self.at].data;
+        if data.starts_with(ZSTD_MAGIC) {
+            let mut decoder = zstd::Decoder::new(&data[..])?;
+            let mut whole = Vec::new();
+            let most = std::io::Read::take(&mut decoder, limit as u64);
+            std::io::copy(&mut { most }, &mut whole)?;
+            *data = whole;
+        }
+        Ok(())
+    }
+}
+
+impl Messages for Db3 {
+    const FORMAT: Format = Format::Db3;
+
+    fn next(&mut self, health: &mut Health) -> Result<Item> {
+        if self.defined < 2 * self.topics.len() {
+            let topic = self.defined / 2;
+            self.defined += 1;
+            let channel = self.topics[topic].clone();
+            return Ok(match self.defined % 2 {
+                1 => Item::Schema {
+                    id: channel.schema_id,
+                    name: self.schemas[topic].clone(),
+                },
+                _ => Item::Channel(channel),
+            });
+        }
+        // Before the first batch nothing has been met.
+        self.at += usize::from(!self.batch.is_empty());
+        if self.at >= self.batch.len() && !self.ended {
+            if let Err(error) = self.fetch() {
+                let done = self.progress().bytes_done;
+                let reason = format!("{error}; the messages after it are lost");
+                health.damaged(done, self.bytes - done, Some(self.fetched.0), reason);
+                self.ended = true;
+            }
+            self.ended |= self.batch.is_empty();
+        }
+        if self.ended {
+            return Ok(Item::End);
+        }
+        self.unpack()?;
+        let row = &self.batch[self.at];
+        Ok(Item::Message {
+            channel: row.topic,
+            log_time_ns: u64::try_from(row.time_ns).unwrap_or(0),
+        })
+    }
+
+    fn payload(&self) -> &[u8] {
+        self.batch.get(self.at).map_or(&[], |row| &row.data)
+    }
+
+    fn summary(&mut self) -> Result<Option<Summary>> {
+        let mut summary = Summary::default();
+        for (topic, schema) in self.topics.iter().zip(&self.schemas) {
+            let listed = Topic {
+                name: topic.topic.clone(),
+                schema: schema.clone(),
+                encoding: topic.message_encoding.clone(),
+                // Not counted: that would read the whole file.
+                messages: u64::MAX,
+                joints: Vec::new(),
+            };
+            summary.topics.insert(topic.id, listed);
+        }
+        Ok(Some(summary))
+    }
+
+    fn rewind(&mut self) -> Result<()> {
+        self.batch.clear();
+        (self.defined, self.at, self.ended) = (0, 0, false);
+        self.fetched = (i64::MIN, i64::MIN);
+        Ok(())
+    }
+
+    fn restart(&mut self, _offset: u64) -> Result<()> {
+        Err(Error::other("a table has no places"))
+    }
+
+    fn progress(&self) -> Progress {
+        let length = (self.last_ns as f64 - self.first_ns as f64).max(1.0);
+        let done = self.batch.get(self.at).map_or(0.0, |row| {
+            (row.time_ns as f64 - self.first_ns as f64) / length
+        });
+        Progress {
+            bytes_done: match self.ended {
+                true => self.bytes,
+                false => (done.clamp(0.0, 1.0) * self.bytes as f64) as u64,
+            },
+            bytes_total: self.bytes,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! ROS 2 bags that are SQLite files, told by the same messages as MCAP.
+
+use crate::support::*;
+use rusqlite::{Connection, params};
+use sinew_log::{Format, Frame, OpenOptions, TopicUse, open};
+use std::path::Path;
+
+const STEPS: i64 = 700;
+const URDF: &str = "<robot name=\"arm\"/>";
+
+/// Every message of the recording: topic, log time, payload.
+fn messages() -> Vec<(&'static str, i64, Vec<u8>)> {
+    let mut all = vec![("/robot_description", START_NS, little(&URDF.to_owned()))];
+    for step in 0..STEPS {
+        let time = START_NS + 10 * step * MS;
+        let (q, theta) = (1e-3 * step as f64, 0.5 + 1e-3 * step as f64);
+        all.push((JOINT, time, little(&joint_state(time, &[("a", q)]))));
+        all.push((MOTOR, time, little(&motor_state(time, &[("a", theta)]))));
+    }
+    all
+}
+
+/// A bag as rosbag2 writes it, its rows not in the order of their times.
+fn bag(path: &Path, packed: bool) {
+    let bag = Connection::open(path).unwrap();
+    bag.execute_batch(
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+            serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
+         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL,
+            timestamp INTEGER NOT NULL, data BLOB NOT NULL);
+         CREATE INDEX timestamp_idx ON messages (timestamp ASC);
+         INSERT INTO topics VALUES (1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr', '');
+         INSERT INTO topics VALUES (2, '/dynamic_joint_states', 'control_msgs/msg/DynamicJointState', 'cdr', '');
+         INSERT INTO topics VALUES (7, '/robot_description', 'std_msgs/msg/String', 'cdr', '');
+         BEGIN;",
+    )
+    .unwrap();
+    let (early, late): (Vec<_>, Vec<_>) = messages()
+        .into_iter()
+        .enumerate()
+        .partition(|(k, _)| k % 5 == 0);
+    for (_, (topic, time_ns, data)) in late.into_iter().chain(early) {
+        let id = match topic {
+            JOINT => 1,
+            MOTOR => 2,
+            _ => 7,
+        };
+        let data = if packed {
+            zstd::encode_all(&data[..], 1).unwrap()
+        } else {
+            data
+        };
+        let text = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)";
+        bag.execute(text, params![id, time_ns, data]).unwrap();
+    }
+    bag.execute_batch("COMMIT;").unwrap();
+}
+
+fn of_mcap() -> Vec<Frame> {
+    let mut mcap = Bag::new();
+    for (topic, time_ns, data) in messages().iter().skip(1) {
+        mcap.log_at(*time_ns as u64).raw(topic, data);
+    }
+    read_bytes(&mcap.bytes(), "a.mcap").0
+}
+
+#[test]
+fn a_bag_in_sqlite_is_read_as_the_same_bag_in_mcap() {
+    let folder = tempfile::tempdir().unwrap();
+    let expected = of_mcap();
+    assert_eq!(expected.len(), STEPS as usize);
+    for packed in [false, true] {
+        let path = folder.path().join(format!("packed_{packed}.db3"));
+        bag(&path, packed);
+        let mut recording = open(&path, &OpenOptions::default()).unwrap();
+        assert_eq!(recording.format(), Format::Db3);
+        let mut frames = Vec::new();
+        while let Some(frame) = recording.next_frame().unwrap() {
+            frames.push(frame.clone());
+        }
+        let told = |f: &Frame| (f.time_ns, f.segment, f.q[0], f.theta[0]);
+        assert!(frames.iter().map(told).eq(expected.iter().map(told)));
+        assert!(!recording.health().is_lossy(), "{:?}", recording.health());
+        if !packed {
+            assert_eq!(recording.robot_description(), Some(URDF));
+        }
+        let topics = recording.topics();
+        assert_eq!(topics[1].taken_for, Some(TopicUse::JointSide));
+        assert_eq!(topics[1].messages, STEPS as u64);
+        let progress = recording.progress();
+        assert_eq!(progress.bytes_done, progress.bytes_total);
+    }
+}
+
+#[test]
+fn a_packed_bag_in_its_folder_is_unpacked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run_0.db3");
+    bag(&path, false);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(
+        folder.path().join("run_0.db3.zstd"),
+        zstd::encode_all(&bytes[..], 1).unwrap(),
+    )
+    .unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let metadata = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - run_0.db3.zstd\n";
+    std::fs::write(folder.path().join("metadata.yaml"), metadata).unwrap();
+    let recording = open(folder.path(), &OpenOptions::default()).unwrap();
+    assert_eq!(read_all(recording).0.len(), STEPS as usize);
+    // From memory, too.
+    let recording = open_bytes(&bytes, "a.db3", &OpenOptions::default()).unwrap();
+    assert_eq!(read_all(recording).0.len(), STEPS as usize);
+}
+
+#[test]
+fn what_is_no_bag_is_refused_and_a_damaged_one_read_up_to_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("photos.db3");
+    Connection::open(&other)
+        .unwrap()
+        .execute_batch("CREATE TABLE photos(id);")
+        .unwrap();
+    let error = open(&other, &OpenOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("not a ROS 2 bag") && error.contains("topics"),
+        "{error}"
+    );
+    let path = folder.path().join("run.db3");
+    bag(&path, false);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let (mut refused, mut damaged) = (0, 0);
+    for at in (4096..bytes.len()).step_by(4096) {
+        let page = bytes[at..(at + 4096)].to_vec();
+        bytes[at..at + 4096].fill(0x5a);
+        match open_bytes(&bytes, "a.db3", &OpenOptions::default()) {
+            Err(_) => refused += 1,
+            Ok(mut recording) => {
+                while recording.next_frame().unwrap().is_some() {}
+                damaged += usize::from(recording.health().is_lossy());
+            }
+        }
+        bytes[at..at + 4096].copy_from_slice(&page);
+    }
+    println!("{refused} bags with a spoiled page refused, {damaged} read up to it");
+    assert!(damaged > 10, "{refused} {damaged}");
+}
