@@ -171,8 +171,8 @@ fn label(specimen: &Specimen, sources: &[Source], column: &str) -> Option<String
     })
 }
 
-/// A number to three digits, as group names write it.
-fn three_digits(value: f64) -> String {
+/// A number to three digits, as group names and tables write it.
+pub fn three_digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         "0".to_owned()

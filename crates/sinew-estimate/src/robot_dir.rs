@@ -1,7 +1,8 @@
 //! A robot's folder: `robot.toml` and the URDF it names.
 
-use sinew_files::{Located, read_text};
+use sinew_files::{Located, names, read_text};
 use sinew_model::robot::{Robot, RobotFile};
+use sinew_model::transmission::Tendon;
 use std::path::{Path, PathBuf};
 
 /// Largest `robot.toml` or URDF read, bytes.
@@ -20,6 +21,31 @@ pub struct LoadedRobot {
     pub urdf_text: String,
 }
 
+impl LoadedRobot {
+    /// The tendon of a joint.
+    ///
+    /// # Errors
+    /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
+    pub fn tendon(&self, joint: &str) -> Result<&Tendon, RobotDirError> {
+        let names = self.robot.joint_names();
+        let Some(i) = names.iter().position(|n| n == joint) else {
+            return Err(RobotDirError::NoJoint {
+                path: self.file.clone(),
+                joint: joint.to_owned(),
+                known: names.join(", "),
+                hint: names::did_you_mean(joint, names),
+            });
+        };
+        let transmission = self.robot.transmissions[i].as_ref();
+        transmission
+            .and_then(|t| t.tendon.as_ref())
+            .ok_or_else(|| RobotDirError::NoTendon {
+                path: self.file.clone(),
+                joint: joint.to_owned(),
+            })
+    }
+}
+
 /// Why a robot could not be loaded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -36,6 +62,26 @@ pub enum RobotDirError {
     NoUrdf {
         /// `robot.toml`.
         path: PathBuf,
+    },
+    /// A joint that the robot hasn't.
+    #[error("{path}: no joint '{joint}'; it has {known}{hint}", path = path.display())]
+    NoJoint {
+        /// `robot.toml`.
+        path: PathBuf,
+        /// Joint asked for.
+        joint: String,
+        /// Joints there are.
+        known: String,
+        /// The one that may have been meant, as the end of a sentence.
+        hint: String,
+    },
+    /// A joint without a tendon.
+    #[error("{path}: joint '{joint}' has no tendon; add [joints.{joint}.tendon]", path = path.display())]
+    NoTendon {
+        /// `robot.toml`.
+        path: PathBuf,
+        /// The joint.
+        joint: String,
     },
     /// The description, with the place of what is wrong.
     #[error(transparent)]

@@ -1,6 +1,7 @@
 //! A recording's own torques as a rope's duty.
 
-use crate::replay::{JointEstimate, Series};
+use crate::replay::{self, JointEstimate, Series};
+use crate::{EstimateError, Progress, Request};
 use sinew_model::rope::RopeLoad;
 use sinew_model::transmission::Tendon;
 use sinew_rope::{Duty, Stretch};
@@ -53,6 +54,30 @@ pub fn duty(
         stretches,
         repeat: true,
     })
+}
+
+/// The duty of a strand of `joint` over the recording of a request: its torques by the paper's
+/// estimate, through [`duty`]. A tendon without a pretension counts as one with none.
+///
+/// # Errors
+/// [`EstimateError`]; [`EstimateError::Mismatch`] where the recording has no torque of the joint.
+pub fn recorded(
+    request: &Request,
+    joint: &str,
+    tendon: &Tendon,
+    temperature_c: f64,
+    strand: Strand,
+    on_progress: &mut dyn FnMut(Progress),
+) -> Result<Duty, EstimateError> {
+    let found = replay::run(request, on_progress)?;
+    let pretension_n = tendon.pretension_n.unwrap_or(0.0);
+    let joint_found = found.joints.iter().find(|j| j.name == joint);
+    joint_found
+        .and_then(|j| duty(j, tendon, pretension_n, temperature_c, strand))
+        .ok_or_else(|| EstimateError::Mismatch {
+            file: request.log.display().to_string(),
+            why: format!("no torque of joint '{joint}' could be made out"),
+        })
 }
 
 fn stretches(

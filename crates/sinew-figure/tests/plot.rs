@@ -219,3 +219,25 @@ fn a_png_of_impossible_size_is_refused() {
         assert!(error.to_string().contains("pixels"), "{error}");
     }
 }
+
+#[test]
+fn a_figure_is_written_as_its_name_says() {
+    let folder = std::env::temp_dir().join(format!("sinew-figure-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let read = |name: &str| {
+        stacked().write(&folder.join(name)).unwrap();
+        std::fs::read(folder.join(name)).unwrap()
+    };
+    assert_eq!(read("a.svg"), stacked().svg().into_bytes());
+    assert_eq!(read("a.png"), stacked().png(2.0).unwrap());
+    let error = stacked()
+        .write(&folder.join("a.pdf"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("a.pdf") && error.contains(".svg or .png"),
+        "{error}"
+    );
+    assert!(!folder.join("a.pdf").exists());
+    std::fs::remove_dir_all(&folder).unwrap();
+}

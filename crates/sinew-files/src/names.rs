@@ -32,10 +32,16 @@ pub fn nearest<'a, S: AsRef<str>>(wanted: &str, known: &'a [S]) -> Option<&'a st
 /// `; did you mean 'elbow'?`, or just the semicolon: what goes between a name that isn't there and
 /// those that are.
 pub fn hint<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
-    match nearest(wanted, known) {
-        Some(name) => format!("; did you mean '{name}'?"),
-        None => ";".to_owned(),
+    match did_you_mean(wanted, known) {
+        hint if hint.is_empty() => ";".to_owned(),
+        hint => hint,
     }
+}
+
+/// `; did you mean 'elbow'?`, or nothing: the end of a message about a name that isn't there.
+pub fn did_you_mean<S: AsRef<str>>(wanted: &str, known: &[S]) -> String {
+    let meant = nearest(wanted, known);
+    meant.map_or(String::new(), |name| format!("; did you mean '{name}'?"))
 }
 
 /// Names in quotes, cut where they would flood the terminal.

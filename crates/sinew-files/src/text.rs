@@ -114,6 +114,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn cells_are_quoted_where_csv_needs_it() {
+        assert_eq!(csv_cell("elbow"), "elbow");
+        assert_eq!(csv_cell("a,b"), "\"a,b\"");
+        assert_eq!(csv_cell("say \"no\""), "\"say \"\"no\"\"\"");
+        assert_eq!(csv_cell("two\nlines"), "\"two\nlines\"");
+    }
+
+    #[test]
     fn the_same_words_in_every_encoding() {
         let words = "Prüfzeit;µm;°C\n1,5;2;3\n";
         let wide = |unit: fn(u16) -> [u8; 2]| -> Vec<u8> {

@@ -1,6 +1,7 @@
 //! Tables and paragraphs for a terminal of 80 columns.
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+use sinew_creep::three_digits;
 
 /// Columns of a terminal that everybody has.
 pub const WIDTH: usize = 80;
@@ -82,15 +83,7 @@ pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
     }
-    let size = value.abs();
-    if size == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
-        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.1e}")
-    }
+    three_digits(value)
 }
 
 /// [`plain`], line by line: several messages stay several lines.

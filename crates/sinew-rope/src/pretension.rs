@@ -5,6 +5,7 @@
 //! (strung in a machine and left alone) its tension falls; the schedule says when it has fallen
 //! too far.
 
+use super::CatalogueRope;
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::limits::check_temperature;
@@ -12,7 +13,6 @@ use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
 pub use super::procedure::{Procedure, Request};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
-use super::{CatalogueError, CatalogueRope};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
@@ -67,35 +67,15 @@ impl JsonDocument for Plan {
     const SCHEMA: &'static str = "sinew/rope-pretension/1";
 }
 
-/// Why there is no plan.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PretensionError {
-    /// The rope.
-    #[error(transparent)]
-    Catalogue(#[from] CatalogueError),
-    /// No rope is left.
-    #[error(transparent)]
-    Limit(#[from] PredictError),
-    /// The load, with the catalogue's own values.
-    #[error("rope '{rope}': {error}")]
-    Load {
-        /// Rope.
-        rope: String,
-        /// Why.
-        error: LoadError,
-    },
-}
-
 /// Makes a plan for one rope.
 ///
 /// # Errors
-/// [`PretensionError`].
-pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PretensionError> {
+/// [`PredictError`].
+pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictError> {
     check_temperature(rope, request.temperature_c)?;
     let draws = Draws::new(rope, request.draws, request.seed)?;
     let work = RopeLoad::celsius(request.tension_n, request.temperature_c);
-    let refuse = |error| PretensionError::Load {
+    let refuse = |error| PredictError::Load {
         rope: rope.entry.name.clone(),
         error,
     };

@@ -103,6 +103,10 @@ impl Bench {
             strands,
             phases: s.each("phase", phase)?,
         };
+        if bench.stroke_m >= bench.strand_m {
+            let must = "shorter than strand_mm: rope has to stay between the ends";
+            return Err(s.refuse("stroke_mm", must));
+        }
         if bench.phases.is_empty() {
             return Err(s.missing("[[phase]]", "the bench has nothing to do"));
         }
@@ -159,4 +163,26 @@ fn phase(s: &Section<'_>) -> Result<Phase, Located> {
         duration_s: 60.0 * minutes,
         moving: s.flag_or("moving", true)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stroke_as_long_as_the_strand_is_refused_in_its_place() {
+        let bench = |stroke: f64| {
+            let text = format!(
+                "strand_mm = 600.0\nstroke_mm = {stroke}\nperiod_s = 10.0\n\
+                 [[phase]]\nforce_n = 200.0\nduration_min = 10.0\n"
+            );
+            Bench::parse(&text, "bench.toml")
+        };
+        bench(599.0).expect("some rope stays");
+        let error = bench(600.0).expect_err("none stays").to_string();
+        assert!(
+            error.contains("bench.toml, line 2") && error.contains("shorter"),
+            "{error}"
+        );
+    }
 }

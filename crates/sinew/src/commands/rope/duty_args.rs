@@ -1,13 +1,11 @@
 //! Options that say what a rope has to do, and where it lies.
 
-use super::did_you_mean;
 use super::values::{celsius, duration, guide};
 use crate::args::{Choice, choice, not_negative, positive};
-use crate::terminal::{Failure, complain};
+use crate::terminal::{Bar, Failure, complain};
 use clap::Args;
-use sinew_estimate::replay;
-use sinew_estimate::robot_dir;
 use sinew_estimate::strand_duty::{self, Strand};
+use sinew_estimate::{Progress, robot_dir};
 use sinew_model::transmission::Tendon;
 use sinew_rope::duty::Duty;
 use sinew_rope::predict::{Guide, Request, Route, TIMES_DEFAULT_S};
@@ -125,25 +123,7 @@ impl DutyArgs {
             }
         };
         let loaded = robot_dir::load(&place, None)?;
-        let names = loaded.robot.joint_names();
-        let Some(i) = names.iter().position(|n| n == joint) else {
-            let hint = did_you_mean(joint, names);
-            return Err(Failure::Refused(format!(
-                "{}: no joint '{joint}'; it has {}{hint}",
-                loaded.file.display(),
-                names.join(", ")
-            )));
-        };
-        let tendon = loaded.robot.transmissions[i]
-            .as_ref()
-            .and_then(|t| t.tendon.clone());
-        match tendon {
-            Some(tendon) => Ok(Some(tendon)),
-            None => Err(Failure::Refused(format!(
-                "{}: joint '{joint}' has no tendon; add [joints.{joint}.tendon]",
-                loaded.file.display()
-            ))),
-        }
+        Ok(Some(loaded.tendon(joint)?.clone()))
     }
 
     fn resolve_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Duty, Failure> {
@@ -165,30 +145,18 @@ impl DutyArgs {
     }
 
     fn recorded(&self, log: PathBuf, tendon: &Tendon, quiet: bool) -> Result<Duty, Failure> {
-        let joint_name = self.joint.clone().unwrap_or_default();
         let mut request = sinew_estimate::Request::new(log);
-        request.robot = self.robot.clone();
-        let bar = crate::terminal::Bar::new("torques", quiet);
-        let found = replay::run(&request, &mut |p| {
-            bar.set(p.bytes_done as f64, p.bytes_total as f64)
-        })?;
-        drop(bar);
-        let joint = found.joints.iter().find(|j| j.name == joint_name);
-        let pretension_n = tendon.pretension_n.unwrap_or(0.0);
+        request.robot.clone_from(&self.robot);
         if tendon.pretension_n.is_none() && !quiet {
-            complain(
-                "warning",
-                "the tendon has no pretension_n; it counts as 0 N",
-            );
+            let text = "the tendon has no pretension_n; it counts as 0 N";
+            complain("warning", text);
         }
-        joint
-            .and_then(|j| strand_duty::duty(j, tendon, pretension_n, self.temperature, self.strand))
-            .ok_or_else(|| {
-                Failure::Refused(format!(
-                    "{}: no torque of joint '{joint_name}' could be made out",
-                    request.log.display()
-                ))
-            })
+        let joint = self.joint.as_deref().unwrap_or_default();
+        let bar = Bar::new("torques", quiet);
+        let mut progress = |p: Progress| bar.set(p.bytes_done as f64, p.bytes_total as f64);
+        let (celsius, strand) = (self.temperature, self.strand);
+        let duty = strand_duty::recorded(&request, joint, tendon, celsius, strand, &mut progress)?;
+        Ok(duty)
     }
 
     fn route(&self, tendon: Option<&Tendon>) -> Route {

@@ -66,13 +66,7 @@ impl Ropes {
 /// A rope by name, with the name somebody may have meant.
 pub(crate) fn find<'a>(catalogue: &'a Catalogue, name: &str) -> Result<&'a CatalogueRope, Failure> {
     catalogue.find(name).map_err(|error| {
-        let hint = did_you_mean(name, &catalogue.names());
+        let hint = sinew_files::names::did_you_mean(name, &catalogue.names());
         Failure::Refused(format!("{error}{hint}"))
     })
-}
-
-/// The name somebody may have meant, as the end of a message.
-fn did_you_mean<S: AsRef<str>>(name: &str, known: &[S]) -> String {
-    let meant = sinew_files::names::nearest(name, known);
-    meant.map_or(String::new(), |n| format!("; did you mean '{n}'?"))
 }
