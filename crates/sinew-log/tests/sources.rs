@@ -211,6 +211,23 @@ fn a_clock_that_runs_backwards_is_refused() {
 }
 
 #[test]
+fn times_that_collide_now_and_then_are_warned_of() {
+    let mut table = String::from("time_s,q.a_rad,theta.a_rad\n");
+    for row in 0..1000 {
+        // A float of 32 bits at 1e5 s has steps of 7.8 ms; the robot wrote every 5 ms.
+        let rounded = (1e5 + 0.005 * f64::from(row)) as f32;
+        table += &format!("{rounded},{row},{row}\n");
+    }
+    let seen = info(table.as_bytes(), "a.csv", &OpenOptions::default());
+    let told = seen.health.suspicions.iter().find(|s| s.contains("time_s"));
+    let told = told.unwrap_or_else(|| panic!("{:?}", seen.health));
+    assert!(
+        told.contains("of 1000 rows") && told.contains("32 bits"),
+        "{told}"
+    );
+}
+
+#[test]
 fn times_that_were_rounded_until_they_collide_are_refused() {
     for rows in [6_i64, 500] {
         let mut table = String::from("time_s,q.a_rad,theta.a_rad\n");

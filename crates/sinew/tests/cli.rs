@@ -258,6 +258,41 @@ fn missing_files_exit_with_1_and_are_named() {
 }
 
 #[test]
+fn a_recording_of_nothing_exits_with_1_and_says_why() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let header = "time_s,q.a_rad,theta.a_rad\n";
+    for (rows, why) in [
+        ("", "no row"),
+        (",1,1\n,2,2\n", "none of 2 rows has a time"),
+        ("0.2,1,1\n0.1,2,2\n0.0,3,3\n", "backwards"),
+        ("0,1,1\n0,2,2\n0,3,3\n", "same time"),
+    ] {
+        std::fs::write(dir.path().join("a.csv"), format!("{header}{rows}")).expect("written");
+        refused(&["log", "info", "a.csv"], dir.path(), 1, &["a.csv", why]);
+    }
+    // Three rows are a recording: what they are too few for is for others to say.
+    std::fs::write(
+        dir.path().join("a.csv"),
+        format!("{header}0,1,1\n1,2,2\n2,3,3\n"),
+    )
+    .expect("written");
+    assert_eq!(code(&sinew(&["log", "info", "a.csv"], dir.path())), 0);
+    // Parts, packed: one recording.
+    let packed = dir.path().join("b.csv");
+    std::fs::write(&packed, format!("{header}3,1,1\n4,2,2\n5,3,3\n")).expect("written");
+    let whole = sinew(&["log", "info", "b.csv", "a.csv"], dir.path());
+    assert!(out(&whole).contains("6 frames"), "{}", out(&whole));
+    let pattern = sinew(&["log", "info", "?.csv", "--json"], dir.path());
+    assert!(out(&pattern).contains("\"frames\": 6"), "{}", out(&pattern));
+    refused(
+        &["log", "info", "*.mcap"],
+        dir.path(),
+        1,
+        &["no file has such a name"],
+    );
+}
+
+#[test]
 fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     let dir = simulated("12");
     let robot = robot();

@@ -130,6 +130,11 @@ impl Recording {
         }
     }
 
+    /// What it was opened as.
+    pub fn name(&self) -> &str {
+        &self.file
+    }
+
     /// The format found.
     pub fn format(&self) -> Format {
         self.reader.format()

@@ -3,7 +3,7 @@
 use crate::args::Opening;
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_log::Pace;
+use sinew_log::{LogError, Pace, Recording};
 use std::path::PathBuf;
 
 /// Look into a recording
@@ -55,6 +55,9 @@ impl Info {
             }
         }
         drop(bar);
+        if pace.frames() == 0 {
+            return Err(nothing(&recording));
+        }
         let names: Vec<String> = (self.files.iter())
             .map(|f| f.display().to_string())
             .collect();
@@ -62,4 +65,19 @@ impl Info {
         answer_as(self.json, &info, sinew_report::log::render)?;
         Ok(Finish::lossy(info.lossy))
     }
+}
+
+/// Why a recording that could be opened has no frame.
+fn nothing(recording: &Recording) -> Failure {
+    let health = recording.health();
+    let why = match (health.rows_without_time, health.undecodable) {
+        (0, 0) => "it has no row and no message".to_owned(),
+        (0, messages) => format!("none of {messages} messages can be decoded"),
+        (rows, _) => format!("none of {rows} rows has a time"),
+    };
+    LogError::NotARecording {
+        file: recording.name().to_owned(),
+        reason: format!("it holds no frame: {why}"),
+    }
+    .into()
 }

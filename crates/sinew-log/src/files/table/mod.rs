@@ -60,21 +60,26 @@ pub(super) struct Table<R> {
     clock: Clock,
 }
 
-/// How the times of the first rows follow each other.
+/// Why times are equal that were not.
+const ROUNDED: &str = "a float of 32 bits rounds so: write times as float64 or integer ns";
+
+/// How the times of rows follow each other.
 #[derive(Default)]
 struct Clock {
-    rising: u32,
-    falling: u32,
-    equal: u32,
+    rising: u64,
+    falling: u64,
+    equal: u64,
 }
 
 impl Clock {
     /// Steps after which a clock is known.
-    const STEPS: u32 = 64;
+    const STEPS: u64 = 64;
+    /// A share of equal times above one in so many is told.
+    const TOLD: u64 = 20;
     /// Steps of a table from which on its clock can be judged.
-    const FEWEST: u32 = 2;
+    const FEWEST: u64 = 2;
 
-    fn steps(&self) -> u32 {
+    fn steps(&self) -> u64 {
         self.rising + self.falling + self.equal
     }
 
@@ -97,10 +102,7 @@ impl Clock {
             ))
         } else if self.equal > self.rising + self.falling {
             let problem = "most rows have the same time as the row before";
-            Some((
-                problem,
-                "a float of 32 bits rounds so: write times as float64 or integer ns",
-            ))
+            Some((problem, ROUNDED))
         } else {
             None
         }
@@ -173,9 +175,7 @@ impl<R: Rows> Reader for Table<R> {
     fn pull(&mut self, joiner: &mut Joiner, health: &mut Health) -> Result<bool, LogError> {
         match (self.rows).next(&self.columns, &mut self.cells, self.last_ns, health)? {
             Row::At(time_ns) => {
-                if let Some(last_ns) = self.last_ns
-                    && self.clock.steps() < Clock::STEPS
-                {
+                if let Some(last_ns) = self.last_ns {
                     self.clock.step(last_ns, time_ns);
                     if self.clock.steps() == Clock::STEPS {
                         self.check_clock()?;
@@ -188,7 +188,19 @@ impl<R: Rows> Reader for Table<R> {
                 Ok(true)
             }
             Row::Skipped => Ok(true),
-            Row::End => self.check_clock().map(|()| false),
+            Row::End => {
+                if self.clock.steps() < Clock::STEPS {
+                    self.check_clock()?;
+                } else if Clock::TOLD * self.clock.equal > self.clock.steps() {
+                    health.suspicion(format!(
+                        "{} of {} rows have the {} of the row before and are dropped: {ROUNDED}",
+                        self.clock.equal,
+                        self.clock.steps() + 1,
+                        self.columns.names[self.columns.time_column],
+                    ));
+                }
+                Ok(false)
+            }
         }
     }
 
