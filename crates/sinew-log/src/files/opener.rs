@@ -36,7 +36,7 @@ pub(super) fn open_reader(
     names: &ListNames,
     path: Option<&Path>,
 ) -> Result<Box<dyn Reader>, LogError> {
-    let io = |source| LogError::io(&name, "read", source);
+    let io = |source| LogError::io(name, "read", source);
     let mut magic = [0_u8; 8];
     let mut got = 0;
     while got < magic.len() {
