@@ -79,6 +79,7 @@
 //! | `theta` moving 57.3 or 1/57.3 times as much as `q`, more than twice as much, or against it | suspicion: degrees, gear ratio, sign |
 //! | table in UTF-16 with its mark, or in code page 1252; `;` or tab; decimal comma | read |
 //! | table without a time or joint column, column twice | refused |
+//! | CSV line that begins with `#` | a comment, or the header where numbers follow |
 //! | CSV cell that is no number | refused with line, column and value; empty, `nan`, `null`, `n/a` are none |
 //! | CSV row with too few or too many cells | padded, or cut; counted |
 //! | CSV last line without line end and with too few cells or half a number | dropped; damage. A number cut off to a shorter number cannot be told |

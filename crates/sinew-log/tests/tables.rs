@@ -388,3 +388,37 @@ fn a_mapping_and_a_table_that_do_not_fit() {
         "{message}"
     );
 }
+
+#[test]
+fn lines_that_begin_with_a_hash_are_comments_or_the_header() {
+    let rows = "0,1,2\n# the robot was touched here\n0.01,1,2\n";
+    for head in [
+        "# logged on Monday\ntime_s,q.a_rad,theta.a_rad\n",
+        "# logged on Monday\n# by hand; 3 V\n\ntime_s,q.a_rad,theta.a_rad\n",
+        // As numpy.savetxt writes it.
+        "# time_s,q.a_rad,theta.a_rad\n",
+        "# logged on Monday\n#time_s,q.a_rad,theta.a_rad\n",
+    ] {
+        let (frames, health) = read_bytes(format!("{head}{rows}").as_bytes(), "a.csv");
+        assert_eq!(frames.len(), 2, "{head}");
+        assert_eq!((frames[1].q[0], frames[1].theta[0]), (1.0, 2.0));
+        assert!(!health.is_lossy() && health.ragged_rows == 0, "{health:?}");
+    }
+    let wide: Vec<u8> = format!("\u{feff}# Montag\ntime_s;q.a_rad\n0,5;1\n")
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    assert_eq!(read_bytes(&wide, "a.csv").0[0].time_ns, 500_000_000);
+    // Places are those of the file.
+    let error = error_of(
+        b"# a\n# b\ntime_s,q.a_rad\n0,1\n0.01,one\n",
+        "a.csv",
+        &OpenOptions::default(),
+    );
+    assert!(
+        error.contains("a.csv, line 5") && error.contains("'one'"),
+        "{error}"
+    );
+    let error = error_of(b"# nothing\n", "a.csv", &OpenOptions::default());
+    assert!(error.contains("no header line"), "{error}");
+}

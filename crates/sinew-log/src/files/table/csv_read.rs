@@ -1,6 +1,6 @@
 //! Delimited text: one header line, one row per instant.
 
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufRead as _, BufReader, Read, Seek, SeekFrom};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -24,6 +24,8 @@ use sinew_files::names::shorten;
 const ROW_LIMIT_BYTES: u64 = 4 << 20;
 /// Bytes of the start in which the header line must end.
 const HEADER_LIMIT_BYTES: u64 = 4 << 20;
+/// What a line that holds no row begins with.
+const COMMENT: u8 = b'#';
 /// One read of the operating system, bytes.
 const BUFFER_BYTES: usize = 256 << 10;
 
@@ -89,11 +91,19 @@ impl CsvReader {
                     .to_owned(),
             ));
         }
-        let dialect = Dialect::of_header(encoding.decode(&head[mark..]).as_bytes());
         // The byte order mark is not part of the first column's name.
         let mut start = mark as u64;
         let mut length = reader.seek(SeekFrom::End(0)).map_err(io)?;
         let mut last = b'\n';
+        reader.seek(SeekFrom::Start(start)).map_err(io)?;
+        let (header, is_comment) = match wide {
+            true => find_header(Utf16Reader::new(&mut reader, encoding == Encoding::Utf16Be)),
+            false => find_header(&mut reader),
+        }
+        .map_err(io)?;
+        let names_in = Encoding::of(&header).0;
+        let header = names_in.decode(&header);
+        let dialect = Dialect::of_header(header.as_bytes());
         let reader: Box<dyn Read + Send> = if wide {
             // Places count in UTF-8; how many there are takes a reading of its own.
             let big_endian = encoding == Encoding::Utf16Be;
@@ -109,7 +119,6 @@ impl CsvReader {
             reader.seek(SeekFrom::Start(start)).map_err(io)?;
             reader
         };
-        let names_in = if wide { Encoding::Utf8 } else { encoding };
         let unterminated = last != b'\n' && last != b'\r';
 
         let done = Arc::new(AtomicU64::new(0));
@@ -122,15 +131,22 @@ impl CsvReader {
             .delimiter(dialect.delimiter)
             .flexible(true)
             .has_headers(false)
+            .comment(Some(COMMENT))
             .buffer_capacity(BUFFER_BYTES)
             .from_reader(meter);
         let mut record = ByteRecord::new();
-        let found = reader
-            .read_byte_record(&mut record)
-            .map_err(|error| csv_error(file, error))?;
-        if !found {
+        let found = match is_comment {
+            true => csv::ReaderBuilder::new()
+                .delimiter(dialect.delimiter)
+                .has_headers(false)
+                .from_reader(header.as_bytes())
+                .read_byte_record(&mut record),
+            false => reader.read_byte_record(&mut record),
+        };
+        if !found.map_err(|error| csv_error(file, error))? {
             return Err(refuse("it has no header line".to_owned()));
         }
+        let names_in = if is_comment { Encoding::Utf8 } else { names_in };
         let names: Vec<String> = record
             .iter()
             .map(|name| names_in.decode(name).trim().to_owned())
@@ -306,6 +322,36 @@ fn read_head(reader: &mut Box<dyn ReadSeek>) -> std::io::Result<Vec<u8>> {
         }
     }
     Ok(head)
+}
+
+/// The line of column names, and whether it is a comment: the last one above rows that begin with numbers.
+fn find_header(text: impl Read) -> std::io::Result<(Vec<u8>, bool)> {
+    let mut text = BufReader::new(text.take(HEADER_LIMIT_BYTES));
+    let (mut line, mut comment) = (Vec::new(), None);
+    loop {
+        line.clear();
+        if text.read_until(b'\n', &mut line)? == 0 {
+            return Ok((Vec::new(), false));
+        }
+        // Old line ends part lines too.
+        let own = line.split(|byte| *byte == b'\r').next().unwrap_or(&line);
+        let own = own.trim_ascii();
+        match own.strip_prefix(&[COMMENT]) {
+            Some(text) => comment = Some(text.trim_ascii().to_vec()),
+            None if own.is_empty() => {}
+            None => {
+                let is_number = |comment: &Vec<u8>| {
+                    let dialect = Dialect::of_header(comment);
+                    let mut cells = own.split(|byte| *byte == dialect.delimiter);
+                    cells.all(|cell| dialect.number(cell).is_some())
+                };
+                return Ok(match comment.filter(is_number) {
+                    Some(comment) => (comment, true),
+                    None => (own.to_vec(), false),
+                });
+            }
+        }
+    }
 }
 
 fn csv_error(file: &str, error: csv::Error) -> LogError {
