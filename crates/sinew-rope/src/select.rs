@@ -246,8 +246,9 @@ fn judge(
         .zip(diameter_mm)
         .map(|(pulley, rope)| pulley / rope);
     let mut reasons: Vec<Rejection> = [
-        above(
+        missed(
             diameter_mm,
+            f64::gt,
             constraints.diameter_max_mm,
             Rejection::DiameterNotPublished,
             |v, limit| Rejection::TooThick {
@@ -255,8 +256,9 @@ fn judge(
                 limit_m: 1e-3 * limit,
             },
         ),
-        above(
+        missed(
             weight_g_per_m,
+            f64::gt,
             constraints.weight_max_g_per_m,
             Rejection::WeightNotPublished,
             |v, limit| Rejection::TooHeavy {
@@ -264,8 +266,9 @@ fn judge(
                 limit_kg_per_m: 1e-3 * limit,
             },
         ),
-        below(
+        missed(
             diameter_mm,
+            f64::lt,
             constraints.diameter_min_mm,
             Rejection::DiameterNotPublished,
             |v, limit| Rejection::TooThin {
@@ -273,14 +276,16 @@ fn judge(
                 limit_m: 1e-3 * limit,
             },
         ),
-        below(
+        missed(
             bend_ratio,
+            f64::lt,
             constraints.bend_ratio_min,
             Rejection::BendRatioNotKnown,
             |ratio, limit_ratio| Rejection::BendRatio { ratio, limit_ratio },
         ),
-        below(
+        missed(
             safety_factor,
+            f64::lt,
             constraints.safety_factor_min,
             Rejection::BreakingLoadNotPublished,
             |ratio, limit_ratio| Rejection::SafetyFactor { ratio, limit_ratio },
@@ -350,26 +355,18 @@ fn judge(
     Ok((candidate, found.growth_m(request)))
 }
 
-/// Why a value that may be at most `limit` does not show it.
-fn above(
+/// Why a value does not show that it keeps a limit; `beyond` says which way is out.
+fn missed(
     found: Option<f64>,
+    beyond: fn(&f64, &f64) -> bool,
     limit: Option<f64>,
     unknown: Rejection,
-    beyond: impl Fn(f64, f64) -> Rejection,
+    rejection: impl Fn(f64, f64) -> Rejection,
 ) -> Option<Rejection> {
     let limit = limit?;
-    found.map_or(Some(unknown), |v| (v > limit).then(|| beyond(v, limit)))
-}
-
-/// Why a value that must be at least `limit` does not show it.
-fn below(
-    found: Option<f64>,
-    limit: Option<f64>,
-    unknown: Rejection,
-    beyond: impl Fn(f64, f64) -> Rejection,
-) -> Option<Rejection> {
-    let limit = limit?;
-    found.map_or(Some(unknown), |v| (v < limit).then(|| beyond(v, limit)))
+    found.map_or(Some(unknown), |v| {
+        beyond(&v, &limit).then(|| rejection(v, limit))
+    })
 }
 
 /// Stiffness of the strand for small quick changes at the duty's mean load, N/m.

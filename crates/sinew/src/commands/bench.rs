@@ -2,13 +2,13 @@
 
 #[cfg(feature = "camera")]
 use super::bench_read_camera::ReadCamera;
+use super::rope::{Ropes, find};
 use crate::files::{check_outputs, write_text};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
 use sinew_report::rope::{bench_csv, bench_figure, bench_table};
-use sinew_rope::Catalogue;
 use sinew_rope::bench::{Bench, routings};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The bending bench: a rope between two pulleys, over guides, pulled by a carriage
 #[derive(Debug, Subcommand)]
@@ -84,9 +84,8 @@ pub(crate) struct Simulate {
     /// Rope; `sinew rope list` names them
     #[arg(long, value_name = "NAME", default_value = "liros-dc000-0301")]
     rope: String,
-    /// Folder with your own ropes
-    #[arg(long = "ropes", value_name = "DIR")]
-    folders: Vec<PathBuf>,
+    #[command(flatten)]
+    ropes: Ropes,
     /// Times read, evenly over the programme
     #[arg(long, value_name = "N", default_value_t = 160, value_parser = clap::value_parser!(u32).range(2..=1000))]
     readings: u32,
@@ -127,9 +126,8 @@ impl Simulate {
                 Bench::parse(&text, &self.bench)?
             }
         };
-        let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
-        let catalogue = Catalogue::with_folders(&folders)?;
-        let rope = catalogue.find(&self.rope)?;
+        let catalogue = self.ropes.catalogue(false)?;
+        let rope = find(&catalogue, &self.rope)?;
         let draws = self.draws as usize;
         let run = sinew_rope::bench::run(rope, &bench, self.readings, draws, self.seed)?;
         write_text(self.csv.as_deref(), || bench_csv(&run))?;
