@@ -30,15 +30,6 @@ pub struct SampledPayload {
     pub release_s: f64,
 }
 
-/// A joint that sticks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SampledJam {
-    pub(super) joint: usize,
-    pub(super) torque_nm: f64,
-    pub(super) from_s: f64,
-    pub(super) to_s: f64,
-}
-
 /// Temperature and its effects, drawn.
 #[derive(Debug, Clone)]
 pub struct SampledTemperature {

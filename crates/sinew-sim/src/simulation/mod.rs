@@ -9,8 +9,8 @@ use crate::controller_model::ControllerModel;
 use crate::error::SimulateError;
 use crate::motion::Trajectory;
 use crate::plant::{Drive, Inputs, Plant, PointForce};
-use crate::sampled::{SampledJam, SampledOffset, SampledPayload, SampledTemperature};
-use crate::scenario::{OffsetKind, Scenario};
+use crate::sampled::{SampledOffset, SampledPayload, SampledTemperature};
+use crate::scenario::{Jam, OffsetKind, Scenario};
 use crate::sensors::Sensors;
 use sinew_log::Frame;
 use sinew_model::StepError;
@@ -90,7 +90,8 @@ pub struct Simulation {
     payloads: Vec<SampledPayload>,
     held: Vec<bool>,
     temperature: SampledTemperature,
-    jams: Vec<SampledJam>,
+    /// By joint.
+    jams: Vec<(usize, Jam)>,
     /// Coulomb friction of each joint without a jam, N·m.
     joint_coulomb_nm: Vec<f64>,
     /// Factor on the stiffness of each joint from the scenario's time on.
@@ -291,10 +292,10 @@ impl Simulation {
                 *scale *= later;
             }
         }
-        for jam in &self.jams {
+        for (joint, jam) in &self.jams {
             let held = (jam.from_s..jam.to_s).contains(&t);
-            self.plant.drives[jam.joint].joint_friction.coulomb_nm =
-                self.joint_coulomb_nm[jam.joint] + if held { jam.torque_nm } else { 0.0 };
+            self.plant.drives[*joint].joint_friction.coulomb_nm =
+                self.joint_coulomb_nm[*joint] + if held { jam.torque_nm } else { 0.0 };
         }
         self.contacts.at(t, &mut self.forces);
     }

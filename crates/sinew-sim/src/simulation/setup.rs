@@ -84,14 +84,7 @@ impl Simulation {
         let jams = scenario
             .jams
             .iter()
-            .filter_map(|j| {
-                Some(SampledJam {
-                    joint: robot.arm.joint_index(&j.joint)?,
-                    torque_nm: j.torque_nm,
-                    from_s: j.from_s,
-                    to_s: j.to_s,
-                })
-            })
+            .filter_map(|j| Some((robot.arm.joint_index(&j.joint)?, j.clone())))
             .collect();
         let controller_model = ControllerModel::new(robot, scenario)?;
         let controller = Controller::new(
