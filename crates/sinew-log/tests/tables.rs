@@ -404,7 +404,7 @@ fn lines_that_begin_with_a_hash_are_comments_or_the_header() {
         assert_eq!((frames[1].q[0], frames[1].theta[0]), (1.0, 2.0));
         assert!(!health.is_lossy() && health.ragged_rows == 0, "{health:?}");
     }
-    let wide: Vec<u8> = format!("\u{feff}# Montag\ntime_s;q.a_rad\n0,5;1\n")
+    let wide: Vec<u8> = "\u{feff}# Montag\ntime_s;q.a_rad\n0,5;1\n"
         .encode_utf16()
         .flat_map(u16::to_le_bytes)
         .collect();
