@@ -38,8 +38,13 @@ fn main() {
     let folder = tempfile::tempdir().expect("temporary folder");
     for &rate_hz in rates {
         let (a, b) = sessions(&root, &robot, rate_hz);
-        let (baseline, _) =
-            session::learn_recorded(&robot, &recorded(&robot, &a), "A").expect("baseline");
+        let (baseline, _) = session::learn_recorded(
+            &robot,
+            &recorded(&robot, &a),
+            "A",
+            &session::Learning::default(),
+        )
+        .expect("baseline");
         println!("{SESSION_S} s at {rate_hz} Hz, {} frames", b.len());
         let csv = folder.path().join("b.csv");
         let mcap = folder.path().join("b.mcap");
@@ -254,7 +259,8 @@ fn parquet(root: &Path, place: &Path, robot: &Robot, rounds: usize) {
     };
     let part = |from_s, to_s| Window { from_s, to_s };
     let a = features(&log, robot, part(0.0, SESSION_S));
-    let (baseline, _) = session::learn_recorded(robot, &a, "A").expect("baseline");
+    let (baseline, _) =
+        session::learn_recorded(robot, &a, "A", &session::Learning::default()).expect("baseline");
     let b = part(SESSION_S, 2.0 * SESSION_S);
     stages("Parquet", &log, place, robot, b, &baseline, rounds);
 }

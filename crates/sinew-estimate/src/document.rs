@@ -5,16 +5,30 @@ use crate::session::SessionEstimate;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 
-/// The estimate of one recording, and the session's estimate where it was asked for.
+/// Which estimate answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Absolute offsets, all joints together, with an interval that holds what is unknown.
+    #[default]
+    Absolute,
+    /// The paper's: a reading of each joint, right in differences between like recordings.
+    Paper,
+}
+
+/// The estimate of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EstimateDocument {
-    /// The paper's estimate.
-    #[serde(flatten)]
-    pub estimate: Estimate,
-    /// Absolute offsets since the baseline.
+    /// Which estimate answers.
+    pub method: Method,
+    /// The answer of the absolute method, with verdicts.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub session: Option<SessionEstimate>,
+    /// What the paper's equation reads of the same frames. It takes stiffness, masses, payload and
+    /// contact as known, so it is no verdict.
+    pub reading: Estimate,
 }
 
 impl JsonDocument for EstimateDocument {

@@ -1,6 +1,7 @@
 //! The estimator of a robot's sessions, and what is known of a session besides its recording.
 
 use crate::executor::Pool;
+use sinew_model::Gaussian;
 use sinew_model::offset::{Block, FeatureConfig, MapEstimator, Payload, Prior};
 use sinew_model::robot::Robot;
 
@@ -14,6 +15,8 @@ pub struct SessionOptions {
     /// Whether that is a current times a torque constant, which is known less well; a recording that
     /// says so needs no word here.
     pub motor_current: bool,
+    /// Temperature during the recording, °C, where it is stated instead of recorded.
+    pub temperature_c: Option<Gaussian>,
 }
 
 impl Default for SessionOptions {
@@ -22,6 +25,7 @@ impl Default for SessionOptions {
             payload: Payload::Unknown,
             motor_torque: true,
             motor_current: false,
+            temperature_c: None,
         }
     }
 }

@@ -24,7 +24,7 @@ pub mod trend;
 mod warning;
 
 pub use cause::{Cause, UnknownCause};
-pub use document::{BaselineDocument, EstimateDocument};
+pub use document::{BaselineDocument, EstimateDocument, Method};
 pub use error::EstimateError;
 pub use nuisance::NuisanceChange;
 pub use request::{Progress, Request};

@@ -35,7 +35,13 @@ fn offsets_are_found_in_spite_of_wrong_masses_payload_and_contact() {
         let mut request = Request::new(log);
         request.robot = Some(place.clone());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
-        let (baseline, _) = session::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
+        let (baseline, _) = session::learn(
+            &request,
+            window(0.0, 60.0),
+            &session::Learning::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         let (watched, _) = session::estimate(
             &request,
             window(60.0, 120.0),

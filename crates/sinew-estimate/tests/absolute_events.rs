@@ -23,7 +23,8 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
             .replace("attach_s = 60.0", "attach_s = 91.0")
     };
     let (parts, truth) = work_session(&robot, 11, load, &[60.0, 120.0]);
-    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, _) =
+        session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
     let (said, _) = session::estimate_recorded(
         &robot,
         &parts[1],
@@ -90,7 +91,8 @@ fn a_load_below_nothing_is_no_load() {
             .replace("attach_s = 60.0", "attach_s = 0.0\nrelease_s = 60.0")
     };
     let (parts, _) = work_session(&robot, 11, load, &[60.0, 120.0]);
-    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, _) =
+        session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
     let watched = |part: usize| {
         let baseline = Some((&baseline, "A"));
         let options = SessionOptions::default();
@@ -118,7 +120,8 @@ fn a_slip_in_the_last_seconds_may_be_a_contact_that_has_not_ended() {
     };
     let watch = |cuts: &[f64]| {
         let (parts, truth) = work_session(&robot, 14, late, cuts);
-        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
         let baseline = Some((&baseline, "A"));
         let options = SessionOptions::default();
         let (said, _) =
@@ -185,7 +188,8 @@ fn a_tendon_that_somebody_tensioned_again_is_told_from_one_that_slipped_back() {
         no_contact(text) + &step("shoulder_pitch", 85.0, -9e-3) + &step("elbow", 100.0, -3e-3)
     };
     let (parts, truth) = work_session(&robot, 14, shorter, &[60.0, 120.0]);
-    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+    let (baseline, _) =
+        session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
     let (baseline, options) = (Some((&baseline, "A")), SessionOptions::default());
     let (said, _) = session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
     for (joint, at_s, kind) in [
@@ -222,7 +226,9 @@ fn a_rope_that_goes_on_stretching_widens_the_interval_and_is_named() {
                 )
             };
             let (parts, truth) = work_session(&robot, 40 + seed, creeping, &[60.0, 120.0]);
-            let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+            let (baseline, _) =
+                session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default())
+                    .unwrap();
             let (baseline, options) = (Some((&baseline, "A")), SessionOptions::default());
             let (said, _) =
                 session::estimate_recorded(&robot, &parts[1], "B", baseline, &options).unwrap();
@@ -271,7 +277,8 @@ fn a_small_loss_of_stiffness_between_recordings_is_allowed_for() {
                 )
         };
         let (parts, truth) = work_session(&robot, 40 + seed, weaker, &[60.0, 120.0]);
-        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
         let options = SessionOptions {
             payload: Payload::Empty,
             ..SessionOptions::default()
@@ -336,7 +343,8 @@ fn an_answer_does_not_depend_on_how_a_recording_is_cut() {
     let options = SessionOptions::default();
     let (whole, _) = work_session(&robot, 12, no_contact, &[60.0]);
     let (cut, truth) = work_session(&robot, 12, no_contact, &[60.0, 118.0]);
-    let (baseline, _) = session::learn_recorded(&robot, &whole[0], "A").unwrap();
+    let (baseline, _) =
+        session::learn_recorded(&robot, &whole[0], "A", &session::Learning::default()).unwrap();
     let (once, _) = session::estimate_recorded(
         &robot,
         &whole[1],
@@ -398,7 +406,7 @@ fn a_baseline_leaves_the_motor_torque_out_when_told_so() {
             motor_torque,
             ..session::Learning::default()
         };
-        let learned = session::learn_recorded_from(&robot, &parts[0], "A", &learning);
+        let learned = session::learn_recorded(&robot, &parts[0], "A", &learning);
         let (_, said) = learned.unwrap();
         let drive = said
             .nuisance
@@ -423,7 +431,9 @@ fn without_a_baseline_the_answer_is_wider_and_still_right() {
                 motor_torque,
                 ..SessionOptions::default()
             };
-            let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+            let (baseline, _) =
+                session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default())
+                    .unwrap();
             let with = Some((&baseline, "baseline"));
             let (sure, _) =
                 session::estimate_recorded(&robot, &parts[1], "B", with, &options).unwrap();

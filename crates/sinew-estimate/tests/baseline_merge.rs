@@ -82,8 +82,11 @@ fn open(prior: &Prior, belief: &mut Belief) {
 fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> Baseline {
     let d = belief.mean.len();
     let simplest = Recorder::new(robot, &FeatureConfig::default(), 0.5).finish();
-    assert!(session::learn_recorded(robot, &simplest, "empty").is_err());
+    assert!(
+        session::learn_recorded(robot, &simplest, "empty", &session::Learning::default()).is_err()
+    );
     Baseline {
+        temperature_deviation_k: 0.0,
         format: "sinew-baseline".into(),
         version: 4,
         robot: robot.name.clone(),
@@ -313,14 +316,16 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
     let prior = prior(&robot);
     let ([first, _], _) = sessions(&robot, 5, 51);
     let ([second, _], _) = sessions(&robot, 5, 52);
-    let (a, _) = session::learn_recorded(&robot, &first, "a").unwrap();
-    let (b, _) = session::learn_recorded(&robot, &second, "b").unwrap();
+    let (a, _) =
+        session::learn_recorded(&robot, &first, "a", &session::Learning::default()).unwrap();
+    let (b, _) =
+        session::learn_recorded(&robot, &second, "b", &session::Learning::default()).unwrap();
     let (merged, _) = merge(&robot, &[(&a, "a"), (&b, "b")], None, &ROBOT).unwrap();
     let going_on = session::Learning {
         known: Some((&a, "a")),
         ..session::Learning::default()
     };
-    let (chained, _) = session::learn_recorded_from(&robot, &second, "b", &going_on).unwrap();
+    let (chained, _) = session::learn_recorded(&robot, &second, "b", &going_on).unwrap();
     let [merged, mut chained] =
         [merged, chained].map(|m| m.belief(&robot, &prior, "merged").unwrap());
     open(&prior, &mut chained);
@@ -345,7 +350,13 @@ fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
     let files: Vec<(Baseline, String)> = (0..3)
         .map(|k| {
             let ([a, _], _) = sessions(&robot, 60 + k, 160 + k);
-            let (learned, _) = session::learn_recorded(&robot, &a, &format!("arm-{k}")).unwrap();
+            let (learned, _) = session::learn_recorded(
+                &robot,
+                &a,
+                &format!("arm-{k}"),
+                &session::Learning::default(),
+            )
+            .unwrap();
             (learned, format!("arm-{k}.baseline"))
         })
         .collect();

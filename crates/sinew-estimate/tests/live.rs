@@ -13,7 +13,8 @@ fn block_by_block_gives_what_all_at_once_gives() {
     let options = SessionOptions::default();
     for seed in 0..seeds(3) {
         let (parts, truth) = work_session(&robot, 40 + seed, |t| t, &[60.0, 120.0]);
-        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
         let with = Some((&baseline, "baseline"));
         let (batch, _) =
             session::estimate_recorded(&robot, &parts[1], "B", with, &options).unwrap();
@@ -59,7 +60,8 @@ fn what_is_saved_goes_on_in_the_next_session() {
         let no_slips = |text: String| text.replace("rad = 0.005", "rad = 0.0");
         let cuts = [60.0, 120.0];
         let (parts, truth) = work_session(&robot, 40 + seed, no_slips, &cuts);
-        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
         let mut early = session::live(&robot, (&baseline, "A"), &options).unwrap();
         early.step(&parts[1].blocks[0]).unwrap();
         let end = ("B", parts[1].end_time_ns);
@@ -122,7 +124,8 @@ fn a_slip_is_doubted_and_then_followed() {
     let (mut all, mut ends, mut doubts) = ([0, 0], [0, 0], 0);
     for seed in 0..seeds(3) {
         let (parts, truth) = work_session(&robot, 60 + seed, |t| t, &[60.0]);
-        let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A").unwrap();
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
         let options = SessionOptions::default();
         let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
         let (mut doubted, mut inside, mut sure) = (0, 0, 0);

@@ -5,6 +5,7 @@ mod absolute_events;
 mod bad_input;
 mod baseline_merge;
 mod feeder;
+mod honest;
 mod live;
 mod motor_current;
 mod offset_map;

@@ -30,7 +30,7 @@ fn watched(robot: &Robot, sessions: &[Recorded], witness: Witness) -> SessionEst
         motor_torque,
         ..session::Learning::default()
     };
-    let (baseline, _) = session::learn_recorded_from(robot, &a, "A", &learning).unwrap();
+    let (baseline, _) = session::learn_recorded(robot, &a, "A", &learning).unwrap();
     let options = SessionOptions {
         motor_torque,
         ..SessionOptions::default()

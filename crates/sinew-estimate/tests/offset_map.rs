@@ -30,7 +30,13 @@ fn offsets_since_the_baseline_lie_in_their_intervals() {
         let mut request = Request::new(file.clone());
         request.robot = Some(biorob_like_folder());
         let window = |from_s: f64, to_s: f64| Window { from_s, to_s };
-        let (baseline, _) = session::learn(&request, window(0.0, 60.0), &mut |_| {}).unwrap();
+        let (baseline, _) = session::learn(
+            &request,
+            window(0.0, 60.0),
+            &session::Learning::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         let (watched, _) = session::estimate(
             &request,
             window(60.0, 120.0),

@@ -69,7 +69,13 @@ impl Arm {
 
     fn learn(&mut self, part: Window) -> Baseline {
         self.request.injections.clear();
-        let (baseline, said) = session::learn(&self.request, part, &mut |_| {}).unwrap();
+        let (baseline, said) = session::learn(
+            &self.request,
+            part,
+            &session::Learning::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         // All of the arm moves all of the time.
         assert!(said.poses > 15 && said.left_out_share < 0.05, "{said:?}");
         baseline
@@ -177,19 +183,27 @@ fn a_zero_believed_to_be_known_is_complained_of() {
     let mut arm = Arm::new(&shared, 200.0, 200.0, 0.0);
     let baseline = arm.learn(FIRST);
     let said = arm.watch(SECOND, &baseline, [0.0; JOINTS]);
-    // The mean of the torque sensor of joint 1, whose axis is upright, is 0.9 N·m, and so on.
-    let off = said
-        .joints
-        .iter()
-        .filter(|j| (1e3 * j.offset_rad.mean).abs() > 1e3 * j.offset_rad.half_width_95());
-    assert!(off.count() >= 3, "{:?}", said.joints);
-    let (_, learned) = session::learn(&arm.request, FIRST, &mut |_| {}).unwrap();
+    let (_, learned) = session::learn(
+        &arm.request,
+        FIRST,
+        &session::Learning::default(),
+        &mut |_| {},
+    )
+    .unwrap();
+    let complained = |joint: &str| {
+        let of_joint = |w: &session::Warning| matches!(w, session::Warning::Unexplained { joint: of, .. } if of == joint);
+        learned.warnings.iter().any(of_joint)
+    };
     for joint in ["lwr_0_joint", "lwr_4_joint", "lwr_5_joint"] {
-        let complaint = |w: &session::Warning| matches!(w, session::Warning::Unexplained { joint: of, .. } if of == joint);
-        assert!(
-            learned.warnings.iter().any(complaint),
-            "{:?}",
-            learned.warnings
-        );
+        assert!(complained(joint), "{joint}: {:?}", learned.warnings);
     }
+    // The mean of the torque sensor of joint 1, whose axis is upright, is 0.9 N·m, and so on: no interval holds
+    // that while the zero is believed to be known, but none is outside without a complaint.
+    let off =
+        (said.joints.iter()).filter(|j| j.offset_rad.mean.abs() > j.offset_rad.half_width_95());
+    let off: Vec<&str> = off.map(|j| j.name.as_str()).collect();
+    assert!(
+        off.len() >= 2 && off.iter().all(|joint| complained(joint)),
+        "{off:?}"
+    );
 }

@@ -6,41 +6,9 @@
 use crate::support;
 
 use sinew_estimate::session;
-use sinew_estimate::session::{Recorded, Recorder};
 use sinew_eval::scenarios::Plan;
 use sinew_model::Gaussian;
-use sinew_model::offset::FeatureConfig;
-use sinew_sim::Simulation;
-use support::{asked_seeds, watching};
-
-/// Sessions A and B and the true offsets at the end of B, mrad.
-fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
-    let mut scenario = plan.scenario.clone();
-    scenario.seed = seed;
-    let end_s = scenario.sessions[1].to_s;
-    let begin_s = scenario.sessions[1].from_s;
-    let mut simulation = Simulation::new(&plan.simulated, &scenario).unwrap();
-    let recorder = || Recorder::new(&plan.robot, &FeatureConfig::default(), 0.5);
-    let (mut a, mut b) = (recorder(), recorder());
-    let mut truth = Vec::new();
-    let step_s = 1.0 / scenario.sample_rate_hz;
-    let mut k = 0.0;
-    while let Some(frame) = simulation.next_frame().unwrap() {
-        let t: f64 = k * step_s;
-        k += 1.0;
-        if t >= end_s {
-            break;
-        }
-        if t < begin_s {
-            a.push(frame, t);
-        } else {
-            b.push(frame, t);
-        }
-        truth = simulation.true_state().delta_e.clone();
-    }
-    let truth = truth.iter().map(|x| 1e3 * x).collect();
-    ([a.finish(), b.finish()], truth)
-}
+use support::{asked_seeds, sessions, watching};
 
 #[test]
 fn the_recursive_form_says_what_the_batch_says() {
@@ -58,7 +26,9 @@ fn the_recursive_form_says_what_the_batch_says() {
         let (mut blocks, mut doubted, mut doubts) = (0, 0, 0);
         for seed in 0..seeds {
             let ([a, b], truth) = sessions(&plan, 500 + seed);
-            let (baseline, _) = session::learn_recorded(&plan.robot, &a, "A").unwrap();
+            let (baseline, _) =
+                session::learn_recorded(&plan.robot, &a, "A", &session::Learning::default())
+                    .unwrap();
             let with = Some((&baseline, "A"));
             let (batch, _) =
                 session::estimate_recorded(&plan.robot, &b, "B", with, &options).unwrap();

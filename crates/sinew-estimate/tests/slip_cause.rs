@@ -129,7 +129,9 @@ fn watched(robot: &Robot, seed: u64, kind: &str, every: usize) -> SessionEstimat
         }
         k += 1;
     }
-    let (baseline, _) = session::learn_recorded(robot, &first.finish(), "A").unwrap();
+    let (baseline, _) =
+        session::learn_recorded(robot, &first.finish(), "A", &session::Learning::default())
+            .unwrap();
     let with = Some((&baseline, "baseline"));
     session::estimate_recorded(robot, &last.finish(), "C", with, &SessionOptions::default())
         .unwrap()

@@ -47,7 +47,13 @@ fn third_session(plan: &Plan, seed: u64) -> (SessionEstimate, Vec<f64>, Vec<Slip
     }
     let sessions: Vec<Recorded> = recorders.into_iter().map(Recorder::finish).collect();
     let options = watching(plan);
-    let (baseline, _) = session::learn_recorded(&plan.robot, &sessions[0], "A").unwrap();
+    let (baseline, _) = session::learn_recorded(
+        &plan.robot,
+        &sessions[0],
+        "A",
+        &session::Learning::default(),
+    )
+    .unwrap();
     let watch = |part: &Recorded, with| {
         session::estimate_recorded(&plan.robot, part, "part", Some((with, "before")), &options)
     };

@@ -3,7 +3,7 @@
 use crate::support;
 
 use sinew_estimate::session::{
-    MotorTorque, SessionEstimate, TendonEstimate, TorqueRange, Verdict, Warning,
+    MotorTorque, SessionEstimate, TemperatureSource, TendonEstimate, TorqueRange, Verdict, Warning,
 };
 use sinew_estimate::trend::{RecordError, records_from_csv, records_from_json, sort};
 use sinew_model::{Gaussian, Z95};
@@ -54,6 +54,7 @@ fn session() -> SessionEstimate {
         name: name.into(),
         offset_rad: Gaussian::new(1e-3 * offset, 1e-3 * half / Z95),
         elongation_m: None,
+        strain_ratio: None,
         verdict,
         retension: None,
         changes: Vec::new(),
@@ -65,6 +66,7 @@ fn session() -> SessionEstimate {
             max: 2.0,
         },
         noise_rad: 1e-4,
+        misfit_rad: 0.0,
     };
     SessionEstimate {
         robot: "arm".into(),
@@ -73,6 +75,7 @@ fn session() -> SessionEstimate {
         start_time_utc_s: None,
         duration_s: 60.0,
         temperature_c: Some(22.5),
+        temperature_source: TemperatureSource::Recorded,
         reference_temperature_c: None,
         joints: vec![
             tendon("elbow", [1.5, 0.4], Verdict::Longer),
@@ -104,7 +107,7 @@ fn dated() -> String {
 #[test]
 fn what_estimate_prints_is_read() {
     let estimate = format!(
-        r#"{{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}},
+        r#"{{"reading": {{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}}}},
             "robot": {{"name": "arm"}}, "joints": [], "session": {}}}"#,
         serde_json::to_string(&session()).unwrap()
     );
@@ -140,7 +143,7 @@ fn what_estimate_prints_is_read() {
         ),
         (alone.replace("1772353800.0", "0.0"), "says no date"),
         (
-            r#"{"recording": {"path": "a"}, "joints": []}"#.into(),
+            r#"{"reading": {"recording": {"path": "a"}, "joints": []}}"#.into(),
             "--baseline",
         ),
         ("{}".into(), "not a session's estimate"),

@@ -122,7 +122,7 @@ fn what_is_stated_is_what_is_corrected() {
 #[test]
 fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     let robot = biorob_like();
-    let json = r#"{"joints": [{"name": "elbow", "offset_rad": 0.099, "standard_error_rad": 0.001}],
+    let json = r#"{"reading": {"joints": [{"name": "elbow", "offset_rad": 0.099, "standard_error_rad": 0.001}]},
         "session": {"joints": [
             {"name": "shoulder_pitch", "offset_rad": {"mean": 0.01, "deviation": 0.0005}},
             {"name": "elbow", "offset_rad": {"mean": -0.006, "deviation": 0.00025}}]}}"#;
@@ -148,15 +148,16 @@ fn an_estimate_of_the_command_line_is_taken_in_its_units() {
     };
     assert!(refuse("nonsense").contains("since.json"));
     assert!(refuse("{}").contains("no joints"));
-    assert!(refuse(r#"{"joints": [{"offset_rad": 1}]}"#).contains("no name"));
-    let message = refuse(r#"{"joints": [{"name": "elbow", "offset_rad": null}]}"#);
+    assert!(refuse(r#"{"reading": {"joints": [{"offset_rad": 1}]}}"#).contains("no name"));
+    let message = refuse(r#"{"reading": {"joints": [{"name": "elbow", "offset_rad": null}]}}"#);
     assert!(
         message.contains("'elbow'") && message.contains("offset_rad"),
         "{message}"
     );
     // A joint this robot hasn't.
     let mut s = with("[correction]\nestimate = \"since.json\"\n");
-    let odd = r#"{"joints": [{"name": "hip", "offset_rad": 1, "standard_error_rad": 0}]}"#;
+    let odd =
+        r#"{"reading": {"joints": [{"name": "hip", "offset_rad": 1, "standard_error_rad": 0}]}}"#;
     s.correction.take_estimate(odd, "since.json").unwrap();
     let message = Simulation::new(&robot, &s).unwrap_err().to_string();
     assert!(message.contains("'hip'"), "{message}");

@@ -113,7 +113,13 @@ fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f
             later_s: Draw::Fixed(0.0),
         })
         .collect();
-    let (baseline, _) = session::learn_recorded(robot, &recorded(robot, &first), "first").unwrap();
+    let (baseline, _) = session::learn_recorded(
+        robot,
+        &recorded(robot, &first),
+        "first",
+        &session::Learning::default(),
+    )
+    .unwrap();
     let (said, _) = session::estimate_recorded(
         robot,
         &recorded(robot, &second),

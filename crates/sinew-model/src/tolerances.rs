@@ -46,6 +46,8 @@ pub struct Tolerances {
     /// What `theta − q` may show of an unloaded spring right after tensioning, rad; 0 where the
     /// encoders are zeroed then.
     pub zero_rad: f64,
+    /// Temperature of a recording that holds none, K: how far it may be from the usual.
+    pub temperature_k: f64,
 }
 
 impl Default for Tolerances {
@@ -70,13 +72,14 @@ impl Default for Tolerances {
             viscoelastic: 0.02,
             gear: 0.003,
             zero_rad: 0.0,
+            temperature_k: 5.0,
         }
     }
 }
 
 impl Tolerances {
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 22] = [
+    pub const KEYS: [&'static str; 23] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -99,6 +102,7 @@ impl Tolerances {
         "viscoelastic_percent",
         "gear_percent",
         "zero_mrad",
+        "temperature_k",
     ];
 
     /// Where a key's value goes, and its unit.
@@ -127,6 +131,7 @@ impl Tolerances {
             "viscoelastic_percent" => (&mut self.viscoelastic, PERCENT),
             "gear_percent" => (&mut self.gear, PERCENT),
             "zero_mrad" => (&mut self.zero_rad, MILLI),
+            "temperature_k" => (&mut self.temperature_k, 1.0),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
             "motor_current_percent" => (&mut self.motor_current, PERCENT),
             _ => return None,

@@ -6,8 +6,8 @@ use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::warnings::recording_warning;
 use super::words::{basis_row, joint_refusal, loss_reason};
 use crate::log::format_name;
+use sinew_estimate::EstimateDocument;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
-use sinew_estimate::session::SessionEstimate;
 use sinew_figure::{Block, Page, Table, count, duration, given, rounded, share, with_error};
 use sinew_files::date::utc_text;
 use sinew_log::SignalSource;
@@ -15,15 +15,11 @@ use sinew_model::offset::{Comparison, TorqueSource};
 
 /// The estimate as one HTML file that opens offline.
 ///
-/// What it says, in this order: each joint in a sentence; what to be careful about; the table;
-/// for every joint its figure and its unused frames; recording, robot and settings; what each
-/// number rests on.
-pub fn html(estimate: &Estimate) -> String {
-    html_with(estimate, None)
-}
-
-/// [`html`] with the session's estimate of the same recording before it.
-pub fn html_with(estimate: &Estimate, session: Option<&SessionEstimate>) -> String {
+/// What it says, in this order: the answer, each joint in a sentence; what to be careful about; the
+/// table; for every joint its figure; what the paper's equation reads; recording, robot and settings;
+/// what each number rests on.
+pub fn html(document: &EstimateDocument) -> String {
+    let (estimate, session) = (&document.reading, document.session.as_ref());
     let mut page = Page::new(format!("Tendon stretch of {}", estimate.robot.name));
     page.subtitle = format!(
         "{}, {}, {} frames",
@@ -50,7 +46,7 @@ pub fn html_with(estimate: &Estimate, session: Option<&SessionEstimate>) -> Stri
     let mut page = match session {
         Some(session) => {
             let page = super::session::sections(page, session);
-            page.section("From this recording alone, as in the paper", opening)
+            page.section("What the paper's equation reads", opening)
         }
         None => page.section("", opening),
     };

@@ -1,6 +1,6 @@
 //! Reports: one HTML file each, that opens offline, prints, and can be read on a telephone.
 //!
-//! [`html`] tells an [`Estimate`](sinew_estimate::replay::Estimate); [`Page`](sinew_figure::Page) is what it and the paper's
+//! [`html`] tells an [`EstimateDocument`](sinew_estimate::EstimateDocument); [`Page`](sinew_figure::Page) is what it and the paper's
 //! figures are built with. A page holds its style and its figures; it loads nothing and runs no
 //! script. Every word that comes from a file is escaped. The same data gives the same bytes: no
 //! date, no path that wasn't given.
@@ -25,8 +25,8 @@ pub mod trend;
 mod warnings;
 mod words;
 
-pub use estimate::{html, html_with};
+pub use estimate::html;
 pub use sentences::headline;
 pub use session_sentences::{session_sentences, slip_cause};
-pub use warnings::{recording_warning, session_warning};
+pub use warnings::{document_warnings, recording_warning, session_warning};
 pub use words::{joint_refusal, loss_reason};

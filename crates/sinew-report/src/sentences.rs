@@ -2,7 +2,7 @@
 
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::words::joint_refusal;
-use sinew_estimate::replay::{Estimate, JointEstimate};
+use sinew_estimate::replay::{Difference, Estimate, JointEstimate};
 use sinew_figure::{rounded, with_error};
 
 /// Beyond this many standard errors a change is called seen; closer, it is said not to be.
@@ -15,50 +15,69 @@ const ENCODER_MRAD: f64 = 0.3;
 /// error would show as well is no proof of stretch.
 const ORDINARY_ERROR_PERCENT: f64 = 10.0;
 
-/// One joint in one sentence: how much longer its tendon is, than what, and how sure that is.
+/// One joint in one sentence: what is read, or how much longer its tendon is than in the reference.
 pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
     let name = &joint.name;
     if let Some(why) = joint.refused {
         return format!("{name}: no estimate; {}", joint_refusal(why));
     }
-    let (value, error, elongation_m, than) = match (&joint.difference, &estimate.settings.reference)
-    {
-        (Some(d), Some(reference)) => (
-            1e3 * d.difference_rad,
-            1e3 * or_nan(d.standard_error_rad),
-            d.elongation_m,
-            format!("in the reference {reference}"),
-        ),
-        _ => (
-            1e3 * or_nan(joint.offset_rad),
-            1e3 * or_nan(joint.standard_error_rad),
-            joint.elongation_m,
-            "at the encoders' calibration".to_string(),
-        ),
-    };
+    match (&joint.difference, &estimate.settings.reference) {
+        (Some(d), Some(reference)) => difference(name, d, reference),
+        _ => reading(name, joint),
+    }
+}
+
+/// What the paper's equation reads: no verdict, for it knows nothing of an error in stiffness, masses,
+/// payload or contact.
+fn reading(name: &str, joint: &JointEstimate) -> String {
+    let value = 1e3 * or_nan(joint.offset_rad);
     if !value.is_finite() {
         return format!("{name}: no estimate");
     }
-    let what = if joint.difference.is_some() {
-        "change"
-    } else {
-        "offset"
+    let error = 1e3 * or_nan(joint.standard_error_rad);
+    let as_stretch = match joint
+        .elongation_m
+        .map(|m| 1e3 * m)
+        .filter(|mm| mm.is_finite())
+    {
+        Some(mm) => format!(
+            "as a tendon {} mm {} would",
+            rounded(mm.abs(), 2),
+            if mm < 0.0 { "shorter" } else { "longer" }
+        ),
+        None => "no tendon in robot.toml, so no elongation".into(),
     };
-    let mut offset = format!("{what} {} mrad", with_error(value, error));
+    let unknown = match error.is_finite() && error > 0.0 {
+        true => "",
+        false => " (error unknown: the recording is too short for one)",
+    };
+    format!(
+        "{name}: reads {} mrad{unknown}, {as_stretch}",
+        with_error(value, error)
+    )
+}
+
+/// What changed since a reference.
+fn difference(name: &str, d: &Difference, reference: &str) -> String {
+    let (value, error) = (1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad));
+    if !value.is_finite() {
+        return format!("{name}: no estimate");
+    }
+    let mut change = format!("change {} mrad", with_error(value, error));
     if !(error.is_finite() && error > 0.0) {
-        offset.push_str(", error unknown: the recording is too short for one");
+        change.push_str(", error unknown: the recording is too short for one");
     }
     if error.is_finite() && value.abs() < seen(error) {
-        return format!("{name}: no stretch seen ({offset})");
+        return format!("{name}: no stretch seen ({change})");
     }
-    match elongation_m.map(|m| 1e3 * m).filter(|mm| mm.is_finite()) {
+    match d.elongation_m.map(|m| 1e3 * m).filter(|mm| mm.is_finite()) {
         Some(mm) => {
             let word = if mm < 0.0 { "shorter" } else { "longer" };
             let mm = rounded(mm.abs(), 2);
-            format!("{name}: tendon {mm} mm {word} than {than} ({offset})")
+            format!("{name}: tendon {mm} mm {word} than in the reference {reference} ({change})")
         }
         None => format!(
-            "{name}: motor {} mrad ahead of {than} ({offset}); no tendon in robot.toml, so no elongation",
+            "{name}: motor {} mrad ahead of in the reference {reference} ({change}); no tendon in robot.toml, so no elongation",
             rounded(value, 3)
         ),
     }

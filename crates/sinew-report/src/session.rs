@@ -70,12 +70,17 @@ fn headline(joint: &TendonEstimate) -> String {
             rounded(1e3 * limit.elongation_m, 2)
         )
     });
+    let slip = joint.changes.iter().find(|c| c.size_rad.is_some());
+    let slip = slip.map_or(String::new(), |c| {
+        format!("; {} at {:.0} s", change_kind(c.kind), c.time_s)
+    });
+    let limit = limit + &slip;
     let name = &joint.name;
     match joint.verdict {
         Verdict::Longer => format!("{name}: tendon longer by {size}{limit}"),
-        Verdict::Shorter => format!("{name}: tendon shorter by {size}"),
-        Verdict::Unchanged => format!("{name}: no stretch seen ({size})"),
-        Verdict::CannotTell => format!("{name}: this recording can't tell ({size})"),
+        Verdict::Shorter => format!("{name}: tendon shorter by {size}{slip}"),
+        Verdict::Unchanged => format!("{name}: no stretch seen ({size}){slip}"),
+        Verdict::CannotTell => format!("{name}: this recording can't tell ({size}){slip}"),
     }
 }
 

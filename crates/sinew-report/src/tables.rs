@@ -5,10 +5,10 @@ use super::session_sentences::session_sentences;
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::text::{paragraph, plain, table};
 use super::words::loss_reason;
-use sinew_estimate::NuisanceChange;
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
+use sinew_estimate::{EstimateDocument, NuisanceChange};
 use sinew_figure::{rounded, with_error};
 use sinew_model::Gaussian;
 
@@ -28,21 +28,36 @@ fn optional(x: Option<f64>, digits: u8) -> String {
     x.map_or("–".to_string(), |x| rounded(x, digits))
 }
 
-/// The paper's estimate.
-pub fn estimate(e: &Estimate) -> String {
+/// One answer: the session's, with everything estimated along where `nuisance` asks for it, or the
+/// paper's reading.
+pub fn document(document: &EstimateDocument, nuisance: bool) -> String {
+    let recording = recording(&document.reading);
+    match &document.session {
+        Some(answer) => recording + &session(answer, nuisance),
+        None => recording + &reading(&document.reading),
+    }
+}
+
+/// What was read, in a line.
+fn recording(e: &Estimate) -> String {
     let r = &e.recording;
-    let mut out = words(&format!(
+    words(&format!(
         "{}: {}, {} s, {} frames at {} Hz",
         e.robot.name,
         r.path,
         rounded(r.duration_s, 4),
         r.frames,
         rounded(or_nan(r.rate_hz), 4)
-    ));
+    ))
+}
+
+/// The paper's reading.
+fn reading(e: &Estimate) -> String {
+    let mut out = String::new();
     let head = [
         "joint",
-        "offset\nmrad",
-        "±\nmrad",
+        "reading\nmrad",
+        "error\nmrad",
         "scatter\nmrad",
         "stretch\nmm",
         "strain\n%",
@@ -71,7 +86,7 @@ pub fn estimate(e: &Estimate) -> String {
     let rest = if changed {
         "The change is right as far as robot, payload and motion were alike."
     } else {
-        "Right in differences; the absolute value rests on stiffness and masses. --reference LOG2 shows what changed."
+        "A reading takes stiffness, masses, payload and contact as known: it is no verdict. --method absolute gives one, --reference LOG2 shows what changed."
     };
     out + &paragraph(rest, 0)
 }
@@ -128,19 +143,19 @@ fn losses(e: &Estimate) -> Vec<String> {
 }
 
 /// The session's estimate; with everything estimated along where `nuisance` asks for it.
-pub fn session(session: &SessionEstimate, nuisance: bool) -> String {
-    let since = if session.baseline.is_some() {
-        "since the baseline"
-    } else {
-        "against the encoders' zero, without a baseline"
+fn session(session: &SessionEstimate, nuisance: bool) -> String {
+    let since = match &session.baseline {
+        Some(first) => format!("since {first}"),
+        None => "against the encoders' zero".into(),
     };
-    let mut out = format!("\nAbsolute, all joints together, {since}:\n");
+    let mut out = words(&format!("offsets {since}, with 95 % intervals"));
     let head = [
         "joint",
         "offset\nmrad",
         "± (95 %)\nmrad",
         "stretch\nmm",
         "± (95 %)\nmm",
+        "strain\n%",
         "verdict",
     ];
     out += &cells(&head, session.joints.iter().map(tendon_row).collect(), 1);
@@ -173,6 +188,7 @@ fn tendon_row(j: &TendonEstimate) -> Vec<String> {
         rounded(1e3 * j.offset_rad.half_width_95(), 2),
         optional(elongation_mm.map(|mm| mm.mean), 2),
         optional(elongation_mm.map(Gaussian::half_width_95), 2),
+        optional(j.strain_ratio.map(|strain| 100.0 * strain.mean), 2),
         verdict(j.verdict).into(),
     ]
 }

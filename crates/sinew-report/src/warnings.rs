@@ -1,8 +1,23 @@
 //! Warnings in words.
 
-use sinew_estimate::RecordingWarning;
-use sinew_estimate::session::Warning;
+use sinew_estimate::session::{Warning, WitnessFault};
+use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::rounded;
+use sinew_model::Z95;
+
+/// What the reader of an estimate should know, a sentence each. What only the paper's reading rests on is
+/// left out where the absolute method answers.
+pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
+    let session = document.session.as_ref();
+    let of_reading = document.reading.warnings.iter().filter(|warning| {
+        session.is_none() || !matches!(warning, RecordingWarning::TorqueHardlyChanges { .. })
+    });
+    let of_session = session.iter().flat_map(|s| &s.warnings);
+    of_reading
+        .map(recording_warning)
+        .chain(of_session.map(session_warning))
+        .collect()
+}
 
 /// What the reader of a recording's estimate should know, in a sentence.
 pub fn recording_warning(warning: &RecordingWarning) -> String {
@@ -94,7 +109,7 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * half_width_95_rad
         ),
         Warning::Unexplained { joint, noise_rad } => format!(
-            "{joint}: {:.1} mrad of the reading fits nothing: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
+            "{joint}: {:.1} mrad of the reading fits nothing, and the interval is wider by that: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
             1e3 * noise_rad
         ),
         Warning::Stuck {
@@ -119,9 +134,30 @@ pub fn session_warning(warning: &Warning) -> String {
             100.0 * share
         ),
         Warning::NoBaseline => {
-            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances"
+            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances; a baseline right after tensioning (sinew baseline) makes the interval three to ten times narrower"
                 .into()
         }
+        Warning::TemperatureUnknown {
+            deviation_k,
+            joint,
+            half_width_95_rad,
+        } => format!(
+            "the temperature is not known here, in the baseline or in both: its change is taken as 0 ± {:.0} K (95 %), which is {} mrad of the interval at {joint}; record it, or state it with --temperature-c",
+            Z95 * deviation_k,
+            rounded(1e3 * half_width_95_rad, 2)
+        ),
+        Warning::MotorTorqueLeftOut { joint, fault } => match fault {
+            WitnessFault::Constant => {
+                format!("{joint}: its motor torque never changes: it measures nothing and was left out")
+            }
+            WitnessFault::Contradicts { slope } => format!(
+                "{joint}: its motor torque is {} times what the spring carries, where 1 is right: it was left out; check its sign, unit, torque constant and gear ratio",
+                rounded(*slope, 2)
+            ),
+            WitnessFault::Untested => format!(
+                "{joint}: its motor torque was left out too: another joint's contradicts its spring, and this one's can't be tested"
+            ),
+        },
         Warning::FarFromPrior {
             joint,
             name,

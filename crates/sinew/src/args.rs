@@ -87,14 +87,23 @@ pub(crate) fn injection(text: &str) -> Result<Injection, String> {
     })
 }
 
-/// Which estimate a recording gets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+/// Which estimate answers.
+#[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Method {
-    /// Absolute offsets with an interval, the paper's shown beside; without a baseline against the
-    /// encoders' zero, with a wider one
+    /// Absolute offsets, with an interval that holds stiffness, masses, friction, payload and
+    /// contact as far as they are unknown; without a baseline against the encoders' zero
     Absolute,
-    /// The paper's alone, right in differences; a baseline is not read
+    /// The paper's equation: a reading, not a verdict; right in differences between like recordings
     Paper,
+}
+
+impl From<Method> for sinew_estimate::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Absolute => Self::Absolute,
+            Method::Paper => Self::Paper,
+        }
+    }
 }
 
 /// Where the elastic torque comes from.

@@ -140,7 +140,7 @@ fn usage_errors_exit_with_2_and_name_value_and_unit() {
 }
 
 #[test]
-fn what_only_the_absolute_estimate_does_is_refused_without_it() {
+fn what_only_the_absolute_estimate_does_is_refused_by_the_papers() {
     let dir = simulated("4");
     let robot = robot();
     for option in [
@@ -152,13 +152,15 @@ fn what_only_the_absolute_estimate_does_is_refused_without_it() {
     ] {
         let mut args = vec!["estimate", "s.mcap", "--robot", robot.as_str()];
         args.extend(option);
-        refused(&args, dir.path(), 2, &["--baseline", "--method"]);
-        // Nor with the paper's estimate alone.
-        args.extend(["--method", "paper", "--baseline", "none.baseline"]);
-        refused(&args, dir.path(), 1, &[option[0], "--method absolute"]);
+        // Its method asked for, or one of its settings.
+        for paper in [["--method", "paper"], ["--source", "motor"]] {
+            let args = [&args[..], &paper].concat();
+            refused(&args, dir.path(), 1, &[option[0], "--method absolute"]);
+        }
     }
     let part = ["estimate", "s.mcap", "--robot", robot.as_str(), "--to", "3"];
-    refused(&part, dir.path(), 1, &["--to", "--baseline", "--method"]);
+    let part = [&part[..], &["--reference", "s.mcap"]].concat();
+    refused(&part, dir.path(), 1, &["--to", "--method absolute"]);
     assert!(!dir.path().join("x.baseline").exists());
 }
 
@@ -305,11 +307,25 @@ fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
         "shoulder_pitch",
         "elbow",
         "mrad",
-        "tendon",
-        "longer",
-        "stiffness",
+        "encoders' zero",
+        "verdict",
     ] {
         assert!(text.contains(word), "'{word}' is not in:\n{text}");
+    }
+    // One answer, not two.
+    assert!(
+        !text.contains("reading") && text.matches("elbow  ").count() == 1,
+        "{text}"
+    );
+    let paper = sinew(&[&base[..], &["--method", "paper"]].concat(), dir.path());
+    assert_eq!(code(&paper), 0, "{}", err(&paper));
+    let reading = out(&paper);
+    assert!(
+        reading.contains("elbow: reads ") && reading.contains("A reading takes"),
+        "{reading}"
+    );
+    for verdict in ["longer than", "no stretch seen", "± (95 %)"] {
+        assert!(!reading.contains(verdict), "'{verdict}' is in:\n{reading}");
     }
     for line in text.lines() {
         assert!(line.chars().count() <= 80, "{line}");
@@ -320,10 +336,19 @@ fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     assert_eq!(code(&both), 0, "{}", err(&both));
     assert_eq!(err(&both), "", "nothing to say on stderr");
     let json: serde_json::Value = serde_json::from_str(&out(&both)).expect("one JSON document");
-    let joints = json["joints"].as_array().expect("joints");
-    assert_eq!(joints.len(), 4);
+    assert_eq!(json["method"], "absolute");
+    let answers = json["session"]["joints"].as_array().expect("joints");
+    let joints = json["reading"]["joints"].as_array().expect("joints");
+    assert_eq!((joints.len(), answers.len()), (4, 4));
     let truth = std::fs::read_to_string(dir.path().join("s.truth.json")).expect("the truth");
     let truth: serde_json::Value = serde_json::from_str(&truth).expect("JSON");
+    for answer in answers {
+        let name = answer["name"].as_str().expect("a name");
+        let number = |key: &str| 1e3 * answer["offset_rad"][key].as_f64().expect("a number");
+        let true_mrad = 1e3 * truth["offset_rad"][name].as_f64().unwrap_or(0.0);
+        let error = (number("mean") - true_mrad).abs();
+        assert!(error < 2.0 * number("deviation"), "{name}: {error}");
+    }
     for joint in joints {
         let name = joint["name"].as_str().expect("a name");
         let estimate = 1e3 * joint["offset_rad"].as_f64().expect("an estimate");
@@ -341,14 +366,17 @@ fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
 
     let html = std::fs::read_to_string(dir.path().join("e.html")).expect("the report");
     assert!(html.starts_with("<!DOCTYPE html>") && html.contains("tendon"));
-    assert_eq!(html.matches("<svg xmlns").count(), 4);
+    // The answer over time, and what the paper's equation reads.
+    assert_eq!(html.matches("<svg xmlns").count(), 8);
     let csv = std::fs::read_to_string(dir.path().join("e.csv")).expect("the CSV");
     assert!(
         csv.lines()
             .next()
             .is_some_and(|l| l.contains("delta_e.elbow_rad"))
     );
-    let frames = json["recording"]["frames"].as_u64().expect("frames") as usize;
+    let frames = json["reading"]["recording"]["frames"]
+        .as_u64()
+        .expect("frames") as usize;
     assert_eq!(csv.lines().count(), frames + 1);
     let left: Vec<_> = std::fs::read_dir(dir.path())
         .unwrap()
@@ -383,7 +411,7 @@ fn an_injected_offset_is_the_difference_to_the_recording_itself() {
     let output = sinew(&args, dir.path());
     assert_eq!(code(&output), 0, "{}", err(&output));
     let json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
-    for joint in json["joints"].as_array().expect("joints") {
+    for joint in json["reading"]["joints"].as_array().expect("joints") {
         let expected = if joint["name"] == "elbow" { -4.0 } else { 0.0 };
         let found = joint["difference"]["difference_rad"].as_f64();
         let found = 1e3 * found.expect("a difference");
@@ -539,7 +567,7 @@ fn the_papers_figures_become_files_with_judged_sentences() {
 
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
-    let dir = simulated("2");
+    let dir = simulated("4");
     let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
         .args(["estimate", "s.mcap", "--robot", &robot(), "--json"])
         .current_dir(dir.path())

@@ -169,14 +169,20 @@ fn estimate(args: &[&str]) -> serde_json::Value {
 }
 
 fn offset_mrad(estimate: &serde_json::Value, joint: &str) -> f64 {
-    let offset_rad = estimate["joints"]
+    offset(&estimate["reading"]["joints"], joint)
+        .as_f64()
+        .map(|rad| 1e3 * rad)
+        .unwrap()
+}
+
+fn offset<'a>(joints: &'a serde_json::Value, joint: &str) -> &'a serde_json::Value {
+    let found = joints
         .as_array()
         .unwrap()
         .iter()
         .find(|j| j["name"] == joint)
-        .unwrap()["offset_rad"]
-        .as_f64();
-    1e3 * offset_rad.unwrap()
+        .unwrap();
+    &found["offset_rad"]
 }
 
 #[test]
@@ -193,6 +199,20 @@ fn the_shipped_recording_says_what_its_story_says() {
         (elbow - (9.0 * 24.0 + 15.0 * 16.0) / 40.0).abs() < 2.3,
         "{elbow}"
     );
+    // The answer at the end, after the slip, and that its interval holds the truth.
+    for (joint, truth) in [
+        ("shoulder_yaw", 0.0),
+        ("shoulder_pitch", 14.0),
+        ("elbow", 15.0),
+        ("wrist", 0.0),
+    ] {
+        let answer = offset(&plain["session"]["joints"], joint);
+        let [mean, deviation] = ["mean", "deviation"].map(|k| 1e3 * answer[k].as_f64().unwrap());
+        assert!(
+            (mean - truth).abs() < 2.0 * deviation,
+            "{joint}: {mean} ± {deviation}"
+        );
+    }
     let injected = estimate(&[&[log], &robot[..], &["--inject", "shoulder_yaw=0.01"]].concat());
     let added = offset_mrad(&injected, "shoulder_yaw") - offset_mrad(&plain, "shoulder_yaw");
     assert!((added - 10.0).abs() < 1e-6, "{added}");

@@ -36,8 +36,11 @@ pub struct Baseline {
     pub before: Vec<String>,
     /// When the last recording ended, ns on its own clock.
     pub end_time_ns: i64,
-    /// Temperature the offsets refer to, °C.
+    /// Temperature the offsets refer to, °C; `None` where nobody said.
     pub temperature_c: Option<f64>,
+    /// Its standard deviation, K, where it was stated instead of recorded.
+    #[serde(default)]
+    pub temperature_deviation_k: f64,
     /// Means of the state.
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
@@ -79,6 +82,7 @@ impl Baseline {
                 .temperature_c
                 .is_finite()
                 .then_some(belief.temperature_c),
+            temperature_deviation_k: 0.0,
             mean: belief.mean.clone(),
             covariance_lower: lower,
             noise_rad,

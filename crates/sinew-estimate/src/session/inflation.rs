@@ -37,6 +37,8 @@ pub(super) struct Inflation {
     late: Vec<(f64, f64)>,
     /// Half a 95 % interval for what a viscoelastic rope followed before the recordings, rad.
     pub(super) creep_95_rad: f64,
+    /// What is unknown and looks the same in every block, rad: temperature, and what fits nothing.
+    pub(super) constant_rad: f64,
 }
 
 impl Inflation {
@@ -46,19 +48,22 @@ impl Inflation {
         segments: &Segments,
         joint: usize,
         changes: &[TendonChange],
+        constant_rad: f64,
     ) -> Self {
         let late = changes.iter().filter(|c| may_end(c, recorded));
         let late = late.map(|c| (c.time_s, c.size_rad.map_or(0.0, |size| size.mean.abs())));
         Self {
             late: late.collect(),
             creep_95_rad: creep_95_rad(prior, recorded, segments, joint),
+            constant_rad,
         }
     }
 
     /// An offset at a time, as unsure as it is: what adds to half a 95 % interval is in the deviation.
     pub(super) fn inflate(&self, offset: Gaussian, time_s: f64) -> Gaussian {
         let come = self.late.iter().filter(|(at_s, _)| *at_s <= time_s);
-        let deviation = offset.deviation.hypot(self.creep_95_rad / Z95);
+        let constant = self.constant_rad.hypot(self.creep_95_rad / Z95);
+        let deviation = offset.deviation.hypot(constant);
         Gaussian::new(
             offset.mean,
             deviation + come.map(|(_, size)| size).sum::<f64>() / Z95,

@@ -1,5 +1,7 @@
 //! The recursive form of the session estimate, for a robot that runs.
 
+use super::result::TemperatureSource;
+use super::temperature;
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator};
@@ -10,7 +12,7 @@ use sinew_model::robot::Robot;
 /// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`](sinew_model::offset::FeatureConfig) go into
 /// [`RecursiveOffsets::step`].
 ///
-/// Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
+/// Blocks carry the temperature; where they don't, [`SessionOptions::temperature_c`] states it. Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
 ///
 /// # Errors
 /// [`SessionError`] when the baseline is of another robot.
@@ -21,12 +23,18 @@ pub fn live(
 ) -> Result<RecursiveOffsets, SessionError> {
     let estimator = estimator(robot, options);
     let mut belief = baseline.belief(robot, estimator.prior(), file)?;
-    open(estimator.prior(), &mut belief, options);
+    let temperature = match options.temperature_c {
+        Some(_) => TemperatureSource::Stated,
+        None => TemperatureSource::Recorded,
+    };
+    let change_k = temperature::change_deviation_k(robot, baseline, temperature, options);
+    let added_rad = open(estimator.prior(), &mut belief, options, change_k);
     let mut filter =
         RecursiveOffsets::new(estimator, belief).map_err(|error| SessionError::Map {
             file: file.into(),
             error,
         })?;
+    filter.add_deviation(&added_rad);
     filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
     Ok(filter)
 }
@@ -59,10 +67,17 @@ pub fn live_saved(
     Ok(next)
 }
 
-/// What a baseline knows, some time later: offsets may be anything, and the gripper hold something
-/// else.
-pub(super) fn open(prior: &Prior, belief: &mut Belief, options: &SessionOptions) {
+/// What a baseline knows, some time later: offsets may be anything, the gripper hold something else, and the
+/// temperature be another by `change_k`, a standard deviation. Returns what that leaves unknown of every joint's
+/// offset, rad.
+pub(super) fn open(
+    prior: &Prior,
+    belief: &mut Belief,
+    options: &SessionOptions,
+    change_k: f64,
+) -> Vec<f64> {
     beliefs::age(prior, belief);
     prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
     prior.open_payload(belief, options.payload);
+    beliefs::unknown_temperature(prior, belief, change_k)
 }

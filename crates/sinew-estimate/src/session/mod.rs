@@ -10,7 +10,8 @@
 //! The estimator is [`sinew_model::offset::MapEstimator`]; [`live`] gives its recursive form, for a
 //! robot that runs.
 //!
-//! Reading order: `recorder` (frames to blocks), `segments` (blocks to posteriors), `changes`,
+//! Reading order: `recorder` (frames to blocks), `witness` and `temperature` (what of them can be
+//! believed), `segments` (blocks to posteriors), `changes`,
 //! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `run`.
 
 mod changes;
@@ -22,8 +23,10 @@ mod result;
 mod run;
 mod segments;
 mod summary;
+mod temperature;
 mod torque_range;
 mod warning;
+mod witness;
 
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
@@ -31,13 +34,10 @@ pub use live::{live, live_saved};
 pub use recorder::{Recorded, Recorder, Window};
 pub use result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
-    SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TendonChange, TendonChangeKind,
-    TendonEstimate, Verdict,
+    SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,
+    TendonChangeKind, TendonEstimate, Verdict,
 };
-pub use run::{
-    Learning, estimate, estimate_recorded, estimate_with_replay, learn, learn_from, learn_recorded,
-    learn_recorded_from,
-};
+pub use run::{Learning, estimate, estimate_recorded, estimate_with_replay, learn, learn_recorded};
 pub use sinew_model::offset::Payload;
 pub use torque_range::TorqueRange;
-pub use warning::Warning;
+pub use warning::{Warning, WitnessFault};

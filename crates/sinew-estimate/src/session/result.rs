@@ -21,8 +21,10 @@ pub struct SessionEstimate {
     pub start_time_utc_s: Option<f64>,
     /// Length of the part used, s.
     pub duration_s: f64,
-    /// Mean temperature, °C, where it was recorded.
+    /// Mean temperature, °C, where it was recorded or stated.
     pub temperature_c: Option<f64>,
+    /// Where that comes from.
+    pub temperature_source: TemperatureSource,
     /// Temperature the offsets refer to, °C, where it was recorded.
     pub reference_temperature_c: Option<f64>,
     /// One entry per elastic joint.
@@ -52,6 +54,20 @@ pub struct SessionEstimate {
     pub warnings: Vec<Warning>,
 }
 
+/// Where the temperature of a recording comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TemperatureSource {
+    /// The recording.
+    Recorded,
+    /// Its owner.
+    Stated,
+    /// Nobody: it is as usual, with a tolerance.
+    #[default]
+    Unknown,
+}
+
 /// One tendon since its baseline.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -62,6 +78,8 @@ pub struct TendonEstimate {
     pub offset_rad: Gaussian,
     /// Elongation, m; `None` without tendon geometry.
     pub elongation_m: Option<Gaussian>,
+    /// Elongation over the tendon's length; `None` without tendon geometry.
+    pub strain_ratio: Option<Gaussian>,
     /// What that comes to.
     pub verdict: Verdict,
     /// The elongation at which the owner wants to tension again, where robot.toml says.
@@ -78,6 +96,8 @@ pub struct TendonEstimate {
     pub torque_nm: TorqueRange,
     /// What no parameter explains, robust standard deviation, rad.
     pub noise_rad: f64,
+    /// What of that is more than sensors leave, rad: it is in the interval.
+    pub misfit_rad: f64,
 }
 
 /// What an interval says of a tendon.

@@ -2,10 +2,11 @@
 
 use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
-use super::result::SessionEstimate;
+use super::result::{SessionEstimate, TemperatureSource};
 use super::segments::Segments;
-use super::summary::summarise;
+use super::summary::{Context, summarise};
 use super::warning::Warning;
+use super::{temperature, witness};
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
@@ -14,23 +15,17 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+    MapEstimator, Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 /// A recording that begins within this time of the last one's end goes on with it, s.
 const CONTINUES_S: f64 = 60.0;
 /// A baseline of fewer distinct poses spoils what is compared with it.
 const POSES_OF_BASELINE: usize = 6;
-
-/// Options for what was recorded.
-fn options_for(options: &SessionOptions, recorded: &Recorded) -> SessionOptions {
-    SessionOptions {
-        motor_current: options.motor_current || recorded.motor_current,
-        ..*options
-    }
-}
 
 /// How a baseline is learned.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +35,8 @@ pub struct Learning<'a> {
     pub known: Option<(&'a Baseline, &'a str)>,
     /// Whether a recorded motor torque is used.
     pub motor_torque: bool,
+    /// Temperature during the recording, °C, where it is stated instead of recorded.
+    pub temperature_c: Option<Gaussian>,
 }
 
 impl Default for Learning<'_> {
@@ -47,6 +44,7 @@ impl Default for Learning<'_> {
         Self {
             known: None,
             motor_torque: true,
+            temperature_c: None,
         }
     }
 }
@@ -58,24 +56,11 @@ impl Default for Learning<'_> {
 pub fn learn(
     request: &Request,
     window: Window,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<(Baseline, SessionEstimate), SessionError> {
-    learn_from(request, window, &Learning::default(), progress)
-}
-
-/// [`learn`], as `learning` says.
-///
-/// # Errors
-/// [`SessionError`].
-pub fn learn_from(
-    request: &Request,
-    window: Window,
     learning: &Learning<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
     let (loaded, recorded) = read(request, window, progress)?;
-    let file = request.name();
-    learn_recorded_from(&loaded.robot, &recorded, &file, learning)
+    learn_recorded(&loaded.robot, &recorded, &request.name(), learning)
 }
 
 /// [`learn`] from blocks; `name` of the recording for the result and errors.
@@ -86,27 +71,17 @@ pub fn learn_recorded(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
-) -> Result<(Baseline, SessionEstimate), SessionError> {
-    learn_recorded_from(robot, recorded, name, &Learning::default())
-}
-
-/// [`learn_from`] from blocks; `name` of the recording for the result and errors.
-///
-/// # Errors
-/// [`SessionError`].
-pub fn learn_recorded_from(
-    robot: &Robot,
-    recorded: &Recorded,
-    name: &str,
     learning: &Learning<'_>,
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
     let known = learning.known;
     let options = SessionOptions {
         payload: Payload::Empty,
         motor_torque: learning.motor_torque,
-        motor_current: recorded.motor_current,
+        motor_current: false,
+        temperature_c: learning.temperature_c,
     };
-    let estimator = estimator(robot, &options);
+    let session = Session::new(robot, recorded, &options);
+    let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
     let temperature_c = mean_temperature(&recorded.blocks);
@@ -126,16 +101,17 @@ pub fn learn_recorded_from(
         continues: false,
     };
     let payload = Payload::Empty;
-    let segments = Segments::estimate(&estimator, start, recorded, payload, nothing, name)?;
+    let segments = Segments::estimate(estimator, start, recorded, payload, nothing, name)?;
     let mut baseline = Baseline::new(
         robot,
         vec![name.into()],
         recorded.end_time_ns,
-        &segments.belief,
+        &segments.learned(),
         segments.noise(),
     );
+    baseline.temperature_deviation_k = learning.temperature_c.map_or(0.0, |t| t.deviation);
     baseline.before = known.map_or_else(Vec::new, |(known, _)| known.rests_on());
-    let mut estimate = summarise(&estimator, robot, recorded, &segments, name, None);
+    let mut estimate = session.summarise(&segments, name, None, &[]);
     if estimate.poses < POSES_OF_BASELINE {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
             poses: estimate.poses,
@@ -205,10 +181,11 @@ pub fn estimate_recorded(
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let options = &options_for(options, recorded);
-    let estimator = estimator(robot, options);
+    let session = Session::new(robot, recorded, options);
+    let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     let mut continues = false;
+    let (mut change_k, mut added_rad) = (0.0, Vec::new());
     let start = match baseline {
         Some((baseline, file)) => {
             let mut belief = baseline.belief(robot, prior, file)?;
@@ -216,7 +193,9 @@ pub fn estimate_recorded(
             // A baseline's own offsets are zero by definition: what follows it is opened anew.
             continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
             if !continues {
-                open(prior, &mut belief, options);
+                let source = session.temperature;
+                change_k = temperature::change_deviation_k(robot, baseline, source, options);
+                added_rad = open(prior, &mut belief, options, change_k);
             }
             belief
         }
@@ -233,7 +212,7 @@ pub fn estimate_recorded(
         continues,
     };
     let payload = options.payload;
-    let segments = Segments::estimate(&estimator, start, recorded, payload, everything, name)?;
+    let segments = Segments::estimate(estimator, start, recorded, payload, everything, name)?;
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());
@@ -241,10 +220,77 @@ pub fn estimate_recorded(
         robot,
         recordings,
         recorded.end_time_ns,
-        &segments.belief,
+        &segments.learned(),
         segments.noise(),
     );
-    next.before = baseline.map_or_else(Vec::new, |(b, _)| b.before.clone());
-    let estimate = summarise(&estimator, robot, recorded, &segments, name, first);
+    if let Some((baseline, _)) = baseline {
+        next.before.clone_from(&baseline.before);
+        next.temperature_deviation_k = baseline.temperature_deviation_k;
+    }
+    let mut estimate = session.summarise(&segments, name, first, &added_rad);
+    let unknown = session.temperature == TemperatureSource::Unknown
+        || baseline.is_some_and(|(b, _)| b.temperature_c.is_none());
+    let most = (added_rad.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1));
+    if let Some((joint, added_rad)) = most.filter(|(_, added)| unknown && **added > 0.0) {
+        estimate.warnings.push(Warning::TemperatureUnknown {
+            deviation_k: change_k,
+            joint: robot.joint_names()[joint].clone(),
+            half_width_95_rad: Z95 * added_rad,
+        });
+    }
     Ok((estimate, next))
+}
+
+/// A recording as far as it can be believed, and the estimator that goes with it.
+struct Session<'a> {
+    robot: &'a Robot,
+    recorded: Cow<'a, Recorded>,
+    estimator: MapEstimator,
+    temperature: TemperatureSource,
+    left_out: Vec<Warning>,
+}
+
+impl<'a> Session<'a> {
+    fn new(robot: &'a Robot, recorded: &'a Recorded, options: &SessionOptions) -> Self {
+        let mut recorded = Cow::Borrowed(recorded);
+        if options.temperature_c.is_some() {
+            temperature::state(recorded.to_mut(), options);
+        }
+        let left_out = match options.motor_torque {
+            true => witness::leave_out_false(robot, &mut recorded),
+            false => Vec::new(),
+        };
+        let options = &SessionOptions {
+            motor_current: options.motor_current || recorded.motor_current,
+            ..*options
+        };
+        Self {
+            robot,
+            estimator: estimator(robot, options),
+            temperature: temperature::source(&recorded, options),
+            recorded,
+            left_out,
+        }
+    }
+
+    /// The result; `added_rad`: what is unknown of every joint's offset and looks the same in every block.
+    fn summarise(
+        &self,
+        segments: &Segments,
+        name: &str,
+        baseline: Option<String>,
+        added_rad: &[f64],
+    ) -> SessionEstimate {
+        let context = Context {
+            estimator: &self.estimator,
+            robot: self.robot,
+            recorded: &self.recorded,
+            segments,
+            added_rad,
+        };
+        let mut estimate = summarise(&context, name, baseline);
+        estimate.temperature_source = self.temperature;
+        estimate.warnings.extend(self.left_out.iter().cloned());
+        estimate
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::recorder::Recorded;
 use crate::error::SessionError;
+use sinew_model::offset::misfit::tempered;
 use sinew_model::offset::{Belief, MapError, MapEstimate, MapEstimator, Payload, SearchScope};
 
 /// Long recordings are estimated in segments of this length, s.
@@ -64,6 +65,14 @@ impl Segments {
             belief,
             estimates,
         })
+    }
+
+    /// What the recording taught, as far as it was understood.
+    pub(super) fn learned(&self) -> Belief {
+        let noise: Vec<f64> = (self.estimates.iter())
+            .flat_map(|(_, map)| map.noise_rad.iter().copied())
+            .collect();
+        tempered(&self.before, self.belief.clone(), &noise)
     }
 
     /// Noise of the last segment's link (rad) and motor (N·m) equations, per joint.

@@ -6,7 +6,7 @@ use super::inflation::{self, Inflation};
 use super::recorder::Recorded;
 use super::result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
-    SegmentEstimate, SessionEstimate, TendonEstimate, Verdict,
+    SegmentEstimate, SessionEstimate, TemperatureSource, TendonEstimate, Verdict,
 };
 use super::segments::Segments;
 use super::torque_range::TorqueRange;
@@ -14,6 +14,7 @@ use super::warning::Warning;
 use crate::estimator::mean_temperature;
 use crate::nuisance::NuisanceChange;
 use sinew_model::Gaussian;
+use sinew_model::offset::misfit::misfit_rad;
 use sinew_model::offset::{Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
@@ -23,25 +24,38 @@ const USELESS_RAD: f64 = 5e-3;
 /// A block of less weight counts as left out.
 const HALF: f64 = 0.5;
 
+/// What a result is made from.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub(super) estimator: &'a MapEstimator,
+    pub(super) robot: &'a Robot,
+    pub(super) recorded: &'a Recorded,
+    pub(super) segments: &'a Segments,
+    /// What is unknown of every joint's offset and looks the same in every block, rad; empty: nothing.
+    pub(super) added_rad: &'a [f64],
+}
+
 /// The result of a recording.
 pub(super) fn summarise(
-    estimator: &MapEstimator,
-    robot: &Robot,
-    recorded: &Recorded,
-    segments: &Segments,
+    context: &Context<'_>,
     recording: &str,
     baseline: Option<String>,
 ) -> SessionEstimate {
+    let Context {
+        estimator,
+        robot,
+        recorded,
+        segments,
+        ..
+    } = *context;
     let prior = estimator.prior();
     let maps = || segments.estimates.iter().map(|(_, map)| map);
     let weights: Vec<f64> = maps().flat_map(|map| map.weights.iter().copied()).collect();
     let elastic: Vec<usize> = (0..robot.arm.dof())
         .filter(|&i| prior.is_elastic(i))
         .collect();
-    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) = elastic
-        .iter()
-        .map(|&i| tendon(prior, robot, recorded, segments, i))
-        .unzip();
+    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) =
+        elastic.iter().map(|&i| tendon(context, i)).unzip();
     let mut at_ends = segment_estimates(prior, recorded, segments, &elastic);
     let mut blocks = block_estimates(estimator, recorded, segments, &elastic);
     inflation::inflate_all(&inflations, &mut at_ends, &mut blocks);
@@ -58,6 +72,7 @@ pub(super) fn summarise(
             .then_some(recorded.start_time_ns as f64 * 1e-9),
         duration_s: recorded.duration_s,
         temperature_c: temperature.is_finite().then_some(temperature),
+        temperature_source: TemperatureSource::default(),
         reference_temperature_c: reference.is_finite().then_some(reference),
         joints,
         segments: at_ends,
@@ -77,17 +92,25 @@ pub(super) fn summarise(
     estimate
 }
 
-fn tendon(
-    prior: &Prior,
-    robot: &Robot,
-    recorded: &Recorded,
-    segments: &Segments,
-    joint: usize,
-) -> (TendonEstimate, Inflation) {
+fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
+    let Context {
+        robot,
+        recorded,
+        segments,
+        ..
+    } = *context;
+    let prior = context.estimator.prior();
     let at = |p: JointParameter| segments.belief.entry(prior.place(joint, p));
     let offset = at(JointParameter::Offset);
     let changes = changes::changes(prior, robot, recorded, segments, joint);
-    let inflation = Inflation::new(prior, recorded, segments, joint, &changes);
+    let noise = segments.estimates.iter();
+    let noise_rad = noise
+        .map(|(_, map)| map.noise_rad[joint])
+        .fold(0.0, f64::max);
+    let misfit_rad = misfit_rad(noise_rad);
+    let added_rad = context.added_rad.get(joint).copied().unwrap_or_default();
+    let constant_rad = misfit_rad.hypot(added_rad);
+    let inflation = Inflation::new(prior, recorded, segments, joint, &changes, constant_rad);
     let offset_rad = inflation.inflate(offset, recorded.end_s());
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());
@@ -99,19 +122,15 @@ fn tendon(
         .blocks
         .iter()
         .map(|b| stiffness / (1.0 + compliance.mean) * (b.y[joint] - offset.mean - zero));
-    let noise = segments
-        .estimates
-        .iter()
-        .map(|(_, map)| map.noise_rad[joint]);
+    let through = |f: &dyn Fn(&Tendon, f64) -> f64| {
+        let of = |t| Gaussian::new(f(t, offset_rad.mean), f(t, offset_rad.deviation));
+        tendon.map(of)
+    };
     let estimate = TendonEstimate {
         name: robot.joint_names()[joint].clone(),
         offset_rad,
-        elongation_m: tendon.map(|t| {
-            Gaussian::new(
-                t.elongation_m(offset_rad.mean),
-                t.elongation_m(offset_rad.deviation),
-            )
-        }),
+        elongation_m: through(&Tendon::elongation_m),
+        strain_ratio: through(&Tendon::strain),
         verdict: verdict(offset_rad),
         retension: tendon.and_then(|t| retension(t, offset_rad)),
         changes,
@@ -122,7 +141,8 @@ fn tendon(
             .is_antagonistic(joint)
             .then(|| at(JointParameter::Slack)),
         torque_nm: range(torques),
-        noise_rad: noise.fold(0.0, f64::max),
+        noise_rad,
+        misfit_rad,
     };
     (estimate, inflation)
 }

@@ -4,6 +4,22 @@ use super::torque_range::TorqueRange;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 
+/// Why a motor torque can't be a witness.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum WitnessFault {
+    /// It never changes.
+    Constant,
+    /// It doesn't follow the torque of the spring.
+    Contradicts {
+        /// What it shows of the spring's torque; 1 is right.
+        slope: f64,
+    },
+    /// Another joint's contradicts, and this one's can't be tested.
+    Untested,
+}
+
 /// What the reader of a session's estimate should know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -77,6 +93,22 @@ pub enum Warning {
     },
     /// There is no baseline: offsets are against the encoders' zero.
     NoBaseline,
+    /// The temperature is not known as well as a recorded one.
+    TemperatureUnknown {
+        /// Standard deviation of its change since the baseline, K.
+        deviation_k: f64,
+        /// Joint whose interval that widens most.
+        joint: String,
+        /// Half of the 95 % interval for that, rad.
+        half_width_95_rad: f64,
+    },
+    /// A joint's motor torque can't be one, and was left out.
+    MotorTorqueLeftOut {
+        /// Joint.
+        joint: String,
+        /// Why.
+        fault: WitnessFault,
+    },
     /// A parameter is far from what was believed.
     FarFromPrior {
         /// Joint or body; `None` for the payload.

@@ -70,8 +70,13 @@ pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
 /// The part of an estimate's document that records are made of.
 #[derive(Debug, Deserialize)]
 struct EstimateParts {
-    recording: RecordingStart,
     session: Option<SessionEstimate>,
+    reading: ReadingParts,
+}
+
+#[derive(Debug, Deserialize)]
+struct ReadingParts {
+    recording: RecordingStart,
 }
 
 #[derive(Debug, Deserialize)]
@@ -114,18 +119,16 @@ fn document_records(
     out: &mut Vec<SessionRecord>,
 ) -> Result<(), RecordError> {
     const MAKE: &str = "make records with sinew estimate LOG --baseline FILE --json";
-    let is_estimate = document
-        .get("recording")
-        .is_some_and(serde_json::Value::is_object);
+    let is_estimate = document.get("reading").is_some();
     let refuse =
         |e: serde_json::Error| value(place, format!("not a session's estimate: {e}; {MAKE}"));
     let (session, start_ns) = if is_estimate {
         let parts: EstimateParts = serde_json::from_value(document).map_err(refuse)?;
         let session = parts.session.ok_or_else(|| {
-            let why = format!("has no absolute estimate, only differences; {MAKE}");
+            let why = format!("has only the paper's reading, no verdict; {MAKE}");
             value(place, why)
         })?;
-        (session, parts.recording.start_time_ns)
+        (session, parts.reading.recording.start_time_ns)
     } else {
         let session: SessionEstimate = serde_json::from_value(document).map_err(refuse)?;
         (session, None)

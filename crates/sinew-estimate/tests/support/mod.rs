@@ -116,6 +116,35 @@ pub(crate) fn work_session(
     (parts.into_iter().map(Recorder::finish).collect(), truth)
 }
 
+/// Sessions A and B and the true offsets at the end of B, mrad.
+pub(crate) fn sessions(plan: &Plan, seed: u64) -> ([Recorded; 2], Vec<f64>) {
+    let mut scenario = plan.scenario.clone();
+    scenario.seed = seed;
+    let end_s = scenario.sessions[1].to_s;
+    let begin_s = scenario.sessions[1].from_s;
+    let mut simulation = Simulation::new(&plan.simulated, &scenario).unwrap();
+    let recorder = || Recorder::new(&plan.robot, &FeatureConfig::default(), 0.5);
+    let (mut a, mut b) = (recorder(), recorder());
+    let mut truth = Vec::new();
+    let step_s = 1.0 / scenario.sample_rate_hz;
+    let mut k = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        let t: f64 = k * step_s;
+        k += 1.0;
+        if t >= end_s {
+            break;
+        }
+        if t < begin_s {
+            a.push(frame, t);
+        } else {
+            b.push(frame, t);
+        }
+        truth = simulation.true_state().delta_e.clone();
+    }
+    let truth = truth.iter().map(|x| 1e3 * x).collect();
+    ([a.finish(), b.finish()], truth)
+}
+
 /// How a scenario of the bench is watched.
 pub(crate) fn watching(plan: &Plan) -> SessionOptions {
     let payload = if plan.scenario.payloads.is_empty() {

@@ -188,6 +188,7 @@ impl<'r> Search<'r> {
                 recordings: Vec::new(),
                 end_time_ns: 0,
                 temperature_c: None,
+                temperature_deviation_k: 0.0,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
                 before: Vec::new(),
@@ -201,8 +202,13 @@ impl<'r> Search<'r> {
         };
         let poses = search.random_poses(BASELINE_POSES)?;
         let recorded = search.record(&poses)?;
-        let (learned, _) =
-            session::learn_recorded(robot, &recorded, "synthetic baseline").map_err(Box::new)?;
+        let (learned, _) = session::learn_recorded(
+            robot,
+            &recorded,
+            "synthetic baseline",
+            &session::Learning::default(),
+        )
+        .map_err(Box::new)?;
         match given {
             Some((given, file)) => {
                 // Let the estimator say whether it belongs to this robot.

@@ -18,7 +18,7 @@ pub(super) fn learn(
     robot: &Robot,
     recorded: &Recorded,
 ) -> Result<(Baseline, SessionEstimate), SessionError> {
-    session::learn_recorded(robot, recorded, "session A")
+    session::learn_recorded(robot, recorded, "session A", &session::Learning::default())
 }
 
 /// The answer and what is known then. `payload`: whether the gripper may hold something, which its user knows.

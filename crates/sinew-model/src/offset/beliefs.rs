@@ -109,6 +109,34 @@ pub fn refer_to(prior: &Prior, belief: &mut Belief, temperature_c: f64) {
     belief.temperature_c = temperature_c;
 }
 
+/// Widens the stiffness for a temperature known to `deviation_k` only, and returns the standard deviation
+/// that leaves in every joint's offset, rad: with `c_K` of the compliance and `α_T` of the zero,
+///
+/// ```text
+/// var κ ← var κ + (c̄_K² + var c_K) σ_T²,    σ_offset = √(ᾱ_T² + var α_T) σ_T
+/// ```
+///
+/// The zero's drift looks like an offset in every block, so no recording can take it off: it belongs into
+/// the interval, not into the belief.
+pub fn unknown_temperature(prior: &Prior, belief: &mut Belief, deviation_k: f64) -> Vec<f64> {
+    let d = prior.dimension();
+    let mut out = alloc::vec![0.0; prior.joints()];
+    if belief.check_dimension(d).is_err() {
+        return out;
+    }
+    for i in (0..prior.joints()).filter(|&i| prior.is_elastic(i)) {
+        let size = |p: P| {
+            let x = belief.entry(prior.place(i, p));
+            libm::hypot(x.mean, x.deviation) * deviation_k
+        };
+        let (softer, drift) = (size(P::Thermal), size(P::Drift));
+        let at = prior.place(i, P::Compliance);
+        belief.covariance[at * d + at] += softer * softer;
+        out[i] = drift;
+    }
+    out
+}
+
 /// Prior of a further robot of a type, from what `parts`, robots of the type, have each learned:
 /// `(before, after)` per robot.
 ///

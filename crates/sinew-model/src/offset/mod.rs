@@ -4,7 +4,7 @@
 //! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
 //! `parameter`, `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
 //! rows over the state), `batch` (a whole recording), `recursive` (block by block), [`beliefs`]
-//! (from one recording to the next).
+//! (from one recording to the next), [`misfit`] (what fits nothing).
 
 mod batch;
 mod belief;
@@ -21,6 +21,7 @@ mod features;
 pub(crate) mod fixtures;
 mod joint_signals;
 mod layout;
+pub mod misfit;
 mod mixture;
 mod observer;
 mod parameter;

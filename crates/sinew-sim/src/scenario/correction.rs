@@ -68,9 +68,8 @@ impl Correction {
     /// Takes what is known from an answer of `sinew estimate --json`; `file` is its name for
     /// messages.
     ///
-    /// With a baseline: the session's offsets and their standard deviations.
-    /// Without: the paper's, which rest on stiffness and masses; their standard error says
-    /// nothing of that. Stiffness is left as described: a change seen together with the offset is
+    /// The session's offsets and their standard deviations; of an answer by the paper's method its
+    /// reading, which rests on stiffness and masses; the standard error says nothing of that. Stiffness is left as described: a change seen together with the offset is
     /// partly the same thing.
     ///
     /// # Errors
@@ -85,7 +84,7 @@ impl Correction {
         let (joints, value, spread) = match session {
             Some(joints) => (joints, "/offset_rad/mean", "/offset_rad/deviation"),
             None => (
-                said.get("joints").unwrap_or(&Value::Null),
+                said.pointer("/reading/joints").unwrap_or(&Value::Null),
                 "/offset_rad",
                 "/standard_error_rad",
             ),

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use sinew_estimate::session::{self, Learning, SessionError, Warning};
 use sinew_estimate::{BaselineDocument, Request};
 use sinew_files::JsonDocument as _;
+use sinew_model::Gaussian;
 use sinew_report::text::{paragraph, plain};
 use sinew_report::{session_warning, tables};
 use std::path::{Path, PathBuf};
@@ -40,6 +41,10 @@ pub(crate) struct Baseline {
     /// (sinew baseline merge)
     #[arg(long, value_name = "FILE")]
     start: Option<PathBuf>,
+    /// Temperature during the recording, where it isn't recorded; ± one standard deviation, 2 °C if
+    /// not stated
+    #[arg(long, value_name = "C[±C]", value_parser = super::session_args::temperature, allow_negative_numbers = true)]
+    temperature_c: Option<Gaussian>,
     /// Leave a recorded motor torque out
     #[arg(long)]
     no_motor_torque: bool,
@@ -88,8 +93,9 @@ impl Baseline {
         let learning = Learning {
             known: known.as_ref().map(|(b, file)| (b, file.as_str())),
             motor_torque: !self.no_motor_torque,
+            temperature_c: self.temperature_c,
         };
-        let learned = session::learn_from(&request, window, &learning, &mut |at| {
+        let learned = session::learn(&request, window, &learning, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         });
         drop(bar);

@@ -4,15 +4,18 @@ use super::session_args::{SessionArgs, read_baseline};
 use crate::args::{self, LAGS, Method, Opening, SOURCES, choice};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer, complain};
-use clap::{ArgGroup, Args};
+use clap::Args;
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::session::{LimitState, SessionError};
-use sinew_estimate::{EstimateDocument, Progress, Request, replay, session};
+use sinew_estimate::{EstimateDocument, Method as Answer, Progress, Request, replay, session};
 use sinew_files::JsonDocument as _;
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use sinew_report::text::plain;
-use sinew_report::{recording_warning, session_warning, tables};
+use sinew_report::{document_warnings, tables};
 use std::path::PathBuf;
+
+/// Heading of the options that only the paper's method knows.
+const PAPER: &str = "Paper's method";
 
 /// Estimate how far each tendon has stretched, from a recording
 ///
@@ -21,47 +24,47 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
-    sinew estimate monday.mcap --reference first-day.mcap --json\n  \
     sinew estimate monday.mcap --baseline first-day.baseline --nuisance\n  \
-    sinew estimate monday.mcap --inject elbow=0.010@20",
-    group(ArgGroup::new("since").multiple(true)))]
+    sinew estimate monday.mcap --reference first-day.mcap --json\n  \
+    sinew estimate monday.mcap --inject elbow=0.010@20")]
 pub(crate) struct Estimate {
     /// Recording
     log: PathBuf,
     /// Robot's folder [default: beside LOG, then the current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Earlier recording of the same robot: report what changed since
+    /// Baseline made by `sinew baseline`: offsets since then instead of since the encoders' zero
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// Earlier recording of like motion: the paper's difference since then
     #[arg(long, value_name = "LOG2")]
     reference: Option<PathBuf>,
-    /// Baseline made by `sinew baseline`: absolute offsets since then, with an interval
-    #[arg(long, value_name = "FILE", group = "since")]
-    baseline: Option<PathBuf>,
     #[command(flatten)]
     session: SessionArgs,
 
-    /// Which estimate [default: absolute with --baseline, else paper]
-    #[arg(long, value_enum, group = "since", help_heading = "Method")]
+    /// Which estimate answers [default: absolute; paper with --reference or a setting of the paper's]
+    #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Where the elastic torque comes from
-    #[arg(long, value_parser = choice(&SOURCES), default_value = "observer", help_heading = "Method")]
-    source: TorqueSource,
-    /// How the lag of the observed torque is treated
-    #[arg(long, value_parser = choice(&LAGS), default_value = "matched", help_heading = "Method")]
-    comparison: Comparison,
+    /// Add an offset to a motor position, rad, from a time on, s (repeatable)
+    #[arg(long, value_name = "JOINT=RAD[@TIME]", value_parser = args::injection)]
+    inject: Vec<Injection>,
+
+    /// Where the elastic torque comes from [default: observer]
+    #[arg(long, value_parser = choice(&SOURCES), help_heading = PAPER)]
+    source: Option<TorqueSource>,
+    /// How the lag of the observed torque is treated [default: matched]
+    #[arg(long, value_parser = choice(&LAGS), help_heading = PAPER)]
+    comparison: Option<Comparison>,
     /// Observer gain K_I, 1/s [default: 20]
-    #[arg(long, value_name = "1/S", value_parser = args::positive("1/s"), allow_negative_numbers = true, help_heading = "Method")]
+    #[arg(long, value_name = "1/S", value_parser = args::positive("1/s"), allow_negative_numbers = true, help_heading = PAPER)]
     gain: Option<f64>,
     /// Cut-off of the velocity filter, rad/s, or 'recorded' for recorded velocities
     /// [default: 40]
-    #[arg(long, value_name = "RAD_PER_S", value_parser = args::velocity_filter, allow_negative_numbers = true, help_heading = "Method")]
+    #[arg(long, value_name = "RAD_PER_S", value_parser = args::velocity_filter, allow_negative_numbers = true, help_heading = PAPER)]
     velocity_filter: Option<VelocityFilter>,
     /// Use the recorded external torque as known
-    #[arg(long, help_heading = "Method")]
+    #[arg(long, help_heading = PAPER)]
     tau_ext: bool,
-    /// Add an offset to a motor position, rad, from a time on, s (repeatable)
-    #[arg(long, value_name = "JOINT=RAD[@TIME]", value_parser = args::injection, help_heading = "Method")]
-    inject: Vec<Injection>,
 
     #[command(flatten)]
     opening: Opening,
@@ -69,7 +72,7 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of the table (no value: null)
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Write every frame's estimate as CSV
+    /// Write the paper's reading of every frame as CSV
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
     /// Write a report with plots as one HTML file
@@ -84,39 +87,37 @@ impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         self.check_files()?;
-        if !self.is_absolute() {
+        if self.method() == Answer::Paper {
             self.session.refuse_all()?;
         }
         let document = self.estimate(&self.request()?)?;
-        let (estimate, session) = (&document.estimate, &document.session);
         if !self.quiet && !self.json {
-            let recording = estimate.warnings.iter().map(recording_warning);
-            let warnings = session.iter().flat_map(|s| &s.warnings);
-            for warning in recording.chain(warnings.map(session_warning)) {
+            for warning in document_warnings(&document) {
                 complain("warning", &plain(&warning));
             }
         }
         if let Some(path) = &self.report {
-            let page = sinew_report::html_with(estimate, session.as_ref());
-            sinew_files::write_file(path, page.as_bytes())?;
+            sinew_files::write_file(path, sinew_report::html(&document).as_bytes())?;
         }
-        if self.json {
-            answer(&document.to_json()?)?;
-        } else {
-            let nuisance = self.session.nuisance;
-            let more = session.iter().map(|s| tables::session(s, nuisance));
-            answer(&(tables::estimate(estimate) + &more.collect::<String>()))?;
-        }
-        let mut limits = (session.iter().flat_map(|s| &s.joints)).filter_map(|j| j.retension);
+        answer(&match self.json {
+            true => document.to_json()?,
+            false => tables::document(&document, self.session.nuisance),
+        })?;
+        let mut limits =
+            (document.session.iter().flat_map(|s| &s.joints)).filter_map(|j| j.retension);
         let passed = limits.any(|limit| limit.state == LimitState::Passed);
-        Ok(Finish::lossy(estimate.damaged || passed))
+        Ok(Finish::lossy(document.reading.damaged || passed))
     }
 
     fn request(&self) -> Result<Request, Failure> {
         let mut request = Request::new(self.log.clone());
         request.robot.clone_from(&self.robot);
-        request.source = self.source;
-        request.comparison = self.comparison;
+        if let Some(source) = self.source {
+            request.source = source;
+        }
+        if let Some(comparison) = self.comparison {
+            request.comparison = comparison;
+        }
         request.gain_per_s = self.gain;
         if let Some(filter) = self.velocity_filter {
             request.velocity_filter = filter;
@@ -129,15 +130,22 @@ impl Estimate {
         Ok(request)
     }
 
-    /// Whether the absolute estimate is asked for, beside the paper's.
-    fn is_absolute(&self) -> bool {
+    /// Who answers: who is asked to, else whose settings are given.
+    fn method(&self) -> Answer {
+        let paper = self.reference.is_some()
+            || self.source.is_some()
+            || self.comparison.is_some()
+            || self.gain.is_some()
+            || self.velocity_filter.is_some()
+            || self.tau_ext;
         match self.method {
-            Some(method) => method == Method::Absolute,
-            None => self.baseline.is_some(),
+            Some(method) => method.into(),
+            None if paper && self.baseline.is_none() => Answer::Paper,
+            None => Answer::Absolute,
         }
     }
 
-    /// The paper's estimate and, where it is asked for, the session's, which is saved where asked to.
+    /// The answer, saved where asked to.
     fn estimate(&self, request: &Request) -> Result<EstimateDocument, Failure> {
         let bar = Bar::new("estimating", self.quiet);
         let mut progress = |at: Progress| {
@@ -148,27 +156,29 @@ impl Estimate {
             });
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         };
-        if !self.is_absolute() {
-            let estimate =
-                replay::run(request, &mut progress).map_err(|e| Failure::Refused(e.to_string()))?;
+        let method = self.method();
+        if method == Answer::Paper {
+            let read = replay::run(request, &mut progress);
             return Ok(EstimateDocument {
-                estimate,
+                method,
                 session: None,
+                reading: read.map_err(|e| Failure::Refused(e.to_string()))?,
             });
         }
         let refused = |e: SessionError| Failure::Refused(e.to_string());
         let (window, options) = (self.session.window()?, self.session.options());
         let read = read_baseline(self.baseline.as_deref()).map_err(refused)?;
         let since = read.as_ref().map(|(b, name)| (b, name.as_str()));
-        let (estimate, session, next) =
+        let (reading, session, next) =
             session::estimate_with_replay(request, window, since, &options, &mut progress)
                 .map_err(refused)?;
         if let Some(path) = &self.session.save {
             next.write(path)?;
         }
         Ok(EstimateDocument {
-            estimate,
+            method,
             session: Some(session),
+            reading,
         })
     }
 

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 /// Which part of the recording.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct Part {
-    /// With a baseline: use the recording from here on, s
+    /// Use the recording from here on, s
     #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
     from_s: f64,
-    /// With a baseline: use the recording up to here, s
+    /// Use the recording up to here, s
     #[arg(long = "to", value_name = "S")]
     to_s: Option<f64>,
 }
@@ -40,47 +40,63 @@ impl Part {
 #[command(next_help_heading = "Absolute estimate")]
 pub(crate) struct SessionArgs {
     /// The gripper holds nothing (otherwise a payload is estimated along)
-    #[arg(long, conflicts_with = "payload_kg", requires = "since")]
+    #[arg(long, conflicts_with = "payload_kg")]
     empty: bool,
     /// The gripper holds this, kg, known to 2 % or as stated
-    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload, requires = "since")]
+    #[arg(long, value_name = "KG[±KG]", value_parser = known_payload)]
     payload_kg: Option<Payload>,
+    /// Temperature during the recording, where it isn't recorded; ± one standard deviation, 2 °C if
+    /// not stated
+    #[arg(long, value_name = "C[±C]", value_parser = temperature, allow_negative_numbers = true)]
+    temperature_c: Option<Gaussian>,
     /// Leave a recorded motor torque out
-    #[arg(long, requires = "since")]
+    #[arg(long)]
     no_motor_torque: bool,
     /// Write what is known after this recording: the --baseline of the next one
-    #[arg(long, value_name = "FILE", requires = "since")]
+    #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,
     /// List everything estimated along, believed before and after
-    #[arg(long, requires = "since")]
+    #[arg(long)]
     pub(crate) nuisance: bool,
     #[command(flatten)]
     part: Part,
 }
 
-/// `0.5`, `0.5±0.02` or `0.5+-0.02`.
+/// `0.5`, `0.5±0.02` or `0.5+-0.02`: mean and deviation, if one is given.
+fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
+    let number = |text: &str| {
+        let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        read.ok_or_else(|| format!("'{text}' is no number, as in 0.5±0.02"))
+    };
+    match text.split_once('±').or_else(|| text.split_once("+-")) {
+        Some((mean, deviation)) => match (number(mean)?, number(deviation)?) {
+            (_, deviation) if deviation < 0.0 => Err(format!("± {deviation} is below 0")),
+            (mean, deviation) => Ok((mean, Some(deviation))),
+        },
+        None => Ok((number(text)?, None)),
+    }
+}
+
 fn known_payload(text: &str) -> Result<Payload, String> {
-    let (mass, deviation) = match text.split_once('±').or_else(|| text.split_once("+-")) {
-        Some((mass, deviation)) => (mass, Some(deviation)),
-        None => (text, None),
-    };
-    let number = |what: &str, text: &str| {
-        text.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|v| v.is_finite() && *v >= 0.0)
-            .ok_or_else(|| {
-                format!("{what} '{text}' is no mass in kg of at least 0, as in 0.5±0.02")
-            })
-    };
-    let mass_kg = number("the payload", mass)?;
-    let deviation_kg = match deviation {
-        Some(text) => number("its deviation", text)?,
-        None => 0.02 * mass_kg,
-    };
-    Ok(Payload::Known {
-        mass_kg: Gaussian::new(mass_kg, deviation_kg),
-    })
+    match with_deviation(text)? {
+        (mass_kg, _) if mass_kg < 0.0 => Err(format!("a payload of {mass_kg} kg is below 0")),
+        (mass_kg, deviation_kg) => Ok(Payload::Known {
+            mass_kg: Gaussian::new(mass_kg, deviation_kg.unwrap_or(0.02 * mass_kg)),
+        }),
+    }
+}
+
+/// A temperature as a room thermometer tells it.
+pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
+    const THERMOMETER_K: f64 = 2.0;
+    match with_deviation(text)? {
+        (c, deviation_k) if (-60.0..=150.0).contains(&c) => {
+            Ok(Gaussian::new(c, deviation_k.unwrap_or(THERMOMETER_K)))
+        }
+        (c, _) => Err(format!(
+            "{c} °C is no temperature a robot works at (-60 to 150 °C)"
+        )),
+    }
 }
 
 impl SessionArgs {
@@ -89,6 +105,7 @@ impl SessionArgs {
         let asked = [
             ("--empty", self.empty),
             ("--payload-kg", self.payload_kg.is_some()),
+            ("--temperature-c", self.temperature_c.is_some()),
             ("--no-motor-torque", self.no_motor_torque),
             ("--save", self.save.is_some()),
             ("--nuisance", self.nuisance),
@@ -98,7 +115,7 @@ impl SessionArgs {
         match asked.into_iter().find(|(_, asked)| *asked) {
             None => Ok(()),
             Some((option, _)) => Err(Failure::Refused(format!(
-                "{option} is for the absolute estimate, and the paper's knows nothing of it: give --baseline FILE or --method absolute, or leave {option} out"
+                "{option} is for the absolute estimate, and the paper's knows nothing of it: add --method absolute, or leave {option} out"
             ))),
         }
     }
@@ -117,6 +134,7 @@ impl SessionArgs {
                 (false, None) => Payload::Unknown,
             },
             motor_torque: !self.no_motor_torque,
+            temperature_c: self.temperature_c,
             ..SessionOptions::default()
         }
     }

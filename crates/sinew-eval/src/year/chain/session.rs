@@ -9,8 +9,8 @@ use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
-    Payload, Recorded, Recorder, SessionEstimate, SessionOptions, Verdict, estimate_recorded,
-    learn_recorded,
+    Learning, Payload, Recorded, Recorder, SessionEstimate, SessionOptions, Verdict,
+    estimate_recorded, learn_recorded,
 };
 use sinew_model::Gaussian;
 use sinew_model::offset::FeatureConfig;
@@ -106,7 +106,7 @@ impl<'a> ChainRobot<'a> {
     /// The baseline of the day it was tensioned, the gripper empty and nobody near.
     pub(super) fn baseline(&self) -> Result<Baseline, ChainError> {
         let (recorded, _) = self.record(0)?;
-        Ok(learn_recorded(self.robot, &recorded, "day 0")?.0)
+        Ok(learn_recorded(self.robot, &recorded, "day 0", &Learning::default())?.0)
     }
 
     /// A day's session, estimated since `baseline`; the second answer is the next of the chain.

@@ -15,6 +15,8 @@ pub(super) struct Filter {
     belief: Belief,
     /// Noise of link and motor equations.
     noise: [Vec<f64>; 2],
+    /// Size of each joint's link innovations of late, rad: unlike the noise it never settles.
+    unexplained_rad: Vec<f64>,
     blocks: f64,
     weight: f64,
     /// Mean weight of the last blocks: a filter that leaves most out is no judge of the others.
@@ -75,6 +77,7 @@ impl Filter {
         Self {
             belief: belief.clone(),
             noise: noise.clone(),
+            unexplained_rad: noise[0].clone(),
             blocks: 0.0,
             weight: 1.0,
             mean_weight: 1.0,
@@ -110,6 +113,8 @@ impl Filter {
         for (to, from) in self.noise.iter_mut().zip(noise) {
             copy(to, from);
         }
+        let [link, _] = noise;
+        copy(&mut self.unexplained_rad, link);
     }
 
     pub(super) fn belief(&self) -> &Belief {
@@ -120,6 +125,11 @@ impl Filter {
     pub(super) fn noise(&self) -> [&[f64]; 2] {
         let [link, motor] = &self.noise;
         [link, motor]
+    }
+
+    /// What is left of late of a joint's link equation, robust standard deviation, rad.
+    pub(super) fn unexplained_rad(&self, joint: usize) -> f64 {
+        self.unexplained_rad.get(joint).copied().unwrap_or_default()
     }
 
     /// Weight of the last block.
@@ -363,6 +373,11 @@ impl Filter {
             return;
         }
         let floor = least_noise(model, e.joint, e.side);
+        if let (Side::Link, Some(size)) = (e.side, self.unexplained_rad.get_mut(e.joint)) {
+            let above = e.residual.abs() > MEDIAN * *size;
+            let factor = if above { 1.0 + STEP } else { 1.0 - STEP };
+            *size = (*size * factor).max(floor);
+        }
         let [link, motor] = &mut self.noise;
         let noise = match e.side {
             Side::Link => link.get_mut(e.joint),

@@ -11,9 +11,10 @@ mod workspace;
 
 use super::batch::MapEstimator;
 use super::belief::Belief;
-use super::block::Block;
+use super::block::{Block, copy};
 use super::equations::estimation_model::EstimationModel;
 use super::error::MapError;
+use super::misfit::misfit_rad;
 use super::parameter::JointParameter;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
@@ -84,6 +85,8 @@ pub struct RecursiveOffsets {
     opened: bool,
     /// The block the challenger began with.
     from: usize,
+    /// What is unknown of every joint's offset and looks the same in every block, rad.
+    added_rad: Vec<f64>,
 }
 
 /// What the challenger does.
@@ -149,6 +152,7 @@ impl RecursiveOffsets {
             ring: BlockRing::new(layout),
             opened: false,
             from: 0,
+            added_rad: alloc::vec![0.0; n],
             model,
         })
     }
@@ -165,6 +169,12 @@ impl RecursiveOffsets {
             }
         }
         self.incumbent.expect_noise(&self.start_noise);
+    }
+
+    /// Adds to the deviation of every joint's offset, rad, what looks the same in every block
+    /// ([`super::beliefs::unknown_temperature`]).
+    pub fn add_deviation(&mut self, added_rad: &[f64]) {
+        copy(&mut self.added_rad, added_rad);
     }
 
     /// Noise of every joint's link (rad) and motor (N·m) equations, as the next filter may
@@ -340,7 +350,8 @@ impl RecursiveOffsets {
     }
 
     /// Offset of a joint, rad, averaged over which joints' stiffness has changed since the belief the
-    /// filter started from; NaN for a joint there isn't.
+    /// filter started from; NaN for a joint there isn't. Its deviation holds what
+    /// [fits nothing](super::misfit).
     ///
     /// While it is [provisional](RecursiveOffsets::is_provisional), the deviation is that from before
     /// the first block; once the challenger has found what explains the blocks of late, mean and
@@ -355,7 +366,10 @@ impl RecursiveOffsets {
         }
         let place = layout.place(joint, JointParameter::Offset);
         let own = self.stiffness.offset(joint);
-        let own = own.unwrap_or_else(|| self.incumbent.belief().entry(place));
+        let mut own = own.unwrap_or_else(|| self.incumbent.belief().entry(place));
+        let misfit = misfit_rad(self.incumbent.unexplained_rad(joint));
+        let added = self.added_rad.get(joint).copied().unwrap_or_default();
+        own.deviation = libm::hypot(own.deviation, libm::hypot(misfit, added));
         if !self.is_provisional() {
             return own;
         }
