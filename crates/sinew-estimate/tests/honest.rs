@@ -9,7 +9,7 @@ use sinew_estimate::session::{
     self, Recorded, SessionEstimate, SessionOptions, Verdict, Warning, WitnessFault,
 };
 use sinew_eval::scenarios::Plan;
-use support::{block_by_block, seeds, sessions, watching};
+use support::{biorob_like, block_by_block, seeds, sessions, watching, work_session};
 
 /// Offsets inside their intervals, and all; true offsets in mrad.
 fn inside(said: &SessionEstimate, truth: &[f64]) -> (usize, usize) {
@@ -248,4 +248,27 @@ fn what_fits_nothing_widens_the_interval_and_teaches_little() {
         said.unwrap().0.joints[1].offset_rad.deviation
     };
     assert!(of(&next) > 0.9 * of(&baseline));
+}
+
+#[test]
+fn a_hand_called_empty_that_carries_something_is_found_out() {
+    let robot = biorob_like();
+    let load = |text: String| text.replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4");
+    let (parts, truth) = work_session(&robot, 11, load, &[60.0, 120.0]);
+    let learning = session::Learning::default();
+    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A", &learning).unwrap();
+    let empty = SessionOptions {
+        payload: session::Payload::Empty,
+        ..SessionOptions::default()
+    };
+    let with = Some((&baseline, "A"));
+    let (said, _) = session::estimate_recorded(&robot, &parts[1], "B", with, &empty).unwrap();
+    let contradicted = |w: &Warning| matches!(w, Warning::PayloadContradicted { payload_kg } if (payload_kg.mean - 0.4).abs() < 0.05);
+    assert!(
+        said.warnings.iter().any(contradicted),
+        "{:?}",
+        said.warnings
+    );
+    let (in_them, all) = inside(&said, &truth);
+    assert_eq!(in_them, all, "{:?}", said.joints);
 }

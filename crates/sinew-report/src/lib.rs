@@ -29,4 +29,4 @@ pub use estimate::html;
 pub use sentences::headline;
 pub use session_sentences::{session_sentences, slip_cause};
 pub use warnings::{document_warnings, recording_warning, session_warning};
-pub use words::{joint_refusal, loss_reason};
+pub use words::{joint_refusal, loss_reason, nothing_estimated};

@@ -4,6 +4,7 @@ use sinew_estimate::session::{Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::rounded;
 use sinew_model::Z95;
+use sinew_model::offset::misfit::misfit_rad;
 
 /// What the reader of an estimate should know, a sentence each. What only the paper's reading rests on is
 /// left out where the absolute method answers.
@@ -109,8 +110,9 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * half_width_95_rad
         ),
         Warning::Unexplained { joint, noise_rad } => format!(
-            "{joint}: {:.1} mrad of the reading fits nothing, and the interval is wider by that: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
-            1e3 * noise_rad
+            "{joint}: {:.1} mrad of the reading fits nothing{}: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
+            1e3 * noise_rad,
+            if misfit_rad(*noise_rad) > 0.0 { ", and the interval is wider by that" } else { "" }
         ),
         Warning::Stuck {
             joint,
@@ -123,6 +125,11 @@ pub fn session_warning(warning: &Warning) -> String {
         ),
         Warning::NegativePayload { payload_kg } => format!(
             "payload {} ± {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
+            rounded(payload_kg.mean, 2),
+            rounded(payload_kg.half_width_95(), 2)
+        ),
+        Warning::PayloadContradicted { payload_kg } => format!(
+            "the recording contradicts the payload that was stated: it shows {} ± {} kg, and that was used; look at the gripper",
             rounded(payload_kg.mean, 2),
             rounded(payload_kg.half_width_95(), 2)
         ),

@@ -1,6 +1,8 @@
 //! Words of the paper's estimate: what was lost, refused, and what a number rests on.
 
-use sinew_estimate::replay::{Basis, Estimate, JointRefusal, LossReason, Origin, Quantity};
+use sinew_estimate::replay::{
+    Basis, Estimate, JointEstimate, JointRefusal, LossReason, Origin, Quantity,
+};
 
 /// Why frames gave no estimate.
 pub fn loss_reason(reason: LossReason) -> &'static str {
@@ -17,6 +19,19 @@ pub fn loss_reason(reason: LossReason) -> &'static str {
         LossReason::Undecodable => "dropped: could not be decoded",
         LossReason::WithoutTime => "dropped: a row without a time",
     }
+}
+
+/// Why not one joint was estimated, where that is so.
+pub fn nothing_estimated(estimate: &Estimate) -> Option<String> {
+    let why = |j: &JointEstimate| Some(format!("{}: {}", j.name, joint_refusal(j.refused?)));
+    let all: Option<Vec<String>> = estimate.joints.iter().map(why).collect();
+    let path = &estimate.recording.path;
+    all.map(|all| {
+        format!(
+            "{path}: nothing could be estimated. {}; see sinew log info",
+            all.join("; ")
+        )
+    })
 }
 
 /// Why a joint got no estimate.

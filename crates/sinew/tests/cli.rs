@@ -295,6 +295,40 @@ fn a_recording_of_nothing_exits_with_1_and_says_why() {
 }
 
 #[test]
+fn nothing_estimated_is_exit_code_1_with_the_reason_and_no_file() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let robot = repository()
+        .join("examples/05-your-own-robot")
+        .display()
+        .to_string();
+    let rows = |from: usize, to: usize, cell: &dyn Fn(usize) -> String| -> String {
+        (from..to)
+            .map(|k| format!("{},{}\n", 0.01 * k as f64, cell(k)))
+            .collect()
+    };
+    let write = |text: String| std::fs::write(dir.path().join("a.csv"), text).expect("written");
+    let estimate = ["estimate", "a.csv", "--robot", &robot, "--csv", "e.csv"];
+    let refuse = |words: &[&str]| {
+        refused(&estimate, dir.path(), 1, words);
+        refused(
+            &[&estimate[..], &["--method", "paper"]].concat(),
+            dir.path(),
+            1,
+            words,
+        );
+        assert!(!dir.path().join("e.csv").exists());
+    };
+    // No motor position of the one joint that has a tendon.
+    let header = "time_s,q.pan_rad,q.tilt_rad\n".to_string();
+    write(header + &rows(0, 1000, &|k| format!("0,{}", 1e-3 * k as f64)));
+    refuse(&["a.csv", "tilt"]);
+    // Too short.
+    let header = "time_s,q.pan_rad,q.tilt_rad,theta.tilt_rad\n".to_string();
+    write(header + &rows(0, 3, &|k| format!("0,{k},{k}")));
+    refuse(&["a.csv"]);
+}
+
+#[test]
 fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     let dir = simulated("12");
     let robot = robot();

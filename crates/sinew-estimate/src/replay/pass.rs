@@ -126,7 +126,8 @@ impl<'a> Pass<'a> {
             })
             .collect();
         judge(&joints, &mut warnings);
-        if let Some(csv) = csv {
+        // Of nothing there is no file.
+        if let Some(csv) = csv.filter(|_| joints.iter().any(|j| j.refused.is_none())) {
             csv.finish()?;
         }
         Ok(Estimate {

@@ -7,6 +7,8 @@ use super::warning::Warning;
 
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, rad.
 const POOR_RAD: f64 = 10e-3;
+/// More than this left unexplained is worth a word, rad.
+const NOISY_RAD: f64 = 1e-3;
 /// A joint that moved less than this while its motor turned ten times as far is stuck, rad.
 const STUCK_RAD: f64 = 5e-3;
 /// A payload so many half intervals below nothing is none.
@@ -42,7 +44,7 @@ pub(super) fn warnings(
             });
         }
     }
-    let unexplained = joints.iter().filter(|joint| joint.misfit_rad > 0.0);
+    let unexplained = joints.iter().filter(|joint| joint.noise_rad > NOISY_RAD);
     out.extend(unexplained.map(|joint| Warning::Unexplained {
         joint: joint.name.clone(),
         noise_rad: joint.noise_rad,

@@ -172,9 +172,47 @@ pub fn estimate_with_replay(
 
 /// [`estimate`] from blocks; `name` of the recording for the result and errors.
 ///
+/// A stated payload is believed unless the recording contradicts it: where much fits nothing with it, and half as
+/// much without, it is estimated instead, and a warning says so.
+///
 /// # Errors
 /// [`SessionError`].
 pub fn estimate_recorded(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: Option<(&Baseline, &str)>,
+    options: &SessionOptions,
+) -> Result<(SessionEstimate, Baseline), SessionError> {
+    /// More than this that fits nothing makes a stated payload suspect, rad.
+    const SUSPECT_RAD: f64 = 2e-3;
+    let worst = |estimate: &SessionEstimate| {
+        let misfits = estimate.joints.iter().map(|j| j.misfit_rad);
+        misfits.fold(0.0, f64::max)
+    };
+    let stated = estimate_as_stated(robot, recorded, name, baseline, options)?;
+    let suspect_rad = worst(&stated.0);
+    if options.payload == Payload::Unknown || suspect_rad < SUSPECT_RAD {
+        return Ok(stated);
+    }
+    let open = SessionOptions {
+        payload: Payload::Unknown,
+        ..*options
+    };
+    let mut opened = estimate_as_stated(robot, recorded, name, baseline, &open)?;
+    if worst(&opened.0) > 0.5 * suspect_rad {
+        return Ok(stated);
+    }
+    let payload_kg = opened.0.payload_kg;
+    opened
+        .0
+        .warnings
+        .push(Warning::PayloadContradicted { payload_kg });
+    Ok(opened)
+}
+
+/// [`estimate_recorded`], whatever is stated taken as true.
+fn estimate_as_stated(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,

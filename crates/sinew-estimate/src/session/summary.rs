@@ -126,13 +126,15 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
         let of = |t| Gaussian::new(f(t, offset_rad.mean), f(t, offset_rad.deviation));
         tendon.map(of)
     };
+    let verdict = verdict(offset_rad);
+    let withheld = verdict == Verdict::CannotTell && misfit_rad > 0.0;
     let estimate = TendonEstimate {
         name: robot.joint_names()[joint].clone(),
         offset_rad,
         elongation_m: through(&Tendon::elongation_m),
         strain_ratio: through(&Tendon::strain),
-        verdict: verdict(offset_rad),
-        retension: tendon.and_then(|t| retension(t, offset_rad)),
+        verdict,
+        retension: tendon.and_then(|t| retension(t, offset_rad, withheld)),
         changes,
         // Against robot.toml: all of the compliance over nominal is the change.
         stiffness_change_ratio: changes::gained_ratio(compliance.mean, compliance),
@@ -168,13 +170,17 @@ fn range(torques: impl Iterator<Item = f64>) -> TorqueRange {
 }
 
 /// Whether the elongation at which to tension again is passed, as far as the interval tells.
-fn retension(tendon: &Tendon, offset_rad: Gaussian) -> Option<RetensionLimit> {
+///
+/// What fits nothing may be off by more than its size: where the verdict is `withheld` for that, so is this.
+fn retension(tendon: &Tendon, offset_rad: Gaussian, withheld: bool) -> Option<RetensionLimit> {
     let limit = tendon.retension_at_m?;
     let interval = offset_rad.interval_95();
     let [least, most] = [interval.low, interval.high].map(|x| tendon.elongation_m(x));
     Some(RetensionLimit {
         elongation_m: limit,
-        state: if least > limit {
+        state: if withheld {
+            LimitState::CannotTell
+        } else if least > limit {
             LimitState::Passed
         } else if most < limit {
             LimitState::NotPassed

@@ -79,6 +79,11 @@ pub enum Warning {
         /// Payload, kg.
         payload_kg: Gaussian,
     },
+    /// The recording contradicts the payload that was stated; it was estimated instead.
+    PayloadContradicted {
+        /// Payload as estimated, kg.
+        payload_kg: Gaussian,
+    },
     /// A long time in which nothing fits.
     NothingFits {
         /// From, s.

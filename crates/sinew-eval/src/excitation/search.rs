@@ -9,6 +9,7 @@ use rand_chacha::rand_core::SeedableRng;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session;
 use sinew_estimate::session::{Payload, SessionEstimate, SessionOptions};
+use sinew_model::Gaussian;
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::upper_median;
@@ -206,7 +207,10 @@ impl<'r> Search<'r> {
             robot,
             &recorded,
             "synthetic baseline",
-            &session::Learning::default(),
+            &session::Learning {
+                temperature_c: Some(ROOM_C),
+                ..session::Learning::default()
+            },
         )
         .map_err(Box::new)?;
         match given {
@@ -345,6 +349,12 @@ impl<'r> Search<'r> {
     }
 }
 
+/// Temperature of both recordings, °C: it is recorded, as a promise to keep.
+const ROOM_C: Gaussian = Gaussian {
+    mean: 20.0,
+    deviation: 0.0,
+};
+
 /// How the session to come will be estimated.
 fn session_options(payload: bool) -> SessionOptions {
     SessionOptions {
@@ -353,6 +363,7 @@ fn session_options(payload: bool) -> SessionOptions {
         } else {
             Payload::Empty
         },
+        temperature_c: Some(ROOM_C),
         ..SessionOptions::default()
     }
 }

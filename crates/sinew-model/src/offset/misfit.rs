@@ -3,11 +3,12 @@
 use super::belief::Belief;
 use alloc::vec::Vec;
 
-/// More than this left unexplained is more than encoders and friction do, rad.
-pub const SENSOR_NOISE_RAD: f64 = 1e-3;
+/// More than this left unexplained is a wrong model, rad: a joint's friction may stand either way, which is
+/// `F_c/K`, some 2 mrad at a rope-driven joint, beside what encoders leave.
+pub const UNDERSTOOD_RAD: f64 = 2e-3;
 
 /// What the model gets wrong at a joint whose residuals have the robust deviation `noise_rad`, as a standard
-/// deviation of its offset, rad: `√(noise² − sensor²)`, 0 for what sensors leave.
+/// deviation of its offset, rad: `√(noise² − understood²)`, 0 for what encoders and friction leave.
 ///
 /// Noise averages out over blocks; an unknown that the model lacks does not, for it is the same in every
 /// block of a pose.
@@ -15,17 +16,17 @@ pub const SENSOR_NOISE_RAD: f64 = 1e-3;
 /// # Realtime
 /// No allocation, lock, panic or clock.
 pub fn misfit_rad(noise_rad: f64) -> f64 {
-    let excess = noise_rad * noise_rad - SENSOR_NOISE_RAD * SENSOR_NOISE_RAD;
+    let excess = noise_rad * noise_rad - UNDERSTOOD_RAD * UNDERSTOOD_RAD;
     libm::sqrt(excess.max(0.0))
 }
 
-/// A belief as far as its recording was understood: with `s`, the sensors' share of the worst joint's
-/// residual variance, the covariance is `s C_after + (1 − s) C_before`.
+/// A belief as far as its recording was understood: with `s`, the share of the worst joint's
+/// residual variance that encoders and friction leave, the covariance is `s C_after + (1 − s) C_before`.
 ///
 /// A recording that fits nothing teaches nothing, so what follows in a chain is no surer than before.
 pub fn tempered(before: &Belief, mut after: Belief, noise_rad: &[f64]) -> Belief {
-    let worst = noise_rad.iter().fold(SENSOR_NOISE_RAD, |a, b| a.max(*b));
-    let understood = (SENSOR_NOISE_RAD / worst) * (SENSOR_NOISE_RAD / worst);
+    let worst = noise_rad.iter().fold(UNDERSTOOD_RAD, |a, b| a.max(*b));
+    let understood = (UNDERSTOOD_RAD / worst) * (UNDERSTOOD_RAD / worst);
     if understood < 1.0 && before.covariance.len() == after.covariance.len() {
         let pairs = after.covariance.iter().zip(&before.covariance);
         let mixed = pairs.map(|(after, before)| understood * after + (1.0 - understood) * before);
@@ -40,9 +41,9 @@ mod tests {
 
     #[test]
     fn sensors_alone_are_no_misfit_and_a_large_residual_is_almost_all_misfit() {
-        assert_eq!(misfit_rad(0.9e-3), 0.0);
+        assert_eq!(misfit_rad(1.9e-3), 0.0);
         assert_eq!(misfit_rad(f64::NAN), 0.0);
-        assert!((misfit_rad(5e-3) - 4.898_979e-3).abs() < 1e-9);
+        assert!((misfit_rad(5e-3) - 4.582_576e-3).abs() < 1e-9);
     }
 
     #[test]
@@ -53,8 +54,8 @@ mod tests {
             temperature_c: f64::NAN,
         };
         let of = |noise: f64| tempered(&belief(1.0), belief(0.01), &[noise]).covariance[0];
-        assert_eq!(of(0.5e-3), 0.01);
-        assert!((of(2e-3) - (0.25 * 0.01 + 0.75)).abs() < 1e-15);
-        assert!(of(10e-3) > 0.99);
+        assert_eq!(of(1.5e-3), 0.01);
+        assert!((of(4e-3) - (0.25 * 0.01 + 0.75)).abs() < 1e-15);
+        assert!(of(20e-3) > 0.98);
     }
 }

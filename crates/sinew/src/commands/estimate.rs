@@ -159,10 +159,14 @@ impl Estimate {
         let method = self.method();
         if method == Answer::Paper {
             let read = replay::run(request, &mut progress);
+            let reading = read.map_err(|e| Failure::Refused(e.to_string()))?;
+            if let Some(why) = sinew_report::nothing_estimated(&reading) {
+                return Err(Failure::Refused(plain(&why)));
+            }
             return Ok(EstimateDocument {
                 method,
                 session: None,
-                reading: read.map_err(|e| Failure::Refused(e.to_string()))?,
+                reading,
             });
         }
         let refused = |e: SessionError| Failure::Refused(e.to_string());
