@@ -3,7 +3,7 @@
 use super::figures;
 use super::sentences::{doubt, headline};
 use super::shown::{MRAD_PER_PERCENT, or_nan};
-use super::warnings::recording_warning;
+use super::warnings::{of_reading, recording_warning};
 use super::words::{basis_row, joint_refusal, loss_reason};
 use crate::log::format_name;
 use sinew_estimate::EstimateDocument;
@@ -64,8 +64,8 @@ pub fn html(document: &EstimateDocument) -> String {
     }
     page = page.section("Numbers", numbers);
 
-    if !estimate.warnings.is_empty() {
-        let warnings = estimate.warnings.iter().map(recording_warning).collect();
+    let warnings: Vec<String> = of_reading(document).map(recording_warning).collect();
+    if !warnings.is_empty() {
         page = page.section("Warnings", vec![Block::List(warnings)]);
     }
     for joint in &estimate.joints {

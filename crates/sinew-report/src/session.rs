@@ -19,7 +19,7 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
     let mut opening = vec![
         Block::Headlines(session.joints.iter().map(headline).collect()),
         Block::Paragraph(
-            "All joints estimated together with stiffness, masses, friction, encoder errors, temperature and payload; stretches that fit nothing are left out as contact. ± is half the 95 % interval.".into(),
+            "All joints estimated together with stiffness, masses, friction, encoder errors, temperature and payload; times that fit nothing are left out as contact. ± is half the 95 % interval.".into(),
         ),
         Block::Table(offsets(session)),
     ];
@@ -32,7 +32,7 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
     let mut page = page.section(since, opening);
     for (i, joint) in session.joints.iter().enumerate() {
         page = page.section(
-            format!("Joint {} since the baseline", joint.name),
+            format!("Joint {} over the recording", joint.name),
             vec![Block::Figure(
                 Box::new(course(session, i)),
                 "Thin line: what each block of 0.2 s says once everything else is taken off. Grey: left out as contact or disturbance.".into(),

@@ -6,18 +6,21 @@ use sinew_figure::rounded;
 use sinew_model::Z95;
 use sinew_model::offset::misfit::misfit_rad;
 
-/// What the reader of an estimate should know, a sentence each. What only the paper's reading rests on is
-/// left out where the absolute method answers.
+/// What the reader of an estimate should know, a sentence each.
 pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
-    let session = document.session.as_ref();
-    let of_reading = document.reading.warnings.iter().filter(|warning| {
-        session.is_none() || !matches!(warning, RecordingWarning::TorqueHardlyChanges { .. })
-    });
-    let of_session = session.iter().flat_map(|s| &s.warnings);
-    of_reading
+    let of_session = document.session.iter().flat_map(|s| &s.warnings);
+    of_reading(document)
         .map(recording_warning)
         .chain(of_session.map(session_warning))
         .collect()
+}
+
+/// Warnings of the recording; what only the paper's reading rests on is left out where the absolute method answers.
+pub(crate) fn of_reading(document: &EstimateDocument) -> impl Iterator<Item = &RecordingWarning> {
+    document.reading.warnings.iter().filter(|warning| {
+        document.session.is_none()
+            || !matches!(warning, RecordingWarning::TorqueHardlyChanges { .. })
+    })
 }
 
 /// What the reader of a recording's estimate should know, in a sentence.
