@@ -102,6 +102,18 @@ fn year<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
+fn a_year_that_may_be_mistyped_is_asked_about() {
+    let output = sinew(&["trend", SESSIONS, "--tensioned", "2025-03-01"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned()
+        + &String::from_utf8_lossy(&output.stderr);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("366 days after the tensioning on 2025-03-01; is the year right?"),
+        "{said}"
+    );
+}
+
+#[test]
 fn what_is_wrong_is_refused_with_its_place() {
     for (args, code, words) in [
         (vec!["trend"], 2, "Usage"),
@@ -111,6 +123,12 @@ fn what_is_wrong_is_refused_with_its_place() {
             vec!["trend", SESSIONS, "--tensioned", "knee=2026-03-02"],
             1,
             "knee",
+        ),
+        // After the last session, 2026-06-19.
+        (
+            vec!["trend", SESSIONS, "--tensioned", "2026-07-01"],
+            1,
+            "after its last session on 2026-06-19",
         ),
         (vec!["trend", "Cargo.toml"], 1, "not JSON"),
         (vec!["trend", SESSIONS, "--csv", SESSIONS], 1, "same file"),

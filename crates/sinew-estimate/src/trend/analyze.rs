@@ -10,6 +10,7 @@ use super::result::{
     TrendNote, TrendReport, TrendVerdict,
 };
 use super::stiffness;
+use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendNow};
@@ -82,6 +83,17 @@ fn joint(
     if !clock.stated {
         prior.prior.level_deviation_rad = LEVEL_UNKNOWN_RAD;
         notes.push(TrendNote::TensioningNotStated { joint: name.into() });
+    }
+    /// Longer between a tensioning and the first session is worth a word, days.
+    const LONG_DAYS: f64 = 90.0;
+    let first_utc_s = records.first().map_or(f64::NAN, |r| r.time_utc_s);
+    let silent_days = (first_utc_s - clock.start_utc_s) / DAY_S;
+    if clock.stated && silent_days > LONG_DAYS {
+        notes.push(TrendNote::LongBefore {
+            joint: name.into(),
+            time_utc_s: clock.start_utc_s,
+            days: silent_days,
+        });
     }
     let mut trend = Trend::new(prior.prior, TrendConfig::default())?;
     let (mut series, last) = feed(&mut trend, records, &clock, name, notes)?;

@@ -42,6 +42,14 @@ pub(super) fn clock<'a>(
     let own = stated
         .iter()
         .filter(|s| s.joint.as_deref().is_none_or(|j| j == name));
+    let last_utc_s = records.last().map_or(f64::INFINITY, |r| r.time_utc_s);
+    if let Some(later) = own.clone().find(|s| s.time_utc_s > last_utc_s) {
+        return Err(AnalyzeError::Later {
+            joint: name.into(),
+            day: day_of(later.time_utc_s),
+            last: day_of(last_utc_s),
+        });
+    }
     let replaced = own
         .clone()
         .filter(|s| s.replaced)

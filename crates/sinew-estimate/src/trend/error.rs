@@ -23,6 +23,18 @@ pub enum AnalyzeError {
         /// Joints there are.
         known: String,
     },
+    /// A stated day after the last session: nothing is known of the tendon since.
+    #[error(
+        "joint '{joint}': stated as tensioned or replaced on {day}, after its last session on {last}; nothing is known of it since: add the session that follows, correct the date, or leave it out"
+    )]
+    Later {
+        /// Joint.
+        joint: String,
+        /// Day stated.
+        day: String,
+        /// Day of the last session.
+        last: String,
+    },
     /// Everything is older than the replacement.
     #[error("all records of '{joint}' are older than its replacement on {day}")]
     Replaced {

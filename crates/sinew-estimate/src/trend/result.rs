@@ -50,6 +50,15 @@ pub enum TrendNote {
         /// Joint.
         joint: String,
     },
+    /// The first session comes so long after the tensioning that the date may be wrong.
+    LongBefore {
+        /// Joint.
+        joint: String,
+        /// Day stated, s since 1970.
+        time_utc_s: f64,
+        /// Days without a session after it.
+        days: f64,
+    },
     /// Another baseline, taken as a tensioning.
     OtherBaseline {
         /// Joint.

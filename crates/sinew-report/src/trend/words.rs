@@ -200,6 +200,14 @@ pub fn format_note(note: &TrendNote) -> String {
             "{joint}: nobody said when it was tensioned (--tensioned DATE); the clock of its creep \
              begins with the first session"
         ),
+        TrendNote::LongBefore {
+            joint,
+            time_utc_s,
+            days,
+        } => format!(
+            "{joint}: its first session is {days:.0} days after the tensioning on {}; is the year right? What it crept until then is not known",
+            day_of(*time_utc_s)
+        ),
         TrendNote::OtherBaseline { joint, time_utc_s } => format!(
             "{joint}: another baseline from {} on; taken as a tensioning",
             day_of(*time_utc_s)
