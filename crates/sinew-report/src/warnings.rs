@@ -144,7 +144,7 @@ pub fn session_warning(warning: &Warning) -> String {
             100.0 * share
         ),
         Warning::NoBaseline => {
-            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances; a baseline right after tensioning (sinew baseline) makes the interval three to ten times narrower"
+            "without a baseline the offsets are against the encoders' zero and rest on data-sheet tolerances; a baseline right after tensioning (sinew baseline) makes the interval up to four times narrower"
                 .into()
         }
         Warning::TemperatureUnknown {
