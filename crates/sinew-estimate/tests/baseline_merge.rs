@@ -87,6 +87,7 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
     );
     Baseline {
         temperature_deviation_k: 0.0,
+        change_deviation_k: 0.0,
         format: "sinew-baseline".into(),
         version: 4,
         robot: robot.name.clone(),

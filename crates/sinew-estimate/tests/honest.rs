@@ -112,6 +112,32 @@ fn a_temperature_that_is_not_recorded_is_unknown_and_widens() {
 }
 
 #[test]
+fn a_recording_in_two_parts_knows_its_temperature_no_better() {
+    let plan = Plan::named("S5").unwrap();
+    let ([a, b], _) = sessions(&plan, 830);
+    let (a, mut b) = (without_temperature(a), without_temperature(b));
+    let options = watching(&plan);
+    let learning = session::Learning::default();
+    let (mut before, _) = session::learn_recorded(&plan.robot, &a, "A", &learning).unwrap();
+    let half = b.blocks.split_off(b.blocks.len() / 2);
+    let mut rest = Recorded {
+        blocks: half,
+        ..b.clone()
+    };
+    b.end_time_ns = (b.start_time_ns + b.end_time_ns) / 2;
+    rest.start_time_ns = b.end_time_ns;
+    for part in [b, rest] {
+        let with = Some((&before, "before"));
+        let said = session::estimate_recorded(&plan.robot, &part, "part", with, &options);
+        let (said, next) = said.unwrap();
+        before = next;
+        for joint in &said.joints {
+            assert!(joint.offset_rad.half_width_95() > 1.38e-3, "{joint:?}");
+        }
+    }
+}
+
+#[test]
 fn a_stated_temperature_counts_as_a_recorded_one() {
     let plan = Plan::named("S5").unwrap();
     let ([a, b], _) = sessions(&plan, 820);

@@ -41,6 +41,10 @@ pub struct Baseline {
     /// Its standard deviation, K, where it was stated instead of recorded.
     #[serde(default)]
     pub temperature_deviation_k: f64,
+    /// What was unknown of the temperature's change in the last recording, standard deviation, K: a recording that
+    /// goes on with it knows no more.
+    #[serde(default)]
+    pub change_deviation_k: f64,
     /// Means of the state.
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
@@ -83,6 +87,7 @@ impl Baseline {
                 .is_finite()
                 .then_some(belief.temperature_c),
             temperature_deviation_k: 0.0,
+            change_deviation_k: 0.0,
             mean: belief.mean.clone(),
             covariance_lower: lower,
             noise_rad,

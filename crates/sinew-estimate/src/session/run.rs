@@ -230,11 +230,16 @@ fn estimate_as_stated(
             let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
             // A baseline's own offsets are zero by definition: what follows it is opened anew.
             continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
-            if !continues {
-                let source = session.temperature;
-                change_k = temperature::change_deviation_k(robot, baseline, source, options);
-                added_rad = open(prior, &mut belief, options, change_k);
-            }
+            let source = session.temperature;
+            change_k = match continues {
+                true => baseline.change_deviation_k,
+                false => temperature::change_deviation_k(robot, baseline, source, options),
+            };
+            added_rad = match continues {
+                // The stiffness is as wide already; the zero's drift never is in a belief.
+                true => beliefs::unknown_temperature(prior, &mut belief.clone(), change_k),
+                false => open(prior, &mut belief, options, change_k),
+            };
             belief
         }
         None => {
@@ -264,6 +269,7 @@ fn estimate_as_stated(
     if let Some((baseline, _)) = baseline {
         next.before.clone_from(&baseline.before);
         next.temperature_deviation_k = baseline.temperature_deviation_k;
+        next.change_deviation_k = change_k;
     }
     let mut estimate = session.summarise(&segments, name, first, &added_rad);
     let unknown = session.temperature == TemperatureSource::Unknown

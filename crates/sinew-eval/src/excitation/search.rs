@@ -190,6 +190,7 @@ impl<'r> Search<'r> {
                 end_time_ns: 0,
                 temperature_c: None,
                 temperature_deviation_k: 0.0,
+                change_deviation_k: 0.0,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
                 before: Vec::new(),
