@@ -10,6 +10,7 @@ use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EstimateDocument, NuisanceChange};
 use sinew_figure::{rounded, with_error};
+use sinew_log::SignalSource;
 use sinew_model::Gaussian;
 
 /// A paragraph whose following lines are indented.
@@ -49,6 +50,14 @@ fn recording(e: &Estimate) -> String {
         r.frames,
         rounded(or_nan(r.rate_hz), 4)
     ))
+}
+
+/// Where everything was taken from, a line each.
+pub fn taken(e: &Estimate) -> Vec<String> {
+    let robot = format!("robot from {}, URDF from {}", e.robot.file, e.robot.urdf);
+    let sources = e.recording.sources.iter();
+    let source = |s: &SignalSource| format!("{} from {}", s.quantity.symbol(), s.source);
+    [vec![robot], sources.map(source).collect()].concat()
 }
 
 /// The paper's reading.

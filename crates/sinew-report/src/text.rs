@@ -1,22 +1,86 @@
-//! Tables and paragraphs for a terminal of 80 columns.
+//! Tables and paragraphs for a terminal: as wide as it is, in colour where it shows colour.
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 use sinew_creep::three_digits;
+use std::sync::OnceLock;
 
 /// Columns of a terminal that everybody has.
 pub const WIDTH: usize = 80;
+/// Fewest columns that a table is laid out for.
+const NARROWEST: usize = 40;
+/// Longest line of a paragraph: longer ones are hard to read.
+const LONGEST_LINE: usize = 100;
+
+/// What the terminal is like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Look {
+    /// Columns of a line.
+    pub columns: usize,
+    /// Whether it shows colour.
+    pub colour: bool,
+}
+
+static LOOK: OnceLock<Look> = OnceLock::new();
+
+/// Says what the terminal is like, once, before anything is laid out. Without it, text is for 80
+/// columns and has no colour.
+pub fn set_look(look: Look) {
+    let columns = look.columns.max(NARROWEST);
+    // A second call changes nothing: half a text in another width would help nobody.
+    let _ = LOOK.set(Look { columns, ..look });
+}
+
+fn look() -> Look {
+    *LOOK.get().unwrap_or(&Look {
+        columns: WIDTH,
+        colour: false,
+    })
+}
+
+/// How a text is meant; words always say it too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// Head of a table.
+    Head,
+    /// A limit is passed, or nothing could be done.
+    Alarm,
+    /// Worth a look.
+    Caution,
+}
+
+/// The text in its tone, line by line, where the terminal shows colour.
+pub fn toned(tone: Tone, text: &str) -> String {
+    match look().colour {
+        true => painted(tone, text),
+        false => text.to_owned(),
+    }
+}
+
+/// The text in the terminal's colours; what follows is as before.
+pub fn painted(tone: Tone, text: &str) -> String {
+    let code = match tone {
+        Tone::Head => "1",
+        Tone::Alarm => "1;31",
+        Tone::Caution => "33",
+    };
+    let paint = |line: &str| match line.trim_end_matches('\n') {
+        "" => line.to_owned(),
+        words => format!("\u{1b}[{code}m{words}\u{1b}[0m{}", &line[words.len()..]),
+    };
+    text.split_inclusive('\n').map(paint).collect()
+}
 
 /// A line under the head and nothing else.
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
-/// A table: names to the left, numbers to the right; wrapped to [`WIDTH`].
+/// A table: names to the left, numbers to the right; wrapped to the terminal.
 pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     let mut table = Table::new();
     table
         .load_style(STYLE)
         .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(WIDTH as u16)
+        .set_width(look().columns as u16)
         .set_header(head.iter().map(ToString::to_string).collect::<Vec<_>>())
         .add_rows(rows);
     let last = head.len().saturating_sub(1);
@@ -26,7 +90,11 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    table.trim_fmt() + "\n"
+    let text = table.trim_fmt() + "\n";
+    match text.find('─') {
+        Some(rule) => toned(Tone::Head, &text[..rule]) + &text[rule..],
+        None => text,
+    }
 }
 
 /// A paragraph, wrapped; following lines are indented by `indent`.
@@ -36,12 +104,13 @@ pub fn paragraph(text: &str, indent: usize) -> String {
 
 /// A paragraph whose first line begins at column `first`, and the others at `rest`.
 pub fn indented(text: &str, first: usize, rest: usize) -> String {
+    let width = look().columns.min(LONGEST_LINE);
     let mut out = " ".repeat(first);
     let mut column = first;
     let mut fresh = true;
     for word in text.split_whitespace() {
         let length = word.chars().count();
-        if !fresh && column + 1 + length > WIDTH {
+        if !fresh && column + 1 + length > width {
             out.push('\n');
             out.push_str(&" ".repeat(rest));
             column = rest;
@@ -117,6 +186,17 @@ mod tests {
                 assert!(line.chars().count() <= WIDTH, "{line}");
             }
         }
+    }
+
+    #[test]
+    fn a_tone_colours_every_line_and_ends_with_it() {
+        let text = painted(Tone::Alarm, "one\n\ntwo");
+        assert_eq!(text, "\u{1b}[1;31mone\u{1b}[0m\n\n\u{1b}[1;31mtwo\u{1b}[0m");
+        assert_eq!(
+            toned(Tone::Alarm, "one"),
+            "one",
+            "no colour unless asked for"
+        );
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod commands;
 mod files;
 mod terminal;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use sinew_report::text;
 use std::process::ExitCode;
 use terminal::{Failure, Finish};
@@ -25,6 +25,8 @@ use terminal::{Failure, Finish};
                   Example:\n  sinew estimate monday.mcap --robot robots/biorob-like --report monday.html"
 )]
 struct Cli {
+    #[command(flatten)]
+    style: terminal::Style,
     #[command(subcommand)]
     command: Command,
 }
@@ -49,10 +51,14 @@ enum Command {
     Robot(commands::robot::Robot),
     #[command(subcommand)]
     Log(commands::log::Log),
+    Completions(commands::shell::Completions),
+    Man(commands::shell::Man),
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let cli = Cli::parse();
+    cli.style.apply();
+    let result = match cli.command {
         Command::Estimate(command) => command.run(),
         Command::Baseline(command) => command.run(),
         Command::Trend(command) => command.run(),
@@ -65,6 +71,8 @@ fn main() -> ExitCode {
         Command::Creep(command) => command.run(),
         Command::Robot(command) => command.run(),
         Command::Log(command) => command.run(),
+        Command::Completions(command) => command.run(Cli::command()),
+        Command::Man(command) => command.run(Cli::command()),
     };
     match result {
         Ok(Finish::Complete) => ExitCode::SUCCESS,
@@ -72,7 +80,7 @@ fn main() -> ExitCode {
         // The reader has gone (`sinew … | head`): nothing is left to say, and nobody to say it to.
         Err(Failure::ReaderGone) => ExitCode::SUCCESS,
         Err(Failure::Refused(message)) => {
-            terminal::complain("error", &message);
+            terminal::complain(terminal::Word::Error, &message);
             ExitCode::from(1)
         }
     }

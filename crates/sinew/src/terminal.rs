@@ -1,9 +1,70 @@
 //! What goes to stdout and stderr, and how a command ends.
 
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sinew_files::JsonDocument;
+use sinew_report::text::{Look, Tone, WIDTH, painted, set_look};
 use std::error::Error;
 use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr, stdout};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// How every command speaks.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Terminal")]
+pub(crate) struct Style {
+    /// Say on stderr what was read from where, and how long each part took
+    #[arg(long, short, global = true)]
+    verbose: bool,
+    /// Colour [default: auto: on a terminal, unless NO_COLOR is set]
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_default_value = true
+    )]
+    color: Colour,
+}
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "lower")]
+enum Colour {
+    Auto,
+    Always,
+    Never,
+}
+
+impl Colour {
+    fn on(self, auto: bool) -> bool {
+        match self {
+            Self::Auto => auto,
+            Self::Always => true,
+            Self::Never => false,
+        }
+    }
+}
+
+static VERBOSE: AtomicBool = AtomicBool::new(false);
+static COLOUR_STDERR: AtomicBool = AtomicBool::new(false);
+
+impl Style {
+    /// Takes hold for the rest of the run.
+    pub(crate) fn apply(self) {
+        VERBOSE.store(self.verbose, Ordering::Relaxed);
+        let unwanted = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+        let on_stderr = self.color.on(!unwanted && console::colors_enabled_stderr());
+        COLOUR_STDERR.store(on_stderr, Ordering::Relaxed);
+        let stated = std::env::var("COLUMNS").ok();
+        let stated = stated.and_then(|n| n.parse().ok());
+        let seen = || console::Term::stdout().size_checked();
+        set_look(Look {
+            columns: stated.unwrap_or_else(|| seen().map_or(WIDTH, |(_, n)| usize::from(n))),
+            colour: self.color.on(!unwanted && console::colors_enabled()),
+        });
+    }
+}
 
 /// How a command that finished has finished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,13 +120,40 @@ pub(crate) fn answer_as<D: JsonDocument>(
     })
 }
 
+/// Why somebody is told something on stderr.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Word {
+    /// The command did not do it.
+    Error,
+    /// It did, but look at this.
+    Warning,
+    /// What else is known of it.
+    Note,
+}
+
 /// Writes `word: text` to stderr; a closed stderr is nobody's loss.
-pub(crate) fn complain(word: &str, text: &str) {
-    let _ = writeln!(stderr(), "{word}: {text}");
+pub(crate) fn complain(word: Word, text: &str) {
+    let (word, tone) = match word {
+        Word::Error => ("error:", Tone::Alarm),
+        Word::Warning => ("warning:", Tone::Caution),
+        Word::Note => ("note:", Tone::Head),
+    };
+    let word = match COLOUR_STDERR.load(Ordering::Relaxed) {
+        true => painted(tone, word),
+        false => word.to_owned(),
+    };
+    let _ = writeln!(stderr(), "{word} {text}");
+}
+
+/// A note for who asked for more with `--verbose`.
+pub(crate) fn note(text: impl FnOnce() -> String) {
+    if VERBOSE.load(Ordering::Relaxed) {
+        complain(Word::Note, &text());
+    }
 }
 
 /// Progress on stderr, only where somebody watches.
-pub(crate) struct Bar(ProgressBar);
+pub(crate) struct Bar(ProgressBar, Instant);
 
 impl Bar {
     /// A bar over `0..1` with a word in front.
@@ -82,7 +170,7 @@ impl Bar {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(word.to_string());
-        Self(bar)
+        Self(bar, Instant::now())
     }
 
     /// Shows how much is done.
@@ -105,5 +193,7 @@ impl Bar {
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+        let (word, took_s) = (self.0.message(), self.1.elapsed().as_secs_f64());
+        note(|| format!("{}: {took_s:.2} s", word.trim()));
     }
 }

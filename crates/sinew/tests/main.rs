@@ -13,4 +13,5 @@ mod reference;
 mod rope;
 #[cfg(feature = "schema")]
 mod schemas;
+mod terminal;
 mod trend;

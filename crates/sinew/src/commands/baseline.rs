@@ -3,7 +3,7 @@
 use super::session_args::read_baseline;
 use crate::args::Opening;
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::session::{self, Learning, SessionError, Warning};
 use sinew_estimate::{BaselineDocument, Request};
@@ -109,7 +109,7 @@ impl Baseline {
         if !self.quiet {
             let warnings = learned.warnings.iter();
             for warning in warnings.filter(|w| **w != Warning::NoBaseline) {
-                complain("warning", &plain(&session_warning(warning)));
+                complain(Word::Warning, &plain(&session_warning(warning)));
             }
         }
         let written = format!("baseline written to {}", out.display());

@@ -2,7 +2,7 @@
 
 use crate::args::positive;
 use crate::files::{check_outputs, write_text};
-use crate::terminal::{Bar, Failure, Finish, answer_as, complain};
+use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use clap::Args;
 use sinew_camera::{Conditions, ReadOptions, Region, Request, Summary, Times};
 use sinew_report::text::plain;
@@ -162,7 +162,7 @@ impl ReadCamera {
         let summary = Summary::of(&outcome);
         if !self.quiet {
             for note in &summary.notes {
-                complain("note", &plain(note));
+                complain(Word::Note, &plain(note));
             }
         }
         let table = |summary: &Summary| sinew_report::camera::render(&outcome, summary);

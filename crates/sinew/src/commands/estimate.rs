@@ -3,7 +3,7 @@
 use super::session_args::{SessionArgs, read_baseline};
 use crate::args::{self, LAGS, Method, Opening, SOURCES, choice};
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::terminal::{Bar, Failure, Finish, Word, answer, complain, note};
 use clap::Args;
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::session::{LimitState, SessionError};
@@ -93,8 +93,11 @@ impl Estimate {
         let document = self.estimate(&self.request()?)?;
         if !self.quiet && !self.json {
             for warning in document_warnings(&document) {
-                complain("warning", &plain(&warning));
+                complain(Word::Warning, &plain(&warning));
             }
+        }
+        for line in tables::taken(&document.reading) {
+            note(|| plain(&line));
         }
         if let Some(path) = &self.report {
             sinew_files::write_file(path, sinew_report::html(&document).as_bytes())?;

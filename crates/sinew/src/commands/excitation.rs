@@ -2,7 +2,7 @@
 
 use crate::args::positive;
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer_as, complain};
+use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
@@ -69,7 +69,7 @@ impl Excitation {
         let loaded = robot_dir::load(&self.robot, None)?;
         if !self.quiet {
             for warning in &loaded.robot.warnings {
-                complain("warning", &plain(warning));
+                complain(Word::Warning, &plain(warning));
             }
         }
         let baseline = match &self.baseline {

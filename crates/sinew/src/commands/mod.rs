@@ -14,5 +14,6 @@ pub(crate) mod robot;
 pub(crate) mod rope;
 pub(crate) mod scenarios;
 mod session_args;
+pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod trend;

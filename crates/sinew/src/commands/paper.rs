@@ -1,6 +1,6 @@
 //! `sinew paper`: the paper's evaluation, done again.
 
-use crate::terminal::{Failure, Finish, answer_as, complain};
+use crate::terminal::{Failure, Finish, Word, answer_as, complain};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::paper;
@@ -82,7 +82,7 @@ impl Paper {
         if failed > 0 && !self.quiet {
             let of = figure.sentences.len();
             complain(
-                "warning",
+                Word::Warning,
                 &format!("{failed} of {of} sentences do not hold"),
             );
         }

@@ -2,7 +2,7 @@
 
 use crate::args::{Choice, choice, positive};
 use crate::files::check_outputs;
-use crate::terminal::{Bar, Failure, Finish, answer, complain};
+use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::robot_dir;
@@ -84,7 +84,7 @@ impl Simulate {
         let loaded = robot_dir::load(&folder, None)?;
         if !self.quiet {
             for warning in &loaded.robot.warnings {
-                complain("warning", &plain(warning));
+                complain(Word::Warning, &plain(warning));
             }
         }
         let mut options = SimulateOptions::new(&self.out);

@@ -1,7 +1,7 @@
 //! Options of test files, and their outputs.
 
 use crate::files::{Named, check_outputs, write_text};
-use crate::terminal::{Bar, Failure, answer_as, complain};
+use crate::terminal::{Bar, Failure, Word, answer_as, complain};
 use crate::text::{plain, plain_lines};
 use clap::Args;
 use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
@@ -121,7 +121,7 @@ impl TestFiles {
         };
         let mut note = |text: &str| {
             if !self.quiet {
-                complain("note", &plain(text));
+                complain(Word::Note, &plain(text));
             }
         };
         Ok(sinew_creep::read_specimens(
@@ -162,7 +162,7 @@ impl TestFiles {
     pub(super) fn warn(&self, failures: &[sinew_creep::Failure]) {
         if !self.quiet {
             for failure in failures {
-                complain("warning", &plain(&failure.to_string()));
+                complain(Word::Warning, &plain(&failure.to_string()));
             }
         }
     }

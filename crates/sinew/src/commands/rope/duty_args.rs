@@ -2,7 +2,7 @@
 
 use super::values::{celsius, duration, guide};
 use crate::args::{Choice, choice, not_negative, positive};
-use crate::terminal::{Bar, Failure, complain};
+use crate::terminal::{Bar, Failure, Word, complain};
 use clap::Args;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::{Progress, robot_dir};
@@ -149,7 +149,7 @@ impl DutyArgs {
         request.robot.clone_from(&self.robot);
         if tendon.pretension_n.is_none() && !quiet {
             let text = "the tendon has no pretension_n; it counts as 0 N";
-            complain("warning", text);
+            complain(Word::Warning, text);
         }
         let joint = self.joint.as_deref().unwrap_or_default();
         let bar = Bar::new("torques", quiet);

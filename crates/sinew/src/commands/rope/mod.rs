@@ -8,7 +8,7 @@ mod select;
 mod show;
 mod values;
 
-use crate::terminal::{Failure, Finish, complain};
+use crate::terminal::{Failure, Finish, Word, complain};
 use crate::text::plain;
 use clap::{Args, Subcommand};
 use sinew_report::rope::namesake;
@@ -57,7 +57,7 @@ impl Ropes {
         folders.extend(self.folders.iter().map(PathBuf::as_path));
         let catalogue = Catalogue::with_folders(&folders)?;
         for same in catalogue.namesakes().iter().filter(|_| !quiet) {
-            complain("note", &plain(&namesake(same)));
+            complain(Word::Note, &plain(&namesake(same)));
         }
         Ok(catalogue)
     }

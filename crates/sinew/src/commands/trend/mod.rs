@@ -4,7 +4,7 @@ mod year;
 
 use super::rope::Ropes;
 use crate::files::{Named, check_outputs};
-use crate::terminal::{Failure, Finish, answer, complain};
+use crate::terminal::{Failure, Finish, Word, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions};
@@ -124,7 +124,7 @@ impl Trend {
         } else {
             if !self.quiet {
                 for note in &report.notes {
-                    complain("note", &plain(&format_note(note)));
+                    complain(Word::Note, &plain(&format_note(note)));
                 }
             }
             answer(&render_table(&report))?;
