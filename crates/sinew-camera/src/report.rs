@@ -4,7 +4,7 @@ use super::outcome::Outcome;
 use super::rejection::millimetres;
 use super::summary::Summary;
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Page, Table, rounded};
 
 /// Points of a figure; more can't be told apart on paper.
 const POINTS: usize = 2000;
@@ -19,17 +19,21 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
         summary.frames_used, summary.frames
     );
     page.footer = format!("sinew {version}");
-    let mut first = vec![Block::Headlines(vec![
-        format!(
-            "Elongation of the last frame: {} mm after {} s",
-            rounded(1e3 * summary.elongation_last_m, 4),
-            rounded(summary.time_to_s - summary.time_from_s, 4)
-        ),
-        format!(
-            "Standard deviation of a frame: {:.4} mm (root mean square)",
-            1e3 * summary.elongation_deviation_rms_m
-        ),
-    ])];
+    let mut first = vec![Block::Headlines(
+        [
+            format!(
+                "Elongation of the last frame: {} mm after {} s",
+                rounded(1e3 * summary.elongation_last_m, 4),
+                rounded(summary.time_to_s - summary.time_from_s, 4)
+            ),
+            format!(
+                "Standard deviation of a frame: {:.4} mm (root mean square)",
+                1e3 * summary.elongation_deviation_rms_m
+            ),
+        ]
+        .map(Headline::from)
+        .to_vec(),
+    )];
     first.extend(summary.notes.iter().cloned().map(Block::Notice));
     first.push(Block::Figure(
         Box::new(figure(outcome)),

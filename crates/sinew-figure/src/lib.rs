@@ -5,4 +5,4 @@ mod page;
 pub mod plot;
 
 pub use number::{count, duration, given, rounded, share, with_error};
-pub use page::{Block, Page, Section, Sentence, Table};
+pub use page::{Block, Headline, Level, Page, Section, Sentence, Table};

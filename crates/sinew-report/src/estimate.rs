@@ -8,7 +8,9 @@ use super::words::{basis_row, joint_refusal, loss_reason};
 use crate::log::format_name;
 use sinew_estimate::EstimateDocument;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
-use sinew_figure::{Block, Page, Table, count, duration, given, rounded, share, with_error};
+use sinew_figure::{
+    Block, Headline, Page, Table, count, duration, given, rounded, share, with_error,
+};
 use sinew_files::date::utc_text;
 use sinew_log::SignalSource;
 use sinew_model::offset::{Comparison, TorqueSource};
@@ -39,7 +41,7 @@ pub fn html(document: &EstimateDocument) -> String {
         estimate
             .joints
             .iter()
-            .map(|j| headline(estimate, j))
+            .map(|j| Headline::from(headline(estimate, j)))
             .collect(),
     ));
     opening.push(Block::Paragraph(how_sure(estimate)));

@@ -4,10 +4,11 @@ use crate::session_sentences::{change_kind, session_sentences};
 use crate::warnings::session_warning;
 use sinew_estimate::NuisanceChange;
 use sinew_estimate::session::{
-    BlockEstimate, LimitState, SessionEstimate, TendonEstimate, Verdict,
+    BlockEstimate, LimitState, SessionEstimate, TendonChange, TendonChangeKind, TendonEstimate,
+    Verdict,
 };
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_model::Gaussian;
 
 /// Adds what the joint estimate says.
@@ -39,18 +40,44 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
             )],
         );
     }
+    let moved = session.nuisance.iter().filter(|n| n.moved).count();
     page.section(
         "Estimated along",
         vec![
             Block::Paragraph(
                 "What was believed before and after, ± one standard deviation. What the data did not move rests on the tolerance alone.".into(),
             ),
-            Block::Table(nuisance(session)),
+            Block::Folded(
+                format!("{} parameters, {} of them moved by the data", session.nuisance.len(), moved),
+                vec![Block::Table(nuisance(session))],
+            ),
         ],
     )
 }
 
-fn headline(joint: &TendonEstimate) -> String {
+/// What an answer asks for: a rope that failed or a limit that is passed, a change, nothing, or more data.
+fn level(joint: &TendonEstimate) -> Level {
+    let failed = |c: &TendonChange| {
+        matches!(
+            c.kind,
+            TendonChangeKind::StrandFailure | TendonChangeKind::SlipOrStrandFailure
+        )
+    };
+    let passed = joint
+        .retension
+        .is_some_and(|r| r.state == LimitState::Passed);
+    if passed || joint.changes.iter().any(failed) {
+        return Level::Alarm;
+    }
+    match joint.verdict {
+        Verdict::Longer | Verdict::Shorter => Level::Watch,
+        _ if !joint.changes.is_empty() => Level::Watch,
+        Verdict::Unchanged => Level::Good,
+        Verdict::CannotTell => Level::Open,
+    }
+}
+
+fn headline(joint: &TendonEstimate) -> Headline {
     let size = match joint.elongation_m {
         Some(m) => format!(
             "{} ± {} mm",
@@ -76,12 +103,13 @@ fn headline(joint: &TendonEstimate) -> String {
     });
     let limit = limit + &slip;
     let name = &joint.name;
-    match joint.verdict {
+    let text = match joint.verdict {
         Verdict::Longer => format!("{name}: tendon longer by {size}{limit}"),
         Verdict::Shorter => format!("{name}: tendon shorter by {size}{slip}"),
         Verdict::Unchanged => format!("{name}: no stretch seen ({size}){slip}"),
         Verdict::CannotTell => format!("{name}: this recording can't tell ({size}){slip}"),
-    }
+    };
+    Headline::new(level(joint), text)
 }
 
 fn offsets(session: &SessionEstimate) -> Table {

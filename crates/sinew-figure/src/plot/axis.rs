@@ -10,7 +10,7 @@ pub(super) struct Axis {
     pub(super) ticks: Vec<f64>,
     decimals: usize,
     /// Tick numbers are multiples of `10^exponent`.
-    exponent: i32,
+    pub(super) exponent: i32,
     /// What stands at the ticks instead of numbers; empty: numbers.
     names: Vec<String>,
 }
@@ -179,12 +179,7 @@ fn extent<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
 
 /// What the horizontal axis of a panel must show.
 pub(super) fn x_extent(panel: &Panel) -> (f64, f64) {
-    let fitted = || {
-        extent(panel.series.iter().flat_map(|s| match s {
-            Series::Line(line) => &line.x,
-            Series::Band(band) => &band.x,
-        }))
-    };
+    let fitted = || extent(panel.series.iter().flat_map(Series::x));
     finite(panel.x_range).or_else(fitted).unwrap_or((0.0, 1.0))
 }
 
@@ -197,10 +192,10 @@ pub(super) fn y_extent(panel: &Panel, x: (f64, f64)) -> (f64, f64) {
         let inside = xs.iter().zip(ys).filter(|(t, _)| (x.0..=x.1).contains(*t));
         extent(inside.map(|(_, y)| y))
     };
-    let of_series = panel.series.iter().flat_map(|s| match s {
-        Series::Line(line) => vec![visible(&line.x, &line.y)],
-        Series::Band(band) => vec![visible(&band.x, &band.low), visible(&band.x, &band.high)],
-    });
+    let of_series = (panel.series.iter())
+        .flat_map(|series| series.ys().map(|ys| visible(series.x(), ys)))
+        .collect::<Vec<_>>()
+        .into_iter();
     let of_marks = panel.marks.iter().map(|mark| match mark {
         Mark::Reference { y, .. } | Mark::Note { y, .. } => extent([y]),
         Mark::Event { .. } | Mark::Span { .. } => None,

@@ -2,7 +2,7 @@
 
 use super::ink::dash;
 use super::layout::{Placed, Rect};
-use super::{Band, Colour, Line};
+use super::{Band, Colour, Line, Points};
 use std::fmt::Write as _;
 
 /// A line with more points than this per px keeps the first, last, smallest and largest of each.
@@ -149,6 +149,35 @@ pub(super) fn draw_band(out: &mut String, placed: &Placed<'_>, band: &Band) {
             "<path d=\"{path}\" fill=\"{}\" fill-opacity=\"{}\"/>",
             band.colour.hex(),
             band_opacity(band.colour)
+        );
+    }
+}
+
+/// Bars first, so that the dots lie on them; both in the order of the readings.
+pub(super) fn draw_points(out: &mut String, placed: &Placed<'_>, points: &Points) {
+    let (mut bars, mut dots) = (String::new(), String::new());
+    for (i, (&x, &y)) in points.x.iter().zip(&points.y).enumerate() {
+        let Some((px, py)) = place(placed, x, y) else {
+            continue;
+        };
+        let _ = write!(dots, "M{} {}h0", Tenths(px), Tenths(py));
+        let end = |ends: &[f64]| ends.get(i).and_then(|&end| place(placed, x, end));
+        if let (Some((_, low)), Some((_, high))) = (end(&points.low), end(&points.high)) {
+            let _ = write!(bars, "M{} {}V{}", Tenths(px), Tenths(low), Tenths(high));
+        }
+    }
+    let colour = points.colour.hex();
+    if !bars.is_empty() {
+        let _ = writeln!(
+            out,
+            "<path class=\"bars\" d=\"{bars}\" stroke=\"{colour}\" fill=\"none\"/>"
+        );
+    }
+    if !dots.is_empty() {
+        let _ = writeln!(
+            out,
+            "<path d=\"{dots}\" stroke=\"{colour}\" stroke-width=\"{}\" stroke-linecap=\"round\" fill=\"none\"/>",
+            points.size_px
         );
     }
 }

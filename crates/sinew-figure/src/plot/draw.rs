@@ -1,22 +1,20 @@
 //! Writes a figure as SVG.
 
-use super::data::{Tenths, band_opacity, draw_band, draw_line, place};
-use super::ink::{MUTED, dash, text};
-use super::label::{escape_xml, shorten};
+use super::axis::Axis;
+use super::data::{Tenths, band_opacity, draw_band, draw_line, draw_points, place};
+use super::ink::{AXIS, GRID, GROUND, INK, MUTED, REFERENCE, dash, text};
+use super::label::{escape_xml, plain, shorten};
 use super::layout::{
     Entry, LABEL_PX, LEGEND_PX, Layout, MARGIN, PANEL_TITLE_PX, Placed, Rect, SAMPLE, SUBTITLE_PX,
     Sample, TICK_PX, TITLE_PX, arrange,
 };
+use super::seen::description;
 use super::words::draw_words;
-use super::{Figure, Mark, Series};
+use super::{Figure, Mark, Series, XValues};
 use std::fmt::Write as _;
 
 /// The carried font first, so that SVG and PNG agree where it is installed.
 const FAMILY: &str = "Roboto, 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif";
-const INK: &str = "#1d1f24";
-const AXIS: &str = "#80858f";
-const GRID: &str = "#e7e9ee";
-const REFERENCE: &str = "#6c727d";
 
 pub(super) fn svg(figure: &Figure) -> String {
     let layout = arrange(figure);
@@ -30,8 +28,9 @@ pub(super) fn svg(figure: &Figure) -> String {
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" \
          height=\"{h}\" role=\"img\" aria-label=\"{}\" font-family=\"{FAMILY}\" fill=\"{INK}\">\n\
-         <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n",
-        escape_xml(&description(figure))
+         <desc>{}</desc>\n<rect width=\"{w}\" height=\"{h}\" fill=\"{GROUND}\"/>\n",
+        escape_xml(&name(figure)),
+        escape_xml(&description(figure)),
     );
     let mut y = MARGIN;
     for line in &layout.title {
@@ -57,17 +56,59 @@ pub(super) fn svg(figure: &Figure) -> String {
     out
 }
 
-fn description(figure: &Figure) -> String {
+/// A short name: its title, else those of its panels, else what they show.
+fn name(figure: &Figure) -> String {
     let titles = figure.panels.iter().map(|p| p.title.as_str());
-    let words: Vec<&str> = std::iter::once(figure.title.as_str())
+    let all: Vec<&str> = std::iter::once(figure.title.as_str())
         .chain(titles)
         .filter(|t| !t.is_empty())
         .collect();
-    words.join("; ")
+    if !all.is_empty() {
+        return plain(&all.join("; "));
+    }
+    let labels = figure.panels.iter().map(|p| plain(&p.y_label));
+    labels.collect::<Vec<_>>().join("; ")
+}
+
+/// The axes as attributes, from which the script of a page knows what a px means.
+fn axes_data(placed: &Placed<'_>) -> String {
+    let (panel, Rect { x, y, w, h }) = (placed.panel, placed.plot);
+    let mut out = format!(
+        "data-box=\"{x:.1} {y:.1} {w:.1} {h:.1}\" data-x=\"{} {}\" data-y=\"{} {}\"",
+        placed.x.low, placed.x.high, placed.y.low, placed.y.high
+    );
+    let mut add = |key: &str, value: &str| {
+        if !value.is_empty() {
+            let _ = write!(out, " data-{key}=\"{}\"", escape_xml(value));
+        }
+    };
+    let exponent = |axis: &Axis| match axis.exponent {
+        0 => String::new(),
+        e => e.to_string(),
+    };
+    add("x-label", &plain(&panel.x_label));
+    add("y-label", &plain(&panel.y_label));
+    add("x-exponent", &exponent(&placed.x));
+    add("y-exponent", &exponent(&placed.y));
+    if let (Some(axis), Some(right)) = (&placed.right, &panel.y_right) {
+        add("right", &right.factor.to_string());
+        add("right-label", &plain(&right.label));
+        add("right-exponent", &exponent(axis));
+    }
+    match panel.x_values {
+        XValues::Plain => {}
+        XValues::LogSeconds => add("log", "s"),
+        XValues::DaysSince { utc_s } => add("since", &utc_s.to_string()),
+    }
+    if !panel.y_names.is_empty() {
+        add("rows", "named");
+    }
+    out
 }
 
 fn draw_panel(out: &mut String, placed: &Placed<'_>) {
     let panel = placed.panel;
+    let _ = writeln!(out, "<g class=\"panel\" {}>", axes_data(placed));
     draw_axes(out, placed);
     if let Some((x, y)) = placed.title {
         text(
@@ -88,17 +129,31 @@ fn draw_panel(out: &mut String, placed: &Placed<'_>) {
         out,
         "<svg x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" overflow=\"hidden\">"
     );
+    out.push_str("<g class=\"data\">\n");
     for mark in &panel.marks {
         draw_mark(out, placed, mark);
     }
     for series in &panel.series {
+        let name = escape_xml(&plain(series.name()));
+        let _ = match series {
+            Series::Band(_) => writeln!(out, "<g class=\"band\" data-name=\"{name}\">"),
+            Series::Line(_) => writeln!(out, "<g class=\"line\" data-name=\"{name}\">"),
+            Series::Points(points) => writeln!(
+                out,
+                "<g class=\"points\" data-name=\"{name}\" data-labels=\"{}\">",
+                escape_xml(&points.labels.join("|"))
+            ),
+        };
         match series {
             Series::Band(band) => draw_band(out, placed, band),
             Series::Line(line) => draw_line(out, placed, line),
+            Series::Points(points) => draw_points(out, placed, points),
         }
+        out.push_str("</g>\n");
     }
+    out.push_str("</g>\n");
     draw_words(out, placed);
-    out.push_str("</svg>\n");
+    out.push_str("</svg>\n</g>\n");
 }
 
 fn draw_axes(out: &mut String, placed: &Placed<'_>) {
@@ -154,9 +209,9 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
     }
     let _ = writeln!(
         out,
-        "<path d=\"{grid}\" stroke=\"{GRID}\" fill=\"none\"/>\n\
+        "<g class=\"axes\">\n<path d=\"{grid}\" stroke=\"{GRID}\" fill=\"none\"/>\n\
          <path d=\"{ticks}\" stroke=\"{AXIS}\" fill=\"none\"/>\n\
-         <g fill=\"{MUTED}\">\n{numbers}</g>"
+         <g fill=\"{MUTED}\">\n{numbers}</g>\n</g>"
     );
     if !panel.x_label.is_empty() {
         let at = bottom + 6.0 + TICK_PX + 5.0 + 0.8 * LABEL_PX;
@@ -191,6 +246,7 @@ fn draw_axes(out: &mut String, placed: &Placed<'_>) {
 fn draw_entry(out: &mut String, entry: &Entry) {
     let Entry { x, y, colour, .. } = *entry;
     let middle = y - 0.35 * LEGEND_PX;
+    let _ = writeln!(out, "<g class=\"key\" data-series=\"{}\">", entry.series);
     let _ = match &entry.sample {
         Sample::Line(style, width_px) => writeln!(
             out,
@@ -206,8 +262,15 @@ fn draw_entry(out: &mut String, entry: &Entry) {
             colour.hex(),
             band_opacity(colour),
         ),
+        Sample::Points(size_px) => writeln!(
+            out,
+            "<path d=\"M{:.1} {middle:.1}h0\" stroke=\"{}\" stroke-width=\"{size_px}\" stroke-linecap=\"round\" fill=\"none\"/>",
+            x + 0.5 * SAMPLE,
+            colour.hex(),
+        ),
     };
     text(out, x + SAMPLE + 5.0, y, LEGEND_PX, "", &entry.name);
+    out.push_str("</g>\n");
 }
 
 fn draw_mark(out: &mut String, placed: &Placed<'_>, mark: &Mark) {

@@ -1,11 +1,41 @@
 //! How words and dashes become SVG.
 
-use super::Dash;
 use super::label::markup;
+use super::{Colour, Dash};
 use std::fmt::Write as _;
 
 /// Colour of what stands back.
 pub(super) const MUTED: &str = "#5a606b";
+pub(super) const GROUND: &str = "#ffffff";
+pub(super) const INK: &str = "#1d1f24";
+pub(super) const AXIS: &str = "#80858f";
+pub(super) const GRID: &str = "#e7e9ee";
+pub(super) const REFERENCE: &str = "#6c727d";
+
+/// Rules that give the colours of figures to a page's variables, so that they can change with it.
+pub(crate) fn page_colours() -> String {
+    let inks = [
+        (GROUND, "ground"),
+        (INK, "ink"),
+        (MUTED, "muted"),
+        (AXIS, "axis"),
+        (GRID, "grid"),
+        (REFERENCE, "reference"),
+        (Colour::Blue.hex(), "blue"),
+        (Colour::Orange.hex(), "orange"),
+        (Colour::Green.hex(), "green"),
+        (Colour::Purple.hex(), "purple"),
+        (Colour::Sky.hex(), "sky"),
+        (Colour::Amber.hex(), "amber"),
+        (Colour::Grey.hex(), "grey"),
+    ];
+    let rules = inks.map(|(hex, name)| {
+        format!(
+            "[fill=\"{hex}\"]{{fill:var(--{name})}}[stroke=\"{hex}\"]{{stroke:var(--{name})}}\n"
+        )
+    });
+    rules.concat()
+}
 
 /// Words at a place, with their attributes.
 pub(super) fn text(out: &mut String, x: f64, y: f64, size: f64, style: &str, words: &str) {

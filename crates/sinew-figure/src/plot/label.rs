@@ -60,6 +60,11 @@ fn pieces(text: &str) -> impl Iterator<Item = (&str, bool)> {
     })
 }
 
+/// Text without the braces of its subscripts.
+pub(super) fn plain(text: &str) -> String {
+    pieces(text).map(|(piece, _)| piece).collect()
+}
+
 /// Text as the content of an SVG `text` element.
 pub(super) fn markup(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

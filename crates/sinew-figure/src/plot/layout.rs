@@ -49,6 +49,8 @@ pub(super) struct Entry {
     pub(super) name: String,
     pub(super) colour: Colour,
     pub(super) sample: Sample,
+    /// Which of the panel's series it names.
+    pub(super) series: usize,
     /// Left end of the sample and baseline of the word.
     pub(super) x: f64,
     pub(super) y: f64,
@@ -57,6 +59,7 @@ pub(super) struct Entry {
 pub(super) enum Sample {
     Line(Dash, f64),
     Band,
+    Points(f64),
 }
 
 /// A panel with its place.
@@ -170,7 +173,8 @@ pub(super) fn arrange(figure: &Figure) -> Layout<'_> {
                 .map(number_width)
                 .fold(0.0, f64::max);
             Column {
-                left: left
+                // A reader who zooms sees more digits.
+                left: left.max(width("0.00", TICK_PX))
                     + 8.0
                     + if labelled(|p| !p.y_label.is_empty()) {
                         LABEL_PX + 7.0
@@ -300,20 +304,19 @@ fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
     let whole: f64 = panel
         .series
         .iter()
-        .map(|s| match s {
-            Series::Line(l) => &l.name,
-            Series::Band(b) => &b.name,
-        })
+        .map(Series::name)
         .filter(|name| !name.is_empty())
         .map(|name| SAMPLE + 5.0 + width(name, LEGEND_PX) + ENTRY_GAP)
         .sum();
     let beside = title_w + whole - ENTRY_GAP <= w;
     let mut line = usize::from(!beside && title_w > 0.0);
     let mut at = if beside { x + title_w } else { x };
-    for series in &panel.series {
-        let (name, colour, sample) = match series {
-            Series::Line(l) => (&l.name, l.colour, Sample::Line(l.dash, l.width_px)),
-            Series::Band(b) => (&b.name, b.colour, Sample::Band),
+    for (index, series) in panel.series.iter().enumerate() {
+        let name = series.name();
+        let sample = match series {
+            Series::Line(l) => Sample::Line(l.dash, l.width_px),
+            Series::Band(_) => Sample::Band,
+            Series::Points(p) => Sample::Points(p.size_px),
         };
         if name.is_empty() {
             continue;
@@ -324,9 +327,10 @@ fn entries(panel: &Panel, x: f64, w: f64) -> (Vec<Entry>, usize) {
             at = x;
         }
         entries.push(Entry {
-            name: name.clone(),
-            colour,
+            name: name.to_owned(),
+            colour: series.colour(),
             sample,
+            series: index,
             x: at,
             y: line as f64,
         });

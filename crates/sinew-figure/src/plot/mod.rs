@@ -32,16 +32,18 @@ mod label;
 mod layout;
 mod panel;
 mod png;
+mod seen;
 mod series;
 mod words;
 
 use sinew_files::{OutputError, write_file};
 use std::path::{Path, PathBuf};
 
+pub(crate) use ink::page_colours;
 pub use label::escape_xml;
-pub use panel::{Mark, Panel, RightAxis};
+pub use panel::{Mark, Panel, RightAxis, XValues};
 pub use png::{Pixels, PngError, pixels};
-pub use series::{Band, Colour, Dash, Line, Series};
+pub use series::{Band, Colour, Dash, Line, Points, Series};
 
 /// Why a figure was not written.
 #[derive(Debug, thiserror::Error)]
@@ -65,6 +67,9 @@ pub struct Figure {
     pub title: String,
     /// Second line, wrapped; may be empty.
     pub subtitle: String,
+    /// What it shows, in sentences, for who can't see it: the answer, not the kind of plot. What every
+    /// curve does is added by itself.
+    pub seen: String,
     /// Width, CSS px.
     pub width_px: f64,
     /// Height, CSS px.
@@ -81,6 +86,7 @@ impl Figure {
         Self {
             title: title.into(),
             subtitle: String::new(),
+            seen: String::new(),
             width_px: 720.0,
             height_px: 320.0,
             columns: 1,
@@ -92,6 +98,13 @@ impl Figure {
     #[must_use]
     pub fn subtitle(mut self, text: impl Into<String>) -> Self {
         self.subtitle = text.into();
+        self
+    }
+
+    /// Says what it shows.
+    #[must_use]
+    pub fn seen(mut self, text: impl Into<String>) -> Self {
+        self.seen = text.into();
         self
     }
 

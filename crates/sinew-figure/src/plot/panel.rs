@@ -1,6 +1,6 @@
 //! A pair of axes and what stands on it that is not data.
 
-use super::series::{Band, Line, Series};
+use super::series::{Band, Line, Points, Series};
 
 /// One pair of axes.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,6 +17,8 @@ pub struct Panel {
     /// Names at places of the horizontal axis instead of numbers, the most wanted first: one that
     /// has no room beside those before is left out. Empty: numbers.
     pub x_names: Vec<(f64, String)>,
+    /// What the horizontal values count.
+    pub x_values: XValues,
     /// Names at places of the vertical axis instead of numbers. Empty: numbers.
     pub y_names: Vec<(f64, String)>,
     /// From, to; `None` fits the data.
@@ -57,6 +59,13 @@ impl Panel {
     #[must_use]
     pub fn band(mut self, band: Band) -> Self {
         self.series.push(Series::Band(band));
+        self
+    }
+
+    /// Adds single readings.
+    #[must_use]
+    pub fn points(mut self, points: Points) -> Self {
+        self.series.push(Series::Points(points));
         self
     }
 
@@ -147,6 +156,15 @@ impl Panel {
             .into_iter()
             .map(|(s, name): (f64, _)| (s.log10(), name.to_owned()))
             .collect();
+        self.x_values = XValues::LogSeconds;
+        self
+    }
+
+    /// Says that the horizontal values are days since a moment, s since 1970 UTC: who points at one reads
+    /// its date.
+    #[must_use]
+    pub fn x_days_since(mut self, utc_s: f64) -> Self {
+        self.x_values = XValues::DaysSince { utc_s };
         self
     }
 
@@ -173,6 +191,21 @@ impl Panel {
         self.weight = weight;
         self
     }
+}
+
+/// What the values of a horizontal axis count.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum XValues {
+    /// What the label says.
+    #[default]
+    Plain,
+    /// Decadic logarithms of seconds.
+    LogSeconds,
+    /// Days since a moment.
+    DaysSince {
+        /// The moment, s since 1970 UTC.
+        utc_s: f64,
+    },
 }
 
 /// The left axis in another unit.

@@ -1,10 +1,10 @@
 //! The words of marks, each where it hides least.
 
+use super::Mark;
 use super::data::place;
-use super::ink::{MUTED, text};
+use super::ink::{GROUND, MUTED, text};
 use super::label::width;
 use super::layout::{Placed, Rect};
-use super::{Mark, Series};
 
 const MARK_PX: f64 = 11.5;
 
@@ -23,7 +23,8 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
     for mark in &placed.panel.marks {
         let at =
             |x: f64, y: f64| place(placed, x, y).map(|(x, y)| (x as f64 / 10.0, y as f64 / 10.0));
-        let (words, corners): (&str, Vec<(f64, f64)>) = match mark {
+        // What the words stand at, for the script that moves them when a reader zooms.
+        let (words, corners, held): (&str, Vec<(f64, f64)>, _) = match mark {
             Mark::Note { x, y, text } => {
                 let Some((px, py)) = at(*x, *y) else { continue };
                 let tw = width(text, MARK_PX);
@@ -31,6 +32,7 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
                 (
                     text,
                     rows.iter().flat_map(|&y| [(px, y), (px - tw, y)]).collect(),
+                    (Some(px), Some(py)),
                 )
             }
             Mark::Reference { y, label } => {
@@ -45,19 +47,22 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
                         .iter()
                         .flat_map(|&x| rows.map(|y| (x, y)))
                         .collect(),
+                    (None, Some(py)),
                 )
             }
             Mark::Event { x, label } => {
                 let Some((px, _)) = at(*x, placed.y.low) else {
                     continue;
                 };
-                (label, beside(px, width(label, MARK_PX), line))
+                let corners = beside(px, width(label, MARK_PX), line);
+                (label, corners, (Some(px), None))
             }
             Mark::Span { from, to, label } => {
                 let Some((px, _)) = at(from.min(*to), placed.y.low) else {
                     continue;
                 };
-                (label, beside(px, width(label, MARK_PX), line))
+                let corners = beside(px, width(label, MARK_PX), line);
+                (label, corners, (Some(px), None))
             }
         };
         if words.is_empty() {
@@ -74,9 +79,14 @@ pub(super) fn draw_words(out: &mut String, placed: &Placed<'_>) {
         // Of the free places, the first of those that hide the least data.
         let spot = boxes.filter(free).min_by_key(|b| hidden(&data, b));
         if let Some(spot) = spot {
-            let style = format!(
-                "fill=\"{MUTED}\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\""
+            let mut style = format!(
+                "fill=\"{MUTED}\" stroke=\"{GROUND}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\""
             );
+            for (axis, px) in [("x", held.0), ("y", held.1)] {
+                if let Some(px) = px {
+                    style += &format!(" data-{axis}=\"{px:.1}\"");
+                }
+            }
             text(
                 out,
                 spot.x,
@@ -103,17 +113,11 @@ fn beside(px: f64, tw: f64, line: f64) -> Vec<(f64, f64)> {
 /// Every point of the data, px.
 fn points(placed: &Placed<'_>) -> Vec<(f64, f64)> {
     let mut all = Vec::new();
-    let mut add = |xs: &[f64], ys: &[f64]| {
-        let places = xs.iter().zip(ys).filter_map(|(&x, &y)| place(placed, x, y));
-        all.extend(places.map(|(x, y)| (x as f64 / 10.0, y as f64 / 10.0)));
-    };
     for series in &placed.panel.series {
-        match series {
-            Series::Line(line) => add(&line.x, &line.y),
-            Series::Band(band) => {
-                add(&band.x, &band.low);
-                add(&band.x, &band.high);
-            }
+        for ys in series.ys() {
+            let places = series.x().iter().zip(ys);
+            let places = places.filter_map(|(&x, &y)| place(placed, x, y));
+            all.extend(places.map(|(x, y)| (x as f64 / 10.0, y as f64 / 10.0)));
         }
     }
     all

@@ -4,31 +4,37 @@ use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
 
 /// How to bed a rope in, and when to tension it again.
 pub fn planned(p: &Plan) -> Page {
     let percent = rounded(100.0 * p.remove_share, 2);
     let headline = match p.chosen.map(|i| &p.procedures[i]) {
-        Some(c) => format!(
-            "Hold it at {} N for {}, then tension it anew at {} N: that takes {} % of the later elongation away ({percent} % was asked for).",
-            rounded(c.tension_n, 3),
-            spoken(c.duration_s),
-            rounded(p.tension_n, 3),
-            bracketed(c.removed_share.scaled(100.0), 2),
+        Some(c) => Headline::new(
+            Level::Good,
+            format!(
+                "Hold it at {} N for {}, then tension it anew at {} N: that takes {} % of the later elongation away ({percent} % was asked for).",
+                rounded(c.tension_n, 3),
+                spoken(c.duration_s),
+                rounded(p.tension_n, 3),
+                bracketed(c.removed_share.scaled(100.0), 2),
+            ),
         ),
-        None => format!("No procedure tried takes {percent} % of the later elongation away."),
+        None => Headline::new(
+            Level::Watch,
+            format!("No procedure tried takes {percent} % of the later elongation away."),
+        ),
     };
     let mut first = vec![Block::Headlines(vec![
-        format!(
+        Headline::from(format!(
             "At a constant {} N, {} grows by {} mm in {}, counted from a minute after tensioning.{}",
             rounded(p.tension_n, 3),
             p.rope,
             bracketed(p.without_m.scaled(1e3), 2),
             spoken(p.horizon_s),
             guessed(p.starting_guesses, p.parameters)
-        ),
+        )),
         headline,
     ])];
     first.extend(notices(&p.cautions));

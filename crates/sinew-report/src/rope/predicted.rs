@@ -4,7 +4,7 @@ use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Band, Figure, Line, Panel};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::predict::Prediction;
 
@@ -12,21 +12,23 @@ use sinew_rope::predict::Prediction;
 pub fn predicted(p: &Prediction) -> Page {
     let mut first = Vec::new();
     if let Some(last) = p.readings.last() {
-        first.push(Block::Headlines(vec![format!(
+        first.push(Block::Headlines(vec![Headline::from(format!(
             "{} after {}: {} mm longer than a minute after tensioning (95 % interval in brackets).{}",
             p.rope,
             spoken(last.time_s),
             bracketed(last.since_tensioned_m.scaled(1e3), 2),
             guessed(p.starting_guesses, p.parameters)
-        )]));
+        ))]));
     }
     if let Some(time_s) = p.breaks_after_s {
-        first.push(Block::Headlines(vec![format!(
+        let breaks = format!(
             "{} creeps until it breaks, after some {}.{}",
             p.rope,
             spoken(time_s),
             guessed(p.starting_guesses, p.parameters)
-        )]));
+        );
+        let breaks = Headline::new(Level::Alarm, breaks);
+        first.push(Block::Headlines(vec![breaks]));
     }
     first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {

@@ -4,7 +4,7 @@ use super::choice::figure;
 use super::words::guessed;
 use super::{bracketed, caution, page, rejection, spoken};
 use crate::text::{self, Told, plain};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_rope::Caution;
 use sinew_rope::select::{Constraints, Rejected, Selection};
 
@@ -63,14 +63,17 @@ fn shared_cautions(s: &Selection) -> Vec<(Caution, Vec<&str>)> {
 pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
     let time = spoken(s.time_s);
     let headline = match s.candidates.first() {
-        None => "No rope of the catalogue meets every constraint.".to_owned(),
-        Some(best) => format!(
+        None => Headline::new(
+            Level::Alarm,
+            "No rope of the catalogue meets every constraint.",
+        ),
+        Some(best) => Headline::from(format!(
             "{} stretches least in {:.0} % of the draws: {} mm in {time} (95 % interval in brackets).{}",
             best.rope,
             100.0 * best.least_share,
             bracketed(best.elongation_m.scaled(1e3), 2),
             guessed(best.starting_guesses, best.parameters)
-        ),
+        )),
     };
     let mut first = vec![Block::Headlines(vec![headline])];
     if !s.candidates.is_empty() {

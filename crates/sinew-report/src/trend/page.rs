@@ -5,9 +5,9 @@ use super::words::{
     event_name, format_basis, format_limit, format_meaning, format_note, format_passage,
     format_verdict, limit_name, plus_minus, plus_minus_or_dash,
 };
-use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport};
+use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
-use sinew_figure::{Block, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::Z95;
 
@@ -100,7 +100,12 @@ pub fn html(report: &TrendReport) -> String {
         .map_or(String::new(), |t| format!("as of {}", day_of(t)));
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.joints.iter())
-        .map(|j| format!("{}: {}", j.name, format_verdict(j)))
+        .map(|j| {
+            Headline::new(
+                level(j.verdict),
+                format!("{}: {}", j.name, format_verdict(j)),
+            )
+        })
         .collect();
     let head = [
         "tendon",
@@ -142,6 +147,15 @@ pub fn html(report: &TrendReport) -> String {
     how.extend(report.notes.iter().map(format_note));
     page.section("How to read this", vec![Block::List(how)])
         .html()
+}
+
+fn level(verdict: TrendVerdict) -> Level {
+    match verdict {
+        TrendVerdict::Retension | TrendVerdict::Replace => Level::Alarm,
+        TrendVerdict::Inspect | TrendVerdict::Watch => Level::Watch,
+        TrendVerdict::Wait => Level::Good,
+        TrendVerdict::NoLimit => Level::Open,
+    }
 }
 
 fn joint_blocks(joint: &JointTrend) -> Vec<Block> {

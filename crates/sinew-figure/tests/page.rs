@@ -1,0 +1,174 @@
+//! Pages: what they carry, what they let run, what they say without eyes or colour.
+
+use sinew_figure::plot::{Band, Colour, Figure, Line, Panel, Points};
+use sinew_figure::{Block, Headline, Level, Page, Table};
+
+fn figure() -> Figure {
+    let x: Vec<f64> = (0..=10).map(f64::from).collect();
+    let y: Vec<f64> = x.iter().map(|x| x * x).collect();
+    let above = y.iter().map(|y| y + 2.0).collect();
+    let panel = Panel::new("", "time (s)", "offset δ_{e} (mrad)")
+        .band(Band::new("95 %", x.clone(), y.clone(), above))
+        .line(Line::new("estimate", x, y))
+        .points(
+            Points::new("session", vec![2.0, 3.0], vec![4.5, 8.5])
+                .intervals(vec![4.0, 8.0], vec![5.0, 9.0])
+                .labels(vec!["Monday".into(), "Tuesday".into()]),
+        )
+        .event(4.0, "slip")
+        .x_range(0.0, 10.0);
+    Figure::new("elbow").seen("The elbow grows").panel(panel)
+}
+
+fn page(blocks: Vec<Block>) -> String {
+    Page::new("a page").section("", blocks).html()
+}
+
+fn drawn() -> String {
+    page(vec![Block::Figure(Box::new(figure()), String::new())])
+}
+
+/// Text between two marks.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
+    let start = text.find(from).unwrap_or_else(|| panic!("no {from}")) + from.len();
+    &text[start..start + text[start..].find(to).unwrap_or_else(|| panic!("no {to}"))]
+}
+
+#[test]
+fn a_page_lets_its_own_script_run_and_nothing_else() {
+    use sha2::Digest;
+    let page = drawn();
+    assert_eq!(page.matches("<script").count(), 1);
+    let script = between(&page, "<script>", "</script>");
+    assert!(
+        script.starts_with("\"use strict\""),
+        "comments stay at home"
+    );
+    let allowed = between(&page, "script-src 'sha256-", "'");
+    // Six bits a letter.
+    const LETTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let bits: String = (allowed.trim_end_matches('=').chars())
+        .map(|c| format!("{:06b}", LETTERS.find(c).expect("a letter of base 64")))
+        .collect();
+    let digest = sha2::Sha256::digest(script);
+    let expected: String = digest.iter().map(|byte| format!("{byte:08b}")).collect();
+    assert_eq!(bits[..256], expected);
+    assert!(page.contains("default-src 'none'"));
+    assert!(!script.contains("http") && !script.contains("eval("));
+    // What doesn't move needs none.
+    assert!(!page_of_words().contains("<script"));
+}
+
+fn page_of_words() -> String {
+    page(vec![Block::Paragraph("words".into())])
+}
+
+#[test]
+fn a_figure_says_what_is_seen() {
+    assert_eq!(
+        between(&figure().svg(), "<desc>", "</desc>"),
+        "The elbow grows. offset δe (mrad), time (s) from 0.00 to 10.0: \
+         95 % spans 0.00 to 102; estimate goes from 0.00 to 100; session: 2 readings, 4.00 to 9.00. \
+         Marked: slip at 4.00."
+    );
+    let falls_between = Figure::new("").panel(Panel::new("", "x", "y").line(Line::new(
+        "",
+        vec![0.0, 1.0, 2.0],
+        vec![5.0, -3.0, 5.0],
+    )));
+    assert!(
+        falls_between
+            .svg()
+            .contains("the curve goes from 5.00 to 5.00, lowest −3.00, highest 5.00.")
+    );
+    let nothing = Figure::new("").panel(Panel::new("", "x", "y")).svg();
+    assert!(between(&nothing, "<desc>", "</desc>").ends_with("no data."));
+}
+
+#[test]
+fn every_colour_of_a_figure_changes_with_the_page() {
+    let all = [Colour::Grey, Colour::Black]
+        .into_iter()
+        .chain(Colour::CYCLE);
+    let lines = all.map(|c| Line::new("line", vec![0.0, 1.0], vec![0.0, 1.0]).colour(c));
+    let panel = lines.fold(Panel::new("title", "x", "y"), Panel::line);
+    let panel = panel
+        .reference(0.5, "here")
+        .span(0.1, 0.2, "there")
+        .y_right("z", 2.0);
+    let svg = Figure::new("title").subtitle("more").panel(panel).svg();
+    let page = page_of_words();
+    let mut colours = 0;
+    for key in ["fill=\"#", "stroke=\"#"] {
+        for piece in svg.split(key).skip(1) {
+            let hex = &piece[..6];
+            let rule = format!(
+                "[{key}{hex}\"]{{{}:var(--",
+                key.split('=').next().unwrap_or("")
+            );
+            let variable = between(&page, &rule, ")");
+            // Light, and another in the dark.
+            let values: Vec<&str> = (page.split(&format!("--{variable}: ")).skip(1))
+                .map(|rest| rest.split(';').next().unwrap_or(""))
+                .collect();
+            assert_eq!(values.len(), 2, "{hex} is {variable}: {values:?}");
+            assert_ne!(values[0], values[1], "{variable}");
+            colours += 1;
+        }
+    }
+    assert!(colours > 20, "{colours}");
+}
+
+#[test]
+fn an_answer_shows_what_it_asks_without_its_colour() {
+    let all = [Level::Good, Level::Open, Level::Watch, Level::Alarm];
+    let lines = all.map(|level| Headline::new(level, "elbow: <longer>"));
+    let page = page(vec![Block::Headlines(lines.to_vec())]);
+    let mut signs: Vec<&str> = page.split("class=\"sign\"").skip(1).collect();
+    assert_eq!(signs.len(), all.len());
+    assert_eq!(page.matches("elbow: &lt;longer&gt;").count(), all.len());
+    signs.sort_by_key(|s| between(s, "d=\"", "\""));
+    signs.dedup_by_key(|s| between(s, "d=\"", "\"").to_owned());
+    assert_eq!(signs.len(), all.len(), "each has a shape of its own");
+}
+
+#[test]
+fn what_few_want_to_read_is_folded_and_whole() {
+    let table =
+        Table::new(&["a", "b"], vec![vec!["x".into(), "1".into()]]).captioned("all of them");
+    let page = page(vec![Block::Folded(
+        "2 parameters".into(),
+        vec![table.into()],
+    )]);
+    let folded = between(&page, "<details>", "</details>");
+    for words in [
+        "<summary>2 parameters</summary>",
+        "all of them",
+        "<td>1</td>",
+    ] {
+        assert!(folded.contains(words), "{words}: {folded}");
+    }
+    // On paper it is opened.
+    assert!(page.contains("beforeprint") && page.contains("details-content"));
+}
+
+#[test]
+fn the_script_reads_what_the_figure_draws() {
+    let svg = figure().svg();
+    for words in [
+        "data-x=\"0 10\"",
+        "data-y-label=\"offset δe (mrad)\"",
+        "class=\"key\" data-series=\"1\"",
+        "class=\"line\" data-name=\"estimate\"",
+        "data-labels=\"Monday|Tuesday\"",
+        "class=\"bars\"",
+    ] {
+        assert!(svg.contains(words), "{words}");
+    }
+    let script = include_str!("../src/page.js");
+    for name in [
+        "xLabel", "yLabel", "box", "series", "labels", "right", "since", "log", "rows",
+    ] {
+        assert!(script.contains(name), "{name}");
+    }
+}
