@@ -1,7 +1,7 @@
 //! What commands print as JSON.
 
 use crate::replay::Estimate;
-use crate::session::SessionEstimate;
+use crate::session::{LimitState, SessionEstimate};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 
@@ -33,6 +33,20 @@ pub struct EstimateDocument {
 
 impl JsonDocument for EstimateDocument {
     const SCHEMA: &'static str = "sinew/estimate/1";
+}
+
+impl EstimateDocument {
+    /// Whether part of the recording was lost.
+    pub fn is_damaged(&self) -> bool {
+        self.reading.damaged
+    }
+
+    /// Whether a tendon is past the elongation at which to tension again.
+    pub fn passes_limit(&self) -> bool {
+        let joints = self.session.iter().flat_map(|s| &s.joints);
+        let mut limits = joints.filter_map(|j| j.retension);
+        limits.any(|limit| limit.state == LimitState::Passed)
+    }
 }
 
 /// What a recording right after tensioning taught.

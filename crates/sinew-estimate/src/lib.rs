@@ -4,9 +4,11 @@
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
 //! [`trend`] (sessions over months). Results are data in SI; their words are `sinew-report`'s.
 
+mod answer;
 pub mod baseline;
 mod cause;
 mod document;
+mod each;
 mod error;
 mod estimator;
 pub mod executor;
@@ -23,8 +25,10 @@ pub mod strand_duty;
 pub mod trend;
 mod warning;
 
+pub use answer::{Plan, estimate};
 pub use cause::{Cause, UnknownCause};
 pub use document::{BaselineDocument, EstimateDocument, Method};
+pub use each::{EachDocument, RecordingOutcome, estimate_each};
 pub use error::EstimateError;
 pub use nuisance::NuisanceChange;
 pub use request::{Progress, Request};

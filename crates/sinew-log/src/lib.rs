@@ -97,6 +97,7 @@
 pub mod assemble;
 mod creep_tests;
 pub mod decode;
+pub mod encode;
 mod error;
 mod files;
 mod frame;
@@ -113,8 +114,9 @@ pub use creep_tests::{
 };
 pub use error::LogError;
 pub use files::{
-    Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Progress, ReadSeek,
-    Recording, open, open_parts,
+    Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter,
+    Packing, ParquetWriter, Progress, ReadSeek, Recording, Table, TableWriter, Topic, TopicWriter,
+    open, open_parts, recordings_of,
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};

@@ -6,6 +6,7 @@ mod creep_tests_of_others;
 mod damage;
 #[cfg(feature = "db3")]
 mod db3;
+mod encode;
 mod independent;
 mod joining;
 mod lerobot;
@@ -17,4 +18,5 @@ mod roundtrip;
 mod shared;
 mod sources;
 mod support;
+mod table_write;
 mod tables;

@@ -8,7 +8,10 @@
 #[cfg(feature = "camera")]
 pub mod camera;
 pub mod creep;
+mod diagnostics;
+mod each;
 mod estimate;
+mod estimate_table;
 mod figures;
 pub mod log;
 pub mod robot;
@@ -21,11 +24,14 @@ pub mod tables;
 #[cfg(test)]
 mod tests;
 pub mod text;
+pub mod topics;
 pub mod trend;
 mod warnings;
 mod words;
 
+pub use each::{each_summary, each_table};
 pub use estimate::html;
+pub use estimate_table::estimate_series;
 pub use sentences::headline;
 pub use session_sentences::{session_sentences, slip_cause};
 pub use warnings::{document_warnings, recording_warning, session_warning};

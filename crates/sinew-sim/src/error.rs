@@ -44,9 +44,9 @@ pub enum SimulateError {
     /// The recording could not be written.
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),
-    /// Parquet is read, not written.
+    /// The file's name doesn't say its format.
     #[error(
-        "{file}: recordings are written as MCAP or CSV; name a file that ends in .mcap or .csv"
+        "{file}: recordings are written as MCAP, Parquet or CSV; name a file that ends in .mcap, .parquet or .csv"
     )]
     Format {
         /// Output asked for.

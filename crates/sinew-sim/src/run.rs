@@ -5,7 +5,9 @@ use super::faults::{FaultCounts, FaultyLine};
 use super::scenario::Scenario;
 use super::simulation::Simulation;
 use super::truth::Truth;
-use sinew_log::{Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, Quantities};
+use sinew_log::{
+    Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, ParquetWriter, Quantities,
+};
 use sinew_model::robot::Robot;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -149,6 +151,7 @@ fn writer(
     let format = options.format.or(match ending {
         Some("mcap") => Some(Format::Mcap),
         Some("csv") => Some(Format::Csv),
+        Some("parquet") => Some(Format::Parquet),
         _ => None,
     });
     Ok(match format {
@@ -163,6 +166,9 @@ fn writer(
             },
         )?),
         Some(Format::Csv) => Box::new(CsvWriter::create(&options.out, &joints, quantities)?),
+        Some(Format::Parquet) => {
+            Box::new(ParquetWriter::create(&options.out, &joints, quantities)?)
+        }
         _ => {
             return Err(SimulateError::Format {
                 file: options.out.display().to_string(),

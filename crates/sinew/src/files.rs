@@ -2,6 +2,7 @@
 
 use crate::terminal::Failure;
 use sinew_files::{OutputError, write_file};
+use sinew_log::{LogError, Table};
 use std::path::{Path, PathBuf};
 
 /// A file, if it was asked for, and what it is called on the command line.
@@ -16,6 +17,17 @@ pub(crate) fn write_text(
     text: impl FnOnce() -> String,
 ) -> Result<(), OutputError> {
     path.map_or(Ok(()), |path| write_file(path, text().as_bytes()))
+}
+
+/// Writes a table where a file was asked for.
+///
+/// # Errors
+/// [`LogError`].
+pub(crate) fn write_table(
+    path: Option<&Path>,
+    table: impl FnOnce() -> Table,
+) -> Result<(), LogError> {
+    path.map_or(Ok(()), |path| table().write(path))
 }
 
 /// Refuses an output that has no folder to lie in or would replace an input or another output.

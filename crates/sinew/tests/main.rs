@@ -9,6 +9,7 @@ mod cli;
 mod control;
 mod creep;
 mod examples;
+mod outputs;
 mod reference;
 mod rope;
 #[cfg(feature = "schema")]

@@ -54,6 +54,7 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_log::RecordingInfo>(),
         Published::of::<sinew_estimate::robot_check::RobotCheck>(),
         Published::of::<sinew_estimate::EstimateDocument>(),
+        Published::of::<sinew_estimate::EachDocument>(),
         Published::of::<sinew_estimate::BaselineDocument>(),
         Published::of::<sinew_estimate::baseline::MergeSummary>(),
         Published::of::<sinew_estimate::trend::TrendReport>(),

@@ -18,7 +18,7 @@
 
 mod basis;
 mod checks;
-mod csv;
+mod frame_table;
 mod frames;
 mod health;
 mod pass;

@@ -2,7 +2,7 @@
 
 use super::basis::{basis, settings};
 use super::checks::refusals;
-use super::csv::CsvSink;
+use super::frame_table::FrameTable;
 use super::frames::{JointSummary, Replay};
 use super::health::{health_losses, health_warnings, judge};
 use super::result::{
@@ -22,7 +22,7 @@ pub(crate) struct Pass<'a> {
     replay: Replay,
     /// Why a joint gets no estimate.
     refused: Vec<Option<JointRefusal>>,
-    csv: Option<CsvSink>,
+    csv: Option<FrameTable>,
 }
 
 impl<'a> Pass<'a> {
@@ -59,7 +59,7 @@ impl<'a> Pass<'a> {
         );
         let csv = match &request.csv {
             None => None,
-            Some(path) => Some(CsvSink::create(path, names, &transmissions)?),
+            Some(path) => Some(FrameTable::create(path, names, &transmissions)?),
         };
         Ok(Self {
             request,

@@ -115,6 +115,23 @@ pub enum Verdict {
     CannotTell,
 }
 
+impl Verdict {
+    /// What an offset comes to, rad.
+    pub fn of(offset_rad: Gaussian) -> Self {
+        /// An interval whose half is wider than this can't tell stretch from nothing, rad.
+        const USELESS_RAD: f64 = 5e-3;
+        if !(offset_rad.half_width_95() <= USELESS_RAD) {
+            Self::CannotTell
+        } else if !offset_rad.is_nonzero_95() {
+            Self::Unchanged
+        } else if offset_rad.mean > 0.0 {
+            Self::Longer
+        } else {
+            Self::Shorter
+        }
+    }
+}
+
 /// A limit of elongation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

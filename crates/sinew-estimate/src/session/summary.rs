@@ -19,8 +19,6 @@ use sinew_model::offset::{Block, ChangeKind, JointParameter, MapEstimate, MapEst
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
-/// An interval whose half is wider than this can't tell stretch from nothing, rad.
-const USELESS_RAD: f64 = 5e-3;
 /// A block of less weight counts as left out.
 const HALF: f64 = 0.5;
 
@@ -126,7 +124,7 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
         let of = |t| Gaussian::new(f(t, offset_rad.mean), f(t, offset_rad.deviation));
         tendon.map(of)
     };
-    let verdict = verdict(offset_rad);
+    let verdict = Verdict::of(offset_rad);
     let withheld = verdict == Verdict::CannotTell && misfit_rad > 0.0;
     let estimate = TendonEstimate {
         name: robot.joint_names()[joint].clone(),
@@ -147,18 +145,6 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
         misfit_rad,
     };
     (estimate, inflation)
-}
-
-fn verdict(offset_rad: Gaussian) -> Verdict {
-    if !(offset_rad.half_width_95() <= USELESS_RAD) {
-        Verdict::CannotTell
-    } else if !offset_rad.is_nonzero_95() {
-        Verdict::Unchanged
-    } else if offset_rad.mean > 0.0 {
-        Verdict::Longer
-    } else {
-        Verdict::Shorter
-    }
 }
 
 /// Smallest and largest of some torques.

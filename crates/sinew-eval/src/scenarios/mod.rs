@@ -11,6 +11,7 @@ mod estimator;
 mod paper;
 mod recording;
 mod result;
+mod rows;
 mod run;
 mod simulated;
 mod summary;
@@ -19,7 +20,8 @@ mod table;
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
 pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
-pub use run::{Options, run};
+pub use rows::rows;
+pub use run::{Options, run, run_recordings};
 pub use table::render_table;
 
 use crate::journal::JournalError;

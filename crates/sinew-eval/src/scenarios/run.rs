@@ -38,14 +38,25 @@ pub struct Options {
     pub out: Option<PathBuf>,
 }
 
-/// Runs all recordings; `progress` is told how many of how many are done.
+/// What all recordings say together; see [`run_recordings`].
 ///
 /// # Errors
-/// [`ScenarioError`]; what was finished before is in the file of results.
+/// [`ScenarioError`].
 pub fn run(
     options: &Options,
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<ScenarioReport, ScenarioError> {
+    run_recordings(options, progress).map(|(report, _)| report)
+}
+
+/// Runs all recordings, and returns them too; `progress` is told how many of how many are done.
+///
+/// # Errors
+/// [`ScenarioError`]; what was finished before is in the file of results.
+pub fn run_recordings(
+    options: &Options,
+    progress: &mut (dyn FnMut(usize, usize) + Send),
+) -> Result<(ScenarioReport, Vec<Recording>), ScenarioError> {
     let mut plans = plans(options)?;
     if !options.motor_torque {
         for plan in &mut plans {
@@ -108,7 +119,7 @@ pub fn run(
     )?;
     // In the order of seeds, whoever was first: sums come out the same to the last bit.
     recordings.sort_by_key(|r| r.seed);
-    Ok(summarise(&plans, &recordings, options))
+    Ok((summarise(&plans, &recordings, options), recordings))
 }
 
 /// What is to be run, each by a name of its own.

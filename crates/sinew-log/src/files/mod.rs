@@ -15,7 +15,11 @@ mod spool;
 pub(crate) mod table;
 mod write;
 
+pub use parts::recordings_of;
 pub use read_seek::ReadSeek;
 pub use reader::{Format, Progress};
 pub use recording::{Recording, open, open_parts};
-pub use write::{Compression, CsvWriter, FrameWriter, McapOptions, McapWriter};
+pub use write::{
+    Cell, CellKind, Column, Compression, CsvWriter, FrameWriter, McapOptions, McapWriter, Packing,
+    ParquetWriter, Table, TableWriter, Topic, TopicWriter,
+};

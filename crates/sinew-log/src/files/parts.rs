@@ -37,6 +37,37 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     }
 }
 
+/// The recordings that `path` stands for where each is one of its own: those a pattern fits, or those of a folder that
+/// is no bag itself; else `path`.
+///
+/// # Errors
+/// [`LogError`] where a pattern fits nothing, or a folder holds no recording or can't be read.
+pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    let is_bag = |path: &Path| path.join(INFO).is_file() || path.join("metadata.yaml").is_file();
+    if !path.is_dir() {
+        return files(path);
+    }
+    if is_bag(path) {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let name = path.display().to_string();
+    let entries = std::fs::read_dir(path).map_err(|e| LogError::io(&name, "read", e))?;
+    let entries = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    let is_recording = |path: &PathBuf| {
+        let name = path.to_string_lossy();
+        is_bag(path) || path.is_file() && ENDINGS.iter().any(|end| name.ends_with(end))
+    };
+    let mut found: Vec<PathBuf> = entries.filter(is_recording).collect();
+    found.sort_by_cached_key(|path| natural(&path.to_string_lossy()));
+    match found.is_empty() {
+        true => Err(LogError::refused(
+            &name,
+            format!("no recording in this folder: no {}", ENDINGS.join(", ")),
+        )),
+        false => Ok(found),
+    }
+}
+
 /// The recordings of a folder: those its `metadata.yaml` names (a ROS 2 bag), else all.
 fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let name = path.display().to_string();

@@ -7,6 +7,7 @@ mod isochronous;
 mod page;
 mod page_tables;
 mod picture;
+mod series;
 mod terminal;
 mod words;
 
@@ -15,4 +16,5 @@ pub use fit_tables::fit_table;
 pub use group_table::group_table;
 pub use page::{analyze_page, compare_page, fit_page, withhold_page};
 pub use picture::{figure, plotted};
+pub use series::{fit_series, readings_series};
 pub use terminal::{analyze_table, compare_table, shift_table, withhold_table};

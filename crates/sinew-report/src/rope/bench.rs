@@ -3,8 +3,8 @@
 use crate::text::{paragraph, plain, table};
 use sinew_figure::plot::{Band, Figure, Line, Panel};
 use sinew_figure::rounded;
+use sinew_log::{Cell, CellKind, Table};
 use sinew_rope::bench::{BenchReading, BenchRun};
-use std::fmt::Write as _;
 
 /// A dozen rows, the last one, and both sides of every change of force.
 pub fn bench_table(run: &BenchRun) -> String {
@@ -55,23 +55,28 @@ pub fn bench_table(run: &BenchRun) -> String {
     out
 }
 
-/// One line per reading.
-pub fn bench_csv(run: &BenchRun) -> String {
-    let mut out = String::from(
-        "time_s,force_n,elongation_mm,strain_percent,strain_low_percent,strain_high_percent\n",
-    );
+/// One row per reading.
+pub fn bench_csv(run: &BenchRun) -> Table {
+    let columns = [
+        "time_s",
+        "force_n",
+        "elongation_mm",
+        "strain_percent",
+        "strain_low_percent",
+        "strain_high_percent",
+    ];
+    let mut out = Table::new(&columns.map(|name| (name, CellKind::Number)));
     for r in &run.readings {
         let s = r.strain_ratio.scaled(100.0);
-        let _ = writeln!(
-            out,
-            "{},{},{:.6},{:.6},{:.6},{:.6}",
+        let row = [
             r.time_s,
             r.force_n,
             1e3 * r.elongation_m,
             s.value,
             s.low,
-            s.high
-        );
+            s.high,
+        ];
+        out.push(row.map(Cell::Number).to_vec());
     }
     out
 }

@@ -6,6 +6,7 @@ mod choice;
 mod planned;
 mod predicted;
 mod selected;
+mod series;
 mod words;
 
 pub use bench::{bench_csv, bench_figure, bench_table};
@@ -14,6 +15,7 @@ pub use choice::figure;
 pub use planned::{plan_table, planned};
 pub use predicted::{predicted, prediction_table};
 pub use selected::{selected, selection_table};
+pub use series::{curve_times, prediction_series};
 pub use words::{caution, namesake, rejection};
 
 use sinew_figure::{Block, Page, rounded};

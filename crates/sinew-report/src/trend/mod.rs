@@ -2,10 +2,12 @@
 
 mod csv;
 mod page;
+mod table;
 mod terminal;
 mod words;
 
-pub use csv::write_csv;
+pub use csv::trend_table;
 pub use page::{figure, html};
+pub use table::trend_series;
 pub use terminal::render_table;
 pub use words::format_note;

@@ -3,7 +3,7 @@
 #[cfg(feature = "camera")]
 use super::bench_read_camera::ReadCamera;
 use super::rope::{Ropes, find};
-use crate::files::{check_outputs, write_text};
+use crate::files::{check_outputs, write_table};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
 use sinew_report::rope::{bench_csv, bench_figure, bench_table};
@@ -95,7 +95,7 @@ pub(crate) struct Simulate {
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Every reading as CSV: time_s, force_n, elongation_mm, strain_percent, interval
+    /// Every reading over time; .csv or .parquet
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Plot, .svg or .png
@@ -130,7 +130,7 @@ impl Simulate {
         let rope = find(&catalogue, &self.rope)?;
         let draws = self.draws as usize;
         let run = sinew_rope::bench::run(rope, &bench, self.readings, draws, self.seed)?;
-        write_text(self.csv.as_deref(), || bench_csv(&run))?;
+        write_table(self.csv.as_deref(), || bench_csv(&run))?;
         if let Some(path) = &self.plot {
             bench_figure(&run).write(path)?;
         }

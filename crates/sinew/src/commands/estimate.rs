@@ -2,17 +2,16 @@
 
 use super::session_args::{SessionArgs, read_baseline};
 use crate::args::{self, LAGS, Method, Opening, SOURCES, choice};
-use crate::files::check_outputs;
+use crate::files::{check_outputs, write_table};
 use crate::terminal::{Bar, Failure, Finish, Word, answer, complain, note};
 use clap::Args;
 use sinew_estimate::feeder::Injection;
-use sinew_estimate::session::{LimitState, SessionError};
-use sinew_estimate::{EstimateDocument, Method as Answer, Progress, Request, replay, session};
+use sinew_estimate::{EstimateDocument, Method as Answer, Plan, Progress, Request};
 use sinew_files::JsonDocument as _;
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use sinew_report::text::plain;
-use sinew_report::{document_warnings, tables};
-use std::path::PathBuf;
+use sinew_report::{document_warnings, estimate_series, tables, topics};
+use std::path::{Path, PathBuf};
 
 /// Heading of the options that only the paper's method knows.
 const PAPER: &str = "Paper's method";
@@ -26,21 +25,28 @@ const PAPER: &str = "Paper's method";
     sinew estimate monday.mcap --robot robots/biorob-like --report monday.html\n  \
     sinew estimate monday.mcap --baseline first-day.baseline --nuisance\n  \
     sinew estimate monday.mcap --reference first-day.mcap --json\n  \
+    sinew estimate --each runs/*.mcap --baseline first-day.baseline --table runs.parquet\n  \
+    sinew estimate monday.mcap --mcap monday-tendons.mcap\n  \
     sinew estimate monday.mcap --inject elbow=0.010@20")]
 pub(crate) struct Estimate {
-    /// Recording
-    log: PathBuf,
+    /// Recording: a file, the folder of a bag, or a pattern in quotes for the parts of one
+    #[arg(required = true, value_name = "LOG")]
+    pub(super) logs: Vec<PathBuf>,
+    /// Several recordings, each on its own: none knows of another. A pattern in quotes or a folder
+    /// stands for all recordings there. Exit code 3 where some fail, 1 where all do
+    #[arg(long, conflicts_with_all = ["csv", "series", "report", "mcap", "save", "reference", "nuisance"])]
+    each: bool,
     /// Robot's folder [default: beside LOG, then the current folder]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
     /// Baseline made by `sinew baseline`: offsets since then instead of since the encoders' zero
     #[arg(long, value_name = "FILE")]
-    baseline: Option<PathBuf>,
+    pub(super) baseline: Option<PathBuf>,
     /// Earlier recording of like motion: the paper's difference since then
     #[arg(long, value_name = "LOG2")]
     reference: Option<PathBuf>,
     #[command(flatten)]
-    session: SessionArgs,
+    pub(super) session: SessionArgs,
 
     /// Which estimate answers [default: absolute; paper with --reference or a setting of the paper's]
     #[arg(long, value_enum)]
@@ -67,30 +73,44 @@ pub(crate) struct Estimate {
     tau_ext: bool,
 
     #[command(flatten)]
-    opening: Opening,
+    pub(super) opening: Opening,
 
     /// Print one JSON document instead of the table (no value: null)
     #[arg(long, help_heading = "Output")]
-    json: bool,
-    /// Write the paper's reading of every frame as CSV
+    pub(super) json: bool,
+    /// Write the paper's reading of every frame; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
+    /// Write the estimate over time, of both methods; .csv or .parquet
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    series: Option<PathBuf>,
+    /// Write the estimate over time as topics, to be opened beside the recording in Foxglove or
+    /// PlotJuggler
+    #[arg(long, value_name = "FILE.mcap", help_heading = "Output")]
+    mcap: Option<PathBuf>,
+    /// With --each: write a row per recording and joint; .csv or .parquet
+    #[arg(long, value_name = "FILE", requires = "each", help_heading = "Output")]
+    pub(super) table: Option<PathBuf>,
     /// Write a report with plots as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
     /// No progress and no warnings on stderr
     #[arg(long, help_heading = "Output")]
-    quiet: bool,
+    pub(super) quiet: bool,
 }
 
 impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        self.check_files()?;
         if self.method() == Answer::Paper {
             self.session.refuse_all()?;
         }
-        let document = self.estimate(&self.request()?)?;
+        if self.each {
+            return self.run_each();
+        }
+        let log = self.log()?;
+        self.check_files(log)?;
+        let document = self.estimate(&self.request(log.to_path_buf())?)?;
         if !self.quiet && !self.json {
             for warning in document_warnings(&document) {
                 complain(Word::Warning, &plain(&warning));
@@ -99,6 +119,10 @@ impl Estimate {
         for line in tables::taken(&document.reading) {
             note(|| plain(&line));
         }
+        write_table(self.series.as_deref(), || estimate_series(&document))?;
+        if let Some(path) = &self.mcap {
+            topics::write_topics(&document, path)?;
+        }
         if let Some(path) = &self.report {
             sinew_files::write_file(path, sinew_report::html(&document).as_bytes())?;
         }
@@ -106,14 +130,25 @@ impl Estimate {
             true => document.to_json()?,
             false => tables::document(&document, self.session.nuisance),
         })?;
-        let mut limits =
-            (document.session.iter().flat_map(|s| &s.joints)).filter_map(|j| j.retension);
-        let passed = limits.any(|limit| limit.state == LimitState::Passed);
-        Ok(Finish::lossy(document.reading.damaged || passed))
+        Ok(Finish::lossy(
+            document.is_damaged() || document.passes_limit(),
+        ))
     }
 
-    fn request(&self) -> Result<Request, Failure> {
-        let mut request = Request::new(self.log.clone());
+    /// The one recording there is without `--each`.
+    fn log(&self) -> Result<&Path, Failure> {
+        match &self.logs[..] {
+            [log] => Ok(log),
+            several => Err(Failure::Refused(format!(
+                "{} recordings: add --each to estimate each on its own; the parts of one recording are named by its folder or by a pattern in quotes",
+                several.len()
+            ))),
+        }
+    }
+
+    /// What is asked of a recording.
+    pub(super) fn request(&self, log: PathBuf) -> Result<Request, Failure> {
+        let mut request = Request::new(log);
         request.robot.clone_from(&self.robot);
         if let Some(source) = self.source {
             request.source = source;
@@ -134,7 +169,7 @@ impl Estimate {
     }
 
     /// Who answers: who is asked to, else whose settings are given.
-    fn method(&self) -> Answer {
+    pub(super) fn method(&self) -> Answer {
         let paper = self.reference.is_some()
             || self.source.is_some()
             || self.comparison.is_some()
@@ -159,44 +194,34 @@ impl Estimate {
             });
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
         };
-        let method = self.method();
-        if method == Answer::Paper {
-            let read = replay::run(request, &mut progress);
-            let reading = read.map_err(|e| Failure::Refused(e.to_string()))?;
-            if let Some(why) = sinew_report::nothing_estimated(&reading) {
-                return Err(Failure::Refused(plain(&why)));
-            }
-            return Ok(EstimateDocument {
-                method,
-                session: None,
-                reading,
-            });
+        let read = read_baseline(self.baseline.as_deref())?;
+        let plan = Plan {
+            method: self.method(),
+            window: self.session.window()?,
+            baseline: read.as_ref().map(|(b, name)| (b, name.as_str())),
+            options: self.session.options(),
+        };
+        let (document, next) = sinew_estimate::estimate(request, &plan, &mut progress)?;
+        let reading = &document.reading;
+        if let Some(why) = sinew_report::nothing_estimated(reading).filter(|_| next.is_none()) {
+            return Err(Failure::Refused(plain(&why)));
         }
-        let refused = |e: SessionError| Failure::Refused(e.to_string());
-        let (window, options) = (self.session.window()?, self.session.options());
-        let read = read_baseline(self.baseline.as_deref()).map_err(refused)?;
-        let since = read.as_ref().map(|(b, name)| (b, name.as_str()));
-        let (reading, session, next) =
-            session::estimate_with_replay(request, window, since, &options, &mut progress)
-                .map_err(refused)?;
-        if let Some(path) = &self.session.save {
+        if let (Some(path), Some(next)) = (&self.session.save, next) {
             next.write(path)?;
         }
-        Ok(EstimateDocument {
-            method,
-            session: Some(session),
-            reading,
-        })
+        Ok(document)
     }
 
-    fn check_files(&self) -> Result<(), Failure> {
+    fn check_files(&self, log: &Path) -> Result<(), Failure> {
         let outputs = [
             ("--csv", self.csv.as_deref()),
+            ("--series", self.series.as_deref()),
+            ("--mcap", self.mcap.as_deref()),
             ("--report", self.report.as_deref()),
             ("--save", self.session.save.as_deref()),
         ];
         let inputs = [
-            ("the recording", Some(self.log.as_path())),
+            ("the recording", Some(log)),
             ("the reference", self.reference.as_deref()),
             ("the baseline", self.baseline.as_deref()),
             ("the mapping file", self.opening.mapping()),

@@ -7,6 +7,7 @@ pub(crate) mod bench;
 mod bench_read_camera;
 pub(crate) mod creep;
 pub(crate) mod estimate;
+mod estimate_each;
 pub(crate) mod excitation;
 pub(crate) mod log;
 pub(crate) mod paper;

@@ -1,6 +1,6 @@
 //! `sinew scenarios`: how good the absolute offset is, over many simulated recordings.
 
-use crate::files::check_outputs;
+use crate::files::{check_outputs, write_table};
 use crate::terminal::{Bar, Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
@@ -54,6 +54,9 @@ pub(crate) struct Run {
     /// A line of JSON per recording; recordings that are there already aren't run again
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
+    /// Write a row per recording and joint; .csv or .parquet
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    table: Option<PathBuf>,
     /// Print one JSON document instead of tables
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -93,7 +96,11 @@ impl Scenarios {
 
 impl Run {
     fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(&[("--out", self.out.as_deref())], &[])?;
+        let outputs = [
+            ("--out", self.out.as_deref()),
+            ("--table", self.table.as_deref()),
+        ];
+        check_outputs(&outputs, &[])?;
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let mut wanted: Vec<String> = if self.unmodelled {
             names(&UNMODELLED)
@@ -117,8 +124,9 @@ impl Run {
         };
         let bar = Bar::new("recordings", self.quiet);
         let mut progress = |done, all| bar.set(done as f64, all as f64);
-        let report = scenarios::run(&options, &mut progress)?;
+        let (report, recordings) = scenarios::run_recordings(&options, &mut progress)?;
         drop(bar);
+        write_table(self.table.as_deref(), || scenarios::rows(&recordings))?;
         answer_as(self.json, &report, scenarios::render_table)?;
         Ok(Finish::Complete)
     }

@@ -25,7 +25,7 @@ pub(crate) struct Simulate {
     /// Robot's folder [default: the one the scenario names]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Recording to write; .mcap or .csv
+    /// Recording to write; .mcap, .parquet or .csv
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Seed of everything drawn [default: the scenario's]

@@ -37,17 +37,9 @@ impl CsvWriter {
             });
         }
         let mut header = String::from("time_s");
-        for quantity in quantities.iter() {
-            match quantity {
-                Quantity::Temperature => header.push_str(",temperature_c"),
-                _ => {
-                    for joint in joints {
-                        let name = format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
-                        header.push(',');
-                        header.push_str(&csv_cell(&name));
-                    }
-                }
-            }
+        for name in value_columns(joints, quantities) {
+            header.push(',');
+            header.push_str(&csv_cell(&name));
         }
         header.push('\n');
         let mut file = AtomicFile::create(path)?;
@@ -85,6 +77,18 @@ impl FrameWriter for CsvWriter {
     fn finish(self: Box<Self>) -> Result<(), LogError> {
         Ok(self.file.finish()?)
     }
+}
+
+/// Names of the columns besides the time.
+pub(super) fn value_columns(joints: &[String], quantities: Quantities) -> Vec<String> {
+    let of = |quantity: Quantity| match quantity {
+        Quantity::Temperature => vec!["temperature_c".to_owned()],
+        _ => {
+            let name = |joint| format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
+            joints.iter().map(name).collect()
+        }
+    };
+    quantities.iter().flat_map(of).collect()
 }
 
 /// Every vector of the frame must have one value per joint.

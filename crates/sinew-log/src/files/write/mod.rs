@@ -1,11 +1,19 @@
 //! Writing recordings: to a temporary file beside the target, renamed when finished.
 
+mod csv_table;
 mod csv_write;
 mod mcap_write;
-mod message_text;
+#[cfg(feature = "parquet")]
+mod parquet_table;
+mod parquet_write;
+mod table_write;
+mod topic_write;
 
 pub use csv_write::CsvWriter;
-pub use mcap_write::{Compression, McapOptions, McapWriter};
+pub use mcap_write::{McapOptions, McapWriter};
+pub use parquet_write::ParquetWriter;
+pub use table_write::{Cell, CellKind, Column, Table, TableWriter};
+pub use topic_write::{Compression, Packing, Topic, TopicWriter};
 
 use crate::error::LogError;
 use crate::frame::Frame;

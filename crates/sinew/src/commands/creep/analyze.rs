@@ -1,6 +1,7 @@
 //! `sinew creep analyze`.
 
 use super::files::TestFiles;
+use crate::files::write_table;
 use crate::terminal::{Failure, Finish};
 use clap::Args;
 use sinew_report::creep;
@@ -23,6 +24,9 @@ impl Analyze {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         let tests = self.files.tests()?;
         let report = tests.report(self.files.conditions());
+        write_table(self.files.series.as_deref(), || {
+            creep::readings_series(&tests)
+        })?;
         let page = || creep::analyze_page(&report, &tests);
         self.files.answer(
             &report,

@@ -1,13 +1,13 @@
 //! Options of test files, and their outputs.
 
-use crate::files::{Named, check_outputs, write_text};
+use crate::files::{Named, check_outputs, write_table, write_text};
 use crate::terminal::{Bar, Failure, Word, answer_as, complain};
 use crate::text::{plain, plain_lines};
 use clap::Args;
 use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
 use sinew_figure::Page;
 use sinew_files::JsonDocument;
-use sinew_log::{ColumnChoice, Specimen, TestOptions};
+use sinew_log::{ColumnChoice, Specimen, Table, TestOptions};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -54,9 +54,12 @@ pub(super) struct TestFiles {
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
 
-    /// Write a table, one line per specimen
+    /// Write a table, one row per specimen, law or parameter; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
+    /// Write readings, and forecasts, over time; .csv or .parquet
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) series: Option<PathBuf>,
     /// Write a report with plots as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
@@ -96,6 +99,7 @@ impl TestFiles {
     pub(super) fn specimens(&self) -> Result<(Vec<Source>, Vec<Specimen>), Failure> {
         let outputs = [
             ("--csv", self.csv.as_deref()),
+            ("--series", self.series.as_deref()),
             ("--report", self.report.as_deref()),
         ];
         let inputs: Vec<Named<'_>> = self
@@ -171,11 +175,11 @@ impl TestFiles {
     pub(super) fn answer<D: JsonDocument>(
         &self,
         document: &D,
-        csv: impl FnOnce(&D) -> String,
+        csv: impl FnOnce(&D) -> Table,
         page: Option<&dyn Fn() -> Page>,
         table: impl FnOnce(&D) -> String,
     ) -> Result<(), Failure> {
-        write_text(self.csv.as_deref(), || csv(document))?;
+        write_table(self.csv.as_deref(), || csv(document))?;
         if let Some(page) = page {
             write_text(self.report.as_deref(), || page().html())?;
         }

@@ -4,6 +4,7 @@ use super::super::rope::{Ropes, find};
 use super::files::TestFiles;
 use super::write_rope::{rope_name, write_rope};
 use crate::args::{Choice, choice, positive};
+use crate::files::write_table;
 use crate::terminal::{Bar, Failure, Finish};
 use clap::Args;
 use sinew_creep::{
@@ -141,6 +142,8 @@ impl Fit {
                 .map_err(|why| Failure::Refused(format!("--write-rope: {why}")))?;
             write_rope(path, &entry.to_toml())?;
         }
+        let series = || creep::fit_series(&report, &tests);
+        write_table(self.files.series.as_deref(), series)?;
         let page = || creep::fit_page(&report, &tests, request.joint, &self.files.conditions());
         let table = |report: &_| {
             let mut out = creep::fit_table(report);

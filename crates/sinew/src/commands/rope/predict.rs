@@ -3,11 +3,11 @@
 use super::duty_args::DutyArgs;
 use super::{Ropes, find};
 use crate::args::not_negative;
-use crate::files::{check_outputs, write_text};
+use crate::files::{check_outputs, write_table, write_text};
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::Args;
 use sinew_model::rope::RopeLoad;
-use sinew_report::rope::{predicted, prediction_table};
+use sinew_report::rope::{curve_times, predicted, prediction_series, prediction_table};
 use sinew_rope::predict;
 use std::path::PathBuf;
 
@@ -35,6 +35,9 @@ pub(crate) struct Predict {
     /// HTML page
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Write the curve over time; .csv or .parquet
+    #[arg(long, value_name = "FILE")]
+    series: Option<PathBuf>,
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -45,7 +48,11 @@ pub(crate) struct Predict {
 
 impl Predict {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(&[("--report", self.report.as_deref())], &[])?;
+        let outputs = [
+            ("--report", self.report.as_deref()),
+            ("--series", self.series.as_deref()),
+        ];
+        check_outputs(&outputs, &[])?;
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let mut resolved = self.duty.resolve(self.quiet)?;
         let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {
@@ -62,6 +69,12 @@ impl Predict {
             bar.set(done as f64, draws);
         })?;
         drop(bar);
+        if self.series.is_some() {
+            let mut curve = resolved.request.clone();
+            curve.times_s = curve_times(&curve.times_s);
+            let found = predict::predict(rope, &curve)?;
+            write_table(self.series.as_deref(), || prediction_series(&found))?;
+        }
         write_text(self.report.as_deref(), || predicted(&found).html())?;
         answer_as(self.json, &found, prediction_table)?;
         Ok(Finish::Complete)

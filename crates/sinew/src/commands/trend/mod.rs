@@ -3,7 +3,7 @@
 mod year;
 
 use super::rope::Ropes;
-use crate::files::{Named, check_outputs};
+use crate::files::{Named, check_outputs, write_table};
 use crate::terminal::{Failure, Finish, Word, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
@@ -11,7 +11,7 @@ use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions};
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
 use sinew_report::text::plain;
-use sinew_report::trend::{format_note, html, render_table, write_csv};
+use sinew_report::trend::{format_note, html, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
 use std::path::PathBuf;
 
@@ -57,9 +57,12 @@ pub(crate) struct Trend {
     /// Print one JSON document instead of the table
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Write every session as CSV: as recorded, and what the trend knew then
+    /// Write every session, mrad: as recorded, and what the trend knew then; .csv or .parquet
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
+    /// Write levels and forecast over time, rad; .csv or .parquet
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    series: Option<PathBuf>,
     /// Write a report with plots as one HTML file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
@@ -113,9 +116,8 @@ impl Trend {
             seed: self.seed,
         };
         let report = analyze(sorted, &request)?;
-        if let Some(path) = &self.csv {
-            write_csv(&report, path)?;
-        }
+        write_table(self.csv.as_deref(), || trend_table(&report))?;
+        write_table(self.series.as_deref(), || trend_series(&report))?;
         if let Some(path) = &self.report {
             sinew_files::write_file(path, html(&report).as_bytes())?;
         }
@@ -144,6 +146,7 @@ impl Trend {
     fn check_files(&self) -> Result<(), Failure> {
         let outputs = [
             ("--csv", self.csv.as_deref()),
+            ("--series", self.series.as_deref()),
             ("--report", self.report.as_deref()),
         ];
         let named = |f| ("a file of records", Some(PathBuf::as_path(f)));

@@ -3,7 +3,9 @@
 //! Texts from ros2/common_interfaces, ros2/rcl_interfaces (Apache-2.0) and
 //! ros-controls/control_msgs (BSD-3-Clause), comments shortened.
 
-/// What both joint messages begin with.
+use super::Schema;
+
+/// What messages with a header begin with.
 macro_rules! header {
     () => {
         "\
@@ -34,12 +36,15 @@ uint32 nanosec
 }
 
 /// `std_msgs/msg/String`.
-pub(super) const STRING: (&str, &str) = ("std_msgs/msg/String", "string data\n");
+pub(super) const STRING: Schema = Schema {
+    name: "std_msgs/msg/String",
+    text: "string data\n",
+};
 
 /// `sensor_msgs/msg/JointState`.
-pub(super) const JOINT_STATE: (&str, &str) = (
-    "sensor_msgs/msg/JointState",
-    concat!(
+pub(super) const JOINT_STATE: Schema = Schema {
+    name: "sensor_msgs/msg/JointState",
+    text: concat!(
         "\
 # This is a message that holds data to describe the state of a set of torque controlled joints.
 #
@@ -68,12 +73,12 @@ float64[] effort
 ",
         header!()
     ),
-);
+};
 
 /// `control_msgs/msg/DynamicJointState`.
-pub(super) const DYNAMIC_JOINT_STATE: (&str, &str) = (
-    "control_msgs/msg/DynamicJointState",
-    concat!(
+pub(super) const DYNAMIC_JOINT_STATE: Schema = Schema {
+    name: "control_msgs/msg/DynamicJointState",
+    text: concat!(
         "\
 # Header timestamp should be update time of joint state
 std_msgs/Header header
@@ -97,4 +102,47 @@ string[] interface_names
 float64[] values
 "
     ),
-);
+};
+
+/// `diagnostic_msgs/msg/DiagnosticArray`.
+pub(super) const DIAGNOSTIC_ARRAY: Schema = Schema {
+    name: "diagnostic_msgs/msg/DiagnosticArray",
+    text: concat!(
+        "\
+# This message is used to send diagnostic information about the state of the robot.
+std_msgs/Header header # for timestamp
+DiagnosticStatus[] status # an array of components being reported on
+
+",
+        header!(),
+        "
+================================================================================
+MSG: diagnostic_msgs/DiagnosticStatus
+# This message holds the status of an individual component of the robot.
+
+# Possible levels of operations.
+byte OK=0
+byte WARN=1
+byte ERROR=2
+byte STALE=3
+
+# Level of operation enumerated above.
+byte level
+# A description of the test/component reporting.
+string name
+# A description of the status.
+string message
+# A hardware unique string.
+string hardware_id
+# An array of values associated with the status.
+KeyValue[] values
+
+================================================================================
+MSG: diagnostic_msgs/KeyValue
+# What to label this value when viewing.
+string key
+# A value to track over time.
+string value
+"
+    ),
+};

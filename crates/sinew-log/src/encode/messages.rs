@@ -1,0 +1,151 @@
+//! The messages that are written, field by field in the order of their definitions.
+
+use super::{Message, Schema, text};
+use serde::{Serialize, Serializer};
+
+/// `builtin_interfaces/msg/Time`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Stamp {
+    /// Seconds since 1970.
+    pub sec: i32,
+    /// Nanoseconds of that second.
+    pub nanosec: u32,
+}
+
+impl Stamp {
+    /// A time, ns since 1970; `None` outside 1901 to 2038, which a stamp can't hold.
+    pub fn new(time_ns: i64) -> Option<Self> {
+        Some(Self {
+            sec: i32::try_from(time_ns.div_euclid(1_000_000_000)).ok()?,
+            nanosec: time_ns.rem_euclid(1_000_000_000) as u32,
+        })
+    }
+}
+
+/// `std_msgs/msg/Header`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Header<'a> {
+    /// When.
+    pub stamp: Stamp,
+    /// Frame of reference.
+    pub frame_id: &'a str,
+}
+
+impl<'a> Header<'a> {
+    /// [`Stamp::new`] with a frame.
+    pub fn at(time_ns: i64, frame_id: &'a str) -> Option<Self> {
+        let stamp = Stamp::new(time_ns)?;
+        Some(Self { stamp, frame_id })
+    }
+}
+
+/// `std_msgs/msg/String`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Text<'a> {
+    /// The text.
+    pub data: &'a str,
+}
+
+impl Message for Text<'_> {
+    const SCHEMA: Schema = text::STRING;
+}
+
+/// `sensor_msgs/msg/JointState`; a sequence may be empty: not published.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct JointState<'a> {
+    /// When.
+    pub header: Header<'a>,
+    /// Joints.
+    pub name: &'a [String],
+    /// rad.
+    pub position: &'a [f64],
+    /// rad/s.
+    pub velocity: &'a [f64],
+    /// N·m.
+    pub effort: &'a [f64],
+}
+
+impl Message for JointState<'_> {
+    const SCHEMA: Schema = text::JOINT_STATE;
+}
+
+/// `control_msgs/msg/InterfaceValue`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct InterfaceValue<'a> {
+    /// Names.
+    pub interface_names: &'a [&'a str],
+    /// A value for each.
+    pub values: &'a [f64],
+}
+
+/// `control_msgs/msg/DynamicJointState`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DynamicJointState<'a> {
+    /// When.
+    pub header: Header<'a>,
+    /// Joints.
+    pub joint_names: &'a [String],
+    /// Interfaces of each.
+    pub interface_values: &'a [InterfaceValue<'a>],
+}
+
+impl Message for DynamicJointState<'_> {
+    const SCHEMA: Schema = text::DYNAMIC_JOINT_STATE;
+}
+
+/// How serious a status is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Level {
+    /// Nothing to do.
+    Ok = 0,
+    /// Worth a look.
+    Warn = 1,
+    /// Something to do.
+    Error = 2,
+    /// Nothing has been heard.
+    Stale = 3,
+}
+
+impl Serialize for Level {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_u8(*self as u8)
+    }
+}
+
+/// `diagnostic_msgs/msg/KeyValue`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct KeyValue {
+    /// What.
+    pub key: String,
+    /// How much.
+    pub value: String,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticStatus`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DiagnosticStatus {
+    /// How serious.
+    pub level: Level,
+    /// Of what.
+    pub name: String,
+    /// In a sentence.
+    pub message: String,
+    /// Of which hardware.
+    pub hardware_id: String,
+    /// In numbers.
+    pub values: Vec<KeyValue>,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticArray`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DiagnosticArray<'a> {
+    /// When.
+    pub header: Header<'a>,
+    /// What there is to say.
+    pub status: &'a [DiagnosticStatus],
+}
+
+impl Message for DiagnosticArray<'_> {
+    const SCHEMA: Schema = text::DIAGNOSTIC_ARRAY;
+}

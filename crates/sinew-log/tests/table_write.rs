@@ -1,0 +1,167 @@
+//! Tables that are written: the same columns and numbers as CSV and as Parquet.
+
+use ::parquet::file::reader::{FileReader as _, SerializedFileReader};
+use ::parquet::record::Field;
+use sinew_log::{Cell, CellKind, Frame, FrameWriter as _, OpenOptions, Quantities, Table};
+use sinew_log::{ParquetWriter, TableWriter, TestOptions, TestQuantity, read_test};
+use std::fs::File;
+
+/// Numbers that are hard to write: tiny, huge, no finite decimal.
+fn table(rows: usize) -> Table {
+    let columns = [
+        ("time_s", CellKind::Number),
+        ("strain_ratio", CellKind::Number),
+        ("time_utc_ns", CellKind::Integer),
+        ("rope", CellKind::Text),
+        ("off", CellKind::Flag),
+    ];
+    let mut table = Table::new(&columns);
+    for row in 0..rows {
+        let strain = match row % 4 {
+            0 => Some(1e-17 / 3.0 + row as f64 * 1e-9),
+            1 => Some(0.1 + 0.2),
+            2 => None,
+            _ => Some(f64::NAN),
+        };
+        table.push(vec![
+            (row as f64 / 3.0).into(),
+            strain.into(),
+            (1_790_000_000_123_456_789_i64 + row as i64).into(),
+            if row % 2 == 0 { "a,b \"c\"\nµ" } else { "" }.into(),
+            (row % 3 == 0).into(),
+        ]);
+    }
+    table
+}
+
+/// What a cell reads back as.
+fn read_back(cell: &Cell) -> Field {
+    match cell {
+        Cell::Number(x) if x.is_finite() => Field::Double(*x),
+        Cell::Integer(x) => Field::Long(*x),
+        Cell::Text(x) => Field::Str(x.clone()),
+        Cell::Flag(x) => Field::Bool(*x),
+        _ => Field::Null,
+    }
+}
+
+#[test]
+fn parquet_holds_every_cell_exactly_over_several_groups() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.PARQUET");
+    // One row more than a group holds.
+    let table = table((1 << 16) + 1);
+    table.write(&path).unwrap();
+    let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+    assert_eq!(reader.metadata().num_row_groups(), 2);
+    let mut rows = reader.get_row_iter(None).unwrap();
+    for row in &table.rows {
+        let found = rows.next().unwrap().unwrap();
+        let names = table.columns.iter().map(|(name, _)| name);
+        let wanted: Vec<_> = names.zip(row.iter().map(read_back)).collect();
+        let found: Vec<_> = found
+            .get_column_iter()
+            .map(|(n, f)| (n, f.clone()))
+            .collect();
+        assert_eq!(found, wanted);
+    }
+    assert!(rows.next().is_none());
+}
+
+#[test]
+fn our_own_reader_reads_the_same_numbers_from_csv_and_parquet() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut table = Table::new(&[
+        ("time_s", CellKind::Number),
+        ("force_n", CellKind::Number),
+        ("strain_ratio", CellKind::Number),
+    ]);
+    for row in 0..50 {
+        let x = f64::from(row);
+        table.push(vec![
+            (x / 3.0).into(),
+            (60.0 + x / 7.0).into(),
+            (1e-3 * x.sqrt()).into(),
+        ]);
+    }
+    let options = TestOptions {
+        columns: vec!["force=force_n:N".parse().unwrap()],
+        ..TestOptions::default()
+    };
+    let read = |name: &str| {
+        let path = folder.path().join(name);
+        table.write(&path).unwrap();
+        let file = read_test(&path, &options).unwrap();
+        file.specimens[0].clone()
+    };
+    let (csv, parquet) = (read("a.csv"), read("a.parquet"));
+    for quantity in TestQuantity::ALL {
+        assert_eq!(csv.column(quantity), parquet.column(quantity));
+    }
+    let number = |cell: &Cell| match cell {
+        Cell::Number(x) => *x,
+        _ => f64::NAN,
+    };
+    let strain: Vec<f64> = table.rows.iter().map(|row| number(&row[2])).collect();
+    assert_eq!(csv.column(TestQuantity::Strain), Some(&strain[..]));
+}
+
+#[test]
+fn a_row_of_another_width_and_a_column_twice_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "a.parquet"] {
+        let path = folder.path().join(name);
+        let columns = [("x".to_owned(), CellKind::Number)];
+        let mut writer = TableWriter::create(&path, &columns).unwrap();
+        let error = writer.row(&[1.0.into(), 2.0.into()]).unwrap_err();
+        assert!(
+            error.to_string().contains("a row of 2 cells for 1"),
+            "{error}"
+        );
+        let twice = [columns[0].clone(), columns[0].clone()];
+        let error = TableWriter::create(&path, &twice).err().unwrap();
+        assert!(error.to_string().contains("two columns 'x'"), "{error}");
+    }
+}
+
+#[test]
+fn a_recording_as_parquet_reads_back_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let joints = ["shoulder".to_owned(), "elbow".to_owned()];
+    let quantities = Quantities {
+        tau_m: true,
+        temperature: true,
+        ..Quantities::positions()
+    };
+    let frames: Vec<Frame> = (0..200)
+        .map(|k| {
+            let x = f64::from(k) * 0.01;
+            let mut frame = Frame::new(2);
+            frame.time_ns = 1_790_000_000_000_000_001 + i64::from(k) * 5_000_000;
+            frame.q = vec![x.sin(), x.cos()];
+            frame.theta = vec![x.sin() + 0.01 * x, x.cos() / 3.0];
+            frame.tau_m = vec![f64::NAN, 2.0 * x];
+            frame.temperature_c = 20.0 + x;
+            frame
+        })
+        .collect();
+    let mut writer = ParquetWriter::create(&path, &joints, quantities).unwrap();
+    for frame in &frames {
+        writer.write(frame).unwrap();
+    }
+    Box::new(writer).finish().unwrap();
+    let mut recording = sinew_log::open(&path, &OpenOptions::default()).unwrap();
+    assert_eq!(recording.joints(), joints);
+    for frame in &frames {
+        let found = recording.next_frame().unwrap().unwrap();
+        assert_eq!((found.time_ns, &found.q), (frame.time_ns, &frame.q));
+        assert_eq!(
+            (&found.theta, found.tau_m[1]),
+            (&frame.theta, frame.tau_m[1])
+        );
+        assert!(found.tau_m[0].is_nan());
+        assert_eq!(found.temperature_c, frame.temperature_c);
+    }
+    assert!(recording.next_frame().unwrap().is_none());
+}

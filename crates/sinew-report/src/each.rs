@@ -1,0 +1,215 @@
+//! Many recordings, a row per recording and joint.
+
+use crate::session_sentences::change_kind;
+use crate::tables::verdict;
+use crate::text::{paragraph, plain, table};
+use crate::warnings::document_warnings;
+use crate::words::{joint_refusal, nothing_estimated};
+use sinew_estimate::replay::JointEstimate;
+use sinew_estimate::session::{LimitState, SessionEstimate, TendonEstimate, Verdict};
+use sinew_estimate::{EachDocument, EstimateDocument, Method, RecordingOutcome};
+use sinew_figure::rounded;
+use sinew_log::{Cell, CellKind, Table};
+use sinew_model::Gaussian;
+
+/// What a row says besides its recording.
+struct Row<'a> {
+    joint: &'a str,
+    offset_rad: Option<f64>,
+    half_width_rad: Option<f64>,
+    elongation_m: Option<f64>,
+    half_width_m: Option<f64>,
+    strain_ratio: Option<f64>,
+    verdict: Option<Verdict>,
+    reason: String,
+}
+
+impl<'a> Row<'a> {
+    fn of_tendon(joint: &'a TendonEstimate) -> Self {
+        Self {
+            joint: &joint.name,
+            offset_rad: Some(joint.offset_rad.mean),
+            half_width_rad: Some(joint.offset_rad.half_width_95()),
+            elongation_m: joint.elongation_m.map(|m| m.mean),
+            half_width_m: joint.elongation_m.map(Gaussian::half_width_95),
+            strain_ratio: joint.strain_ratio.map(|strain| strain.mean),
+            verdict: Some(joint.verdict),
+            reason: reason(joint),
+        }
+    }
+
+    fn of_reading(joint: &'a JointEstimate) -> Self {
+        Self {
+            joint: &joint.name,
+            offset_rad: joint.offset_rad,
+            half_width_rad: None,
+            elongation_m: joint.elongation_m,
+            half_width_m: None,
+            strain_ratio: joint.strain_ratio,
+            verdict: None,
+            reason: joint.refused.map_or(String::new(), joint_refusal),
+        }
+    }
+
+    fn all(document: &'a EstimateDocument) -> Vec<Self> {
+        match &document.session {
+            Some(SessionEstimate { joints, .. }) => joints.iter().map(Self::of_tendon).collect(),
+            None => (document.reading.joints.iter())
+                .map(Self::of_reading)
+                .collect(),
+        }
+    }
+}
+
+/// What else there is to a verdict, in a few words; empty: nothing.
+fn reason(joint: &TendonEstimate) -> String {
+    let mut out = Vec::new();
+    if joint.verdict == Verdict::CannotTell {
+        let mrad = |rad: f64| rounded(1e3 * rad, 2);
+        out.push(match joint.misfit_rad > 0.0 {
+            true => format!("{} mrad fit nothing", mrad(joint.misfit_rad)),
+            false => format!(
+                "± {} mrad is too wide",
+                mrad(joint.offset_rad.half_width_95())
+            ),
+        });
+    }
+    let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
+    out.extend(passed.map(|limit| format!("past {} mm", rounded(1e3 * limit.elongation_m, 2))));
+    let changes = joint.changes.iter();
+    out.extend(changes.map(|c| format!("{} at {:.0} s", change_kind(c.kind), c.time_s)));
+    out.join("; ")
+}
+
+/// Why a recording has no estimate, without its name.
+fn failure(outcome: &RecordingOutcome) -> Option<String> {
+    let why = match (&outcome.error, &outcome.estimate) {
+        (Some(error), _) => error.clone(),
+        (None, Some(document)) if !outcome.is_estimated() => {
+            nothing_estimated(&document.reading).unwrap_or_default()
+        }
+        _ => return None,
+    };
+    let prefix = format!("{}: ", outcome.recording);
+    Some(why.strip_prefix(&prefix).unwrap_or(&why).to_owned())
+}
+
+/// A row per recording and joint, in SI; a recording that couldn't be estimated is one row with its `error`.
+///
+/// Intervals are half a 95 % interval; the paper's reading has none, and no verdict.
+pub fn each_table(each: &EachDocument) -> Table {
+    let mut out = Table::new(&[
+        ("recording", CellKind::Text),
+        ("joint", CellKind::Text),
+        ("time_utc_s", CellKind::Number),
+        ("duration_s", CellKind::Number),
+        ("temperature_c", CellKind::Number),
+        ("offset_rad", CellKind::Number),
+        ("offset_interval_95_rad", CellKind::Number),
+        ("elongation_m", CellKind::Number),
+        ("elongation_interval_95_m", CellKind::Number),
+        ("strain_ratio", CellKind::Number),
+        ("verdict", CellKind::Text),
+        ("reason", CellKind::Text),
+        ("error", CellKind::Text),
+    ]);
+    let width = out.columns.len();
+    for outcome in &each.recordings {
+        let failed = failure(outcome);
+        let Some(document) = outcome.estimate.as_ref().filter(|_| failed.is_none()) else {
+            let mut row: Vec<Cell> = vec![outcome.recording.as_str().into()];
+            row.resize(width - 1, Cell::Empty);
+            row.push(failed.into());
+            out.push(row);
+            continue;
+        };
+        let session = document.session.as_ref();
+        let duration_s = document.reading.recording.duration_s;
+        for row in Row::all(document) {
+            out.push(vec![
+                outcome.recording.as_str().into(),
+                row.joint.into(),
+                session.and_then(|s| s.start_time_utc_s).into(),
+                session.map_or(duration_s, |s| s.duration_s).into(),
+                session.and_then(|s| s.temperature_c).into(),
+                row.offset_rad.into(),
+                row.half_width_rad.into(),
+                row.elongation_m.into(),
+                row.half_width_m.into(),
+                row.strain_ratio.into(),
+                row.verdict.map(verdict).into(),
+                Some(row.reason).filter(|text| !text.is_empty()).into(),
+                Cell::Empty,
+            ]);
+        }
+    }
+    out
+}
+
+/// The same for a terminal, and why recordings couldn't be estimated.
+pub fn each_summary(each: &EachDocument) -> String {
+    let said = |text: &str| paragraph(&plain(text), 2);
+    let shown = |x: Option<f64>, digits: u8| match x {
+        Some(x) => rounded(x, digits),
+        None => "–".into(),
+    };
+    let mut rows = Vec::new();
+    let mut failures = Vec::new();
+    let mut warned = (0, 0);
+    for outcome in &each.recordings {
+        let name = plain(&outcome.recording);
+        if let Some(why) = failure(outcome) {
+            failures.push(said(&format!("{name}: {why}")));
+            let nothing = std::iter::repeat_n("–".to_owned(), 5);
+            rows.push([vec![name], nothing.collect(), vec!["failed".into()]].concat());
+            continue;
+        }
+        let Some(document) = &outcome.estimate else {
+            continue;
+        };
+        let warnings = document_warnings(document).len();
+        warned = (warned.0 + warnings, warned.1 + usize::from(warnings > 0));
+        for (k, row) in Row::all(document).into_iter().enumerate() {
+            let last = match row.verdict {
+                Some(v) if row.reason.is_empty() => verdict(v).to_owned(),
+                Some(v) => format!("{}: {}", verdict(v), row.reason),
+                None => row.reason,
+            };
+            rows.push(vec![
+                // The name once: its rows stand below it.
+                if k == 0 { name.clone() } else { String::new() },
+                plain(row.joint),
+                shown(row.offset_rad.map(|x| 1e3 * x), 3),
+                shown(row.half_width_rad.map(|x| 1e3 * x), 2),
+                shown(row.elongation_m.map(|x| 1e3 * x), 2),
+                shown(row.half_width_m.map(|x| 1e3 * x), 2),
+                plain(&last),
+            ]);
+        }
+    }
+    let head = [
+        "recording",
+        "joint",
+        "offset\nmrad",
+        "± (95 %)\nmrad",
+        "stretch\nmm",
+        "± (95 %)\nmm",
+        match each.method {
+            Method::Absolute => "verdict",
+            Method::Paper => "why not",
+        },
+    ];
+    let mut out = table(&head, rows, 2) + "\n" + &failures.concat();
+    let (all, failed) = (each.recordings.len(), each.failed());
+    out += &said(&format!(
+        "{} of {all} recordings estimated, each on its own",
+        all - failed
+    ));
+    if warned.0 > 0 {
+        out += &said(&format!(
+            "{} warnings about {} of them: --json has them, and sinew estimate of one",
+            warned.0, warned.1
+        ));
+    }
+    out
+}
