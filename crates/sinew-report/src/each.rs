@@ -11,6 +11,7 @@ use sinew_estimate::{EachDocument, EstimateDocument, Method, RecordingOutcome};
 use sinew_figure::rounded;
 use sinew_log::{Cell, CellKind, Table};
 use sinew_model::Gaussian;
+use std::path::Path;
 
 /// What a row says besides its recording.
 struct Row<'a> {
@@ -146,6 +147,14 @@ pub fn each_table(each: &EachDocument) -> Table {
     out
 }
 
+/// The folder that all recordings lie in, where it is one: names are shown without it.
+fn folder(each: &EachDocument) -> Option<&Path> {
+    let names = each.recordings.iter().map(|r| Path::new(&r.recording));
+    let mut folders = names.map(Path::parent);
+    let first = folders.next()??;
+    folders.all(|other| other == Some(first)).then_some(first)
+}
+
 /// The same for a terminal, and why recordings couldn't be estimated.
 pub fn each_summary(each: &EachDocument) -> String {
     let said = |text: &str| paragraph(&plain(text), 2);
@@ -153,22 +162,27 @@ pub fn each_summary(each: &EachDocument) -> String {
         Some(x) => rounded(x, digits),
         None => "–".into(),
     };
+    let folder = folder(each);
+    let short = |name: &str| {
+        let within = folder.and_then(|folder| Path::new(name).strip_prefix(folder).ok());
+        plain(&within.map_or(name.into(), |within| within.display().to_string()))
+    };
     let mut rows = Vec::new();
     let mut failures = Vec::new();
-    let mut warned = (0, 0);
+    let (mut warnings, mut warned) = (0, 0);
     for outcome in &each.recordings {
-        let name = plain(&outcome.recording);
+        let name = short(&outcome.recording);
         if let Some(why) = failure(outcome) {
             failures.push(said(&format!("{name}: {why}")));
-            let nothing = std::iter::repeat_n("–".to_owned(), 5);
+            let nothing = std::iter::repeat_n("–".to_owned(), 4);
             rows.push([vec![name], nothing.collect(), vec!["failed".into()]].concat());
             continue;
         }
         let Some(document) = &outcome.estimate else {
             continue;
         };
-        let warnings = document_warnings(document).len();
-        warned = (warned.0 + warnings, warned.1 + usize::from(warnings > 0));
+        let about = document_warnings(document).len();
+        (warnings, warned) = (warnings + about, warned + usize::from(about > 0));
         for (k, row) in Row::all(document).into_iter().enumerate() {
             let last = match row.verdict {
                 Some(v) if row.reason.is_empty() => verdict(v).to_owned(),
@@ -182,33 +196,35 @@ pub fn each_summary(each: &EachDocument) -> String {
                 shown(row.offset_rad.map(|x| 1e3 * x), 3),
                 shown(row.half_width_rad.map(|x| 1e3 * x), 2),
                 shown(row.elongation_m.map(|x| 1e3 * x), 2),
-                shown(row.half_width_m.map(|x| 1e3 * x), 2),
                 plain(&last),
             ]);
         }
     }
+    let (offset, last) = match each.method {
+        Method::Absolute => ("offset\nmrad", "verdict"),
+        Method::Paper => ("reading\nmrad", "without"),
+    };
     let head = [
         "recording",
         "joint",
-        "offset\nmrad",
+        offset,
         "± (95 %)\nmrad",
         "stretch\nmm",
-        "± (95 %)\nmm",
-        match each.method {
-            Method::Absolute => "verdict",
-            Method::Paper => "why not",
-        },
+        last,
     ];
-    let mut out = table(&head, rows, 2) + "\n" + &failures.concat();
-    let (all, failed) = (each.recordings.len(), each.failed());
+    let within = folder.filter(|folder| !folder.as_os_str().is_empty());
+    let mut out = within.map_or(String::new(), |f| said(&format!("in {}", f.display())));
+    out += &table(&head, rows, 2);
+    out += "\n";
+    out += &failures.concat();
+    let all = each.recordings.len();
+    let estimated = all - each.failed();
     out += &said(&format!(
-        "{} of {all} recordings estimated, each on its own",
-        all - failed
+        "{estimated} of {all} recordings estimated, each on its own"
     ));
-    if warned.0 > 0 {
+    if warnings > 0 {
         out += &said(&format!(
-            "{} warnings about {} of them: --json has them, and sinew estimate of one",
-            warned.0, warned.1
+            "{warnings} warnings about {warned} of them; sinew estimate of one recording shows them, --json has all"
         ));
     }
     out

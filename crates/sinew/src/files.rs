@@ -1,6 +1,7 @@
 //! Checks of output paths before long work begins.
 
-use crate::terminal::Failure;
+use crate::terminal::{Failure, say_at_end};
+use crate::text::plain;
 use sinew_files::{OutputError, write_file};
 use sinew_log::{LogError, Table};
 use std::path::{Path, PathBuf};
@@ -30,11 +31,16 @@ pub(crate) fn write_table(
     path.map_or(Ok(()), |path| table().write(path))
 }
 
-/// Refuses an output that has no folder to lie in or would replace an input or another output.
+/// Refuses an output that has no folder to lie in or would replace an input or another output; a file that is
+/// replaced is named on stderr when the command has ended well, unless `quiet`.
 ///
 /// # Errors
 /// [`Failure::Refused`] naming the option and the path.
-pub(crate) fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Result<(), Failure> {
+pub(crate) fn check_outputs(
+    outputs: &[Named<'_>],
+    inputs: &[Named<'_>],
+    quiet: bool,
+) -> Result<(), Failure> {
     for (i, (option, path)) in outputs.iter().enumerate() {
         let Some(path) = path else { continue };
         let place = |why: String| Failure::Refused(format!("{option} {}: {why}", path.display()));
@@ -50,6 +56,13 @@ pub(crate) fn check_outputs(outputs: &[Named<'_>], inputs: &[Named<'_>]) -> Resu
         if let Some((other, _)) = others.into_iter().find(|(_, p)| is_same(*p)) {
             return Err(place(format!("is the same file as {other}")));
         }
+    }
+    let files = outputs
+        .iter()
+        .filter_map(|(option, path)| Some((option, (*path)?)));
+    for (option, path) in files.filter(|(_, path)| !quiet && path.is_file()) {
+        let path = plain(&path.display().to_string());
+        say_at_end(format!("{option} replaced {path}, which was there"));
     }
     Ok(())
 }

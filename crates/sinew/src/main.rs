@@ -74,6 +74,9 @@ fn main() -> ExitCode {
         Command::Completions(command) => command.run(Cli::command()),
         Command::Man(command) => command.run(Cli::command()),
     };
+    if result.is_ok() {
+        terminal::end();
+    }
     match result {
         Ok(Finish::Complete) => ExitCode::SUCCESS,
         Ok(Finish::Lossy) => ExitCode::from(3),

@@ -6,6 +6,7 @@ use sinew_files::JsonDocument;
 use sinew_report::text::{Look, Tone, WIDTH, painted, set_look};
 use std::error::Error;
 use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr, stdout};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -143,6 +144,23 @@ pub(crate) fn complain(word: Word, text: &str) {
         false => word.to_owned(),
     };
     let _ = writeln!(stderr(), "{word} {text}");
+}
+
+static AT_END: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// A note for stderr that is true once the command has ended well.
+pub(crate) fn say_at_end(text: String) {
+    if let Ok(mut notes) = AT_END.lock() {
+        notes.push(text);
+    }
+}
+
+/// Says what was kept for the end.
+pub(crate) fn end() {
+    let notes = AT_END.lock().map(|mut notes| std::mem::take(&mut *notes));
+    for text in notes.unwrap_or_default() {
+        complain(Word::Note, &text);
+    }
 }
 
 /// A note for who asked for more with `--verbose`.

@@ -288,8 +288,11 @@ fn a_batch_of_bad_recordings_is_refused_and_several_need_each() {
     assert!(told.contains("--each"), "{told}");
 }
 
-/// Joint, interface and value of every message of a topic, with its stamp, by our own decoder.
-fn tendons(path: &Path, topic: &str) -> Vec<(i64, Vec<(String, String, f64)>)> {
+/// Joint, interface and value.
+type Entry = (String, String, f64);
+
+/// Every message of a topic with its stamp, by our own decoder.
+fn tendons(path: &Path, topic: &str) -> Vec<(i64, Vec<Entry>)> {
     use sinew_log::decode::{Field, MessageKind, parse, stamp_ns};
     let bytes = std::fs::read(path).unwrap();
     let all = mcap::MessageStream::new(&bytes)
@@ -391,4 +394,43 @@ fn topics_hold_the_series_at_the_recordings_own_times() {
             "{method} {topic}"
         );
     }
+}
+
+#[test]
+fn a_file_that_is_replaced_is_named_unless_quiet() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("curve.csv");
+    let path = path.to_str().unwrap();
+    let predict = [
+        "rope",
+        "predict",
+        "liros-dc000-0301",
+        "--tension",
+        "60",
+        "--length",
+        "700",
+    ];
+    let told = |more: &[&str]| {
+        let output = run(&[&predict[..], &["--series", path], more].concat());
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let replaces = format!("--series replaced {path}");
+    assert!(!told(&[]).contains(&replaces));
+    assert!(told(&[]).contains(&replaces));
+    assert_eq!(told(&["--quiet"]), "");
+    // What is refused has replaced nothing.
+    let output = run(&[
+        "rope",
+        "predict",
+        "no-rope",
+        "--tension",
+        "60",
+        "--length",
+        "700",
+        "--series",
+        path,
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("replaced"));
 }

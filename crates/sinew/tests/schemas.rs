@@ -12,10 +12,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// A document's schema: its name, and what its type says.
 struct Published {
     name: &'static str,
+    /// Name of the type.
+    of: String,
     schema: Value,
 }
 
@@ -37,6 +40,7 @@ impl Published {
         required.as_array_mut().unwrap().insert(0, json!("schema"));
         Self {
             name: D::SCHEMA,
+            of: D::schema_name().into_owned(),
             schema,
         }
     }
@@ -86,6 +90,7 @@ fn outputs() -> Vec<&'static str> {
         log info examples/05-your-own-robot/nod.csv --json
         estimate ARM --json
         estimate ARM --method absolute --payload-kg 0.2 --json
+        estimate --each ARM --json
         baseline ARM --to 20 --out OUT/arm.baseline --json
         baseline ARM --from 20 --out OUT/later.baseline --json
         estimate ARM --baseline OUT/arm.baseline --json
@@ -180,6 +185,13 @@ fn every_key_is_in_the_reference() {
     published(&repository().join("docs/src/reference/json-keys.md"), &page);
 }
 
+/// Whether a named type is one of the documents.
+fn is_document(name: &str) -> bool {
+    static TYPES: OnceLock<BTreeSet<String>> = OnceLock::new();
+    let types = TYPES.get_or_init(|| documents().into_iter().map(|d| d.of).collect());
+    types.contains(name.trim_start_matches("#/$defs/"))
+}
+
 /// A row per key below a schema; `within` are the named types on the way, of which none is entered twice.
 fn rows_of<'a>(
     schema: &'a Value,
@@ -189,7 +201,8 @@ fn rows_of<'a>(
     within: &mut Vec<&'a str>,
 ) {
     let name = schema["$ref"].as_str();
-    if name.is_some_and(|name| within.contains(&name)) {
+    // What is a document by itself has its own table.
+    if name.is_some_and(|name| within.contains(&name) || is_document(name)) {
         return;
     }
     within.extend(name);

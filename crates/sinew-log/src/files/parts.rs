@@ -45,7 +45,9 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, LogError> {
 pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     let is_bag = |path: &Path| path.join(INFO).is_file() || path.join("metadata.yaml").is_file();
     if !path.is_dir() {
-        return files(path);
+        let found = files(path)?.into_iter();
+        let without_dot = |p: PathBuf| p.strip_prefix("./").map_or(p.clone(), Path::to_path_buf);
+        return Ok(found.map(without_dot).collect());
     }
     if is_bag(path) {
         return Ok(vec![path.to_path_buf()]);

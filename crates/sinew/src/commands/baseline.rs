@@ -82,7 +82,7 @@ impl Baseline {
             ("the recording", Some(log)),
             ("--start", self.start.as_deref()),
         ];
-        check_outputs(&[("--out", Some(out))], &inputs)?;
+        check_outputs(&[("--out", Some(out))], &inputs, self.quiet)?;
         let refused = |e: SessionError| Failure::Refused(e.to_string());
         let window = self.window.window()?;
         let known = read_baseline(self.start.as_deref()).map_err(refused)?;

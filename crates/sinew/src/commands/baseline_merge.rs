@@ -58,7 +58,7 @@ impl Merge {
         let named = |p| ("a baseline", Some(PathBuf::as_path(p)));
         let mut inputs: Vec<Named<'_>> = self.baselines.iter().map(named).collect();
         inputs.push(("--common", self.common.as_deref()));
-        check_outputs(&[("--out", Some(&self.out))], &inputs)?;
+        check_outputs(&[("--out", Some(&self.out))], &inputs, false)?;
         let refused = |e: SessionError| Failure::Refused(e.to_string());
         let place = self.robot.clone().unwrap_or_else(|| PathBuf::from("."));
         let loaded = robot_dir::load(&place, None).map_err(|e| Failure::Refused(e.to_string()))?;

@@ -112,7 +112,7 @@ impl Simulate {
             ("--csv", self.csv.as_deref()),
             ("--plot", self.plot.as_deref()),
         ];
-        check_outputs(&outputs, &[])?;
+        check_outputs(&outputs, &[], false)?;
         let bench = match routings::paper(&self.bench) {
             Some(bench) => bench,
             None => {

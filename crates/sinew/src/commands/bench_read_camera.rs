@@ -141,7 +141,7 @@ impl ReadCamera {
             ("the input", Some(self.input.as_path())),
             ("the table of times", self.times.as_deref()),
         ];
-        check_outputs(&outputs, &inputs)?;
+        check_outputs(&outputs, &inputs, self.quiet)?;
         let bar = Bar::new("reading", self.quiet);
         let outcome = sinew_camera::run(&self.request(), &mut |at| {
             bar.set(at.done as f64, at.total as f64);

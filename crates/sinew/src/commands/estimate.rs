@@ -226,6 +226,6 @@ impl Estimate {
             ("the baseline", self.baseline.as_deref()),
             ("the mapping file", self.opening.mapping()),
         ];
-        check_outputs(&outputs, &inputs)
+        check_outputs(&outputs, &inputs, self.quiet)
     }
 }

@@ -22,7 +22,7 @@ impl Estimate {
         ];
         let named = |log| ("a recording", Some(PathBuf::as_path(log)));
         inputs.extend(logs.iter().map(named));
-        check_outputs(&[("--table", self.table.as_deref())], &inputs)?;
+        check_outputs(&[("--table", self.table.as_deref())], &inputs, self.quiet)?;
         let requests = logs.iter().map(|log| self.request(log.clone()));
         let requests = requests.collect::<Result<Vec<_>, _>>()?;
         let read = read_baseline(self.baseline.as_deref())?;

@@ -62,7 +62,7 @@ impl Excitation {
             None => None,
             Some(out) => {
                 let inputs = [("--baseline", self.baseline.as_deref())];
-                check_outputs(&[("--out", Some(out))], &inputs)?;
+                check_outputs(&[("--out", Some(out))], &inputs, self.quiet)?;
                 Some((out, writer(out)?))
             }
         };

@@ -96,11 +96,13 @@ impl Scenarios {
 
 impl Run {
     fn run(&self) -> Result<Finish, Failure> {
-        let outputs = [
+        let [out, table] = [
             ("--out", self.out.as_deref()),
             ("--table", self.table.as_deref()),
         ];
-        check_outputs(&outputs, &[])?;
+        // What was run before is taken up again, not replaced.
+        check_outputs(&[out], &[], true)?;
+        check_outputs(&[table], &[out], self.quiet)?;
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let mut wanted: Vec<String> = if self.unmodelled {
             names(&UNMODELLED)

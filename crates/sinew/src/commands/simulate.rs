@@ -59,7 +59,7 @@ impl Simulate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         let inputs = [("the scenario", Some(self.scenario.as_path()))];
-        check_outputs(&[("--out", Some(&self.out))], &inputs)?;
+        check_outputs(&[("--out", Some(&self.out))], &inputs, self.quiet)?;
         let name = self.scenario.display().to_string();
         let text = std::fs::read_to_string(&self.scenario)
             .map_err(|e| Failure::Refused(format!("{name}: can't read: {e}")))?;

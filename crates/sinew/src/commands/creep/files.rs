@@ -107,7 +107,7 @@ impl TestFiles {
             .iter()
             .map(|f| ("FILES", Some(f.as_path())))
             .collect();
-        check_outputs(&outputs, &inputs)?;
+        check_outputs(&outputs, &inputs, self.quiet)?;
         let within = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
             Some(v) if !(v > low && v < high) => Err(Failure::Refused(format!(
                 "--{name} {v}: must lie between {low} and {high}"

@@ -52,7 +52,7 @@ impl Predict {
             ("--report", self.report.as_deref()),
             ("--series", self.series.as_deref()),
         ];
-        check_outputs(&outputs, &[])?;
+        check_outputs(&outputs, &[], self.quiet)?;
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let mut resolved = self.duty.resolve(self.quiet)?;
         let Some(name) = self.name.as_ref().or(resolved.rope.as_ref()) else {

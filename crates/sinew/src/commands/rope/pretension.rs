@@ -58,7 +58,7 @@ pub(crate) struct Pretension {
 
 impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(&[("--report", self.report.as_deref())], &[])?;
+        check_outputs(&[("--report", self.report.as_deref())], &[], false)?;
         let catalogue = self.ropes.catalogue(false)?;
         let rope = find(&catalogue, &self.name)?;
         let lowest_n = self.lowest.unwrap_or(0.8 * self.tension);

@@ -68,7 +68,7 @@ impl Select {
             ("--plot", self.plot.as_deref()),
             ("--report", self.report.as_deref()),
         ];
-        check_outputs(&outputs, &[])?;
+        check_outputs(&outputs, &[], self.quiet)?;
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let request = self.duty.resolve(self.quiet)?.request;
         let constraints = Constraints {

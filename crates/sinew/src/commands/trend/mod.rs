@@ -151,6 +151,6 @@ impl Trend {
         ];
         let named = |f| ("a file of records", Some(PathBuf::as_path(f)));
         let inputs: Vec<Named<'_>> = self.files.iter().map(named).collect();
-        check_outputs(&outputs, &inputs)
+        check_outputs(&outputs, &inputs, self.quiet)
     }
 }

@@ -100,7 +100,8 @@ impl Kind {
 
 impl SimulateYear {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
-        check_outputs(&[("--out", self.out.as_deref())], &[])?;
+        // What was run before is taken up again, not replaced.
+        check_outputs(&[("--out", self.out.as_deref())], &[], true)?;
         let loaded = robot_dir::load(&self.robot, None)?;
         let catalogue = Catalogue::shipped()?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
