@@ -2,7 +2,7 @@
 
 use sinew_files::{Located, names, read_text};
 use sinew_model::robot::{Robot, RobotFile};
-use sinew_model::transmission::Tendon;
+use sinew_model::transmission::{Tendon, Transmission};
 use std::path::{Path, PathBuf};
 
 /// Largest `robot.toml` or URDF read, bytes.
@@ -27,6 +27,14 @@ impl LoadedRobot {
     /// # Errors
     /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
     pub fn tendon(&self, joint: &str) -> Result<&Tendon, RobotDirError> {
+        Ok(self.tendon_drive(joint)?.1)
+    }
+
+    /// The transmission of a joint that has a tendon, and the tendon.
+    ///
+    /// # Errors
+    /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
+    pub fn tendon_drive(&self, joint: &str) -> Result<(&Transmission, &Tendon), RobotDirError> {
         let names = self.robot.joint_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
             return Err(RobotDirError::NoJoint {
@@ -38,7 +46,7 @@ impl LoadedRobot {
         };
         let transmission = self.robot.transmissions[i].as_ref();
         transmission
-            .and_then(|t| t.tendon.as_ref())
+            .and_then(|t| Some((t, t.tendon.as_ref()?)))
             .ok_or_else(|| RobotDirError::NoTendon {
                 path: self.file.clone(),
                 joint: joint.to_owned(),

@@ -10,7 +10,7 @@ use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::limits::check_temperature;
 use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
-pub use super::procedure::{Procedure, Request};
+pub use super::procedure::{HeldJoint, Mount, Procedure, Request, give_beside_rope};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
 use rayon::prelude::*;
@@ -40,6 +40,10 @@ pub struct Plan {
     pub temperature_c: f64,
     /// Strand length, m.
     pub length_m: f64,
+    /// What gives in series with each strand, m/N.
+    pub give_m_per_n: f64,
+    /// The joint, where a second rope pulls it the other way and tension is the mean of both.
+    pub joint: Option<HeldJoint>,
     /// How long it must hold, s.
     pub horizon_s: f64,
     /// Share of the later elongation that the procedure is to take away.
@@ -79,16 +83,30 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         rope: rope.entry.name.clone(),
         error,
     };
-    let m_per_percent = 0.01 * request.length_m;
+    let slack_n = 0.5 * request.mount.extra_n();
+    if request.lowest_n <= slack_n {
+        return Err(PredictError::Slack {
+            lowest_n: request.lowest_n,
+            slack_n,
+        });
+    }
+    // A strand's pieces are the same for every law: only their lengths and passes count here.
+    let pieces = request.mount.pieces(&draws.nominal, request.length_m)?;
     // Without a procedure, and with each: nominal and every draw.
     let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
         let one = |law: &Law| {
-            let mut state = State::default();
-            if let Some((tension_n, duration_s)) = procedure {
-                let load = RopeLoad { tension_n, ..work };
-                law.hold(&mut state, load, duration_s)?;
+            let mut longer = 0.0;
+            for piece in &pieces {
+                let law = law.passed_by(piece.law.guides());
+                let mut state = State::default();
+                if let Some((tension_n, duration_s)) = procedure {
+                    let load = RopeLoad { tension_n, ..work };
+                    law.hold(&mut state, load, duration_s)?;
+                }
+                let percent = still_to_come(&law, state, work, request.horizon_s)?;
+                longer += 0.01 * piece.length_m * percent;
             }
-            still_to_come(law, state, work, request.horizon_s).map(|v| m_per_percent * v)
+            Ok(longer)
         };
         let drawn = draws
             .laws
@@ -128,8 +146,8 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         .max_by(|a, b| a.removed_share.value.total_cmp(&b.removed_share.value))
         .copied();
     let bedded = chosen.map(|i| procedures[i]).or(best);
-    let schedule_new = schedule(&draws, request, None).map_err(refuse)?;
-    let schedule_bedded = schedule(&draws, request, bedded).map_err(refuse)?;
+    let schedule_new = schedule(&draws, request, None, refuse)?;
+    let schedule_bedded = schedule(&draws, request, bedded, refuse)?;
     let entry = &rope.entry;
     let outside = Outside::of(&draws.nominal, work);
     let mut cautions = Caution::outside(outside);
@@ -145,6 +163,8 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         lowest_n: request.lowest_n,
         temperature_c: request.temperature_c,
         length_m: request.length_m,
+        give_m_per_n: request.mount.give_m_per_n,
+        joint: request.mount.joint,
         horizon_s: request.horizon_s,
         remove_share: request.remove,
         without_m: bounded(without, &without_drawn),
@@ -192,6 +212,7 @@ mod tests {
             tension_n: 60.0,
             temperature_c: 23.0,
             length_m: 0.7,
+            mount: Mount::default(),
             horizon_s: YEAR_S,
             lowest_n: 45.0,
             remove: 0.7,

@@ -49,6 +49,16 @@ pub enum PredictError {
         /// When, s.
         time_s: f64,
     },
+    /// A load that slackens the partner before the rope is tensioned again.
+    #[error(
+        "the joint's torque slackens the second rope once their mean tension is {slack_n:.1} N; --lowest is {lowest_n:.1} N and must be above that, and --tension above --lowest"
+    )]
+    Slack {
+        /// Lowest tension allowed, N.
+        lowest_n: f64,
+        /// Mean tension at which the partner is slack, N.
+        slack_n: f64,
+    },
     /// A stroke that pulls the rope out of its route.
     #[error(
         "a stroke of {} mm is no shorter than the strand of {} mm: none of it would stay between its ends",

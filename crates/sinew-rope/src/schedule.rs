@@ -1,18 +1,15 @@
 //! A rope at constant length: how its tension falls, and when to tension it again.
 
 use super::draws::{Draws, bounded};
-use super::predict::TENSIONED_AFTER_S;
-use super::procedure::{Procedure, Request};
+use super::predict::{PredictError, TENSIONED_AFTER_S};
+use super::procedure::{Mount, Procedure, Request};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
+use sinew_model::rope::strung::{RELAXATION_TOLERANCE, Strand, Strung};
 use sinew_model::rope::validity::LOAD_RATIO_HIGH;
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
+use sinew_model::rope::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 
-/// First step at constant length, s, and how much longer each next one is: a tension that falls
-/// with the logarithm of time changes by a few per mille per step.
-const STEP_S: f64 = 5.0;
-const STEP_GROWTH: f64 = 1.12;
 /// More re-tensionings than this are no schedule.
 const EVENTS_MAX: usize = 100;
 
@@ -57,12 +54,14 @@ struct PerhapsNever {
 pub struct LeftAlone {
     /// Time since stringing, s.
     pub time_s: Vec<f64>,
-    /// Tension, N.
+    /// Tension, N; with a partner, the mean of both strands.
     pub tension_n: Vec<f64>,
+    /// How far the joint has sagged under its torque, rad; empty without a joint.
+    pub sag_rad: Vec<f64>,
 }
 
-/// One rope at constant length.
-struct Strung {
+/// How it went.
+struct Course {
     /// When tension had fallen below the lowest, s.
     events_s: Vec<f64>,
     /// Tension at the end, N.
@@ -70,116 +69,92 @@ struct Strung {
     trace: LeftAlone,
 }
 
-/// Strings a rope at `start_n`, gives it a minute at that tension and leaves it at the length it
-/// then has; `retension` does the same again whenever its tension has fallen below the lowest.
+/// Strings ropes at `start_n`, gives them a minute at that tension and leaves them at the length they
+/// then have; `retension` does the same again whenever their tension has fallen below the lowest.
 fn string_up(
-    law: &Law,
-    mut state: State,
+    strands: Vec<Strand>,
     request: &Request,
     start_n: f64,
     retension: bool,
-) -> Result<Strung, LoadError> {
-    let load = |tension_n: f64| RopeLoad::celsius(tension_n, request.temperature_c);
-    let settle = |state: &mut State| {
-        law.hold(state, load(start_n), TENSIONED_AFTER_S)?;
-        Ok(law.strain(state, load(start_n))?.total_percent())
-    };
-    let mut length = settle(&mut state)?;
-    let (mut at, mut step, mut tension_n) = (TENSIONED_AFTER_S, STEP_S, start_n);
-    let mut out = Strung {
+    tolerance: f64,
+) -> Result<Course, LoadError> {
+    // Tension is the mean of both strands; the partner has half of the load's pull less.
+    let half_n = 0.5 * request.mount.extra_n();
+    let kelvin = request.temperature_c + CELSIUS_ZERO_K;
+    let mut strung = Strung::new(strands, start_n - half_n, kelvin, TENSIONED_AFTER_S)?;
+    let mut at = TENSIONED_AFTER_S;
+    let mut out = Course {
         events_s: Vec::new(),
-        tension_n,
+        tension_n: start_n,
         trace: LeftAlone::default(),
     };
-    while at < request.horizon_s {
-        out.trace.time_s.push(at);
-        out.trace.tension_n.push(tension_n);
-        let dt = f64::min(step, request.horizon_s - at);
-        law.hold(&mut state, load(tension_n), dt)?;
-        at += dt;
-        step *= STEP_GROWTH;
-        tension_n = tension_at(law, &state, length, tension_n, request.temperature_c)?;
-        if tension_n < request.lowest_n && retension {
-            out.events_s.push(at);
-            if out.events_s.len() >= EVENTS_MAX {
-                break;
-            }
-            length = settle(&mut state)?;
-            (at, step, tension_n) = (at + TENSIONED_AFTER_S, STEP_S, start_n);
+    loop {
+        let until_n = retension.then_some(request.lowest_n - half_n);
+        out.trace.see(at, start_n, 0.0, &request.mount);
+        let left_s = (request.horizon_s - at).max(0.0);
+        let (mount, trace) = (&request.mount, &mut out.trace);
+        let mut seen = |s: f64, strung: &Strung| {
+            trace.see(at + s, strung.tension_n() + half_n, strung.sag_m(), mount);
+        };
+        at += strung.leave(left_s, until_n, tolerance, &mut seen)?;
+        out.tension_n = strung.tension_n() + half_n;
+        if until_n.is_none_or(|low| strung.tension_n() > low * (1.0 + 1e-9)) || left_s == 0.0 {
+            return Ok(out);
         }
+        out.events_s.push(at);
+        if out.events_s.len() >= EVENTS_MAX {
+            return Ok(out);
+        }
+        strung.tension_again(start_n - half_n, TENSIONED_AFTER_S)?;
+        at += TENSIONED_AFTER_S;
     }
-    out.trace.time_s.push(at);
-    out.trace.tension_n.push(tension_n);
-    out.tension_n = tension_n;
-    Ok(out)
 }
 
-/// Tension at which the strain is `length`, N; 0 when the rope is slack.
-fn tension_at(
-    law: &Law,
-    state: &State,
-    length: f64,
-    guess_n: f64,
-    temperature_c: f64,
-) -> Result<f64, LoadError> {
-    let excess = |tension_n: f64| {
-        law.strain(state, RopeLoad::celsius(tension_n, temperature_c))
-            .map(|s| s.total_percent() - length)
-    };
-    if excess(0.0)? >= 0.0 {
-        return Ok(0.0);
+impl LeftAlone {
+    fn see(&mut self, time_s: f64, tension_n: f64, sag_m: f64, mount: &Mount) {
+        self.time_s.push(time_s);
+        self.tension_n.push(tension_n);
+        self.sag_rad.extend(mount.joint.map(|j| sag_m / j.radius_m));
     }
-    // Strain rises with tension: bisection between slack and a bit above the guess.
-    let top = law.parameters().breaking_load_n;
-    let (mut low, mut high) = (0.0, f64::min(2.0 * guess_n + 1.0, top));
-    if excess(high)? < 0.0 {
-        high = top;
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if excess(middle)? < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-        if high - low < 1e-9 * high {
-            break;
-        }
-    }
-    Ok(0.5 * (low + high))
 }
 
 pub(super) fn schedule(
     draws: &Draws,
     request: &Request,
     procedure: Option<Procedure>,
-) -> Result<Schedule, LoadError> {
-    let bedded = |law: &Law| {
-        let mut state = State::default();
-        if let Some(p) = procedure {
-            let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
-            law.hold(&mut state, load, p.duration_s)?;
+    refuse: impl Fn(LoadError) -> PredictError + Copy + Sync,
+) -> Result<Schedule, PredictError> {
+    let strands = |law: &Law| -> Result<Vec<Strand>, PredictError> {
+        let mut pieces = request.mount.pieces(law, request.length_m)?;
+        for piece in pieces.iter_mut() {
+            if let Some(p) = procedure {
+                let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
+                let held = piece.law.hold(&mut piece.state, load, p.duration_s);
+                held.map_err(refuse)?;
+            }
         }
-        Ok::<State, LoadError>(state)
+        Ok(request.mount.strands(pieces))
     };
-    let one = |law: &Law| {
-        let state = bedded(law)?;
-        let with = string_up(law, state, request, request.tension_n, true)?;
-        let without = string_up(law, state, request, request.tension_n, false)?;
-        let start_n = start(law, state, request)?;
-        Ok::<_, LoadError>((with.events_s, without, start_n))
+    let one = |law: &Law, tolerance: f64| {
+        let strands = strands(law)?;
+        let course = |retension| {
+            let strands = strands.clone();
+            string_up(strands, request, request.tension_n, retension, tolerance).map_err(refuse)
+        };
+        let start_n = start(law, &strands, request).map_err(refuse)?;
+        Ok::<_, PredictError>((course(true)?.events_s, course(false)?, start_n))
     };
-    let (times_s, left_alone, start_n) = one(&draws.nominal)?;
+    let (times_s, left_alone, start_n) = one(&draws.nominal, RELAXATION_TOLERANCE)?;
     let drawn: Vec<_> = draws
         .laws
         .par_iter()
-        .map(|law| one(law).ok())
+        .map(|law| one(law, RELAXATION_TOLERANCE).ok())
         .collect::<Vec<_>>()
         .into_iter()
         .flatten()
         .collect();
     let never = drawn.iter().filter(|d| d.0.is_empty()).count();
-    type Drawn = (Vec<f64>, Strung, Option<f64>);
+    type Drawn = (Vec<f64>, Course, Option<f64>);
     let collect = |f: &dyn Fn(&Drawn) -> f64| -> Vec<f64> { drawn.iter().map(f).collect() };
     let first = |events: &[f64]| events.first().copied().unwrap_or(f64::INFINITY);
     let finite = |i: Bounded| {
@@ -202,9 +177,12 @@ pub(super) fn schedule(
 }
 
 /// Least tension to string a rope with so that at the horizon it still has the lowest one.
-fn start(law: &Law, state: State, request: &Request) -> Result<Option<f64>, LoadError> {
+fn start(law: &Law, strands: &[Strand], request: &Request) -> Result<Option<f64>, LoadError> {
+    /// It is sought to half a per cent.
+    const TOLERANCE: f64 = 1e-5;
     let ends = |start_n: f64| {
-        string_up(law, state, request, start_n, false).map(|s| s.tension_n - request.lowest_n)
+        string_up(strands.to_vec(), request, start_n, false, TOLERANCE)
+            .map(|s| s.tension_n - request.lowest_n)
     };
     // More tension is not always better: it beds the rope in anew. The least that does is sought
     // from below.
@@ -234,7 +212,7 @@ fn start(law: &Law, state: State, request: &Request) -> Result<Option<f64>, Load
 mod tests {
     use super::*;
     use crate::Catalogue;
-    use crate::predict::{MONTH_S, YEAR_S};
+    use crate::predict::YEAR_S;
     use crate::pretension::{Plan, plan};
 
     fn request() -> Request {
@@ -242,6 +220,7 @@ mod tests {
             tension_n: 60.0,
             temperature_c: 23.0,
             length_m: 0.7,
+            mount: Mount::default(),
             horizon_s: YEAR_S,
             lowest_n: 45.0,
             remove: 0.7,
@@ -253,6 +232,18 @@ mod tests {
     fn planned(name: &str, request: &Request) -> Plan {
         let catalogue = Catalogue::shipped().expect("shipped");
         plan(catalogue.find(name).expect("there"), request).expect("a plan")
+    }
+
+    /// Tension at the horizon of a new rope.
+    fn ends(law: &Law, request: &Request, start_n: f64) -> f64 {
+        let pieces = request
+            .mount
+            .pieces(law, request.length_m)
+            .expect("a strand");
+        let strands = request.mount.strands(pieces);
+        string_up(strands, request, start_n, false, RELAXATION_TOLERANCE)
+            .expect("load")
+            .tension_n
     }
 
     #[test]
@@ -280,11 +271,7 @@ mod tests {
         )
         .expect("complete")
         .nominal;
-        let ends = |n: f64| {
-            string_up(&law, State::default(), &request(), n, false)
-                .expect("load")
-                .tension_n
-        };
+        let ends = |n: f64| ends(&law, &request(), n);
         assert!(ends(start) >= 45.0 && ends(start * 0.98) < 45.0);
     }
 
@@ -299,42 +286,9 @@ mod tests {
                 horizon_s: days * 86_400.0,
                 ..request()
             };
-            let end = string_up(&law, State::default(), &r, 60.0, false)
-                .expect("load")
-                .tension_n;
+            let end = ends(&law, &r, 60.0);
             assert!(end < last && end > 0.0, "{days} d: {end} N");
             last = end;
         }
-    }
-
-    #[test]
-    fn steps_at_constant_length_are_short_enough() {
-        // The same rope in a hundred equal steps per decade against the program's own.
-        let catalogue = Catalogue::shipped().expect("shipped");
-        let rope = catalogue.find("liros-dc000-0301").expect("there");
-        let law = Draws::new(rope, 0, 1).expect("complete").nominal;
-        let r = Request {
-            horizon_s: MONTH_S,
-            ..request()
-        };
-        let coarse = string_up(&law, State::default(), &r, 60.0, false)
-            .expect("load")
-            .tension_n;
-        let mut state = State::default();
-        law.hold(&mut state, RopeLoad::at_reference(60.0), TENSIONED_AFTER_S)
-            .expect("load");
-        let length = law
-            .strain(&state, RopeLoad::at_reference(60.0))
-            .expect("load")
-            .total_percent();
-        let (mut t, mut n) = (TENSIONED_AFTER_S, 60.0);
-        while t < MONTH_S {
-            let dt = f64::min(0.2 + 0.01 * (t - TENSIONED_AFTER_S), MONTH_S - t);
-            law.hold(&mut state, RopeLoad::at_reference(n), dt)
-                .expect("load");
-            n = tension_at(&law, &state, length, n, 23.0).expect("load");
-            t += dt;
-        }
-        assert!((coarse / n - 1.0).abs() < 0.01, "{coarse} {n}");
     }
 }

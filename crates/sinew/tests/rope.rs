@@ -297,6 +297,74 @@ fn pretension_plans_a_procedure_and_a_schedule() {
     refused(&args[..3], dir.path(), 2, &["--tension"]);
 }
 
+/// One year of `liros-dc000-0301`, against an independent implicit solver: times to tension again and
+/// the tension at which a rope left alone ends. Tension frozen over steps gave 100 times and 481 to
+/// 850 N.
+#[test]
+fn relaxation_is_stable_at_high_loads() {
+    let dir = empty();
+    let plan = |tension: &str, celsius: &str| {
+        let args = [
+            "rope",
+            "pretension",
+            "liros-dc000-0301",
+            "--tension",
+            tension,
+        ];
+        let more = ["--temperature", celsius, "--draws", "20", "--json"];
+        json(&[&args[..], &more].concat(), dir.path())
+    };
+    let ends = |plan: &serde_json::Value, which: &str, times: usize, n: f64| {
+        let schedule = &plan[which];
+        let found = schedule["tension_at_end_n"]["value"].as_f64().expect("N");
+        assert!(
+            (found / n - 1.0).abs() < 0.01,
+            "{which}: {found} N, not {n}"
+        );
+        assert_eq!(schedule["times_s"].as_array().expect("times").len(), times);
+    };
+    let hard = plan("300", "23");
+    ends(&hard, "schedule_new", 7, 81.84);
+    ends(&hard, "schedule_bedded", 0, 253.0);
+    ends(&plan("300", "40"), "schedule_bedded", 0, 273.0);
+    ends(&plan("600", "23"), "schedule_new", 6, 165.0);
+}
+
+#[test]
+fn a_joints_tendon_is_planned_with_all_that_holds_it() {
+    let dir = empty();
+    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/biorob-like");
+    let args = [
+        "rope",
+        "pretension",
+        "--robot",
+        robot,
+        "--joint",
+        "elbow",
+        "--draws",
+        "20",
+    ];
+    let found = json(&[&args[..], &["--json"]].concat(), dir.path());
+    assert_eq!(found["rope"], "liros-dc000-0301");
+    assert!((found["length_m"].as_f64().expect("m") - 0.7).abs() < 1e-12);
+    // r²/K is 31 µm/N, of which the rope gives 10.
+    let give = found["give_m_per_n"].as_f64().expect("m/N");
+    assert!((give - 21.1e-6).abs() < 0.1e-6, "{give}");
+    let two = [&args[..], &["--joint-radius", "25", "--torque", "1"]].concat();
+    let text = told(&two, dir.path());
+    assert!(text.contains("the joint 20 mrad"), "{text}");
+    let rope = &["rope", "pretension", "liros-dc000-0301", "--tension", "60"];
+    let alone = [&rope[..], &["--torque", "1"]].concat();
+    refused(&alone, dir.path(), 1, &["second rope", "--joint-radius"]);
+    let slack = [&rope[..], &["--joint-radius", "20", "--torque", "2.2"]].concat();
+    refused(
+        &slack,
+        dir.path(),
+        1,
+        &["slackens the second rope", "55.0 N"],
+    );
+}
+
 #[test]
 fn the_bench_runs_the_papers_cases_and_ones_own() {
     let dir = empty();

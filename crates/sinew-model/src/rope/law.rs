@@ -253,8 +253,7 @@ impl Law {
         self.check(load)?;
         let lambda = self.load_ratio(load.tension_n);
         Ok(Strain {
-            elastic_percent: 100.0 * lambda / self.p.elastic_k
-                - self.p.toe_percent * libm::expm1(-lambda / self.p.toe_load_ratio),
+            elastic_percent: self.elastic_percent(lambda),
             bedding_percent: state.bedding_percent,
             delayed_percent: state.delayed_percent.iter().sum(),
             flow_percent: state.flow_percent,
@@ -269,9 +268,20 @@ impl Law {
     /// [`LoadError`].
     pub fn compliance_percent_per_n(&self, load: RopeLoad) -> Result<f64, LoadError> {
         self.check(load)?;
-        let lambda = self.load_ratio(load.tension_n);
+        let slope = self.elastic_slope_percent(self.load_ratio(load.tension_n));
+        Ok(slope / self.p.breaking_load_n)
+    }
+
+    /// `ε_el` at a load ratio, %.
+    pub(super) fn elastic_percent(&self, lambda: f64) -> f64 {
+        100.0 * lambda / self.p.elastic_k
+            - self.p.toe_percent * libm::expm1(-lambda / self.p.toe_load_ratio)
+    }
+
+    /// `dε_el/dλ`, %.
+    pub(super) fn elastic_slope_percent(&self, lambda: f64) -> f64 {
         let toe = self.p.toe_percent / self.p.toe_load_ratio * exp(-lambda / self.p.toe_load_ratio);
-        Ok((100.0 / self.p.elastic_k + toe) / self.p.breaking_load_n)
+        100.0 / self.p.elastic_k + toe
     }
 
     pub(super) fn check(&self, load: RopeLoad) -> Result<(), LoadError> {

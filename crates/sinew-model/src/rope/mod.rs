@@ -28,7 +28,7 @@
 //! ([`ramp()`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
-//! over pulleys, [`validity`] says where the law was never checked, [`holds`] what data is behind a
+//! over pulleys, [`strung`] lets ropes relax at constant length, [`validity`] says where the law was never checked, [`holds`] what data is behind a
 //! rope's values, `entry`
 //! reads a catalogue entry (feature `catalogue`).
 //!
@@ -53,6 +53,7 @@ mod parameters;
 mod ramp;
 pub mod routing;
 mod state;
+pub mod strung;
 pub mod validity;
 
 pub use error::{LoadError, ParameterError};

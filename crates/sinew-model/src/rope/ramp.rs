@@ -174,30 +174,41 @@ impl Course<'_> {
             .zip(fractions)
             .zip(DELAY_TIMES_S)
         {
-            *v = lag(*v, u0, u1, fraction, x / tau);
+            *v = lag(*v, u0, u1, fraction, left_over(fraction, x / tau));
         }
         state.flow_percent += rates.flow_percent_per_s * dt;
         let (u0, u1) = (law.retraction_target(l0, k0), law.retraction_target(l1, k1));
         if u0 != 0.0 || u1 != 0.0 || state.retraction_percent != 0.0 {
             let x = dt / law.p.retraction_time_s;
-            state.retraction_percent = lag(state.retraction_percent, u0, u1, closed(x), x);
+            let closed = closed(x);
+            let mean = left_over(closed, x);
+            state.retraction_percent = lag(state.retraction_percent, u0, u1, closed, mean);
         }
     }
 }
 
-/// First-order lag with an input going linearly from `u0` to `u1`: exact.
-fn lag(y: f64, u0: f64, u1: f64, closed: f64, x: f64) -> f64 {
-    // Mean of exp over the step, (1 − e^(−x))/x; 1 − x/2 + x²/6 in the limit.
-    let mean = if x > 1e-5 {
-        closed / x
-    } else {
-        1.0 - x * (0.5 - x / 6.0)
-    };
+/// First-order lag with an input going linearly from `u0` to `u1`: exact. `closed` is
+/// `1 − e^(−x)` of the step, `mean` its [`left_over`].
+pub(super) fn lag(y: f64, u0: f64, u1: f64, closed: f64, mean: f64) -> f64 {
     y + (u0 - y) * closed + (u1 - u0) * (1.0 - mean)
 }
 
+/// Mean of `e^(−x)` over a step, `(1 − e^(−x))/x`; `1 − x/2 + x²/6` in the limit.
+pub(super) fn left_over(closed: f64, x: f64) -> f64 {
+    if x > 1e-5 {
+        closed / x
+    } else {
+        1.0 - x * (0.5 - x / 6.0)
+    }
+}
+
 /// Sixth order from steps, half steps and quarter steps, and its distance to fourth order.
-fn extrapolate(start: &State, coarse: &State, middle: &State, fine: &State) -> (State, f64) {
+pub(super) fn extrapolate(
+    start: &State,
+    coarse: &State,
+    middle: &State,
+    fine: &State,
+) -> (State, f64) {
     let mut error = 0.0f64;
     let mut best = |a: f64, b: f64, c: f64| {
         let ab = b + (b - a) / 3.0;

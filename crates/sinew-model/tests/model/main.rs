@@ -21,6 +21,7 @@ mod rope_law;
 mod rope_reference;
 mod rope_routing;
 mod spring_arms;
+mod strung;
 mod trend;
 mod trend_jumps;
 mod urdf;

@@ -125,6 +125,7 @@ mod tests {
             tension_n: 60.0,
             temperature_c: 23.0,
             length_m: 0.7,
+            mount: pretension::Mount::default(),
             horizon_s: YEAR_S,
             lowest_n: 48.0,
             remove: 0.8,

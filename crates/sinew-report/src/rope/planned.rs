@@ -40,7 +40,7 @@ pub fn planned(p: &Plan) -> Page {
     first.extend(notices(&p.cautions));
     first.push(Block::Figure(
         Box::new(plan_figure(p)),
-        "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values.".into(),
+        "Left: elongation at working tension that is still to come after a bedding-in at the tension and of the length shown. Right: the rope strung at working tension and left at its length, at the catalogue's values; with two ropes, the mean of both.".into(),
     ));
     let rows = p.procedures.iter().enumerate().map(|(i, q)| {
         vec![
@@ -67,13 +67,33 @@ pub fn planned(p: &Plan) -> Page {
         "Re-tensioning at constant length",
         vec![
             Block::Paragraph(format!(
-                "The rope is strung at {} N, has a minute to settle and is left at the length it then has; nothing else in the machine gives. It is tensioned again when it has fallen below {} N.",
+                "The rope is strung at {} N, has a minute to settle and is left at the length it then has; {}. It is tensioned again when it has fallen below {} N.",
                 rounded(p.tension_n, 3),
+                mounting(p),
                 rounded(p.lowest_n, 3)
             )),
             schedules(p),
         ],
     )
+}
+
+/// What else there is at constant length.
+fn mounting(p: &Plan) -> String {
+    let gives = match p.give_m_per_n {
+        0.0 => "nothing else in the machine gives".to_owned(),
+        c => format!(
+            "beside each strand the machine gives {} µm per N",
+            rounded(1e6 * c, 3)
+        ),
+    };
+    match p.joint {
+        None => gives,
+        Some(j) => format!(
+            "{gives}; a second rope pulls the other way over {} mm, and the joint holds {} N·m",
+            rounded(1e3 * j.radius_m, 3),
+            rounded(j.torque_nm, 3)
+        ),
+    }
 }
 
 /// Times of re-tensioning that are listed.
@@ -111,6 +131,10 @@ fn schedules(p: &Plan) -> Block {
                 bracketed(s.tension_at_end_n, 2)
             }),
             row("string it at, N, and none is needed", &start),
+            row("joint sags by, mrad", &|s| {
+                let sag = s.left_alone.sag_rad.last();
+                sag.map_or_else(|| "-".into(), |v| rounded(1e3 * v, 2))
+            }),
         ],
     )
     .into()
@@ -196,8 +220,10 @@ pub fn plan_table(p: &Plan) -> String {
         ),
         None => format!("none of these takes {percent} % away; the best one is used below"),
     });
-    out.add(format!(
-        "\nstrung at working tension, a minute to settle, then at constant length (nothing\nelse in the machine gives); tensioned again at {} N\n",
+    out.add("\n");
+    out.say(format!(
+        "strung at working tension, a minute to settle, then at constant length; {}; tensioned again at {} N",
+        mounting(p),
         rounded(p.lowest_n, 3)
     ));
     for (word, s) in [
@@ -239,6 +265,9 @@ fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
         100.0 * s.never_share,
         bracketed(s.tension_at_end_n, 2),
     );
+    if let Some(sag) = s.left_alone.sag_rad.last() {
+        text += &format!(", the joint {} mrad lower", rounded(1e3 * sag, 2));
+    }
     match s.start_n {
         Some(start) => {
             text += &format!(

@@ -2,6 +2,7 @@
 
 mod duty_args;
 mod list;
+mod mounted;
 mod predict;
 mod pretension;
 mod select;
@@ -22,7 +23,7 @@ pub(crate) enum Rope {
     Show(show::Show),
     Predict(Box<predict::Predict>),
     Select(Box<select::Select>),
-    Pretension(pretension::Pretension),
+    Pretension(Box<pretension::Pretension>),
 }
 
 impl Rope {

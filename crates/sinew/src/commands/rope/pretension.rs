@@ -1,11 +1,13 @@
 //! `sinew rope pretension`.
 
+use super::mounted::Mounted;
 use super::values::{celsius, duration, share};
 use super::{Ropes, find};
 use crate::args::positive;
 use crate::files::{check_outputs, write_text};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
+use sinew_model::rope::RopeLoad;
 use sinew_report::rope::{plan_table, planned};
 use sinew_rope::pretension::{self, Request};
 use std::path::PathBuf;
@@ -14,26 +16,27 @@ use std::path::PathBuf;
 ///
 /// Two pictures of the same rope: under constant tension it grows, and a bedding-in procedure
 /// takes most of that away beforehand; at constant length its tension falls, and the schedule
-/// says when it is below --lowest.
+/// says when it is below --lowest. With --robot and --joint it is that joint's tendon, with what
+/// gives beside the rope, its guides, and the rope that pulls the other way.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  sinew rope pretension liros-dc000-0301 --tension 60 --length 700"
+    after_help = "Examples:\n  sinew rope pretension liros-dc000-0301 --tension 60 --length 700\n  \
+    sinew rope pretension --robot robots/biorob-like --joint elbow --torque 2"
 )]
 pub(crate) struct Pretension {
-    /// Rope
-    name: String,
-    /// Working tension, N
-    #[arg(long, value_name = "N", value_parser = positive("N"))]
-    tension: f64,
+    /// Rope [default: the one of the joint's tendon]
+    name: Option<String>,
+    /// Working tension, N; of two strands their mean [default: the tendon's pretension]
+    #[arg(long, value_name = "N", value_parser = positive("N"), required_unless_present = "joint")]
+    tension: Option<f64>,
     /// Tension below which it is tensioned again, N [default: 80 % of the working tension]
     #[arg(long, value_name = "N", value_parser = positive("N"))]
     lowest: Option<f64>,
     /// Temperature, °C
     #[arg(long, value_name = "C", default_value = "23", value_parser = celsius, allow_negative_numbers = true)]
     temperature: f64,
-    /// Length of the strand, mm
-    #[arg(long, value_name = "MM", default_value = "1000", value_parser = positive("mm"))]
-    length: f64,
+    #[command(flatten)]
+    mounted: Mounted,
     /// How long it must hold
     #[arg(long, value_name = "TIME", default_value = "1year", value_parser = duration)]
     horizon: f64,
@@ -60,20 +63,33 @@ impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         check_outputs(&[("--report", self.report.as_deref())], &[], false)?;
         let catalogue = self.ropes.catalogue(false)?;
-        let rope = find(&catalogue, &self.name)?;
-        let lowest_n = self.lowest.unwrap_or(0.8 * self.tension);
-        if lowest_n >= self.tension {
+        let tendon = self.mounted.tendon()?;
+        let tendon = tendon.as_ref().map(|(k, t)| (*k, t));
+        let own = tendon.map(|(_, t)| t);
+        let Some(name) = self.name.as_ref().or(own.and_then(|t| t.rope.as_ref())) else {
+            let which = "which rope? name it; sinew rope list shows all";
+            return Err(Failure::Refused(which.into()));
+        };
+        let rope = find(&catalogue, name)?;
+        let Some(tension_n) = self.tension.or(own.and_then(|t| t.pretension_n)) else {
+            let which = "the joint's tendon states no pretension_n; say --tension N";
+            return Err(Failure::Refused(which.into()));
+        };
+        let lowest_n = self.lowest.unwrap_or(0.8 * tension_n);
+        if lowest_n >= tension_n {
             return Err(Failure::Refused(format!(
-                "--lowest {lowest_n} N must be below --tension {} N",
-                self.tension
+                "--lowest {lowest_n} N must be below --tension {tension_n} N"
             )));
         }
+        let load = RopeLoad::celsius(tension_n, self.temperature);
+        let (length_m, mount) = self.mounted.resolve(rope, load, tendon)?;
         let plan = pretension::plan(
             rope,
             &Request {
-                tension_n: self.tension,
+                tension_n,
                 temperature_c: self.temperature,
-                length_m: 1e-3 * self.length,
+                length_m,
+                mount,
                 horizon_s: self.horizon,
                 lowest_n,
                 remove: self.remove,

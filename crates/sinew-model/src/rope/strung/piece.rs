@@ -1,0 +1,134 @@
+//! One piece of rope over one step, its tension going linearly from one value to another.
+
+use super::super::factors::{Heat, closed, delayed_fractions, sinh};
+use super::super::ramp::{lag, left_over};
+use super::super::{DELAY_TIMES_S, Law, State};
+
+/// A piece of rope that the same guides pass over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Its law.
+    pub law: Law,
+    /// Its length, m.
+    pub length_m: f64,
+    /// What it remembers.
+    pub state: State,
+}
+
+/// What a step of one length at one temperature does, whatever the tension.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lags {
+    duration_s: f64,
+    temperature_k: f64,
+    /// `(closed, mean of what is left)` of the five delayed elements.
+    delayed: [(f64, f64); 5],
+    retraction: (f64, f64),
+    bedding_per_s: f64,
+    /// `100 A₀ a_f`, %/s.
+    flow_percent_per_s: f64,
+}
+
+impl Piece {
+    pub(super) fn lags(&self, temperature_k: f64, duration_s: f64) -> Lags {
+        let p = &self.law.p;
+        let heat = Heat::new(temperature_k);
+        let speed = heat.speed_up(p.delayed_energy_j_per_mol) * duration_s;
+        let fractions = delayed_fractions(speed);
+        let mut delayed = [(0.0, 0.0); 5];
+        for ((lag, closed), tau) in delayed.iter_mut().zip(fractions).zip(DELAY_TIMES_S) {
+            *lag = (closed, left_over(closed, speed / tau));
+        }
+        let x = duration_s / p.retraction_time_s;
+        let shrunk = closed(x);
+        Lags {
+            duration_s,
+            temperature_k,
+            delayed,
+            retraction: (shrunk, left_over(shrunk, x)),
+            bedding_per_s: self.law.bedding_per_s(heat),
+            flow_percent_per_s: 100.0 * p.flow_rate_per_s * heat.speed_up(p.flow_energy_j_per_mol),
+        }
+    }
+
+    /// State after a step: delayed elasticity and retraction follow the straight line exactly,
+    /// bedding-in and flow take its middle.
+    pub(super) fn after(&self, lags: &Lags, (from_n, to_n): (f64, f64)) -> State {
+        let law = &self.law;
+        let (l0, l1) = (law.load_ratio(from_n), law.load_ratio(to_n));
+        let middle = 0.5 * (l0 + l1);
+        let kelvin = lags.temperature_k;
+        let mut state = self.state;
+        let target = law.bedding_target(middle);
+        law.bed_in(&mut state, target, lags.bedding_per_s, lags.duration_s);
+        let (u0, u1) = (
+            law.delayed_target(l0, kelvin),
+            law.delayed_target(l1, kelvin),
+        );
+        for (v, &(closed, mean)) in state.delayed_percent.iter_mut().zip(&lags.delayed) {
+            *v = lag(*v, u0, u1, closed, mean);
+        }
+        let stress = middle * law.p.breaking_stress_mpa / law.p.flow_stress_mpa;
+        let flow = sinh(stress, libm::exp(stress));
+        state.flow_percent += lags.flow_percent_per_s * flow * lags.duration_s;
+        let targets = (
+            law.retraction_target(l0, kelvin),
+            law.retraction_target(l1, kelvin),
+        );
+        if targets != (0.0, 0.0) || state.retraction_percent != 0.0 {
+            let (closed, mean) = lags.retraction;
+            let s = state.retraction_percent;
+            state.retraction_percent = lag(s, targets.0, targets.1, closed, mean);
+        }
+        state
+    }
+
+    /// Elongation in a state, m; thermal expansion is the same at any time and left out.
+    pub(super) fn elongation_m(&self, state: &State, tension_n: f64) -> f64 {
+        let delayed: f64 = state.delayed_percent.iter().sum();
+        let percent = self.law.elastic_percent(self.law.load_ratio(tension_n))
+            + state.irreversible_percent()
+            + delayed
+            - state.retraction_percent;
+        0.01 * self.length_m * percent
+    }
+
+    /// For a small quick change of tension, m/N.
+    pub(super) fn compliance_m_per_n(&self, tension_n: f64) -> f64 {
+        let slope = self
+            .law
+            .elastic_slope_percent(self.law.load_ratio(tension_n));
+        0.01 * self.length_m * slope / self.breaking_load_n()
+    }
+
+    pub(super) fn breaking_load_n(&self) -> f64 {
+        self.law.p.breaking_load_n
+    }
+
+    /// Strain that errors are held against, %: elastic under the tension, at least under 1e-4 of
+    /// the breaking load.
+    pub(super) fn strain_scale_percent(&self, tension_n: f64) -> f64 {
+        self.law
+            .elastic_percent(self.law.load_ratio(tension_n).max(1e-4))
+    }
+
+    /// Most that could bed in within a step from a state, %: the error of a step in which that
+    /// comes to its end.
+    pub(super) fn kink_percent(
+        &self,
+        from: &State,
+        tension_n: f64,
+        temperature_k: f64,
+        duration_s: f64,
+    ) -> f64 {
+        let gap = self.law.bedding_target(self.law.load_ratio(tension_n)) - from.bedding_percent;
+        let jam =
+            libm::exp(-self.law.p.jamming * from.bedding_percent / self.law.bedding_percent());
+        let per_s = self.law.bedding_per_s(Heat::new(temperature_k)) * jam;
+        gap.max(0.0) * (per_s * duration_s).min(1.0)
+    }
+
+    /// Whether nothing more beds in under a tension.
+    pub(super) fn is_bedded(&self, state: &State, tension_n: f64) -> bool {
+        self.law.bedding_target(self.law.load_ratio(tension_n)) <= state.bedding_percent
+    }
+}
