@@ -13,6 +13,7 @@ mod error;
 mod estimator;
 pub mod executor;
 pub mod feeder;
+pub mod init;
 pub mod jumps;
 mod nuisance;
 mod recording;

@@ -15,6 +15,8 @@ pub struct LoadedRobot {
     pub robot: Robot,
     /// `robot.toml` as opened.
     pub file: PathBuf,
+    /// Its text.
+    pub file_text: String,
     /// Where the URDF came from, in words.
     pub urdf: String,
     /// Text of the URDF.
@@ -103,13 +105,28 @@ pub enum RobotDirError {
 /// # Errors
 /// [`RobotDirError`].
 pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, RobotDirError> {
+    let (loaded, gaps) = draft(place, description)?;
+    gaps.into_iter()
+        .next()
+        .map_or(Ok(loaded), |gap| Err(gap.into()))
+}
+
+/// Loads a robot as far as its folder describes it, with what keeps it from being used
+/// ([`RobotFile::draft`]).
+///
+/// # Errors
+/// As [`load`], less the gaps.
+pub fn draft(
+    place: &Path,
+    description: Option<&str>,
+) -> Result<(LoadedRobot, Vec<Located>), RobotDirError> {
     let file = if place.is_dir() {
         place.join("robot.toml")
     } else {
         place.to_path_buf()
     };
-    let text = read_text(&file, BYTES_MAX)?;
-    let parsed = RobotFile::parse(&text, &file.display().to_string())?;
+    let file_text = read_text(&file, BYTES_MAX)?;
+    let parsed = RobotFile::parse(&file_text, &file.display().to_string())?;
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
             let path = file.parent().unwrap_or(Path::new("")).join(name);
@@ -121,12 +138,15 @@ pub fn load(place: &Path, description: Option<&str>) -> Result<LoadedRobot, Robo
         ),
         (None, None) => return Err(RobotDirError::NoUrdf { path: file }),
     };
-    Ok(LoadedRobot {
-        robot: parsed.build(&urdf_text)?,
+    let (robot, gaps) = parsed.draft(&urdf_text)?;
+    let loaded = LoadedRobot {
+        robot,
         file,
+        file_text,
         urdf,
         urdf_text,
-    })
+    };
+    Ok((loaded, gaps))
 }
 
 /// Where a robot is looked for when none is named: beside the recording, then here.

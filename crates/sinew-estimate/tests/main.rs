@@ -13,6 +13,7 @@ mod offset_scenarios;
 mod real_absolute;
 mod real_data;
 mod recursive;
+mod robot_check;
 mod simulated_recordings;
 mod slip_cause;
 mod slips;

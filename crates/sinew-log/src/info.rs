@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Ambiguity;
 use crate::files::{Format, Recording};
 use crate::frame::Quantity;
 use crate::health::Health;
@@ -35,6 +36,8 @@ pub struct RecordingInfo {
     pub topics: Vec<TopicInfo>,
     /// Where each quantity is read from.
     pub sources: Vec<SignalSource>,
+    /// Sides that several topics could be; nothing is read of joints until one is chosen.
+    pub ambiguous: Vec<Ambiguity>,
     /// Columns of a table that nothing is read from.
     pub unused_columns: Vec<String>,
     /// Whether a temperature is recorded.
@@ -59,6 +62,26 @@ pub struct JointInfo {
 
 impl sinew_files::JsonDocument for RecordingInfo {
     const SCHEMA: &'static str = "sinew/log-info/1";
+}
+
+impl RecordingInfo {
+    /// The same of a recording in which topics had to be taken at will to look into it: what was read by
+    /// them is not shown.
+    #[must_use]
+    pub fn undecided(mut self, ambiguous: Vec<Ambiguity>) -> Self {
+        if ambiguous.is_empty() {
+            return self;
+        }
+        let is_open = |name: &String| ambiguous.iter().any(|a| a.candidates.contains(name));
+        for topic in self.topics.iter_mut().filter(|topic| is_open(&topic.name)) {
+            topic.taken_for = None;
+        }
+        self.joints.clear();
+        self.sources.clear();
+        self.temperature = false;
+        self.ambiguous = ambiguous;
+        self
+    }
 }
 
 /// Time stamps of a recording, counted frame by frame.
@@ -95,20 +118,25 @@ impl Pace {
         self.frames
     }
 
+    /// Frames per second within segments.
+    pub fn rate_hz(&self) -> Option<f64> {
+        let rate_hz = self.steps as f64 / (1e-9 * self.within_ns as f64);
+        Some(rate_hz).filter(|rate| rate.is_finite())
+    }
+
     /// What `recording`, read to its end, holds; `file` is its name.
     pub fn info(&self, recording: &Recording, file: &str) -> RecordingInfo {
         let channels = recording.channels();
         let joints = recording.joints().iter().zip(&channels.joints);
         let seconds = |ns: i64| 1e-9 * ns as f64;
         let ends = self.first_ns.zip(self.last);
-        let rate_hz = self.steps as f64 / (1e-9 * self.within_ns as f64);
         RecordingInfo {
             file: file.to_owned(),
             format: recording.format(),
             frames: self.frames,
             start_time_ns: self.first_ns,
             duration_s: ends.map(|(first, (last, _))| seconds(last.saturating_sub(first))),
-            mean_rate_hz: Some(rate_hz).filter(|rate| rate.is_finite()),
+            mean_rate_hz: self.rate_hz(),
             shortest_step_s: self.shortest_ns.map(seconds),
             longest_step_s: self.longest_ns.map(seconds),
             segments: self.last.map_or(0, |(_, segment)| segment + 1),
@@ -120,6 +148,7 @@ impl Pace {
                 .collect(),
             topics: recording.topics(),
             sources: recording.sources(),
+            ambiguous: Vec::new(),
             unused_columns: recording.unused_columns(),
             temperature: channels.temperature,
             robot_description: recording.robot_description().is_some(),

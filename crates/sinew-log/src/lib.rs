@@ -112,7 +112,7 @@ pub use creep_tests::{
     ColumnChoice, ColumnUse, Specimen, TestFile, TestFormat, TestOptions, TestQuantity, read_test,
     read_test_bytes,
 };
-pub use error::LogError;
+pub use error::{Ambiguity, LogError};
 pub use files::{
     Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter,
     Packing, ParquetWriter, Progress, ReadSeek, Recording, Table, TableWriter, Topic, TopicWriter,

@@ -60,6 +60,8 @@ impl TopicInfo {
 pub struct SignalSource {
     /// The quantity.
     pub quantity: Quantity,
+    /// Topic it is in; `None` in a table.
+    pub topic: Option<String>,
     /// Topic and field or interface, or the columns.
     pub source: String,
 }

@@ -4,7 +4,9 @@ use crate::support::{
     Bag, DynamicJointState, InterfaceValue, JOINT, MOTOR, MS, START_NS, error_of, header,
     joint_state, little, motor_state, open_bytes, read_all,
 };
-use sinew_log::{Mapping, OpenOptions, Pace, Quantity, RecordingInfo, TopicUse};
+use sinew_log::{
+    LogError, Mapping, OpenOptions, Pace, Quantity, RecordingInfo, TopicInfo, TopicUse,
+};
 
 fn info(bytes: &[u8], name: &str, options: &OpenOptions) -> RecordingInfo {
     let mut recording = open_bytes(bytes, name, options).unwrap();
@@ -105,6 +107,12 @@ fn a_motor_side_that_could_be_several_topics_is_not_guessed() {
         for word in ["motor side", motors[0], motors[1], "--motor-topic"] {
             assert!(error.contains(word), "{error}");
         }
+        let opened = open_bytes(&bytes, "a.mcap", &OpenOptions::default());
+        let Err(LogError::Ambiguous(choice)) = opened else {
+            panic!("{error}");
+        };
+        assert_eq!(choice.side, TopicUse::MotorSide);
+        assert_eq!(choice.candidates, motors);
         let chosen = OpenOptions {
             motor_topic: Some(motors[1].to_owned()),
             ..OpenOptions::default()
@@ -115,6 +123,12 @@ fn a_motor_side_that_could_be_several_topics_is_not_guessed() {
             .iter()
             .find(|t| t.taken_for == Some(TopicUse::MotorSide));
         assert_eq!(taken.unwrap().name, motors[1]);
+        // Looked into without a choice: counted, but nothing read by it is shown.
+        let seen = info(&bytes, "a.mcap", &chosen).undecided(vec![choice]);
+        let motor = |t: &&TopicInfo| motors.contains(&t.name.as_str());
+        let open: Vec<_> = seen.topics.iter().filter(motor).collect();
+        assert!(open.iter().all(|t| t.messages > 0 && t.taken_for.is_none()));
+        assert!(seen.joints.is_empty() && seen.sources.is_empty());
     }
     let error = error_of(
         &both_sides("/a/states", &["/b/states"]),

@@ -121,27 +121,38 @@ impl RobotFile {
     /// # Errors
     /// With the file at fault, `robot.toml` or URDF; nothing is half-built.
     pub fn build(&self, urdf_text: &str) -> Result<Robot, Located> {
-        let locked = self.joints.iter();
+        let (robot, gaps) = self.draft(urdf_text)?;
+        gaps.into_iter().next().map_or(Ok(robot), Err)
+    }
+
+    /// The robot as far as the file describes it, and what keeps it from being built: joints that the
+    /// URDF lacks, joints that the file lacks, joints without a stiffness (all three rigid meanwhile).
+    ///
+    /// # Errors
+    /// With the URDF at fault; nothing is half-built.
+    pub fn draft(&self, urdf_text: &str) -> Result<(Robot, Vec<Located>), Located> {
         let options = urdf::UrdfOptions {
             gravity_m_s2: self.gravity_m_s2.unwrap_or([0.0, 0.0, -GRAVITY_M_S2]),
             base_rpy_rad: self.base_rpy_rad.unwrap_or_default(),
-            locked: locked
-                .filter_map(|joint| Some((joint.name.clone(), joint.locked_at_rad?)))
-                .collect(),
+            locked: Vec::new(),
         };
         let urdf_file = self.urdf().unwrap_or("robot_description");
         let refused = |error: urdf::UrdfError| error.located(urdf_file, urdf_text);
         // Once with every joint moving, to check the names of the file against.
-        let all = urdf::UrdfOptions {
-            locked: Vec::new(),
-            ..options.clone()
+        let moving = urdf::parse(urdf_text, &options).map_err(refused)?;
+        let is_there = |joint: &&JointEntry| moving.arm.joint_index(&joint.name).is_some();
+        let (there, strangers): (Vec<_>, Vec<_>) = self.joints.iter().partition(is_there);
+        let strangers = strangers.into_iter();
+        let mut gaps: Vec<Located> = strangers
+            .map(|joint| self.unknown(joint, moving.arm.joint_names()))
+            .collect();
+        let locked = there.into_iter();
+        let options = urdf::UrdfOptions {
+            locked: locked
+                .filter_map(|joint| Some((joint.name.clone(), joint.locked_at_rad?)))
+                .collect(),
+            ..options
         };
-        let moving = urdf::parse(urdf_text, &all).map_err(refused)?;
-        for joint in &self.joints {
-            if moving.arm.joint_index(&joint.name).is_none() {
-                return Err(self.unknown(joint, moving.arm.joint_names()));
-            }
-        }
         let UrdfArm {
             name,
             arm,
@@ -153,7 +164,14 @@ impl RobotFile {
         let mut transmissions = Vec::with_capacity(arm.dof());
         for (i, joint) in arm.joint_names().iter().enumerate() {
             let entry = self.joints.iter().find(|entry| entry.name == *joint);
-            let drive = entry.ok_or_else(|| self.missing(joint))?.drive.clone()?;
+            let drive = match entry {
+                Some(entry) => entry.drive.clone(),
+                None => Err(self.missing(joint)),
+            };
+            let drive = drive.unwrap_or_else(|gap| {
+                gaps.push(gap);
+                None
+            });
             transmissions.push(drive.map(|drive| Transmission {
                 joint_friction: drive.joint_friction.unwrap_or(Friction {
                     coulomb_nm: coulomb_nm[i],
@@ -162,14 +180,15 @@ impl RobotFile {
                 ..drive.transmission
             }));
         }
-        Ok(Robot {
+        let robot = Robot {
             name,
             arm,
             transmissions,
             limits,
             tolerances: self.tolerances,
             warnings,
-        })
+        };
+        Ok((robot, gaps))
     }
 
     /// Joint of the file that the URDF doesn't have.

@@ -255,7 +255,10 @@ fn circumstances(estimate: &Estimate) -> Table {
         "recording",
         format!("{} ({})", recording.path, format_name(recording.format)),
     );
-    for SignalSource { quantity, source } in &recording.sources {
+    for SignalSource {
+        quantity, source, ..
+    } in &recording.sources
+    {
         add(quantity.symbol(), format!("from {source}"));
     }
     if let Some(date) = utc_text(recording.start_time_ns) {

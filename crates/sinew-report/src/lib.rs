@@ -13,6 +13,8 @@ mod each;
 mod estimate;
 mod estimate_table;
 mod figures;
+mod findings;
+pub mod init;
 pub mod log;
 pub mod robot;
 pub mod rope;

@@ -2,7 +2,9 @@
 
 use crate::text::{paragraph, plain, table};
 use sinew_figure::rounded;
-use sinew_log::{Format, Health, Quantity, RecordingInfo, SignalSource, TopicInfo, TopicUse};
+use sinew_log::{
+    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, TopicInfo, TopicUse,
+};
 
 /// A format as people call it.
 pub(crate) fn format_name(format: Format) -> &'static str {
@@ -15,23 +17,17 @@ pub(crate) fn format_name(format: Format) -> &'static str {
 }
 
 /// Every topic with its type, count, rate, and what it is taken for.
-fn topics(topics: &[TopicInfo]) -> String {
+fn topics(info: &RecordingInfo) -> String {
+    let topics = &info.topics;
     if topics.is_empty() {
         return String::new();
     }
     let rows = topics.iter().map(|topic| {
-        let taken_for = match topic.taken_for {
-            Some(TopicUse::JointSide) => "joint side",
-            Some(TopicUse::MotorSide) => "motor side",
-            Some(TopicUse::ExternalTorque) => "external torque",
-            Some(TopicUse::RobotDescription) => "URDF",
-            None => "not used",
-        };
         vec![
             format!("{}\n{}", plain(&topic.name), plain(&topic.kind)),
             topic.messages.to_string(),
             rounded(topic.rate_hz.unwrap_or(f64::NAN), 4),
-            taken_for.into(),
+            taken_for(info, topic),
         ]
     });
     let head = ["topic and type", "messages", "Hz", "taken for"];
@@ -44,6 +40,42 @@ fn topics(topics: &[TopicInfo]) -> String {
         );
     }
     out
+}
+
+/// What a topic is taken for and which quantities it gives, or what it could be.
+fn taken_for(info: &RecordingInfo, topic: &TopicInfo) -> String {
+    let side = match topic.taken_for {
+        Some(TopicUse::JointSide) => "joint side",
+        Some(TopicUse::MotorSide) => "motor side",
+        Some(TopicUse::ExternalTorque) => "external torque",
+        Some(TopicUse::RobotDescription) => return "URDF".into(),
+        None => {
+            let open = info.ambiguous.iter();
+            let sides = open.filter(|a| a.candidates.contains(&topic.name));
+            let sides: Vec<&str> = sides.map(|a| a.words().0).collect();
+            return match sides[..] {
+                [] => "not used".into(),
+                _ => format!("could be {}", sides.join(" or ")),
+            };
+        }
+    };
+    let own = info.sources.iter();
+    let own = own.filter(|source| source.topic.as_ref() == Some(&topic.name));
+    let own: Vec<&str> = own.map(|source| source.quantity.symbol()).collect();
+    format!("{side}\n{}", own.join(", "))
+}
+
+/// What must be chosen, and how.
+fn choices(info: &RecordingInfo) -> Vec<String> {
+    let choice = |open: &Ambiguity| {
+        let (side, key, option) = open.words();
+        let options: Vec<String> = (open.candidates.iter())
+            .map(|topic| format!("{option} {topic}"))
+            .collect();
+        let options = options.join(" or ");
+        format!("several topics could be the {side}: say {options}, or {key} in a mapping file")
+    };
+    info.ambiguous.iter().map(choice).collect()
 }
 
 /// Rate, channels and what was lost, at most 80 columns wide.
@@ -80,10 +112,18 @@ pub fn render(info: &RecordingInfo) -> String {
         row.extend(Quantity::PER_JOINT.map(|q| has(q).into()));
         row
     });
-    out.push_str(&table(&head, rows.collect(), 1));
-    out.push_str(&topics(&info.topics));
+    if !info.joints.is_empty() {
+        out.push_str(&table(&head, rows.collect(), 1));
+    }
+    out.push_str(&topics(info));
     let mut line = |text: String| out.push_str(&paragraph(&plain(&text), 2));
-    for SignalSource { quantity, source } in &info.sources {
+    for choice in choices(info) {
+        line(choice);
+    }
+    for SignalSource {
+        quantity, source, ..
+    } in &info.sources
+    {
         line(format!("{} from {source}", quantity.symbol()));
     }
     if !info.unused_columns.is_empty() {

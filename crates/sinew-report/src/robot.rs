@@ -1,7 +1,8 @@
 //! What was understood of a robot's folder, as text.
 
+use crate::findings::sentences;
 use crate::text::{paragraph, plain, table};
-use sinew_estimate::robot_check::{JointCheck, JointMotion, RobotCheck};
+use sinew_estimate::robot_check::{Finding, FindingKind, JointCheck, JointMotion, RobotCheck};
 use sinew_figure::rounded;
 
 const HEAD: [&str; 8] = [
@@ -28,7 +29,12 @@ pub fn render(robot: &RobotCheck) -> String {
         )),
         2,
     );
-    let rows = robot.joints.iter().map(row).collect();
+    let rows = robot.joints.iter().map(|joint| {
+        let key = format!("joints.{}", joint.name);
+        let lacks = |f: &Finding| f.kind == FindingKind::Gap && f.at.key == key;
+        row(joint, robot.findings.iter().any(lacks))
+    });
+    let rows = rows.collect();
     out.push_str(&table(&HEAD, rows, 1));
     let which = |is: &dyn Fn(&JointCheck) -> bool| -> String {
         let own = robot.joints.iter().filter(|j| is(j));
@@ -50,10 +56,17 @@ pub fn render(robot: &RobotCheck) -> String {
     for warning in &robot.warnings {
         out.push_str(&paragraph(&format!("warning: {}", plain(warning)), 2));
     }
+    match robot.findings.len() {
+        0 => out.push_str("nothing looks odd\n"),
+        n => out.push_str(&format!("\n{n} to look at:\n")),
+    }
+    for sentence in sentences(&robot.findings) {
+        out.push_str(&paragraph(&plain(&sentence), 2));
+    }
     out
 }
 
-fn row(joint: &JointCheck) -> Vec<String> {
+fn row(joint: &JointCheck, lacks: bool) -> Vec<String> {
     let number = |value: Option<f64>, digits| value.map_or("–".into(), |v| rounded(v, digits));
     let tendon = joint.tendon.as_ref();
     let (from, to) = match (joint.lower_rad, joint.upper_rad) {
@@ -67,7 +80,9 @@ fn row(joint: &JointCheck) -> Vec<String> {
         },
         joint
             .stiffness_nm_per_rad
-            .map_or("rigid".into(), |v| rounded(v, 3)),
+            .map_or(if lacks { "missing" } else { "rigid" }.into(), |v| {
+                rounded(v, 3)
+            }),
         number(joint.motor_inertia_kg_m2, 3),
         number(tendon.map(|t| 1e3 * t.length_m), 4),
         number(tendon.map(|t| 1e3 * t.joint_pulley_radius_m), 3),

@@ -86,6 +86,7 @@ pub(super) fn made_up() -> Estimate {
             path: "monday.mcap".into(),
             format: sinew_log::Format::Mcap,
             sources: vec![sinew_log::SignalSource {
+                topic: None,
                 quantity: sinew_log::Quantity::Q,
                 source: "/joint_states position".into(),
             }],

@@ -33,6 +33,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Init(commands::init::InitCommand),
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     cli.style.apply();
     let result = match cli.command {
+        Command::Init(command) => command.run(),
         Command::Estimate(command) => command.run(),
         Command::Baseline(command) => command.run(),
         Command::Trend(command) => command.run(),
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
     match result {
         Ok(Finish::Complete) => ExitCode::SUCCESS,
         Ok(Finish::Lossy) => ExitCode::from(3),
+        Ok(Finish::Refused) => ExitCode::from(1),
         // The reader has gone (`sinew … | head`): nothing is left to say, and nobody to say it to.
         Err(Failure::ReaderGone) => ExitCode::SUCCESS,
         Err(Failure::Refused(message)) => {

@@ -74,6 +74,8 @@ pub(crate) enum Finish {
     Complete,
     /// Exit code 3: data was lost, or a threshold was passed.
     Lossy,
+    /// Exit code 1: what was asked for is shown, and the input can't be used.
+    Refused,
 }
 
 impl Finish {

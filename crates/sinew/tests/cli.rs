@@ -77,6 +77,7 @@ fn every_help_fits_80_columns_and_goes_to_stdout() {
     let dir = tempfile::tempdir().unwrap();
     for command in [
         vec!["--help"],
+        vec!["init", "--help"],
         vec!["estimate", "--help"],
         vec!["estimate", "-h"],
         vec!["simulate", "--help"],

@@ -9,6 +9,7 @@ mod cli;
 mod control;
 mod creep;
 mod examples;
+mod init;
 mod outputs;
 mod reference;
 mod rope;

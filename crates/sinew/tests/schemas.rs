@@ -56,6 +56,7 @@ impl Published {
 fn documents() -> Vec<Published> {
     vec![
         Published::of::<sinew_log::RecordingInfo>(),
+        Published::of::<sinew_estimate::init::Init>(),
         Published::of::<sinew_estimate::robot_check::RobotCheck>(),
         Published::of::<sinew_estimate::EstimateDocument>(),
         Published::of::<sinew_estimate::EachDocument>(),
@@ -88,6 +89,7 @@ fn outputs() -> Vec<&'static str> {
     let lines = "
         log info examples/01-stretched-arm/stretched-arm.mcap --json
         log info examples/05-your-own-robot/nod.csv --json
+        init examples/01-stretched-arm/stretched-arm.mcap --out OUT/robot --json
         estimate ARM --json
         estimate ARM --method absolute --payload-kg 0.2 --json
         estimate --each ARM --json

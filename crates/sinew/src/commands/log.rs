@@ -3,7 +3,7 @@
 use crate::args::Opening;
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_log::{LogError, Pace, Recording};
+use sinew_log::{Ambiguity, LogError, Pace, Recording, TopicUse};
 use std::path::PathBuf;
 
 /// Look into a recording
@@ -23,7 +23,8 @@ impl Log {
 
 /// Read a recording to its end and say what it holds: joints, channels, rate, gaps, damage
 ///
-/// Exit code 3 when data was lost.
+/// Every topic with its type, count and rate, and what Sinew takes it for. Exit code 3 when data was
+/// lost, 1 when several topics could be one side.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew log info monday.mcap\n  sinew log info monday_*.mcap")]
 pub(crate) struct Info {
@@ -43,7 +44,7 @@ pub(crate) struct Info {
 
 impl Info {
     fn run(&self) -> Result<Finish, Failure> {
-        let mut recording = sinew_log::open_parts(&self.files, &self.opening.options()?)?;
+        let (mut recording, open) = self.open()?;
         let mut pace = Pace::default();
         let bar = Bar::new("reading", self.quiet);
         while let Some(frame) = recording.next_frame()? {
@@ -61,9 +62,31 @@ impl Info {
         let names: Vec<String> = (self.files.iter())
             .map(|f| f.display().to_string())
             .collect();
-        let info = pace.info(&recording, &names.join(", "));
+        let info = pace.info(&recording, &names.join(", ")).undecided(open);
         answer_as(self.json, &info, sinew_report::log::render)?;
-        Ok(Finish::lossy(info.lossy))
+        Ok(match info.ambiguous.is_empty() {
+            true => Finish::lossy(info.lossy),
+            false => Finish::Refused,
+        })
+    }
+
+    /// The recording, and the sides for which a topic was taken at will to look into it.
+    fn open(&self) -> Result<(Recording, Vec<Ambiguity>), Failure> {
+        let mut options = self.opening.options()?;
+        let mut open = Vec::<Ambiguity>::new();
+        loop {
+            match sinew_log::open_parts(&self.files, &options) {
+                Err(LogError::Ambiguous(side)) if open.iter().all(|o| o.side != side.side) => {
+                    let first = side.candidates.first().cloned();
+                    match side.side {
+                        TopicUse::MotorSide => options.motor_topic = first,
+                        _ => options.joint_state_topic = first,
+                    }
+                    open.push(side);
+                }
+                opened => return Ok((opened?, open)),
+            }
+        }
     }
 }
 
@@ -78,6 +101,7 @@ fn nothing(recording: &Recording) -> Failure {
     LogError::NotARecording {
         file: recording.name().to_owned(),
         reason: format!("it holds no frame: {why}"),
+        columns: Vec::new(),
     }
     .into()
 }

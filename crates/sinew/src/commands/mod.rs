@@ -9,6 +9,7 @@ pub(crate) mod creep;
 pub(crate) mod estimate;
 mod estimate_each;
 pub(crate) mod excitation;
+pub(crate) mod init;
 pub(crate) mod log;
 pub(crate) mod paper;
 pub(crate) mod robot;

@@ -1,9 +1,11 @@
 //! `sinew robot`: what a robot's folder says.
 
+use super::rope::Ropes;
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
-use sinew_estimate::robot_check::RobotCheck;
+use sinew_estimate::robot_check::{RobotCheck, Severity};
 use sinew_estimate::robot_dir;
+use sinew_log::Mapping;
 use std::path::PathBuf;
 
 /// Check a robot's description
@@ -23,13 +25,20 @@ impl Robot {
 
 /// Read robot.toml and the URDF and show what Sinew understood
 ///
-/// Joints in the order Sinew uses, their stiffness and tendons, and what looks odd. The column
-/// "mm per mrad" turns an offset into an elongation.
+/// Joints in the order Sinew uses, their stiffness and tendons, and what looks odd: units mistaken by
+/// 1000, masses, inertias, stiffness, friction, ropes, pulleys, limits. The column "mm per mrad" turns
+/// an offset into an elongation. Exit code 3 when something is odd or missing, 1 when something is
+/// impossible.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sinew robot check robots/biorob-like")]
 pub(crate) struct Check {
     /// Robot's folder, or robot.toml itself
     dir: PathBuf,
+    /// Mapping file to check too: gear ratios, scales, torque constants
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+    #[command(flatten)]
+    ropes: Ropes,
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -37,8 +46,18 @@ pub(crate) struct Check {
 
 impl Check {
     fn run(&self) -> Result<Finish, Failure> {
-        let check = RobotCheck::of(&robot_dir::load(&self.dir, None)?);
+        let (loaded, gaps) = robot_dir::draft(&self.dir, None)?;
+        let mut check = RobotCheck::of(&loaded, &gaps, &self.ropes.catalogue(self.json)?)?;
+        if let Some(file) = &self.mapping {
+            Mapping::read(file)?;
+            let text = std::fs::read_to_string(file)?;
+            check.add_mapping(&text, &file.display().to_string())?;
+        }
         answer_as(self.json, &check, sinew_report::robot::render)?;
-        Ok(Finish::Complete)
+        Ok(match check.worst() {
+            None => Finish::Complete,
+            Some(Severity::Odd | Severity::Missing) => Finish::Lossy,
+            Some(Severity::Impossible) => Finish::Refused,
+        })
     }
 }

@@ -3,11 +3,11 @@
 use super::messages::{Fields, Topic};
 use super::scan::Contents;
 use crate::decode::{Field, MessageKind};
-use crate::error::LogError;
+use crate::error::{Ambiguity, LogError};
 use crate::frame::{Channels, Quantities, Quantity};
 use crate::mapping::{JointEffort, JointMap, Mapping};
 use crate::options::OpenOptions;
-use crate::sources::SignalSource;
+use crate::sources::{SignalSource, TopicUse};
 use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 use std::collections::BTreeSet;
@@ -90,8 +90,13 @@ impl Names {
                 } else {
                     field
                 };
-                let source = format!("{} {field}", topic?);
-                Some(SignalSource { quantity, source })
+                let topic = topic?.clone();
+                let source = format!("{topic} {field}");
+                Some(SignalSource {
+                    quantity,
+                    topic: Some(topic),
+                    source,
+                })
             })
             .collect()
     }
@@ -186,8 +191,7 @@ pub(super) fn choose(
                     && (motor_wish.is_some() || !is_motor_name(&topic.name))
             };
             let candidates: Vec<&Topic> = states.iter().copied().filter(could_be).collect();
-            let choice = "joint_state_topic (--joint-topic)";
-            let found = topics.one_of(&candidates, JOINT_TOPIC, "joint side", choice)?;
+            let found = topics.one_of(&candidates, JOINT_TOPIC, TopicUse::JointSide)?;
             found.ok_or_else(|| topics.no_joint_side(contents))?
         }
     };
@@ -212,8 +216,7 @@ pub(super) fn choose(
                 let motors = motors.filter(|t| t.name != joint.name && is_motor_name(&t.name));
                 candidates = motors.collect();
             }
-            let choice = "motor_topic (--motor-topic)";
-            topics.one_of(&candidates, MOTOR_TOPIC, "motor side", choice)?
+            topics.one_of(&candidates, MOTOR_TOPIC, TopicUse::MotorSide)?
         }
     };
     if motor.is_some_and(|motor| motor.name == joint.name) {
@@ -325,20 +328,17 @@ impl<'a> Topics<'a> {
         &self,
         candidates: &[&'a Topic],
         usual: &str,
-        side: &str,
-        choice: &str,
+        side: TopicUse,
     ) -> Result<Option<&'a Topic>, LogError> {
         let usual = candidates.iter().find(|topic| topic.name == usual);
         match (usual, candidates) {
             (Some(topic), _) | (None, [topic]) => Ok(Some(topic)),
             (None, []) => Ok(None),
-            (None, several) => {
-                let names: Vec<&str> = several.iter().map(|t| t.name.as_str()).collect();
-                let names = list(&names);
-                let reason =
-                    format!("several topics could be the {side}: {names}; choose one as {choice}");
-                Err(LogError::request(self.file, reason))
-            }
+            (None, several) => Err(LogError::Ambiguous(Ambiguity {
+                file: self.file.to_owned(),
+                side,
+                candidates: several.iter().map(|t| t.name.clone()).collect(),
+            })),
         }
     }
 

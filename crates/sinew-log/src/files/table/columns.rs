@@ -109,13 +109,8 @@ impl Columns {
             _ => columns.find_joints(names),
         }
         if columns.joints.is_empty() {
-            return Err(LogError::refused(
-                file,
-                format!(
-                    "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns; columns are {}",
-                    list(names)
-                ),
-            ));
+            let reason = "no column like q.<joint>_rad or theta.<joint>_rad; a mapping can name other columns";
+            return Err(LogError::columns(file, reason, names));
         }
         columns.map_temperature(names, mapping, file)?;
         let all = columns.joints.clone();
@@ -243,7 +238,11 @@ impl Columns {
                 .flat_map(|s| &s.addends)
                 .map(|a| self.names[a.column].as_str());
             let source = Vec::from_iter(columns).join(", ");
-            (!source.is_empty()).then_some(SignalSource { quantity, source })
+            (!source.is_empty()).then_some(SignalSource {
+                quantity,
+                topic: None,
+                source,
+            })
         })
         .collect()
     }
@@ -429,10 +428,10 @@ fn time_of(
                 map.and_then(|map| map.exponent).unwrap_or(*exponent),
             ))
         })
-        .ok_or_else(|| LogError::refused(file, format!(
-                "no time column: time_s or time_ns, or [time] column in a mapping; columns are {}",
-                list(names)
-            )))
+        .ok_or_else(|| {
+            let reason = "no time column: time_s or time_ns, or [time] column in a mapping";
+            LogError::columns(file, reason, names)
+        })
 }
 
 #[cfg(test)]

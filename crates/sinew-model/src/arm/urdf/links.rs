@@ -18,7 +18,7 @@ pub(super) struct Odd {
 
 impl Reader<'_> {
     /// Mass properties of a link in its own frame.
-    pub(super) fn link_body(&mut self, link: &xml::Link) -> Result<BodyInertia, UrdfError> {
+    pub(super) fn link_body(&mut self, link: &xml::UrdfLink) -> Result<BodyInertia, UrdfError> {
         let [ixx, ixy, ixz, iyy, iyz, izz] = link.inertia;
         let body = BodyInertia {
             mass: link.mass_kg,
@@ -92,7 +92,7 @@ impl Odd {
     }
 }
 
-pub(super) fn limits(joint: &xml::Joint) -> JointLimits {
+pub(super) fn limits(joint: &xml::UrdfJoint) -> JointLimits {
     let [lower, upper, effort, velocity] = joint.limit;
     let endless = joint.joint_type == xml::JointType::Continuous;
     JointLimits {
@@ -108,7 +108,7 @@ pub(super) fn urdf_pose(origin: &xml::Origin) -> Pose {
 }
 
 /// Whether every principal minor is at least zero, up to rounding of the entries.
-fn is_positive_semidefinite(a: &Mat3) -> bool {
+pub fn is_positive_semidefinite(a: &Mat3) -> bool {
     // Sixteen roundings per product of entries as large as the trace.
     let size = (a[0][0].abs() + a[1][1].abs() + a[2][2].abs()).max(f64::MIN_POSITIVE);
     let eps = 16.0 * f64::EPSILON;
@@ -123,7 +123,7 @@ fn is_positive_semidefinite(a: &Mat3) -> bool {
 }
 
 /// Whether the second mass moments `½ tr(I) 1 − I` are those of a body.
-fn obeys_triangle(a: &Mat3) -> bool {
+pub fn obeys_triangle(a: &Mat3) -> bool {
     let half_trace = 0.5 * (a[0][0] + a[1][1] + a[2][2]);
     let mut moments = a.map(|row| row.map(|x| -x));
     for (i, row) in moments.iter_mut().enumerate() {

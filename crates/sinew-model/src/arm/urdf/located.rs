@@ -51,7 +51,7 @@ impl UrdfError {
 }
 
 /// Line, from 1, of `joint 'NAME'` or `link 'NAME'`; 0 where it isn't found.
-fn line_of(text: &str, element: &str) -> u64 {
+pub fn line_of(text: &str, element: &str) -> u64 {
     let Some((tag, name)) = element.split_once(" '") else {
         return 0;
     };

@@ -29,6 +29,10 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use links::{Odd, limits, urdf_pose};
 
+pub use links::{is_positive_semidefinite, obeys_triangle};
+pub use located::line_of;
+pub use xml::{JointType, Origin, UrdfJoint, UrdfLink, UrdfRobot, read as outline};
+
 /// How to read a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfOptions {
@@ -142,7 +146,7 @@ pub fn parse(text: &str, options: &UrdfOptions) -> Result<UrdfArm, UrdfError> {
             problem: "the text is empty".to_string(),
         });
     }
-    Reader::new(&xml::read(text)?, options)?.read()
+    Reader::new(&outline(text)?, options)?.read()
 }
 
 /// A branch still to be entered: a link, the URDF joint that leads to it, and where that starts.
@@ -163,7 +167,7 @@ enum Motion {
 }
 
 struct Reader<'a> {
-    robot: &'a xml::Robot,
+    robot: &'a xml::UrdfRobot,
     options: &'a UrdfOptions,
     link_index: BTreeMap<&'a str, usize>,
     /// Joints that start at each link, in the file's order.
@@ -174,7 +178,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(robot: &'a xml::Robot, options: &'a UrdfOptions) -> Result<Self, UrdfError> {
+    fn new(robot: &'a xml::UrdfRobot, options: &'a UrdfOptions) -> Result<Self, UrdfError> {
         let tree = |text: String| Err(UrdfError::Tree(text));
         if robot.links.is_empty() {
             return tree("the URDF has no link".to_string());
@@ -187,7 +191,7 @@ impl<'a> Reader<'a> {
         }
         let mut children = alloc::vec![Vec::new(); robot.links.len()];
         let mut carried_by: Vec<Option<&str>> = alloc::vec![None; robot.links.len()];
-        let find = |joint: &xml::Joint, link: &str| {
+        let find = |joint: &xml::UrdfJoint, link: &str| {
             link_index.get(link).copied().ok_or_else(|| {
                 UrdfError::Tree(format!(
                     "joint '{}' names link '{link}', which the URDF doesn't have",
@@ -232,7 +236,7 @@ impl<'a> Reader<'a> {
             });
         };
         for (name, _) in &options.locked {
-            let moving = |j: &&xml::Joint| j.joint_type != xml::JointType::Fixed;
+            let moving = |j: &&xml::UrdfJoint| j.joint_type != xml::JointType::Fixed;
             if !robot.joints.iter().filter(moving).any(|j| j.name == *name) {
                 let known: Vec<&str> = robot
                     .joints
@@ -351,8 +355,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn motion(&mut self, joint: &xml::Joint) -> Result<Motion, UrdfError> {
-        use xml::JointType;
+    fn motion(&mut self, joint: &xml::UrdfJoint) -> Result<Motion, UrdfError> {
         let refused = |kind| {
             Err(UrdfError::JointType {
                 joint: joint.name.clone(),
@@ -380,7 +383,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Displacement of a joint held at `at`.
-    fn locked(&self, joint: &xml::Joint, kind: JointKind, at: f64) -> Result<Pose, UrdfError> {
+    fn locked(&self, joint: &xml::UrdfJoint, kind: JointKind, at: f64) -> Result<Pose, UrdfError> {
         let axis = joint.axis;
         let length = norm(axis);
         if !(length.is_finite() && length > 0.0) {

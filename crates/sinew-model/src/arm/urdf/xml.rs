@@ -9,34 +9,55 @@ use roxmltree::{Document, Error, Node, ParsingOptions};
 /// Elements and texts a URDF may have; the largest robots have some ten thousand.
 const NODES_MOST: u32 = 1_000_000;
 
-pub(super) struct Robot {
-    pub(super) name: String,
-    pub(super) links: Vec<Link>,
-    pub(super) joints: Vec<Joint>,
+/// A URDF as it stands in the file: links and joints in the file's order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfRobot {
+    /// Its name.
+    pub name: String,
+    /// All links.
+    pub links: Vec<UrdfLink>,
+    /// All joints.
+    pub joints: Vec<UrdfJoint>,
 }
 
-pub(super) struct Link {
-    pub(super) name: String,
-    pub(super) mass_kg: f64,
-    /// `ixx ixy ixz iyy iyz izz`.
-    pub(super) inertia: [f64; 6],
-    pub(super) origin: Origin,
+/// A link of a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfLink {
+    /// Its name.
+    pub name: String,
+    /// Mass, kg; 0 without `<inertial>`.
+    pub mass_kg: f64,
+    /// `ixx ixy ixz iyy iyz izz`, kg·m².
+    pub inertia: [f64; 6],
+    /// Frame of the inertia, at the centre of mass, in the link's.
+    pub origin: Origin,
 }
 
-#[derive(Default)]
-pub(super) struct Origin {
-    pub(super) xyz: [f64; 3],
-    pub(super) rpy: [f64; 3],
+/// `<origin>`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Origin {
+    /// m.
+    pub xyz: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rpy: [f64; 3],
 }
 
+/// `<joint type>`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum JointType {
+pub enum JointType {
+    /// Turns between its limits.
     Revolute,
+    /// Turns without end.
     Continuous,
+    /// Slides.
     Prismatic,
+    /// Doesn't move.
     Fixed,
+    /// Free.
     Floating,
+    /// Slides in a plane.
     Planar,
+    /// Turns about three axes.
     Spherical,
 }
 
@@ -50,28 +71,48 @@ impl JointType {
         ("planar", Self::Planar),
         ("spherical", Self::Spherical),
     ];
+
+    /// The word of the file.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
 }
 
-pub(super) struct Joint {
-    pub(super) name: String,
-    pub(super) joint_type: JointType,
-    pub(super) origin: Origin,
-    pub(super) parent: String,
-    pub(super) child: String,
-    pub(super) axis: [f64; 3],
-    /// `lower upper effort velocity`.
-    pub(super) limit: [f64; 4],
-    pub(super) damping: f64,
-    pub(super) friction: f64,
+/// A joint of a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfJoint {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub joint_type: JointType,
+    /// Frame of the joint in the parent link's.
+    pub origin: Origin,
+    /// Link it hangs on.
+    pub parent: String,
+    /// Link it carries.
+    pub child: String,
+    /// Its axis, as written.
+    pub axis: [f64; 3],
+    /// `lower upper effort velocity`; 0 where the file states none.
+    pub limit: [f64; 4],
+    /// Whether the file states both ends of the range.
+    pub range_stated: bool,
+    /// `<dynamics damping>`, N·m·s/rad.
+    pub damping: f64,
+    /// `<dynamics friction>`, N·m.
+    pub friction: f64,
     /// The joint it follows.
-    pub(super) mimics: Option<String>,
+    pub mimics: Option<String>,
 }
 
 /// Prefixes of vendors' tags that may be used without being declared.
 const PREFIXES_MOST: usize = 32;
 
-/// Reads `text`.
-pub(super) fn read(text: &str) -> Result<Robot, UrdfError> {
+/// Links and joints of a URDF as they stand in `text`, unchecked but for their form.
+///
+/// # Errors
+/// [`UrdfError::Xml`], [`UrdfError::Xacro`].
+pub fn read(text: &str) -> Result<UrdfRobot, UrdfError> {
     let mut text = alloc::borrow::Cow::from(text);
     for _ in 0..PREFIXES_MOST {
         match undeclared(&text) {
@@ -103,7 +144,7 @@ fn undeclared(text: &str) -> Option<String> {
     Some(format!("{before} xmlns:{prefix}=\"{prefix}\"{after}"))
 }
 
-fn robot(document: &Document<'_>) -> Result<Robot, UrdfError> {
+fn robot(document: &Document<'_>) -> Result<UrdfRobot, UrdfError> {
     let root = document.root_element();
     let is_xacro = |node: &Node<'_, '_>| {
         let uri = node.tag_name().namespace();
@@ -118,7 +159,7 @@ fn robot(document: &Document<'_>) -> Result<Robot, UrdfError> {
     }
     let version = Version::of(root);
     let all = |tag: &'static str| root.children().filter(move |node| is(*node, root, tag));
-    Ok(Robot {
+    Ok(UrdfRobot {
         name: root.attribute("name").unwrap_or_default().to_string(),
         links: all("link")
             .map(|node| link(node, version))
@@ -153,10 +194,10 @@ impl Version {
     }
 }
 
-fn link(node: Node<'_, '_>, version: Version) -> Result<Link, UrdfError> {
+fn link(node: Node<'_, '_>, version: Version) -> Result<UrdfLink, UrdfError> {
     let name = needed(node, "name")?;
     let Some(inertial) = child(node, "inertial") else {
-        return Ok(Link {
+        return Ok(UrdfLink {
             name,
             mass_kg: 0.0,
             inertia: [0.0; 6],
@@ -170,7 +211,7 @@ fn link(node: Node<'_, '_>, version: Version) -> Result<Link, UrdfError> {
     for (entry, name) in entries.iter_mut().zip(names) {
         *entry = needed_number(inertia, name)?;
     }
-    Ok(Link {
+    Ok(UrdfLink {
         name,
         mass_kg: needed_number(mass, "value")?,
         inertia: entries,
@@ -178,7 +219,7 @@ fn link(node: Node<'_, '_>, version: Version) -> Result<Link, UrdfError> {
     })
 }
 
-fn joint(node: Node<'_, '_>, version: Version) -> Result<Joint, UrdfError> {
+fn joint(node: Node<'_, '_>, version: Version) -> Result<UrdfJoint, UrdfError> {
     let kind = needed(node, "type")?;
     let joint_type = JointType::ALL.iter().find(|(word, _)| *word == kind);
     let axis = child(node, "axis").map(|axis| vector(axis, "xyz"));
@@ -186,7 +227,7 @@ fn joint(node: Node<'_, '_>, version: Version) -> Result<Joint, UrdfError> {
         let found = child(node, tag).map(|node| number(node, name)).transpose();
         found.map(|value| value.flatten().unwrap_or(0.0))
     };
-    Ok(Joint {
+    Ok(UrdfJoint {
         name: needed(node, "name")?,
         joint_type: joint_type
             .map(|(_, joint_type)| *joint_type)
@@ -199,6 +240,9 @@ fn joint(node: Node<'_, '_>, version: Version) -> Result<Joint, UrdfError> {
         child: needed(needed_child(node, "child")?, "link")?,
         axis: axis.transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]),
         limit: limit(node, version)?,
+        range_stated: child(node, "limit").is_some_and(|limit| {
+            limit.attribute("lower").is_some() && limit.attribute("upper").is_some()
+        }),
         damping: number("dynamics", "damping")?,
         friction: number("dynamics", "friction")?,
         mimics: child(node, "mimic")

@@ -1,10 +1,27 @@
-//! What was understood of a robot's folder.
+//! What was understood of a robot's folder, and what of it looks odd.
+//!
+//! Reading order: [`finding`] (types), `keys` (ranges of robot.toml and mappings), `masses`, `limits`
+//! (the URDF), `loads` (what the arm asks of its joints), `drives`, `ropes`.
+
+mod drives;
+mod finding;
+mod keys;
+mod limits;
+pub(crate) mod loads;
+mod masses;
+mod ropes;
+
+pub use finding::{At, Finding, FindingKind, Judged, Severity, UnitSlip};
 
 use crate::robot_dir::LoadedRobot;
+use drives::Drive;
+use keys::Keys;
+use masses::Outline;
 use serde::Serialize;
-use sinew_files::JsonDocument;
-use sinew_model::arm::JointKind;
+use sinew_files::{JsonDocument, Located};
+use sinew_model::arm::{JointKind, urdf};
 use sinew_model::transmission::Tendon;
+use sinew_rope::Catalogue;
 
 /// A robot as Sinew has understood its description.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,8 +37,10 @@ pub struct RobotCheck {
     pub moving_mass_kg: f64,
     /// Joints in Sinew's order.
     pub joints: Vec<JointCheck>,
-    /// What looks odd.
+    /// What a reader of the URDF does with what is unusual in it.
     pub warnings: Vec<String>,
+    /// What looks odd, is missing or can't be, the worst first.
+    pub findings: Vec<Finding>,
 }
 
 /// One joint. Of a prismatic one, rad is m and N·m is N.
@@ -82,8 +101,45 @@ impl JsonDocument for RobotCheck {
 }
 
 impl RobotCheck {
-    /// Of a robot that was read.
-    pub fn of(loaded: &LoadedRobot) -> Self {
+    /// Of a robot that was read as far as its folder describes it ([`crate::robot_dir::draft`]), with
+    /// what keeps it from being used. The ropes are looked up in `catalogue`.
+    ///
+    /// # Errors
+    /// A text that can't be read after all.
+    pub fn of(
+        loaded: &LoadedRobot,
+        gaps: &[Located],
+        catalogue: &Catalogue,
+    ) -> Result<Self, Located> {
+        let mut findings: Vec<Finding> = gaps.iter().map(Finding::of_gap).collect();
+        findings.extend(odd(loaded, catalogue)?);
+        let mut out = Self::understood(loaded);
+        out.findings = findings;
+        out.sort();
+        Ok(out)
+    }
+
+    /// Adds what is odd in a mapping file's text: gear ratios, scales, torque constants, counts.
+    ///
+    /// # Errors
+    /// Broken TOML.
+    pub fn add_mapping(&mut self, text: &str, file: &str) -> Result<(), Located> {
+        self.findings.extend(Keys::parse(text, file)?.findings());
+        self.sort();
+        Ok(())
+    }
+
+    /// The worst there is.
+    pub fn worst(&self) -> Option<Severity> {
+        self.findings.iter().map(|finding| finding.severity).max()
+    }
+
+    fn sort(&mut self) {
+        self.findings
+            .sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    }
+
+    fn understood(loaded: &LoadedRobot) -> Self {
         let robot = &loaded.robot;
         let joint = |(i, name): (usize, &String)| {
             let transmission = robot.transmissions[i].as_ref();
@@ -110,8 +166,56 @@ impl RobotCheck {
             moving_mass_kg: robot.arm.subtree_mass(0).unwrap_or(0.0),
             joints: robot.joint_names().iter().enumerate().map(joint).collect(),
             warnings: robot.warnings.clone(),
+            findings: Vec::new(),
         }
     }
+}
+
+/// What is odd in robot.toml, then in the URDF, then in what one asks of the other.
+fn odd(loaded: &LoadedRobot, catalogue: &Catalogue) -> Result<Vec<Finding>, Located> {
+    let keys = Keys::parse(&loaded.file_text, &loaded.file.display().to_string())?;
+    let described = urdf::outline(&loaded.urdf_text)
+        .map_err(|error| error.located(&loaded.urdf, &loaded.urdf_text))?;
+    let outline = Outline {
+        robot: &described,
+        text: &loaded.urdf_text,
+        file: &loaded.urdf,
+    };
+    let mut out = keys.findings();
+    let is_ranged = |key: &str| out.iter().any(|finding| finding.at.key == key);
+    let of_masses = outline.findings();
+    let robot = &loaded.robot;
+    // Where masses or gravity can't be right, what follows from them says nothing more.
+    let unbelievable = |finding: &Finding| {
+        use FindingKind::{ArmMass, Distance, HeavyLink};
+        matches!(finding.kind, ArmMass | Distance | HeavyLink)
+    };
+    let believed = !of_masses.iter().any(unbelievable) && !is_ranged("gravity_m_s2");
+    let loads = loads::loads(&robot.arm, &robot.limits);
+    let loads = loads.iter().map(|load| Some(load).filter(|_| believed));
+    let mut of_drives = Vec::new();
+    let mut of_limits = Vec::new();
+    for ((i, joint), load) in robot.joint_names().iter().enumerate().zip(loads) {
+        let in_urdf = described.joints.iter().find(|j| j.name == *joint);
+        of_limits.extend(in_urdf.map(|j| limits::findings(&outline, j, load)));
+        if let (Some(transmission), Some(load)) = (robot.transmissions[i].as_ref(), load) {
+            let effort_nm = Some(robot.limits[i].effort).filter(|effort| *effort > 0.0);
+            let drive = Drive {
+                joint,
+                keys: &keys,
+                transmission,
+                load,
+            };
+            of_drives.extend(drive.findings());
+            of_drives.extend(drive.tendon(catalogue, effort_nm));
+        }
+    }
+    // A key outside its own range explains the rest.
+    of_drives.retain(|finding| !is_ranged(&finding.at.key));
+    out.extend(of_masses);
+    out.extend(of_limits.into_iter().flatten());
+    out.extend(of_drives);
+    Ok(out)
 }
 
 fn tendon(t: &Tendon) -> TendonCheck {

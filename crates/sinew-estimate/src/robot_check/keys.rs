@@ -1,0 +1,164 @@
+//! Numbers of a TOML file with their lines, and what each key usually holds.
+
+use super::finding::{
+    At, Bounds, Finding, FindingKind, Measure, Severity, Written, judge, judge_value,
+};
+use sinew_files::bound::unit_of;
+use sinew_files::{Bound, Located, Section, TomlFile, Value};
+use std::f64::consts::TAU;
+
+/// A key of a TOML file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Key {
+    /// Section and key: `joints.elbow.tendon.length_mm`.
+    pub(super) path: String,
+    pub(super) line: u64,
+    /// Its number, if it is one.
+    pub(super) number: Option<f64>,
+}
+
+/// The keys of a TOML file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Keys {
+    file: String,
+    all: Vec<Key>,
+}
+
+impl Keys {
+    /// Reads a file's text.
+    pub(super) fn parse(text: &str, file: &str) -> Result<Self, Located> {
+        let mut all = Vec::new();
+        gather(&TomlFile::parse(text, file)?.root(), "", &mut all);
+        Ok(Self {
+            file: file.to_owned(),
+            all,
+        })
+    }
+
+    /// Place of a key; of the file where it has none.
+    pub(super) fn at(&self, path: &str) -> At {
+        let key = self.all.iter().find(|key| key.path == path);
+        At {
+            file: self.file.clone(),
+            line: key.map(|key| key.line),
+            key: path.to_owned(),
+        }
+    }
+
+    /// The number at a key.
+    pub(super) fn number(&self, path: &str) -> Option<f64> {
+        self.all.iter().find(|key| key.path == path)?.number
+    }
+
+    /// A unit that would make the value of a key unusual is none.
+    pub(super) fn sensible(&self, mut finding: Finding) -> Finding {
+        let usual = bounds_of(&finding.at.key).map(|bounds| bounds.usual);
+        finding.slip = finding
+            .slip
+            .filter(|slip| usual.is_none_or(|(low, high)| (low..=high).contains(&slip.value)));
+        finding
+    }
+
+    /// Numbers outside what is usual for their keys.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let odd = |key: &Key| {
+            let bounds = bounds_of(&key.path)?;
+            // `base_rpy_rad[0]` is in rad.
+            let unit = unit_of(
+                key.path
+                    .split_once('[')
+                    .filter(|(_, i)| i.ends_with(']'))
+                    .map_or(&key.path, |(list, _)| list),
+            );
+            let value = key.number.filter(|value| *value != 0.0)?;
+            let measure = Measure {
+                value: value.abs(),
+                unit,
+                power: 1.0,
+            };
+            let written = Written { value, unit };
+            let at = || self.at(&key.path);
+            judge(FindingKind::Range, at, written, measure, bounds)
+        };
+        let gravity = self.gravity();
+        self.all.iter().filter_map(odd).chain(gravity).collect()
+    }
+
+    /// Gravity of no planet, or one that points up.
+    fn gravity(&self) -> Option<Finding> {
+        let path = |i: usize| format!("gravity_m_s2[{i}]");
+        let part = |i| self.number(&path(i));
+        let g = [part(0)?, part(1)?, part(2)?];
+        let at = |i| At {
+            key: "gravity_m_s2".into(),
+            ..self.at(&path(i))
+        };
+        let size = libm::sqrt(g.iter().map(|x| x * x).sum());
+        let written = Written {
+            value: size,
+            unit: "m/s²",
+        };
+        // Moon 1.6, Jupiter 25; none at all in orbit.
+        let bounds = Bounds::usual(1.5, 26.0).possible(0.0, 275.0);
+        let odd = judge_value(FindingKind::Gravity, || at(0), written, bounds);
+        let up = (g[2] > 0.5 * size && size > 0.0).then(|| Finding {
+            value: Some(g[2]),
+            unit: "m/s²",
+            ..Finding::new(FindingKind::GravityUp, Severity::Odd, at(2))
+        });
+        odd.filter(|_| size > 0.0).or(up)
+    }
+}
+
+fn gather(section: &Section<'_>, before: &str, all: &mut Vec<Key>) {
+    for (name, line, value) in section.entries() {
+        let path = match before {
+            "" => name.to_owned(),
+            before => format!("{before}.{name}"),
+        };
+        push(&value, path, line, all);
+    }
+}
+
+fn push(value: &Value<'_>, path: String, line: u64, all: &mut Vec<Key>) {
+    if let Ok(section) = value.section() {
+        gather(&section, &path, all);
+    } else if let Ok(list) = value.list("") {
+        for (i, item) in list.iter().enumerate() {
+            push(item, format!("{path}[{i}]"), line, all);
+        }
+    } else {
+        let number = value.number(Bound::Any).ok();
+        all.push(Key { path, line, number });
+    }
+}
+
+/// What is usual by the key's name, in the key's unit, whatever the sign.
+fn bounds_of(path: &str) -> Option<Bounds> {
+    let mut parts = path.rsplit('.');
+    let last = parts.next()?;
+    let parent = parts.next().unwrap_or_default();
+    Some(match last {
+        // Finger tendons have centimetres, cranes aside no strand has 10 m.
+        "length_mm" => Bounds::usual(15.0, 10_000.0).possible(2.0, 100_000.0),
+        "joint_pulley_radius_mm" => Bounds::usual(2.0, 250.0).possible(0.5, 2_000.0),
+        "radius_mm" => Bounds::usual(1.0, 250.0).possible(0.3, 2_000.0),
+        "wrap_deg" => Bounds::usual(0.0, 1_080.0),
+        // Dry rope on steel 0.1 to 0.3.
+        "friction" if parent.starts_with("guides[") => Bounds::usual(0.0, 0.6),
+        "retension_at_mm" => Bounds::usual(0.01, 50.0),
+        // Fibres break at 3 to 5 %, slow creep goes to 10 %.
+        "replace_at_strain_percent" => Bounds::usual(0.05, 10.0).possible(0.0, 100.0),
+        "pretension_n" => Bounds::usual(1.0, 20_000.0),
+        "motor_inertia_kg_m2" => Bounds::usual(1e-7, 1e3),
+        "locked_at_rad" => Bounds::usual(0.0, 4.0 * TAU),
+        "gear_ratio" => Bounds::usual(0.05, 5_000.0),
+        "scale" => Bounds::usual(1e-7, 1e7),
+        // From tiny coreless motors to ring torque motors.
+        "torque_constant_nm_per_a" => Bounds::usual(2e-4, 12.0),
+        "counts_per_turn" => Bounds::usual(4.0, 1.4e8),
+        key if parent == "tolerances" && key.ends_with("_percent") => Bounds::usual(0.05, 100.0),
+        _ if last.starts_with("base_rpy_rad[") => Bounds::usual(0.0, TAU),
+        _ => return None,
+    })
+}

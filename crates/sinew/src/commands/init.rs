@@ -1,0 +1,144 @@
+//! `sinew init`: a first robot.toml.
+
+use crate::args::Opening;
+use crate::terminal::{Failure, Finish, answer_as};
+use clap::Args;
+use sinew_estimate::init::Init;
+use sinew_files::{read_text, write_file};
+use sinew_log::{LogError, Recording};
+use sinew_report::init::{mapping_toml, render, robot_toml};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Largest URDF read, bytes.
+const URDF_BYTES_MAX: u64 = 64 << 20;
+
+/// Write a first robot.toml from a recording or a URDF
+///
+/// Joints, sides, topics and rate come from the recording, masses and axes from its /robot_description
+/// or a URDF. What no file says stands as a comment with unit, usual range and where to find it. Where
+/// topics or columns must be chosen, a mapping.toml to fill in is written first (exit code 3).
+#[derive(Debug, Args)]
+#[command(
+    name = "init",
+    after_help = "Example:\n  sinew init monday.mcap --out my-robot\n  sinew init my-robot.urdf"
+)]
+pub(crate) struct InitCommand {
+    /// Recording, or URDF
+    source: PathBuf,
+    /// Folder to write to, made where it isn't there [default: where the recording or URDF lies]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// URDF of the robot, where the recording holds none
+    #[arg(long, value_name = "FILE")]
+    urdf: Option<PathBuf>,
+    /// Replace files that are there already
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON document instead of sentences
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    opening: Opening,
+}
+
+/// A file to write, and its text.
+type Planned = (PathBuf, String);
+
+impl InitCommand {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        let source = self.source.display().to_string();
+        let folder = self
+            .out
+            .clone()
+            .unwrap_or_else(|| match self.source.parent() {
+                Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+                _ => PathBuf::from("."),
+            });
+        let is_urdf = is_urdf(&self.source);
+        let opened = match is_urdf {
+            true => Ok(None),
+            false => sinew_log::open(&self.source, &self.opening.options()?).map(Some),
+        };
+        let (mut init, planned) = match opened {
+            Ok(recording) => self.describe(&source, &folder, is_urdf, recording)?,
+            Err(error) => choose(&source, &folder, error)?,
+        };
+        let there = planned.iter().filter(|(path, _)| path.exists());
+        init.replaced = there.map(|(path, _)| path.display().to_string()).collect();
+        if let (false, Some(file)) = (self.force, init.replaced.first()) {
+            return Err(Failure::Refused(format!(
+                "{file} is there already; --force replaces it, --out DIR writes elsewhere"
+            )));
+        }
+        std::fs::create_dir_all(&folder)
+            .map_err(|e| Failure::Refused(format!("{}: can't make it: {e}", folder.display())))?;
+        for (path, text) in &planned {
+            write_file(path, text.as_bytes())?;
+            init.written.push(path.display().to_string());
+        }
+        let folder = folder.display().to_string();
+        answer_as(self.json, &init, |init| render(init, &folder))?;
+        Ok(Finish::lossy(init.choice.is_some()))
+    }
+
+    /// robot.toml, and the URDF where it isn't in the folder yet.
+    fn describe(
+        &self,
+        source: &str,
+        folder: &Path,
+        is_urdf: bool,
+        mut recording: Option<Recording>,
+    ) -> Result<(Init, Vec<Planned>), Failure> {
+        let file = self.urdf.as_ref().or(is_urdf.then_some(&self.source));
+        let description = recording.as_ref().and_then(Recording::robot_description);
+        let (name, text) = match (file, description) {
+            (Some(file), _) => {
+                let name = file.file_name().map(|n| n.to_string_lossy().into_owned());
+                (name, Some(read_text(file, URDF_BYTES_MAX)?))
+            }
+            (None, Some(text)) => (Some("robot.urdf".to_owned()), Some(text.to_owned())),
+            (None, None) => (None, None),
+        };
+        let urdf = name.as_deref().zip(text.as_deref());
+        let init = Init::of(source, urdf, recording.as_mut())?;
+        let mut planned = vec![(folder.join("robot.toml"), robot_toml(&init))];
+        if let Some((name, text)) = urdf {
+            let path = folder.join(name);
+            let lies_there =
+                file.is_some_and(|f| f.canonicalize().ok() == path.canonicalize().ok());
+            if !(lies_there && path.exists()) {
+                planned.push((path, text.to_owned()));
+            }
+        }
+        Ok((init, planned))
+    }
+}
+
+/// The mapping file for a choice that only a person can make.
+fn choose(source: &str, folder: &Path, error: LogError) -> Result<(Init, Vec<Planned>), Failure> {
+    let init = Init::undecided(source, error)?;
+    let text = init
+        .choice
+        .as_ref()
+        .map(|choice| mapping_toml(source, choice));
+    let planned = text.map(|text| (folder.join("mapping.toml"), text));
+    Ok((init, planned.into_iter().collect()))
+}
+
+/// Whether a file is a URDF, by its name or its first bytes.
+fn is_urdf(path: &Path) -> bool {
+    let named = path
+        .extension()
+        .is_some_and(|e| e == "urdf" || e == "xacro");
+    let mut start = Vec::new();
+    let opened = path
+        .is_file()
+        .then(|| std::fs::File::open(path).ok())
+        .flatten();
+    let read = opened.map(|file| file.take(4096).read_to_end(&mut start));
+    let text = String::from_utf8_lossy(&start);
+    let is_xml = matches!(read, Some(Ok(_))) && text.trim_start().starts_with('<');
+    named || (is_xml && text.contains("<robot"))
+}
