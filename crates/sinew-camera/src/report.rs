@@ -3,9 +3,11 @@
 use super::outcome::Outcome;
 use super::rejection::millimetres;
 use super::summary::Summary;
-use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
+use sinew_figure::plot::{Band, Colour, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Page, Table, rounded};
 
+/// Frames that are shown as dots; more lie too close.
+const DOTS: usize = 200;
 /// Points of a figure; more can't be told apart on paper.
 const POINTS: usize = 2000;
 
@@ -22,13 +24,13 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     let mut first = vec![Block::Headlines(
         [
             format!(
-                "Elongation of the last frame: {} mm after {} s",
+                "Elongation: {} mm from the first frame used to the last, {} s later",
                 rounded(1e3 * summary.elongation_last_m, 4),
                 rounded(summary.time_to_s - summary.time_from_s, 4)
             ),
             format!(
-                "Standard deviation of a frame: {:.4} mm (root mean square)",
-                1e3 * summary.elongation_deviation_rms_m
+                "One frame reads it to ± {:.4} mm (95 %)",
+                1.96e3 * summary.elongation_deviation_rms_m
             ),
         ]
         .map(Headline::from)
@@ -37,8 +39,8 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
     first.extend(summary.notes.iter().cloned().map(Block::Notice));
     first.push(Block::Figure(
         Box::new(figure(outcome)),
-        "Each frame against the first one used. The band is two standard deviations of a frame, \
-         from the scatter within it."
+        "Each frame against the first one used. The band is 95 %, from the scatter within a \
+         frame."
             .into(),
     ));
     page = page.section("Elongation", first);
@@ -62,7 +64,7 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
         ("tilt", format!("{:.2}°", scale.tilt_rad.to_degrees())),
         (
             "change of pitch along the scale",
-            format!("{:.2} %", 100.0 * scale.pitch_change_ratio),
+            format!("{} %", rounded(100.0 * scale.pitch_change_ratio, 2)),
         ),
         ("lines in sight", scale.lines.to_string()),
         (
@@ -140,18 +142,23 @@ fn figure(outcome: &Outcome) -> Figure {
     let all: Vec<_> = all.into_iter().step_by(every).collect();
     let time: Vec<f64> = all.iter().map(|v| v.0).collect();
     let column = |of: &dyn Fn(&Row) -> f64| all.iter().map(of).collect::<Vec<f64>>();
+    let dots = match time.len() > DOTS {
+        true => Vec::new(),
+        false => time.clone(),
+    };
     Figure::new("")
         .size(720.0, 420.0)
         .panel(
             Panel::new("", "", "elongation (mm)")
                 .weight(3.0)
                 .band(Band::new(
-                    "± 2 standard deviations",
+                    "95 %",
                     time.clone(),
-                    column(&|v| v.1 - 2.0 * v.2),
-                    column(&|v| v.1 + 2.0 * v.2),
+                    column(&|v| v.1 - 1.96 * v.2),
+                    column(&|v| v.1 + 1.96 * v.2),
                 ))
-                .line(Line::new("elongation", time.clone(), column(&|v| v.1)).colour(Colour::Blue)),
+                .line(Line::new("elongation", time.clone(), column(&|v| v.1)).colour(Colour::Blue))
+                .points(Points::new("", dots, column(&|v| v.1)).size(4.5)),
         )
         .panel(
             Panel::new("", "time (s)", "quality")

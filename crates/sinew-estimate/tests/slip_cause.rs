@@ -9,7 +9,6 @@ use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
-use sinew_report::slip_cause;
 use sinew_sim::{Scenario, Simulation};
 use support::{biorob_like, repository, seeds};
 
@@ -155,11 +154,11 @@ fn simulated_slips_of_rope_and_encoders_are_called_what_they_are() {
                     .filter(|s| (s.time_s - at_s).abs() < 2.5 && s.kind == TendonChangeKind::Slip)
                 {
                     println!(
-                        "{kind} seed {seed}: {:+.2} ± {:.2} mrad at {:.1} s: {}",
+                        "{kind} seed {seed}: {:+.2} ± {:.2} mrad at {:.1} s: {:?}",
                         1e3 * step.size_rad.unwrap().mean,
                         1e3 * step.size_rad.unwrap().half_width_95(),
                         step.time_s,
-                        slip_cause(step.cause.unwrap())
+                        step.cause.unwrap()
                     );
                     found += 1;
                     right += usize::from(step.cause == Some(expected));

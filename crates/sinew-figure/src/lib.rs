@@ -4,5 +4,5 @@ mod number;
 mod page;
 pub mod plot;
 
-pub use number::{count, duration, given, rounded, share, with_error};
+pub use number::{count, duration, given, rounded, share, with_interval};
 pub use page::{Block, Headline, Level, Page, Section, Sentence, Table};

@@ -29,20 +29,20 @@ pub fn rounded(value: f64, digits: u8) -> String {
     fixed(value, decimals(value, i32::from(digits)))
 }
 
-/// A value to two digits of its standard error: `10.02 ± 0.13`; three digits without one.
-pub fn with_error(value: f64, standard_error: f64) -> String {
+/// A value with half its 95 % interval to two digits: `10.02 ± 0.26` for a standard error of 0.13; three
+/// digits without one. Whatever stands behind a ± in Sinew is 95 %.
+pub fn with_interval(value: f64, standard_error: f64) -> String {
+    /// Quantile of the normal distribution.
+    const Z95: f64 = 1.96;
     if !value.is_finite() {
         return "–".into();
     }
     if !(standard_error.is_finite() && standard_error > 0.0) {
         return rounded(value, 3);
     }
-    let decimals = decimals(standard_error, 2);
-    format!(
-        "{} ± {}",
-        fixed(value, decimals),
-        fixed(standard_error, decimals)
-    )
+    let half = Z95 * standard_error;
+    let decimals = decimals(half, 2);
+    format!("{} ± {}", fixed(value, decimals), fixed(half, decimals))
 }
 
 /// A whole number with a thin gap between thousands: `1 234 567`.
@@ -96,12 +96,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_shows_two_digits_of_its_error() {
-        assert_eq!(with_error(10.0234, 0.1321), "10.02 ± 0.13");
-        assert_eq!(with_error(-0.00003, 0.0042), "0.0000 ± 0.0042");
-        assert_eq!(with_error(-1234.6, 56.7), "−1235 ± 57");
-        assert_eq!(with_error(10.0234, f64::NAN), "10.0");
-        assert_eq!(with_error(f64::NAN, 1.0), "–");
+    fn a_value_shows_two_digits_of_its_interval() {
+        assert_eq!(with_interval(10.0234, 0.1321), "10.02 ± 0.26");
+        assert_eq!(with_interval(-0.00003, 0.0042), "0.0000 ± 0.0082");
+        assert_eq!(with_interval(-1234.6, 56.7), "−1235 ± 111");
+        assert_eq!(with_interval(10.0234, f64::NAN), "10.0");
+        assert_eq!(with_interval(f64::NAN, 1.0), "–");
         assert_eq!(rounded(0.256_78, 2), "0.26");
         assert_eq!(rounded(1.2e-9, 2), "0.0000");
     }

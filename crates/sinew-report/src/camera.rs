@@ -46,13 +46,19 @@ pub fn render(outcome: &Outcome, s: &Summary) -> String {
                 plain(&frame.name),
                 format!("{}", (frame.time_s * 1e3).round() / 1e3),
                 format!("{:.4}", 1e3 * elongation_m),
-                format!("{:.4}", 1e3 * deviation_m),
+                format!("{:.4}", 1.96e3 * deviation_m),
                 format!("{:.2}", reading.quality),
             ]
         })
         .collect();
     out += &table(
-        &["frame", "time, s", "elongation, mm", "± std, mm", "quality"],
+        &[
+            "frame",
+            "time, s",
+            "elongation, mm",
+            "± 95 %, mm",
+            "quality",
+        ],
         rows,
         1,
     );

@@ -9,7 +9,7 @@ use crate::log::format_name;
 use sinew_estimate::EstimateDocument;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_figure::{
-    Block, Headline, Page, Table, count, duration, given, rounded, share, with_error,
+    Block, Headline, Page, Table, count, duration, given, rounded, share, with_interval,
 };
 use sinew_files::date::utc_text;
 use sinew_log::SignalSource;
@@ -58,7 +58,7 @@ pub fn html(document: &EstimateDocument) -> String {
         numbers.push(Block::Table(differences(estimate)));
     }
     numbers.push(Block::Paragraph(
-        "Scatter: standard deviation of the single estimates. Standard error: of their mean, with the correlation from one to the next taken into account. Both speak of this recording only, not of an error in stiffness, masses, payload or contact, which moves all estimates alike.".into(),
+        "Scatter: standard deviation of the single estimates. Standard error: of their mean, with the correlation from one to the next taken into account; ± is twice that, half a 95 % interval. All three speak of this recording only, not of an error in stiffness, masses, payload or contact, which moves all estimates alike.".into(),
     ));
     let doubts: Vec<String> = estimate.joints.iter().filter_map(doubt).collect();
     if !doubts.is_empty() {
@@ -122,7 +122,7 @@ fn offsets(estimate: &Estimate) -> Table {
         "offset δe, mrad",
         "scatter, mrad",
         "standard error, mrad",
-        "elongation, mm",
+        "elongation ± 95 %, mm",
         "strain, %",
         "frames used",
         "1 % too much stiffness adds, mrad",
@@ -143,7 +143,7 @@ fn offsets(estimate: &Estimate) -> Table {
                     rounded(1e3 * or_nan(j.scatter_rad), 2),
                     rounded(1e3 * or_nan(j.standard_error_rad), 2),
                     j.elongation_m
-                        .map_or_else(none, |m| with_error(1e3 * m, error_mm)),
+                        .map_or_else(none, |m| with_interval(1e3 * m, error_mm)),
                     optional(j.strain_ratio.map(|strain| 100.0 * strain)),
                     share(j.usable_share),
                     rounded(
@@ -160,7 +160,7 @@ fn differences(estimate: &Estimate) -> Table {
     let head = [
         "joint",
         "reference, mrad",
-        "difference, mrad",
+        "difference ± 95 %, mrad",
         "difference, mm",
         "1 % too much stiffness adds, mrad",
     ];
@@ -182,7 +182,7 @@ fn differences(estimate: &Estimate) -> Table {
                 vec![
                     j.name.clone(),
                     rounded(1e3 * d.reference_rad, 4),
-                    with_error(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
+                    with_interval(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
                     d.elongation_m.map_or("–".into(), |m| rounded(1e3 * m, 3)),
                     rounded(MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad, 2),
                 ]
@@ -273,7 +273,7 @@ fn circumstances(estimate: &Estimate) -> Table {
             rounded(or_nan(recording.rate_hz), 4),
             match recording.segments {
                 1 => "without a gap".to_string(),
-                n => format!("in {n} stretches"),
+                n => format!("in {n} parts with gaps between them"),
             }
         ),
     );

@@ -1,5 +1,6 @@
 //! The figure of one joint: offset with its band, torque, motion.
 
+use super::sentences::headline;
 use super::shown::or_nan;
 use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
@@ -88,6 +89,7 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         .weight(0.75)
         .line(Line::new("", time, series.q_rad.clone()).colour(Colour::Black));
     let figure = Figure::new("")
+        .seen(headline(estimate, joint))
         .size(820.0, 560.0)
         .panel(offset)
         .panel(torque)

@@ -35,6 +35,6 @@ pub use each::{each_summary, each_table};
 pub use estimate::html;
 pub use estimate_table::estimate_series;
 pub use sentences::headline;
-pub use session_sentences::{session_sentences, slip_cause};
+pub use session_sentences::session_sentences;
 pub use warnings::{document_warnings, recording_warning, session_warning};
 pub use words::{joint_refusal, loss_reason, nothing_estimated};

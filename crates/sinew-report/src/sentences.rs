@@ -3,7 +3,7 @@
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::words::joint_refusal;
 use sinew_estimate::replay::{Difference, Estimate, JointEstimate};
-use sinew_figure::{rounded, with_error};
+use sinew_figure::{rounded, with_interval};
 
 /// Beyond this many standard errors a change is called seen; closer, it is said not to be.
 const SEEN_ERRORS: f64 = 2.0;
@@ -41,19 +41,19 @@ fn reading(name: &str, joint: &JointEstimate) -> String {
         .filter(|mm| mm.is_finite())
     {
         Some(mm) => format!(
-            "as a tendon {} mm {} would",
+            "what a tendon {} mm {} would show",
             rounded(mm.abs(), 2),
             if mm < 0.0 { "shorter" } else { "longer" }
         ),
-        None => "no tendon in robot.toml, so no elongation".into(),
+        None => "robot.toml has no tendon there, so no elongation".into(),
     };
     let unknown = match error.is_finite() && error > 0.0 {
-        true => "",
-        false => " (error unknown: the recording is too short for one)",
+        true => " (95 %, scatter alone)",
+        false => " (the recording is too short for a ±)",
     };
     format!(
-        "{name}: reads {} mrad{unknown}, {as_stretch}",
-        with_error(value, error)
+        "{name}: the equation reads {} mrad{unknown}; {as_stretch}",
+        with_interval(value, error)
     )
 }
 
@@ -63,10 +63,11 @@ fn difference(name: &str, d: &Difference, reference: &str) -> String {
     if !value.is_finite() {
         return format!("{name}: no estimate");
     }
-    let mut change = format!("change {} mrad", with_error(value, error));
-    if !(error.is_finite() && error > 0.0) {
-        change.push_str(", error unknown: the recording is too short for one");
-    }
+    let mut change = format!("change {} mrad", with_interval(value, error));
+    change.push_str(match error.is_finite() && error > 0.0 {
+        true => ", 95 %",
+        false => "; the recording is too short for a ±",
+    });
     if error.is_finite() && value.abs() < seen(error) {
         return format!("{name}: no stretch seen ({change})");
     }
@@ -74,10 +75,10 @@ fn difference(name: &str, d: &Difference, reference: &str) -> String {
         Some(mm) => {
             let word = if mm < 0.0 { "shorter" } else { "longer" };
             let mm = rounded(mm.abs(), 2);
-            format!("{name}: tendon {mm} mm {word} than in the reference {reference} ({change})")
+            format!("{name}: the tendon is {mm} mm {word} than in {reference} ({change})")
         }
         None => format!(
-            "{name}: motor {} mrad ahead of in the reference {reference} ({change}); no tendon in robot.toml, so no elongation",
+            "{name}: the motor stands {} mrad further than in {reference} ({change}); robot.toml has no tendon there, so no elongation",
             rounded(value, 3)
         ),
     }
@@ -116,13 +117,13 @@ pub(super) fn doubt(joint: &JointEstimate) -> Option<String> {
     }
     Some(if percent < ORDINARY_ERROR_PERCENT {
         format!(
-            "{}: an error of {} % in its stiffness or in the masses it carries would show the same {what}; take it for stretch only if you know them better than that.",
+            "{}: a stiffness or masses wrong by {} % would show the same {what}. Call it stretch only if you know them better than that.",
             joint.name,
             rounded(percent, 2)
         )
     } else {
         format!(
-            "{}: it would take an error of {} % in stiffness or masses to show this {what} without any stretch.",
+            "{}: without any stretch, stiffness or masses would have to be wrong by {} % to show this {what}.",
             joint.name,
             if percent > 1000.0 {
                 "over 1000".to_string()

@@ -8,7 +8,7 @@ use sinew_estimate::session::{
     Verdict,
 };
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
-use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_figure::{Block, Headline, Level, Page, Table, rounded, with_interval};
 use sinew_model::Gaussian;
 
 /// Adds what the joint estimate says.
@@ -20,7 +20,7 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
     let mut opening = vec![
         Block::Headlines(session.joints.iter().map(headline).collect()),
         Block::Paragraph(
-            "All joints estimated together with stiffness, masses, friction, encoder errors, temperature and payload; times that fit nothing are left out as contact. ± is half the 95 % interval.".into(),
+            "All joints estimated together with stiffness, masses, friction, encoder errors, temperature and payload; times that fit nothing are left out as contact. ± is half a 95 % interval, on the whole page.".into(),
         ),
         Block::Table(offsets(session)),
     ];
@@ -45,7 +45,7 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
         "Estimated along",
         vec![
             Block::Paragraph(
-                "What was believed before and after, ± one standard deviation. What the data did not move rests on the tolerance alone.".into(),
+                "What was believed before and after; ± is half the 95 % interval. What the data did not move rests on the tolerance alone.".into(),
             ),
             Block::Folded(
                 format!("{} parameters, {} of them moved by the data", session.nuisance.len(), moved),
@@ -80,34 +80,36 @@ fn level(joint: &TendonEstimate) -> Level {
 fn headline(joint: &TendonEstimate) -> Headline {
     let size = match joint.elongation_m {
         Some(m) => format!(
-            "{} ± {} mm",
-            rounded(1e3 * m.mean.abs(), 2),
-            rounded(1e3 * m.half_width_95(), 2)
+            "{} mm",
+            with_interval(1e3 * m.mean.abs(), 1e3 * m.deviation)
         ),
-        None => format!(
-            "{} ± {} mrad at the joint",
-            rounded(1e3 * joint.offset_rad.mean.abs(), 2),
-            rounded(1e3 * joint.offset_rad.half_width_95(), 2)
-        ),
+        None => {
+            let offset = joint.offset_rad.scaled(1e3);
+            let mrad = with_interval(offset.mean.abs(), offset.deviation);
+            format!("{mrad} mrad at the joint")
+        }
     };
     let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
     let limit = passed.map_or(String::new(), |limit| {
         format!(
-            "; past the {} mm at which to tension again",
+            "; beyond its limit of {} mm: tension it again",
             rounded(1e3 * limit.elongation_m, 2)
         )
     });
-    let slip = joint.changes.iter().find(|c| c.size_rad.is_some());
-    let slip = slip.map_or(String::new(), |c| {
-        format!("; {} at {:.0} s", change_kind(c.kind), c.time_s)
-    });
+    let slip = |c: &TendonChange| {
+        let size = c.size_rad?.scaled(1e3);
+        let mrad = with_interval(size.mean, size.deviation);
+        let kind = change_kind(c.kind);
+        Some(format!("; {kind} of {mrad} mrad at {:.1} s", c.time_s))
+    };
+    let slip: String = joint.changes.iter().filter_map(slip).collect();
     let limit = limit + &slip;
     let name = &joint.name;
     let text = match joint.verdict {
-        Verdict::Longer => format!("{name}: tendon longer by {size}{limit}"),
-        Verdict::Shorter => format!("{name}: tendon shorter by {size}{slip}"),
+        Verdict::Longer => format!("{name}: the tendon is longer by {size}{limit}"),
+        Verdict::Shorter => format!("{name}: the tendon is shorter by {size}{slip}"),
         Verdict::Unchanged => format!("{name}: no stretch seen ({size}){slip}"),
-        Verdict::CannotTell => format!("{name}: this recording can't tell ({size}){slip}"),
+        Verdict::CannotTell => format!("{name}: can't tell from this recording ({size}){slip}"),
     };
     Headline::new(level(joint), text)
 }
@@ -174,7 +176,7 @@ fn course(session: &SessionEstimate, i: usize) -> Figure {
         )
         .line(Line::new("estimate", times, estimate).step());
     for left in &session.left_out {
-        panel = panel.span(left.from_s, left.to_s, "");
+        panel = panel.span(left.from_s, left.to_s, "left out");
     }
     for change in &joint.changes {
         let size = change.size_rad.map_or(0.0, |size| 1e3 * size.mean);
@@ -191,7 +193,10 @@ fn course(session: &SessionEstimate, i: usize) -> Figure {
             panel = panel.y_right("elongation (mm)", per_mrad);
         }
     }
-    Figure::new("").size(820.0, 300.0).panel(panel)
+    Figure::new("")
+        .size(820.0, 300.0)
+        .seen(headline(joint).text)
+        .panel(panel)
 }
 
 fn nuisance(session: &SessionEstimate) -> Table {
@@ -204,7 +209,7 @@ fn nuisance(session: &SessionEstimate) -> Table {
 }
 
 fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
-    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 3), rounded(x.deviation, 2));
+    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 3), rounded(x.half_width_95(), 2));
     let joint = n.joint.as_deref().unwrap_or("");
     vec![
         format!("{joint} {}", n.name).trim().to_string(),

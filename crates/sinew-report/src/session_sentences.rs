@@ -22,7 +22,7 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
         .chain(session.payload_changes.iter().map(|c| c.probability));
     if stated.any(|p| p.is_some()) {
         out.push(
-            "probabilities rest on this recording, and on odds of a change that are starting guesses"
+            "the probabilities count this recording and a guess at how often such changes happen"
                 .into(),
         );
     }
@@ -56,14 +56,14 @@ fn of_joint(joint: &TendonEstimate) -> Vec<String> {
     let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
     out.extend(passed.map(|limit| {
         format!(
-            "past the {} mm at which to tension again",
+            "beyond its limit of {} mm: tension it again",
             rounded(1e3 * limit.elongation_m, 2)
         )
     }));
     out.extend(joint.changes.iter().map(of_change));
     if let Some(slack) = joint.slack_rad {
         out.push(format!(
-            "dead zone of ± {} mrad (± {} at 95 %); near zero torque its position is unknown by that",
+            "play of {} ± {} mrad to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
             rounded(1e3 * slack.mean, 2),
             rounded(1e3 * slack.half_width_95(), 2)
         ));
@@ -84,15 +84,50 @@ fn of_change(change: &TendonChange) -> String {
     match (change.kind, change.size_rad) {
         // It has no time in this recording.
         (TendonChangeKind::SofterSinceBefore | TendonChangeKind::StifferSinceBefore, _) => {
-            format!("{stiffness}: {kind}")
+            format!("{kind}: {stiffness}")
         }
-        (_, None) => format!("{stiffness} {when} without a slip: {kind}"),
-        (_, Some(size)) => format!(
-            "a sudden change of {} ± {} mrad {when}, {stiffness}: {}",
-            rounded(1e3 * size.mean, 3),
-            rounded(1e3 * size.half_width_95(), 2),
-            explanation(change)
+        (_, None) => format!("{kind} {when} without a slip: {stiffness}"),
+        (_, Some(size)) => {
+            let by = format!(
+                "by {} ± {} mrad {when}",
+                rounded(1e3 * size.mean, 3),
+                rounded(1e3 * size.half_width_95(), 2)
+            );
+            match (change.kind, change.cause) {
+                (TendonChangeKind::StrandFailure, _) => {
+                    format!("a strand has failed and let the rope go {by}; {stiffness}")
+                }
+                (TendonChangeKind::SlipOrStrandFailure, _) => format!(
+                    "the rope slipped or a strand failed {by}; which of the two can't be told; {stiffness}"
+                ),
+                (TendonChangeKind::Retensioned, _) => format!(
+                    "it was tensioned again {by}: most of the offset is gone; make a new baseline"
+                ),
+                (_, Some(cause)) => slipped(cause, &by, &stiffness),
+                (_, None) => format!("{kind} {by}; {stiffness}"),
+            }
+        }
+    }
+}
+
+/// What slipped, by how much, and how that is known.
+fn slipped(cause: Cause, by: &str, stiffness: &str) -> String {
+    let encoder = |side: &str| {
+        format!(
+            "the {side} encoder slipped {by}, not the rope: its reading jumped between two samples"
+        )
+    };
+    let open = |why: &str| format!("rope or encoder slipped {by}; which can't be told: {why}");
+    match cause {
+        Cause::MotorEncoder => encoder("motor"),
+        Cause::JointEncoder => encoder("joint"),
+        Cause::Rope => format!(
+            "the rope slipped {by}; {stiffness}. Motor or joint moved, and no reading jumped"
         ),
+        Cause::Unknown(UnknownCause::Missing) => open("samples are missing around it"),
+        Cause::Unknown(UnknownCause::Noise) => open("it is too small for the encoders' noise"),
+        Cause::Unknown(UnknownCause::Rate) => open("the recording's rate is too low"),
+        Cause::Unknown(UnknownCause::Both) => open("both readings jumped"),
     }
 }
 
@@ -109,44 +144,6 @@ pub(crate) fn change_kind(kind: TendonChangeKind) -> &'static str {
     }
 }
 
-/// What a change of the offset was, at a sentence's end.
-fn explanation(change: &TendonChange) -> &'static str {
-    match (change.kind, change.cause) {
-        (TendonChangeKind::StrandFailure, _) => "a strand has failed",
-        (TendonChangeKind::SlipOrStrandFailure, _) => "a slip or a failed strand: can't be told",
-        (TendonChangeKind::Retensioned, _) => {
-            "most of the offset went: it was tensioned again; make a new baseline"
-        }
-        (TendonChangeKind::Slip, Some(cause)) => slip_cause(cause),
-        _ => "",
-    }
-}
-
-/// What slipped, at a sentence's end.
-pub fn slip_cause(cause: Cause) -> &'static str {
-    match cause {
-        Cause::MotorEncoder => {
-            "the motor encoder's reading jumped between two samples: it slipped, not the rope"
-        }
-        Cause::JointEncoder => {
-            "the joint encoder's reading jumped between two samples: it slipped, not the rope"
-        }
-        Cause::Rope => "no reading jumped, motor or joint moved: the rope slipped",
-        Cause::Unknown(UnknownCause::Missing) => {
-            "rope or encoder: can't be told, samples are missing around it"
-        }
-        Cause::Unknown(UnknownCause::Noise) => {
-            "rope or encoder: can't be told, it is too small for the encoders' noise"
-        }
-        Cause::Unknown(UnknownCause::Rate) => {
-            "rope or encoder: can't be told, the recording's rate is too low"
-        }
-        Cause::Unknown(UnknownCause::Both) => {
-            "rope or encoder: can't be told, both readings jumped"
-        }
-    }
-}
-
 /// When a change happened, and how sure it is.
 fn when(time_s: f64, interval_s: Option<Interval95>, probability: Option<f64>) -> String {
     const SURE: f64 = 0.999;
@@ -158,7 +155,7 @@ fn when(time_s: f64, interval_s: Option<Interval95>, probability: Option<f64>) -
     } else {
         format!("{probability:.2}")
     };
-    format!("at {time_s:.1} s ({low:.1} to {high:.1}; probability {sure})")
+    format!("at {time_s:.1} s ({low:.1} to {high:.1} s; probability {sure})")
 }
 
 #[cfg(test)]
@@ -185,15 +182,15 @@ mod tests {
         let cases = [
             (
                 slip.clone(),
-                "a sudden change of 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6; probability 0.95), no loss of stiffness seen: no reading jumped, motor or joint moved: the rope slipped",
+                "the rope slipped by 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6 s; probability 0.95); no loss of stiffness seen. Motor or joint moved, and no reading jumped",
             ),
             (
                 of_kind(TendonChangeKind::StrandFailure),
-                "a sudden change of 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6; probability 0.95), stiffness −4.0 ± 1.5 %: a strand has failed",
+                "a strand has failed and let the rope go by 5.12 ± 0.41 mrad at 34.2 s (33.9 to 34.6 s; probability 0.95); stiffness −4.0 ± 1.5 %",
             ),
             (
                 of_kind(TendonChangeKind::SofterSinceBefore),
-                "stiffness −4.0 ± 1.5 %: softer since before",
+                "softer since before: stiffness −4.0 ± 1.5 %",
             ),
             (
                 TendonChange {
@@ -201,7 +198,7 @@ mod tests {
                     probability: Some(0.99999),
                     ..of_kind(TendonChangeKind::StrandFailure)
                 },
-                "stiffness −4.0 ± 1.5 % at 34.2 s (33.9 to 34.6; probability > 0.999) without a slip: strand failure",
+                "strand failure at 34.2 s (33.9 to 34.6 s; probability > 0.999) without a slip: stiffness −4.0 ± 1.5 %",
             ),
         ];
         for (change, text) in cases {

@@ -9,7 +9,7 @@ use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EstimateDocument, NuisanceChange};
-use sinew_figure::{rounded, with_error};
+use sinew_figure::{rounded, with_interval};
 use sinew_log::SignalSource;
 use sinew_model::Gaussian;
 
@@ -81,7 +81,7 @@ fn reading(e: &Estimate) -> String {
         let head = [
             "joint",
             "reference\nmrad",
-            "change\nmrad",
+            "change\n± 95 %, mrad",
             "change\nmm",
             "1 % of K\nmrad",
         ];
@@ -122,7 +122,7 @@ fn difference_row(j: &JointEstimate) -> Option<Vec<String>> {
     Some(vec![
         j.name.clone(),
         rounded(1e3 * d.reference_rad, 4),
-        with_error(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
+        with_interval(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
         optional(d.elongation_m.map(|m| 1e3 * m), 3),
         rounded(MRAD_PER_PERCENT * d.offset_per_stiffness_error_rad, 2),
     ])
@@ -179,8 +179,8 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
         let head = [
             "joint",
             "parameter",
-            "before\n± 1 sd",
-            "after\n± 1 sd",
+            "before\n± 95 %",
+            "after\n± 95 %",
             "moved",
         ];
         out.push('\n');
@@ -213,7 +213,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
-    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 2), rounded(x.deviation, 2));
+    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 2), rounded(x.half_width_95(), 2));
     vec![
         n.joint.clone().unwrap_or_default(),
         format!("{} {}", n.name, n.unit).trim_end().to_string(),
@@ -248,8 +248,8 @@ pub fn merged(summary: &MergeSummary, files: usize) -> String {
     let head = [
         "joint or link",
         "parameter",
-        "at the start\n± 1 sd",
-        "now\n± 1 sd",
+        "at the start\n± 95 %",
+        "now\n± 95 %",
     ];
     words(&format!(
         "{}: {files} files, {} recordings; {} of {} parameters are surer by a fifth or have moved",

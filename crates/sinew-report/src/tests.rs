@@ -159,7 +159,7 @@ fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
     let say = |e: &Estimate, i: usize| headline(e, &e.joints[i]);
     assert_eq!(
         say(&estimate, 1),
-        "elbow: reads 10.400 ± 0.052 mrad, as a tendon 0.26 mm longer would"
+        "elbow: the equation reads 10.40 ± 0.10 mrad (95 %, scatter alone); what a tendon 0.26 mm longer would show"
     );
     // A reading is no verdict.
     for verdict in ["no stretch seen", "longer than", "shorter than"] {
@@ -176,7 +176,7 @@ fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
     let shrunk = with_difference(made_up(), -4.0);
     assert_eq!(
         say(&shrunk, 1),
-        "elbow: tendon 0.10 mm shorter than in the reference sunday.mcap (change −4.000 ± 0.070 mrad)"
+        "elbow: the tendon is 0.10 mm shorter than in sunday.mcap (change −4.00 ± 0.14 mrad, 95 %)"
     );
     let mut bare = made_up();
     bare.joints[1].elongation_m = None;
@@ -192,7 +192,7 @@ fn each_joint_has_a_sentence_that_says_no_more_than_the_numbers() {
 fn the_page_stands_alone() {
     let page = page(with_difference(made_up(), 4.0));
     for needed in [
-        "elbow: tendon 0.10 mm longer than in the reference sunday.mcap",
+        "elbow: the tendon is 0.10 mm longer than in sunday.mcap",
         "right in differences",
         "rests on the stiffness",
         "settling after the start, a gap or missing samples",

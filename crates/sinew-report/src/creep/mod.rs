@@ -1,5 +1,6 @@
 //! Creep tests as terminal tables, CSV and an HTML page.
 
+mod answers;
 mod csv;
 mod fit_tables;
 mod group_table;

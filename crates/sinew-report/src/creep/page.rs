@@ -1,5 +1,6 @@
 //! The report of a creep test, for a customer.
 
+use super::answers::{of_analyses, of_fits, of_ranks, of_withheld};
 use super::isochronous::isochronous_figure;
 use super::page_tables::{
     coverage_table, fit_blocks, forecast_table, group_table, isochrone_table, odd_blocks,
@@ -12,7 +13,7 @@ use sinew_creep::{
     WithheldReport, scatter,
 };
 use sinew_figure::plot::Figure;
-use sinew_figure::{Block, Page};
+use sinew_figure::{Block, Headline, Page};
 
 /// Specimens beyond which readings are left to the table file.
 const READINGS_OF: usize = 12;
@@ -24,7 +25,8 @@ pub fn analyze_page(report: &AnalyzeReport, tests: &Tests) -> Page {
         let caption = "Isochronous curves: load over strain after the same time under load; one point per specimen.";
         figures.push((figure, caption.into()));
     }
-    let mut page = begin("Creep test", &report.conditions, tests, figures);
+    let answers = of_analyses(&tests.analyses);
+    let mut page = begin("Creep test", answers, &report.conditions, tests, figures);
     page = repeats(page, &report.groups);
     page = readings(page, tests);
     if !report.isochrones.is_empty() {
@@ -39,7 +41,13 @@ pub fn compare_page(report: &CompareReport, tests: &Tests, conditions: &Conditio
     // Specimens of no group are ropes of their own, not repeats.
     let grouped = tests.analyses.iter().filter(|a| a.group.is_some());
     let figures = vec![(figure("", &plotted(tests), false), String::new())];
-    let mut page = begin("Creep of ropes compared", conditions, tests, figures);
+    let mut page = begin(
+        "Creep of ropes compared",
+        of_ranks(&report.ranks),
+        conditions,
+        tests,
+        figures,
+    );
     if !report.ranks.is_empty() {
         page = page.section("Ranking", vec![rank_table(&report.ranks).into()]);
     }
@@ -61,14 +69,23 @@ pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Co
         }
     }
     let caption = "Dashed: the law of smallest AICc. Shaded: where a reading lies.";
-    let mut page = begin("Creep test", conditions, tests, curves(&all, caption));
+    let answers = of_fits(&report.fits, &tests.analyses);
+    let mut page = begin(
+        "Creep test",
+        answers,
+        conditions,
+        tests,
+        curves(&all, caption),
+    );
     if let Some(table) = forecast_table(&report.fits) {
         page = page.section("Forecast", vec![table.into()]);
     }
     page = readings(page, tests);
     if tests.analyses.len() <= READINGS_OF {
         for set in &report.fits {
-            page = page.section(format!("Laws: {}", set.name), fit_blocks(&set.laws));
+            let line = format!("{} laws, best first, with their parameters", set.laws.len());
+            let laws = Block::Folded(line, fit_blocks(&set.laws));
+            page = page.section(format!("Laws: {}", set.name), vec![laws]);
         }
     }
     end(page, &report.sources, &report.failures, tests)
@@ -76,7 +93,8 @@ pub fn fit_page(report: &FitReport, tests: &Tests, joint: Joint, conditions: &Co
 
 /// The report of forecasts held against withheld ends.
 pub fn withhold_page(report: &WithheldReport, tests: &Tests, conditions: &Conditions) -> Page {
-    let page = begin("Creep test", conditions, tests, Vec::new());
+    let answers = of_withheld(&report.withheld);
+    let page = begin("Creep test", answers, conditions, tests, Vec::new());
     let mut blocks = vec![
         Block::Paragraph(
             "The end of every test was hidden from the fit; a share of 95 % inside would be right."
@@ -99,9 +117,10 @@ fn curves(plotted: &[Plotted<'_>], caption: &str) -> Vec<(Figure, String)> {
     ]
 }
 
-/// What was tested, and the curves with the line under each figure.
+/// The answers, the curves with the line under each figure, what was tested.
 fn begin(
     title: &str,
+    answers: Vec<Headline>,
     conditions: &Conditions,
     tests: &Tests,
     figures: Vec<(Figure, String)>,
@@ -120,8 +139,11 @@ fn begin(
         .map(|(figure, caption)| Block::Figure(Box::new(figure), caption))
         .collect();
     blocks.push(result_table(analyses).into());
-    page.section("Test", vec![test_table(conditions, analyses).into()])
-        .section("Creep", blocks)
+    if !answers.is_empty() {
+        page = page.section("", vec![Block::Headlines(answers)]);
+    }
+    page.section("Creep", blocks)
+        .section("Test", vec![test_table(conditions, analyses).into()])
 }
 
 /// How specimens of a group differ, where one has several.

@@ -1,5 +1,6 @@
 //! Creep curves in one figure, with slopes in the legend, as the paper's Figs. 1 and 2.
 
+use super::answers::of_analysis;
 use super::words::short;
 use sinew_creep::{Analysis, Curve, Forecast, PERCENT_PER_H, SLOPE_FROM_S, Tests};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
@@ -131,5 +132,12 @@ pub fn figure(title: &str, plotted: &[Plotted<'_>], logarithmic: bool) -> Figure
     if !logarithmic && SLOPE_FROM_S < 0.5 * longest && plotted.len() > 1 {
         panel = panel.event(SLOPE_FROM_S / seconds, "20 min");
     }
-    Figure::new(title).size(820.0, 400.0).panel(panel)
+    let told = plotted
+        .iter()
+        .take(NAMED)
+        .map(|p| of_analysis(p.analysis).text);
+    Figure::new(title)
+        .seen(told.collect::<Vec<_>>().join(". "))
+        .size(820.0, 400.0)
+        .panel(panel)
 }

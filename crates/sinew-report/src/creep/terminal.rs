@@ -258,7 +258,8 @@ pub(super) const NOTHING_FORECAST: &str = "Nothing was forecast: what is left be
 
 /// Shares inside, error and half width in %, each with `unit`; a dash where nothing was forecast.
 pub(super) fn coverage(c: &Coverage, unit: &str) -> [String; 4] {
-    let forecast = |ratio: f64| c.ends_share().map(|_| ratio);
+    // A law may have had no interval to be half as wide as.
+    let forecast = |ratio: f64| c.ends_share().map(|_| ratio).filter(|r| r.is_finite());
     [
         c.readings_share(),
         c.ends_share(),

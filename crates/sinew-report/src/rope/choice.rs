@@ -1,9 +1,10 @@
 //! The choice of a rope as a figure.
 
-use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use super::bracketed;
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_rope::select::{Candidate, Selection, is_pareto};
 
-/// Elongation against diameter and against weight; the thin line joins the ropes that nothing
+/// Elongation against diameter and against weight; the dotted line joins the ropes that nothing
 /// beats in both.
 pub fn figure(selection: &Selection, time: &str) -> Figure {
     let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
@@ -24,36 +25,36 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         let room = (0.15 * (high - low)).max(0.1 * high);
         let (left, right) = (low - room, high + 2.5 * room);
         let tick = 0.008 * (right - left);
+        let mut best = Points::new("beaten by none in both", Vec::new(), Vec::new());
+        let mut beaten = Points::new("beaten", Vec::new(), Vec::new()).colour(Colour::Grey);
         for (i, c) in selection.candidates.iter().enumerate() {
             let Some(at) = x(c) else { continue };
             // Ropes of the same size stand beside each other.
             let before = points[..i].iter().filter(|p| p.0 == Some(at)).count();
             let at = at + 3.0 * tick * before as f64;
-            let beaten = !is_pareto(&points, i);
-            let colour = if beaten { Colour::Grey } else { Colour::Blue };
             let e = c.elongation_m.scaled(1e3);
-            panel = panel
-                .line(
-                    Line::new("", vec![at, at], vec![e.low, e.high])
-                        .colour(colour)
-                        .width(1.2),
-                )
-                .line(
-                    Line::new("", vec![at - tick, at + tick], vec![e.value, e.value])
-                        .colour(colour)
-                        .width(4.0),
-                )
-                .note(at + 1.5 * tick, e.value, c.rope.clone());
-            if !beaten {
-                front.push((at, e.value));
-            }
+            panel = panel.note(at + 1.5 * tick, e.value, c.rope.clone());
+            let own = match is_pareto(&points, i) {
+                true => {
+                    front.push((at, e.value));
+                    &mut best
+                }
+                false => &mut beaten,
+            };
+            own.x.push(at);
+            own.y.push(e.value);
+            own.low.push(e.low);
+            own.high.push(e.high);
+            own.labels.push(c.rope.clone());
         }
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (xs, ys) = front.into_iter().unzip();
         Some(
             panel
+                .points(best.size(8.0))
+                .points(beaten.size(6.0))
                 .line(
-                    Line::new("nothing beats these in both", xs, ys)
+                    Line::new("", xs, ys)
                         .colour(Colour::Blue)
                         .dash(Dash::Dotted)
                         .width(1.0),
@@ -66,6 +67,7 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
             "{}; bars are 95 % intervals from the catalogue's uncertainty",
             selection.duty
         ))
+        .seen(seen(selection, time))
         .size(820.0, 860.0);
     for panel in [
         panel("rope diameter (mm)", &|c| c.diameter_m.map(|m| 1e3 * m)),
@@ -79,4 +81,17 @@ pub fn figure(selection: &Selection, time: &str) -> Figure {
         figure = figure.panel(panel);
     }
     figure
+}
+
+/// Which rope stretches least, and by how much.
+fn seen(selection: &Selection, time: &str) -> String {
+    let of = |c: &Candidate| {
+        let mm = bracketed(c.elongation_m.scaled(1e3), 2);
+        format!("{} by {mm} mm", c.rope)
+    };
+    let all: Vec<String> = selection.candidates.iter().map(of).collect();
+    format!(
+        "Elongation after {time}, with 95 % intervals: {}",
+        all.join(", ")
+    )
 }

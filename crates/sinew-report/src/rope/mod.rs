@@ -97,7 +97,19 @@ mod tests {
         let catalogue = Catalogue::shipped().expect("shipped");
         let rope = catalogue.find("liros-dc000-0301").expect("there");
         let p = predict(rope, &request()).expect("a prediction");
-        let text = predicted(&p).html();
+        let more = Request {
+            times_s: curve_times(&TIMES_DEFAULT_S),
+            ..request()
+        };
+        let curve = predict(rope, &more).expect("a prediction").readings;
+        // A curve, not a line from reading to reading; and its readings are on it.
+        assert!(curve.len() > 25, "{} times", curve.len());
+        for r in &p.readings {
+            let on = curve.iter().find(|c| c.time_s == r.time_s).expect("on it");
+            let (a, b) = (on.since_tensioned_m.value, r.since_tensioned_m.value);
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+        let text = predicted(&p, &curve).html();
         let last = p.readings.last().expect("readings").since_tensioned_m;
         for words in [
             bracketed(last.scaled(1e3), 2).as_str(),

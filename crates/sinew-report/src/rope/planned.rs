@@ -3,7 +3,7 @@
 use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
-use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
+use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
 
@@ -47,7 +47,12 @@ pub fn planned(p: &Plan) -> Page {
             format!("{} N for {}", rounded(q.tension_n, 3), spoken(q.duration_s)),
             bracketed(q.still_to_come_m.scaled(1e3), 2),
             bracketed(q.removed_share.scaled(100.0), 2),
-            if p.chosen == Some(i) { "taken" } else { "" }.into(),
+            if p.chosen == Some(i) {
+                "✓ the gentlest that does"
+            } else {
+                ""
+            }
+            .into(),
         ]
     });
     let head = ["hold at", "still to come, mm", "taken away, %", ""];
@@ -145,14 +150,15 @@ fn plan_figure(p: &Plan) -> Figure {
     let mut tensions: Vec<f64> = p.procedures.iter().map(|q| q.tension_n).collect();
     tensions.dedup();
     for (n, colour) in tensions.iter().zip(Colour::CYCLE) {
-        let (x, y) = p
+        let (x, y): (Vec<f64>, Vec<f64>) = p
             .procedures
             .iter()
             .filter(|q| q.tension_n == *n)
             .map(|q| (q.duration_s.log10(), 1e3 * q.still_to_come_m.value))
             .unzip();
+        let dots = Points::new("", x.clone(), y.clone()).colour(colour);
         let line = Line::new(format!("{} N", rounded(*n, 3)), x, y).colour(colour);
-        bedding = bedding.line(line);
+        bedding = bedding.line(line).points(dots);
     }
     let mut strung = Panel::new("", "time since it was strung", "tension (N)")
         .x_times()
@@ -165,7 +171,14 @@ fn plan_figure(p: &Plan) -> Figure {
         let line = Line::new(word, x, s.left_alone.tension_n.clone());
         strung = strung.line(line.colour(colour).dash(Dash::Solid));
     }
+    let told = |s: &Schedule| bracketed(s.tension_at_end_n, 2);
     Figure::new("")
+        .seen(format!(
+            "Left alone, the rope ends at {} N as it comes and at {} N bedded in (95 % intervals); the lowest wanted is {} N",
+            told(&p.schedule_new),
+            told(&p.schedule_bedded),
+            rounded(p.lowest_n, 3)
+        ))
         .size(960.0, 360.0)
         .columns(2)
         .panel(bedding)
@@ -246,7 +259,7 @@ pub fn plan_table(p: &Plan) -> String {
 /// One schedule as text.
 fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
     let mut text = if s.times_s.is_empty() {
-        format!("{word}: no re-tensioning needed")
+        format!("{word}: never to be tensioned again")
     } else {
         let times: Vec<String> = s.times_s.iter().take(SHOWN).map(|t| spoken(*t)).collect();
         let more = s.times_s.len().saturating_sub(SHOWN);
@@ -255,11 +268,12 @@ fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
         } else {
             String::new()
         };
-        format!("{word}: re-tension after {}{more}", times.join(", "))
+        format!("{word}: tension it again after {}{more}", times.join(", "))
     };
     text += &format!(
-        "; {} times (95 %: {} to {}), none in {:.0} % of the draws; left alone it ends at {} N",
+        "; {} times in {} ({} to {}), in {:.0} % of the draws never. Left alone it falls to {} N",
         s.count.value,
+        spoken(p.horizon_s),
         rounded(s.count.low, 2),
         rounded(s.count.high, 2),
         100.0 * s.never_share,
@@ -271,12 +285,12 @@ fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
     match s.start_n {
         Some(start) => {
             text += &format!(
-                "; strung at {} N it never falls below {} N",
+                ". Strung at {} N it never falls below {} N",
                 bracketed(start, 3),
                 rounded(p.lowest_n, 3)
             );
         }
-        None => text += "; no pretension up to 40 % of the breaking load would hold it",
+        None => text += ". No pretension up to 40 % of the breaking load would hold it",
     }
     text
 }

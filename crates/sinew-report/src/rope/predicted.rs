@@ -3,13 +3,13 @@
 use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
-use sinew_figure::plot::{Band, Figure, Line, Panel};
+use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
-use sinew_rope::predict::Prediction;
+use sinew_rope::predict::{Prediction, Reading};
 
-/// How far a rope will stretch.
-pub fn predicted(p: &Prediction) -> Page {
+/// How far a rope will stretch; `curve`: its readings at more times, by [`curve_times`].
+pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
     let mut first = Vec::new();
     if let Some(last) = p.readings.last() {
         first.push(Block::Headlines(vec![Headline::from(format!(
@@ -32,24 +32,7 @@ pub fn predicted(p: &Prediction) -> Page {
     }
     first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {
-        let x: Vec<f64> = p.readings.iter().map(|r| r.time_s.log10()).collect();
-        let of = |f: &dyn Fn(&Bounded) -> f64| -> Vec<f64> {
-            let all = p.readings.iter().map(|r| r.since_tensioned_m.scaled(1e3));
-            all.map(|i| f(&i)).collect()
-        };
-        let most = of(&|i| i.high).into_iter().fold(0.0, f64::max);
-        let panel = Panel::new("", "time", "elongation since tensioned (mm)")
-            .y_range(0.0, 1.06 * most)
-            .band(Band::new(
-                "95 % of the draws",
-                x.clone(),
-                of(&|i| i.low),
-                of(&|i| i.high),
-            ))
-            .line(Line::new("catalogue's values", x.clone(), of(&|i| i.value)))
-            .x_times();
-        let figure = Figure::new("").size(820.0, 360.0).panel(panel);
-        first.push(Block::Figure(Box::new(figure), String::new()));
+        first.push(Block::Figure(Box::new(course(p, curve)), String::new()));
     }
     let rows = p.readings.iter().map(|r| {
         vec![
@@ -118,6 +101,42 @@ pub fn predicted(p: &Prediction) -> Page {
         .section("", first)
         .section("Readings", vec![Table::new(&head, rows).into()])
         .section("What it rests on", basis)
+}
+
+/// Elongation over time as a curve with its band, and the readings of the table as dots.
+fn course(p: &Prediction, curve: &[Reading]) -> Figure {
+    let of = |readings: &[Reading], f: fn(Bounded) -> f64| -> Vec<f64> {
+        let all = readings.iter().map(|r| r.since_tensioned_m.scaled(1e3));
+        all.map(f).collect()
+    };
+    let times = |readings: &[Reading]| {
+        readings
+            .iter()
+            .map(|r| r.time_s.log10())
+            .collect::<Vec<_>>()
+    };
+    let most = of(curve, |i| i.high).into_iter().fold(0.0, f64::max);
+    let x = times(curve);
+    let (low, high) = (of(curve, |i| i.low), of(curve, |i| i.high));
+    let dots = Points::new("readings", times(&p.readings), of(&p.readings, |i| i.value));
+    let panel = Panel::new("", "time", "elongation since tensioned (mm)")
+        .y_range(0.0, 1.06 * most)
+        .band(Band::new("95 % of the draws", x.clone(), low, high))
+        .line(Line::new("catalogue's values", x, of(curve, |i| i.value)))
+        .points(dots)
+        .x_times();
+    let told = p.readings.iter().map(|r| {
+        let mm = bracketed(r.since_tensioned_m.scaled(1e3), 2);
+        format!("after {} {mm} mm", spoken(r.time_s))
+    });
+    Figure::new("")
+        .size(820.0, 360.0)
+        .seen(format!(
+            "{} since tensioned, with 95 % intervals: {}",
+            p.rope,
+            told.collect::<Vec<_>>().join(", ")
+        ))
+        .panel(panel)
 }
 
 /// In how many draws the rope breaks, where it does in some.

@@ -173,9 +173,8 @@ pub fn selection_table(s: &Selection) -> String {
     } else {
         out.add(text::table(&head, rows, 1));
         out.say(
-            "* no rope of known diameter is as thin and stretches as little. least: share of the draws in \
-             which it stretches least of these; N/mm: stiffness; load: breaking load over \
-             largest tension.",
+            "* no other rope of known diameter is both as thin and stretches as little. least: in how many of \
+             the draws it stretches least. N/mm: stiffness. load: breaking load over the largest tension.",
         );
     }
     for c in &s.candidates {

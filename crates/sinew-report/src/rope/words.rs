@@ -24,9 +24,11 @@ pub fn caution(caution: Caution) -> String {
         Caution::BreakingLoadGuessed { breaking_load_n } => {
             format!("the breaking load is not published; {breaking_load_n} N is a starting guess")
         }
-        Caution::Extrapolated => "starting guesses made for tests of 85 min: beyond a day this is \
-             an extrapolation, and the law has no delayed part slower than a day"
-            .into(),
+        Caution::Extrapolated => {
+            "its parameters are starting guesses made for tests of 85 min: beyond a day \
+             this is an extrapolation, by a law that knows nothing slower than a day"
+                .into()
+        }
         Caution::CreepsApart { time_s } => format!(
             "it creeps until it breaks: beyond 10 % after some {}, without an elongation from then on",
             spoken(time_s)
@@ -40,8 +42,8 @@ pub fn caution(caution: Caution) -> String {
         } => {
             let percent = |share: [f64; 2]| range(share.map(|s| 100.0 * s), "%");
             format!(
-                "beyond the data behind this rope ({} of its breaking load, {}, {}): asked are {}, \
-                 {}, {}; intervals are up to {} times as far up and down for that",
+                "this rope was tested at {} of its breaking load, at {}, for {}; you ask for {}, {}, {}, so the \
+                 intervals reach up to {} times as far",
                 percent(holds.load_share),
                 range(holds.temperature_c, "°C"),
                 spoken(holds.duration_s),

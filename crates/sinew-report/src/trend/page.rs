@@ -3,10 +3,10 @@
 use super::terminal::MONTH_S;
 use super::words::{
     event_name, format_basis, format_limit, format_meaning, format_note, format_passage,
-    format_verdict, limit_name, plus_minus, plus_minus_or_dash,
+    format_verdict, limit_name, plus_minus, plus_minus_or_dash, sessions,
 };
 use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
-use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
+use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::Z95;
@@ -51,14 +51,14 @@ pub fn figure(joint: &JointTrend) -> Figure {
             tracked(-1.0),
             tracked(1.0),
         ))
-        .line(
-            Line::new(
+        .points(
+            Points::new(
                 format!("sessions, at {} °C", rounded(joint.reference_c, 3)),
                 days.clone(),
                 at_reference.clone(),
             )
             .colour(Colour::Grey)
-            .width(1.0),
+            .size(3.5),
         )
         .line(Line::new("trend", days, tracked(0.0)))
         .line(
@@ -66,6 +66,7 @@ pub fn figure(joint: &JointTrend) -> Figure {
                 .colour(Colour::Orange)
                 .dash(Dash::Dashed),
         )
+        .x_days_since(start)
         .x_range(0.0, end);
     for limit in &joint.limits {
         let limit_mrad = 1e3 * limit.limit_rad;
@@ -84,8 +85,26 @@ pub fn figure(joint: &JointTrend) -> Figure {
     }
     Figure::new(format!("Offset of {}", joint.name))
         .subtitle(format_verdict(joint))
+        .seen(seen(joint))
         .size(820.0, 360.0)
         .panel(panel)
+}
+
+/// What the figure shows: the verdict, where the offset stands, which way it goes.
+fn seen(joint: &JointTrend) -> String {
+    let rate = joint.rate_rad_per_s;
+    let way = match rate.mean {
+        _ if rate.mean.abs() < rate.half_width_95() => "hardly changes",
+        up if up > 0.0 => "still grows",
+        _ => "falls",
+    };
+    format!(
+        "{}: {}. The offset is {} mrad and {way}, by {} mrad a month; ± is 95 %",
+        joint.name,
+        format_verdict(joint),
+        plus_minus(joint.offset_rad, 1e3),
+        plus_minus(rate, 1e3 * MONTH_S)
+    )
 }
 
 /// The page.
@@ -162,17 +181,16 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
     let mut blocks = vec![Block::Figure(
         Box::new(figure(joint)),
         format!(
-            "{} sessions from {} to {}, {} of them without information; reference temperature {} °C",
-            joint.sessions,
+            "{} from {} to {}; reference temperature {} °C",
+            sessions(joint),
             day_of(joint.first_utc_s),
             day_of(joint.last_utc_s),
-            joint.without_information,
             rounded(joint.reference_c, 3)
         ),
     )];
     if !joint.limits.is_empty() {
         blocks.push(Block::Table(Table {
-            caption: "Limits; brackets are 95 % intervals, days from the last session".into(),
+            caption: "Limits; days count from the last session".into(),
             head: ["limit", "value", "passed with probability", "passed"]
                 .map(String::from)
                 .to_vec(),
@@ -182,7 +200,7 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
                         limit_name(l.limit).into(),
                         format_limit(l.limit),
                         format!("{:.2}", l.passed_probability),
-                        format_passage(l),
+                        format_passage(l, joint.last_utc_s),
                     ]
                 })
                 .collect(),

@@ -2,7 +2,7 @@
 
 use super::words::{
     event_name, format_basis, format_limit, format_meaning, format_passage, format_verdict,
-    limit_name, limit_of_verdict, plus_minus, plus_minus_or_dash, whole_days,
+    limit_name, limit_of_verdict, plus_minus, plus_minus_or_dash, sessions, whole_days,
 };
 use crate::text::{indented, paragraph, plain, table};
 use sinew_estimate::trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
@@ -89,13 +89,14 @@ fn lines(joint: &JointTrend) -> Vec<String> {
         });
         if !is_said {
             let (name, value) = (limit_name(limit.limit), format_limit(limit.limit));
-            out.push(format!("{name} at {value}: {}", format_passage(limit)));
+            let passage = format_passage(limit, joint.last_utc_s);
+            out.push(format!("{name} at {value}: {passage}"));
         }
     }
+    out.push(sessions(joint));
     out.push(format!(
-        "{} sessions, {} of them without information",
-        joint.sessions, joint.without_information
+        "the forecast rests on {}",
+        format_basis(&joint.basis)
     ));
-    out.push(format!("rests on: {}", format_basis(&joint.basis)));
     out
 }

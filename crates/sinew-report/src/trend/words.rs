@@ -39,14 +39,23 @@ pub(super) fn format_limit(limit: Limit) -> String {
     }
 }
 
-/// When a limit is passed.
-pub(super) fn format_passage(limit: &LimitForecast) -> String {
-    let days = |time_s: Option<f64>| whole_days(time_s.unwrap_or(0.0));
-    let low = days(limit.after_low_s);
+/// When a limit is passed, in days from the last session, and on which date.
+pub(super) fn format_passage(limit: &LimitForecast, last_utc_s: f64) -> String {
+    let days = |time_s: f64| {
+        format!(
+            "{} days ({})",
+            whole_days(time_s),
+            day_of(last_utc_s + time_s)
+        )
+    };
+    let after = |time_s: Option<f64>| days(time_s.unwrap_or(0.0));
     match limit.state {
-        LimitState::TooFewSessions => "unknown: too few sessions".into(),
-        LimitState::NotWithinHorizon => "not within the horizon".into(),
-        LimitState::NotBefore => format!("unknown: not before {low} days, perhaps never"),
+        LimitState::TooFewSessions => "when is unknown: too few sessions".into(),
+        LimitState::NotWithinHorizon => "not as far as the forecast reaches".into(),
+        LimitState::NotBefore => format!(
+            "not before {}, perhaps never; when is unknown",
+            after(limit.after_low_s)
+        ),
         LimitState::Passed => {
             let percent = 100.0 * limit.passed_probability;
             if percent > 99.0 {
@@ -55,17 +64,13 @@ pub(super) fn format_passage(limit: &LimitForecast) -> String {
                 format!("passed ({percent:.0} % sure)")
             }
         }
-        LimitState::Forecast => match limit.after_high_s {
-            Some(_) => format!(
-                "in {} days ({low} to {})",
-                days(limit.after_s),
-                days(limit.after_high_s)
-            ),
-            None => format!(
-                "in {} days or later, not before {low}, perhaps never",
-                days(limit.after_s)
-            ),
-        },
+        LimitState::Forecast => {
+            let (middle, low) = (after(limit.after_s), after(limit.after_low_s));
+            match limit.after_high_s {
+                Some(high) => format!("in {middle}; 95 %: in {low} to {}", days(high)),
+                None => format!("in {middle}; 95 %: in {low} at the earliest, perhaps never"),
+            }
+        }
     }
 }
 
@@ -76,30 +81,37 @@ pub(super) fn event_name(kind: TrendEventKind) -> &'static str {
     }
 }
 
+/// How many sessions there are, and of how many nothing could be learned.
+pub(super) fn sessions(joint: &JointTrend) -> String {
+    match joint.without_information {
+        0 => format!("{} sessions", joint.sessions),
+        n => format!("{} sessions, of which {n} couldn't tell", joint.sessions),
+    }
+}
+
 /// What an event may be.
 pub(super) fn format_meaning(event: &TrendEvent) -> String {
     let change = event.stiffness_change_ratio.map_or(String::new(), |c| {
         format!(
-            " ({:.1} ± {:.1} %)",
-            100.0 * c.mean,
-            100.0 * c.half_width_95()
+            " ({} ± {} %)",
+            rounded(100.0 * c.mean, 2),
+            rounded(100.0 * c.half_width_95(), 2)
         )
     });
     match event.kind {
         TrendEventKind::Tensioned { stated: true } => "tensioned".into(),
         TrendEventKind::Tensioned { stated: false } => {
-            "the offset fell: tensioned, and nobody wrote it down?".into()
+            "the offset fell: was it tensioned, and nobody wrote it down?".into()
         }
         TrendEventKind::Jump { cause } => match cause {
             JumpCause::StrandFailure => {
-                format!("the stiffness fell too{change}: a strand has failed?")
+                format!("it is softer too{change}: has a strand failed?")
             }
             JumpCause::Slip => {
-                format!("the stiffness stayed{change}: a slip of rope, clamp or encoder?")
+                format!("it is as stiff as before{change}: did rope, clamp or encoder slip?")
             }
             JumpCause::Unknown => {
-                "a failed strand, a slip of rope or clamp, or of an encoder; the \
-                                   stiffness doesn't tell"
+                "a strand failed, or rope, clamp or encoder slipped: the stiffness doesn't tell"
                     .into()
             }
         },
@@ -121,7 +133,8 @@ pub(super) fn limit_of_verdict(joint: &JointTrend) -> Option<&LimitForecast> {
 pub(super) fn format_verdict(joint: &JointTrend) -> String {
     let passed = |what: &str| {
         limit_of_verdict(joint).map(|l| {
-            let (limit, passage) = (format_limit(l.limit), format_passage(l));
+            let passage = format_passage(l, joint.last_utc_s);
+            let limit = format_limit(l.limit);
             format!("{what}: the limit of {limit} is {passage}")
         })
     };
@@ -134,16 +147,19 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
                 format!(" by {} ± {} mrad", rounded(size, 2), rounded(half, 2))
             });
             let (day, meaning) = (day_of(jump.time_utc_s), format_meaning(jump));
-            format!("look at it: jumped{size} by {day}; {meaning}")
+            format!("look at it. It jumped{size} by {day}; {meaning}")
         }),
         TrendVerdict::Watch => joint.suspicion.map(|s| {
             let (day, percent) = (day_of(s.time_utc_s), 100.0 * s.probability);
-            format!(
-                "watch it: a jump by {day} is {percent:.0} % likely, the next session will tell"
-            )
+            format!("watch it: it jumped by {day} with {percent:.0} %; the next session will tell")
         }),
-        TrendVerdict::Wait => limit_of_verdict(joint)
-            .map(|l| format!("{} {}", limit_name(l.limit), format_passage(l))),
+        TrendVerdict::Wait => limit_of_verdict(joint).map(|l| {
+            let what = match l.limit {
+                Limit::Retension { .. } => "tension it again",
+                Limit::Replace { .. } => "replace the rope",
+            };
+            format!("{what} {}", format_passage(l, joint.last_utc_s))
+        }),
         TrendVerdict::NoLimit => None,
     };
     said.unwrap_or_else(|| "no limit in robot.toml".into())
@@ -158,7 +174,7 @@ pub(super) fn format_basis(basis: &PriorBasis) -> String {
                 MissingFromRobot::Rope => "names no rope here",
                 MissingFromRobot::Pretension => "has no pretension_n here",
             };
-            format!("generic creep curves, since the robot file {why}")
+            format!("generic creep curves, as the robot file {why}")
         }
         PriorBasis::Rope {
             rope,
@@ -169,11 +185,11 @@ pub(super) fn format_basis(basis: &PriorBasis) -> String {
         } => {
             let duty = match duty {
                 Some(duty) => format!("under the duty of {duty}"),
-                None => "under work with peaks nobody recorded".into(),
+                None => "under work whose peaks nobody recorded".into(),
             };
             format!(
-                "law of {rope} ({guesses} of {parameters} parameters starting guesses), {draws} draws \
-                 {duty}, and a fifth generic curves"
+                "the law of {rope} {duty}: {draws} draws, and a fifth as many generic curves; {guesses} of \
+                 its {parameters} parameters are starting guesses"
             )
         }
     }

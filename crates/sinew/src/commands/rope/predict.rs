@@ -69,13 +69,14 @@ impl Predict {
             bar.set(done as f64, draws);
         })?;
         drop(bar);
-        if self.series.is_some() {
-            let mut curve = resolved.request.clone();
-            curve.times_s = curve_times(&curve.times_s);
-            let found = predict::predict(rope, &curve)?;
-            write_table(self.series.as_deref(), || prediction_series(&found))?;
+        if self.report.is_some() || self.series.is_some() {
+            resolved.request.times_s = curve_times(&resolved.request.times_s);
+            let curve = predict::predict(rope, &resolved.request)?;
+            write_table(self.series.as_deref(), || prediction_series(&curve))?;
+            write_text(self.report.as_deref(), || {
+                predicted(&found, &curve.readings).html()
+            })?;
         }
-        write_text(self.report.as_deref(), || predicted(&found).html())?;
         answer_as(self.json, &found, prediction_table)?;
         Ok(Finish::Complete)
     }
