@@ -8,16 +8,13 @@
   const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
   const minus = text => text.replace("-", "−");
 
-  function set(element, attributes) {
+  const set = (element, attributes) => {
     for (const key in attributes) element.setAttribute(key, attributes[key]);
     return element;
-  }
-  function element(parent, name, attributes) {
-    return parent.appendChild(set(document.createElementNS(parent.namespaceURI, name), attributes));
-  }
-
+  };
+  const element = (parent, name, attributes) =>
+    parent.appendChild(set(document.createElementNS(parent.namespaceURI, name), attributes));
   const html = (name, properties) => Object.assign(document.createElement(name), properties);
-
   // The stretches of a path as lists of points.
   function stretches(d) {
     const all = [];
@@ -30,7 +27,6 @@
     }
     return all;
   }
-
   // Where a stretch has the horizontal place x.
   function crossings(points, x) {
     const found = [];
@@ -42,7 +38,6 @@
     }
     return found;
   }
-
   // A number to the digits that the drawing shows.
   function shown(value, resolution) {
     const digits = Math.max(0, Math.floor(-Math.log10(resolution)));
@@ -50,20 +45,17 @@
     const text = value.toFixed(digits);
     return minus(Number(text) === 0 ? text.replace("-", "") : text);
   }
-
   const UNITS = [[31557600, "year"], [2629800, "month"], [86400, "day"], [3600, "h"], [60, "min"], [1, "s"]];
   function spoken(seconds) {
     const [unit, name] = UNITS.find(u => seconds >= 0.999 * u[0]) ?? UNITS[5];
     const count = Number((seconds / unit).toPrecision(3));
     return `${count} ${name}${count !== 1 && ["year", "month", "day"].includes(name) ? "s" : ""}`;
   }
-
   // "offset (mrad)" is a quantity with a unit.
   function split(label) {
     const [, name, unit] = label.match(/^(.*?)\s*\(([^()]*)\)$/) ?? [null, label, ""];
     return { name, unit: unit && ` ${unit}` };
   }
-
   function ticks(low, high, count) {
     const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
     const step = power * ([1, 2, 2.5, 5].find(m => rough / power <= m * (1 + 1e-9)) ?? 10);
@@ -71,14 +63,12 @@
     for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) all.push(i * step);
     return { all, step };
   }
-
   function tickText(step, exponent) {
     const unit = 10 ** exponent;
     let digits = 0;
     while (digits < 12 && Math.abs(step / unit * 10 ** digits - Math.round(step / unit * 10 ** digits)) > 1e-6) digits++;
     return value => minus((Math.abs(value) < 1e-9 * step ? 0 : value / unit).toFixed(digits));
   }
-
   // Times that everybody knows, on an axis of their logarithms.
   function timeTicks(low, high, px) {
     const [from, to] = [10 ** low, 10 ** high], taken = [];
@@ -94,16 +84,11 @@
 
   class Panel {
     constructor(group, figure) {
-      const data = group.dataset;
-      this.figure = figure;
+      const data = group.dataset, part = name => group.querySelector(name);
       [this.left, this.top, this.w, this.h] = numbers(data.box);
-      [this.x, this.y] = [numbers(data.x), numbers(data.y)];
-      this.settings = data;
-      this.xLabel = data.xLabel ?? "";
-      this.yLabel = split(data.yLabel ?? "");
-      this.plot = group.querySelector("svg");
-      this.data = group.querySelector(".data");
-      this.axes = group.querySelector(".axes");
+      [this.x, this.y, this.xLabel, this.yLabel] = [numbers(data.x), numbers(data.y), data.xLabel ?? "", split(data.yLabel ?? "")];
+      Object.assign(this, { figure, settings: data, plot: part("svg"), data: part(".data"), axes: part(".axes") });
+      // Those of marks, which keep their distance from what they name.
       this.words = [...this.plot.querySelectorAll(":scope > text")].map(text =>
         ({ text, x: +text.getAttribute("x"), y: +text.getAttribute("y"), atX: text.dataset.x, atY: text.dataset.y }));
       this.series = [...this.data.querySelectorAll("g")].map(g => {
@@ -125,7 +110,7 @@
       const series = this.series[key.dataset.series];
       set(key, { role: "button", tabindex: 0, "aria-pressed": true });
       const toggle = event => {
-        if (event.type === "keydown" && event.key !== "Enter" && event.key !== " ") return;
+        if (event.type === "keydown" && !["Enter", " "].includes(event.key)) return;
         event.preventDefault();
         series.hidden = !series.hidden;
         series.g.style.display = series.hidden ? "none" : "";
@@ -153,8 +138,7 @@
           seen.push(...crossings(shape, from), ...crossings(shape, to));
         }
       if (!seen.length) return;
-      const inside = seen.map(y => clamp(y, 0, this.h));
-      const low = inside.reduce((a, b) => Math.min(a, b)), high = inside.reduce((a, b) => Math.max(a, b));
+      const [low, high] = [Math.min, Math.max].map(of => clamp(seen.reduce((a, b) => of(a, b)), 0, this.h));
       const half = Math.max(0.56 * (high - low), 0.5 * this.h / MOST_Y), middle = 0.5 * (low + high);
       this.heights = [middle - half, middle + half];
     }
@@ -170,7 +154,6 @@
         text.style.display = atX && (px < a || px > b) || atY && (py < c || py > d) ? "none" : "";
       }
       this.zoomed?.remove();
-      this.zoomed = null;
       this.axes.style.display = whole ? "" : "none";
       if (!whole) this.drawAxes();
     }
@@ -181,9 +164,8 @@
       this.axes.after(group);
       const [grid, marks] = group.querySelectorAll("path"), words = group.querySelector("g");
       const old = [...words.querySelectorAll("text")], size = old[0]?.getAttribute("font-size") ?? 12;
-      const put = (x, y, anchor, text) => {
-        element(words, "text", { x, y, "font-size": size, "text-anchor": anchor }).textContent = text;
-      };
+      const put = (x, y, anchor, text) =>
+        element(words, "text", { x, y, "font-size": size, "text-anchor": anchor }).append(text);
       let [lines, short] = ["", `M${left} ${top}V${bottom}H${right}`];
       const [low, high] = this.view.map(x => this.valueX(x));
       const even = ticks(low, high, clamp(w / 80, 2, 9));
@@ -219,10 +201,7 @@
       const unit = this.yLabel.unit, step = (this.y[1] - this.y[0]) / (10 * this.h), right = this.settings.right;
       const far = right && split(this.settings.rightLabel);
       const number = y => shown(this.valueY(y), step);
-      const words = y => {
-        const value = number(y) + unit;
-        return right ? `${value} (${shown(this.valueY(y) * right, Math.abs(step * right))}${far.unit})` : value;
-      };
+      const other = y => right ? ` (${shown(this.valueY(y) * right, Math.abs(step * right))}${far.unit})` : "";
       const all = [];
       for (const s of this.visible) {
         const colour = getComputedStyle(s.path ?? s.g)[s.kind === "band" ? "fill" : "stroke"];
@@ -241,7 +220,7 @@
         if (!found.length || !name || this.settings.rows) continue;
         const [low, high] = [Math.max(...found), Math.min(...found)];
         if (s.kind === "band") all.push([name, `${number(low)} to ${number(high)}${unit}`, colour, null]);
-        else all.push([name, words(found[found.length - 1]), colour, found[found.length - 1]]);
+        else all.push([name, number(found.at(-1)) + unit + other(found.at(-1)), colour, found.at(-1)]);
       }
       return all;
     }
@@ -250,14 +229,11 @@
       if (log) return spoken(10 ** value);
       const label = split(this.figure.labelBelow(this));
       const text = shown(value, (this.x[1] - this.x[0]) / (10 * this.w));
-      if (since) {
-        const date = new Date(1000 * (Number(since) + 86400 * value)).toISOString().slice(0, 10);
-        return `${date}, ${label.name} ${text}`;
-      }
+      const date = since && new Date(1000 * (Number(since) + 86400 * value)).toISOString().slice(0, 10);
+      if (since) return `${date}, ${label.name} ${text}`;
       return label.unit ? text + label.unit : `${label.name} ${text}`.trim();
     }
   }
-
   // Panels above each other that share their horizontal axis move together.
   class Stack {
     constructor(panels, figure) {
@@ -305,7 +281,8 @@
         if (Math.abs(to - from) > 6) this.show(inView(Math.min(from, to)), inView(Math.max(from, to)));
       });
       hit.addEventListener("pointercancel", () => { start = null; pick(0, 0); });
-      hit.addEventListener("pointerleave", () => this.point(null));
+      // A finger leaves at once; what it asked for stays until the next touch.
+      hit.addEventListener("pointerleave", event => { if (event.pointerType !== "touch") this.point(null); });
       hit.addEventListener("dblclick", () => this.whole());
     }
     nearest(x) {
@@ -382,12 +359,9 @@
       svg.setAttribute("role", "group");
       this.tip = frame.appendChild(html("div", { className: "tip", hidden: true }));
       this.panels = [...svg.querySelectorAll(".panel")].map(group => new Panel(group, this));
-      const stacks = new Map();
-      for (const panel of this.panels) {
-        const key = `${panel.settings.x} ${panel.left} ${panel.w}`;
-        stacks.set(key, [...stacks.get(key) ?? [], panel]);
-      }
-      this.stacks = [...stacks.values()].map(panels => new Stack(panels, this));
+      const alike = (a, b) => a.settings.x === b.settings.x && a.left === b.left && a.w === b.w;
+      const first = this.panels.filter((p, i) => this.panels.findIndex(other => alike(p, other)) === i);
+      this.stacks = first.map(p => new Stack(this.panels.filter(other => alike(p, other)), this));
       if (this.panels.length) this.addTools();
     }
     addTools() {
@@ -406,8 +380,8 @@
     }
     // A panel without numbers of its own shares those of the one below.
     labelBelow(panel) {
-      const same = this.panels.slice(this.panels.indexOf(panel)).filter(p => p.left === panel.left && p.xLabel);
-      return same[0]?.xLabel ?? "";
+      const below = this.panels.slice(this.panels.indexOf(panel));
+      return below.find(p => p.left === panel.left && p.xLabel)?.xLabel ?? "";
     }
     placeTip(panel, px, event) {
       const frame = this.frame.getBoundingClientRect(), box = panel.hit.getBoundingClientRect();
@@ -421,7 +395,6 @@
   }
 
   for (const svg of document.querySelectorAll("figure .scroll > svg")) new Figure(svg.closest("figure"), svg);
-
   // On paper nothing is folded.
   let folded = [];
   const open = way => folded.forEach(part => { part.open = way; });

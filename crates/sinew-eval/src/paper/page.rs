@@ -4,7 +4,7 @@ use super::data::{PaperFigure, Written};
 use super::sentence::{Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;
-use sinew_figure::{Block, Page};
+use sinew_figure::{Block, Headline, Level, Page};
 use sinew_files::write_file;
 use std::path::{Path, PathBuf};
 
@@ -39,11 +39,10 @@ pub fn write(figure: &mut PaperFigure, folder: &Path) -> Result<(), PaperError> 
 
 /// The page as text.
 fn html(figure: &PaperFigure) -> String {
-    let mut shown: Vec<Block> = figure.about.iter().cloned().map(Block::Paragraph).collect();
-    shown.push(Block::Figure(
-        Box::new(figure.figure.clone()),
-        String::new(),
-    ));
+    let mut shown = vec![Block::Headlines(vec![answer(&figure.sentences)])];
+    shown.extend(figure.about.iter().cloned().map(Block::Paragraph));
+    let drawn = figure.figure.clone().seen(seen(&figure.sentences));
+    shown.push(Block::Figure(Box::new(drawn), String::new()));
     shown.extend(figure.tables.iter().cloned().map(Block::Table));
     let mut page = Page {
         footer: format!("Made by Sinew {}.", env!("CARGO_PKG_VERSION")),
@@ -66,6 +65,36 @@ fn html(figure: &PaperFigure) -> String {
     )
     .section("Source", vec![Block::Paragraph(SOURCE.into())])
     .html()
+}
+
+/// How many sentences hold.
+fn answer(sentences: &[Sentence]) -> Headline {
+    let of = |verdict| sentences.iter().filter(|s| s.verdict == verdict).count();
+    let (holds, fails) = (of(Verdict::Holds), of(Verdict::Fails));
+    let open = sentences.len() - holds - fails;
+    let level = match (fails, open) {
+        (0, 0) => Level::Good,
+        (0, _) => Level::Open,
+        _ => Level::Watch,
+    };
+    let mut text = format!(
+        "{holds} of {} sentences about this figure hold",
+        sentences.len()
+    );
+    if fails > 0 {
+        text += &format!(", {fails} not");
+    }
+    if open > 0 {
+        text += &format!(", {open} the data leave open");
+    }
+    Headline::new(level, text)
+}
+
+/// What the figure shows: the sentences that hold on it.
+fn seen(sentences: &[Sentence]) -> String {
+    let holding = sentences.iter().filter(|s| s.verdict == Verdict::Holds);
+    let texts: Vec<&str> = holding.map(|s| s.text.trim_end_matches('.')).collect();
+    texts.join(". ")
 }
 
 /// A sentence with its value as people read it.
@@ -106,6 +135,7 @@ mod tests {
         });
         for words in [
             "a &lt; b &amp; &quot;c&quot;",
+            "1 of 2 sentences about this figure hold, 1 not",
             ">holds<",
             ">does not hold<",
             "Found: 15.1 mrad",

@@ -242,7 +242,7 @@ pub(super) fn group_table(groups: &[Scatter]) -> Table {
         &["group", "specimens", "end, %", "m_E, %/h", "apart"],
         groups.iter().map(|g| {
             let with = |unit: f64, v: f64, d: Option<f64>| match d {
-                Some(d) => format!("{} ± {}", short(unit * v), short(unit * d)),
+                Some(d) => format!("{} (σ {})", short(unit * v), short(unit * d)),
                 None => short(unit * v),
             };
             vec![
@@ -256,7 +256,7 @@ pub(super) fn group_table(groups: &[Scatter]) -> Table {
             ]
         }),
     )
-    .captioned("Mean and standard deviation between specimens.")
+    .captioned("Mean; σ: standard deviation between specimens.")
 }
 
 pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {

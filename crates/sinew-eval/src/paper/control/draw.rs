@@ -138,7 +138,7 @@ fn at_rest(rows: &[Row]) -> Panel {
         .map(|r| r.rest_mrad(0) + spread_mrad(r))
         .fold(0.0, f64::max);
     let mut panel = Panel::new(
-        "Error at rest, shoulder pitch (± spread of the sessions)",
+        "Error at rest, shoulder pitch (bars: one σ of the sessions either way)",
         "RMS of q − q_{d} (mrad)",
         "row, from below",
     )

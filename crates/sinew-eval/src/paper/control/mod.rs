@@ -83,7 +83,7 @@ fn about(robot: &Robot, effort: &Effort) -> Vec<String> {
         ),
         "First row: the paper's motion with dynamic set-points, without friction and with perfect sensors, so that closed forms hold. Left the joint's error, right the external torque of the momentum observer, with its threshold and a touch of 0.5 N from below at the end of the forearm (shaded): uncorrected it lifts the false torque out of the alarm.".into(),
         format!(
-            "Second row and table: {} sessions of {} s each per row of the table, random poses, 13-bit joint encoders with once- and twice-per-turn errors, motor noise of 0.2 mrad, joint friction, contacts of 0.3 to 3 N at the end of the forearm in any direction for 15 % of the time. The same seeds in every row: the same motion, sensors and contacts. ± is the standard deviation over the sessions, brackets are their lowest and highest.",
+            "Second row and table: {} sessions of {} s each per row of the table, random poses, 13-bit joint encoders with once- and twice-per-turn errors, motor noise of 0.2 mrad, joint friction, contacts of 0.3 to 3 N at the end of the forearm in any direction for 15 % of the time. The same seeds in every row: the same motion, sensors and contacts. σ is the standard deviation over the sessions, other brackets are their lowest and highest.",
             effort.seeds, effort.seconds
         ),
     ]
@@ -92,7 +92,7 @@ fn about(robot: &Robot, effort: &Effort) -> Vec<String> {
 fn assumptions() -> Vec<String> {
     vec![
         "The robot is BioRob-like, not the BioRob. The paper states that elongation spoils control and torque; it gives no figures for it, so the numbers here are the model's own.".into(),
-        format!("An estimated offset is the true one plus a normal error of {} mrad, and the detector is told ± {} mrad (one standard deviation). sinew estimate --baseline reached 0.30 and 0.32 mrad in sixty simulated work sessions, with intervals on the wide side. An estimated stiffness is wrong by {} %.", 1e3 * ESTIMATE_RAD, 1e3 * DETECTOR_DEVIATION_RAD, 100.0 * STIFFNESS_ERROR),
+        format!("An estimated offset is the true one plus a normal error of {} mrad, and the detector is told a standard deviation of {} mrad. sinew estimate --baseline reached 0.30 and 0.32 mrad in sixty simulated work sessions, with intervals on the wide side. An estimated stiffness is wrong by {} %.", 1e3 * ESTIMATE_RAD, 1e3 * DETECTOR_DEVIATION_RAD, 100.0 * STIFFNESS_ERROR),
         "Uncorrected, the detector has the same thresholds: it believes its ropes to be as they were. “Opened until it is quiet” multiplies them by the factor at which the uncorrected detector alarms no more than the corrected one.".into(),
         "Threshold: 4 standard deviations of offset, sensors (measured in a run without contacts) and what else the row says is unsure, plus the joint's Coulomb friction. A contact counts after 10 ms and ends below 70 % of the threshold.".into(),
         "A contact is missed when no alarm begins while it lasts (or 0.3 s after): an alarm that was on before has seen nothing. A false alarm is time with an alarm and no contact.".into(),

@@ -71,7 +71,7 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
     let spread = |r: &Row, of: fn(&RowJoint) -> Gaussian| {
         let [a, b] = [0, 1].map(|i| {
             let g = of(&r.joints[i]);
-            format!("{:.1} ± {:.1}", 1e3 * g.mean, 1e3 * g.deviation)
+            format!("{:.1} (σ {:.1})", 1e3 * g.mean, 1e3 * g.deviation)
         });
         format!("{a}; {b}")
     };
@@ -101,7 +101,7 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
                     number(r.delay_median_ms(), 0),
                 ]
             })).captioned(format!(
-            "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; ± standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
+            "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; σ: standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
         ))
 }
 
