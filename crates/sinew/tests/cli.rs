@@ -356,7 +356,7 @@ fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     assert_eq!(code(&paper), 0, "{}", err(&paper));
     let reading = out(&paper);
     assert!(
-        reading.contains("elbow: reads ") && reading.contains("A reading takes"),
+        reading.contains("elbow: the equation reads ") && reading.contains("A reading takes"),
         "{reading}"
     );
     for verdict in ["longer than", "no stretch seen", "± (95 %)"] {
