@@ -270,12 +270,15 @@ fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
         };
         format!("{word}: tension it again after {}{more}", times.join(", "))
     };
+    let (low, high) = (rounded(s.count.low, 2), rounded(s.count.high, 2));
+    let times = match s.times_s.len() {
+        0 => format!("; 95 %: {low} to {high} times"),
+        1 => format!("; once ({low} to {high} times)"),
+        n => format!("; {n} times ({low} to {high})"),
+    };
     text += &format!(
-        "; {} times in {} ({} to {}), in {:.0} % of the draws never. Left alone it falls to {} N",
-        s.count.value,
+        "{times} in {}, never in {:.0} % of the draws. Left alone it falls to {} N",
         spoken(p.horizon_s),
-        rounded(s.count.low, 2),
-        rounded(s.count.high, 2),
         100.0 * s.never_share,
         bracketed(s.tension_at_end_n, 2),
     );
