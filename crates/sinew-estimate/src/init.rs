@@ -28,6 +28,8 @@ pub struct Init {
     pub recording: Option<InitRecording>,
     /// What a mapping file must choose before the recording can be read.
     pub choice: Option<InitChoice>,
+    /// Options that the recording was read with, as every command needs them.
+    pub options: Vec<String>,
     /// What an estimate still needs.
     pub missing: Vec<InitGap>,
     /// Files written.
@@ -166,6 +168,7 @@ impl Init {
             joints: Vec::new(),
             recording: None,
             choice: None,
+            options: Vec::new(),
             missing: Vec::new(),
             written: Vec::new(),
             replaced: Vec::new(),

@@ -76,6 +76,10 @@ impl RecordingInfo {
         for topic in self.topics.iter_mut().filter(|topic| is_open(&topic.name)) {
             topic.taken_for = None;
         }
+        // What is odd in signals is odd in those taken at will.
+        self.health.suspicions.clear();
+        self.health.non_finite.clear();
+        self.health.unwrapped.clear();
         self.joints.clear();
         self.sources.clear();
         self.temperature = false;

@@ -129,6 +129,7 @@ fn a_motor_side_that_could_be_several_topics_is_not_guessed() {
         let open: Vec<_> = seen.topics.iter().filter(motor).collect();
         assert!(open.iter().all(|t| t.messages > 0 && t.taken_for.is_none()));
         assert!(seen.joints.is_empty() && seen.sources.is_empty());
+        assert!(seen.health.suspicions.is_empty(), "{:?}", seen.health);
     }
     let error = error_of(
         &both_sides("/a/states", &["/b/states"]),

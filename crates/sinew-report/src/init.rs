@@ -91,15 +91,16 @@ fn about(joint: &InitDescribed) -> String {
 fn spring(joint: &InitJoint, key: &str) -> String {
     let described = joint.described.as_ref();
     let usual = described.and_then(|d| d.stiffness_usual_nm_per_rad);
-    let usual = usual.map_or("5 to 500".into(), |[low, high]| {
-        format!("{} to {}", three_digits(low), three_digits(high))
+    let usual = usual.map_or("Often 5 to 500 (the arm swings".into(), |[low, high]| {
+        let (low, high) = (three_digits(low), three_digits(high));
+        format!("On this arm {low} to {high} (it swings")
     });
     let friction = match described.is_some_and(|d| d.friction_stated) {
         true => "the URDF's, unless stated here",
         false => "guessed, unless stated here",
     };
     let mut out = format!(
-        "# stiffness_nm_per_rad =            # N·m/rad at the joint; needed. On this arm {usual} (it swings at 1 to\n\
+        "# stiffness_nm_per_rad =            # N·m/rad at the joint; needed. {usual} at 1 to\n\
          #                                   # 20 Hz). Hang a weight on the link, hold the motor: K = torque / change\n\
          #                                   # of theta - q. No spring in it? Then: rigid = true\n\
          # motor_inertia_kg_m2 =             # kg·m², rotor's of the data sheet times gear ratio squared; 0.001 to 1\n\
@@ -197,6 +198,7 @@ pub fn render(init: &Init, folder: &str) -> String {
         .recording
         .as_ref()
         .map_or("LOG", |_| init.source.as_str());
+    let options: String = init.options.iter().map(|o| format!(" {o}")).collect();
     let lines = match &init.choice {
         Some(_) => vec![
             "choose in the mapping file, then".to_owned(),
@@ -205,7 +207,7 @@ pub fn render(init: &Init, folder: &str) -> String {
         None => vec![
             format!("fill in {folder}/robot.toml, then"),
             format!("sinew robot check {folder}"),
-            format!("sinew estimate {log} --robot {folder}"),
+            format!("sinew estimate {log} --robot {folder}{options}"),
         ],
     };
     for line in lines {

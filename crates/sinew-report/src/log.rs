@@ -133,11 +133,14 @@ pub fn render(info: &RecordingInfo) -> String {
         ));
     }
     let yes = |b: bool| if b { "yes" } else { "no" };
-    line(format!(
-        "temperature: {}; robot_description: {}",
-        yes(info.temperature),
-        yes(info.robot_description)
-    ));
+    let description = yes(info.robot_description);
+    line(match info.ambiguous.is_empty() {
+        true => {
+            let temperature = yes(info.temperature);
+            format!("temperature: {temperature}; robot_description: {description}")
+        }
+        false => format!("robot_description: {description}"),
+    });
     for text in troubles(&info.health) {
         line(text);
     }

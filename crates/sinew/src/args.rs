@@ -182,6 +182,26 @@ impl Opening {
         self.mapping.as_deref()
     }
 
+    /// The options as they were given.
+    pub(crate) fn given(&self) -> Vec<String> {
+        let mapping = self.mapping.as_ref().map(|m| m.display().to_string());
+        let words = [
+            ("--mapping", mapping.as_ref()),
+            ("--joint-topic", self.joint_topic.as_ref()),
+            ("--motor-topic", self.motor_topic.as_ref()),
+            ("--motor-interface", self.motor_interface.as_ref()),
+        ];
+        let given = words
+            .iter()
+            .filter_map(|(name, value)| Some((name, (*value)?)));
+        let mut out: Vec<String> = given
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        let effort = EFFORTS.iter().find(|e| Some(e.2) == self.joint_effort);
+        out.extend(effort.map(|(word, ..)| format!("--joint-effort {word}")));
+        out
+    }
+
     /// Reads the mapping file and puts the names in.
     pub(crate) fn options(&self) -> Result<OpenOptions, LogError> {
         let mut options = OpenOptions {

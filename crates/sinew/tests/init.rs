@@ -178,6 +178,8 @@ fn a_recording_without_urdf_or_with_other_names_says_what_it_needs() {
     )
     .expect("written");
     let said = ends(0, &["init", "t.csv", "--mapping", "mapping.toml"], dir);
+    let next = "sinew estimate t.csv --robot . --mapping mapping.toml";
+    assert!(said.contains(next), "{said}");
     assert!(
         said.contains("theta from mot1") && said.contains("stiffness_nm_per_rad of a"),
         "{said}"

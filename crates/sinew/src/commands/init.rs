@@ -65,6 +65,7 @@ impl InitCommand {
             Ok(recording) => self.describe(&source, &folder, is_urdf, recording)?,
             Err(error) => choose(&source, &folder, error)?,
         };
+        init.options = self.opening.given();
         let there = planned.iter().filter(|(path, _)| path.exists());
         init.replaced = there.map(|(path, _)| path.display().to_string()).collect();
         if let (false, Some(file)) = (self.force, init.replaced.first()) {
