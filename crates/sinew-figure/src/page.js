@@ -203,7 +203,10 @@
       const number = y => shown(this.valueY(y), step);
       const other = y => right ? ` (${shown(this.valueY(y) * right, Math.abs(step * right))}${far.unit})` : "";
       const all = [];
+      // Dots on a named curve, and a line through named dots, say nothing new.
+      const known = kind => this.series.some(s => s.name && s.kind === kind);
       for (const s of this.visible) {
+        if (!s.name && known(s.kind === "points" ? "line" : "points")) continue;
         const colour = getComputedStyle(s.path ?? s.g)[s.kind === "band" ? "fill" : "stroke"];
         const name = s.name || (s.kind === "band" ? "" : this.yLabel.name);
         if (s.kind === "points") {

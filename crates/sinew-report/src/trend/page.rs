@@ -181,10 +181,10 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
     let mut blocks = vec![Block::Figure(
         Box::new(figure(joint)),
         format!(
-            "{} from {} to {}; reference temperature {} °C",
-            sessions(joint),
+            "{} to {}: {}; reference temperature {} °C",
             day_of(joint.first_utc_s),
             day_of(joint.last_utc_s),
+            sessions(joint),
             rounded(joint.reference_c, 3)
         ),
     )];
