@@ -148,7 +148,7 @@ impl Init {
     pub fn undecided(source: &str, error: LogError) -> Result<Self, LogError> {
         let choice = match error {
             LogError::Ambiguous(choice) => InitChoice::Topic(choice),
-            LogError::NotARecording { columns, .. } if !columns.is_empty() => {
+            LogError::NotARecording { columns, .. } if columns.len() > 1 => {
                 InitChoice::Columns(columns)
             }
             other => return Err(other),

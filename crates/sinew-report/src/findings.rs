@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 pub(crate) fn sentences(findings: &[Finding]) -> Vec<String> {
     let says_the_same = |a: &Finding, b: &Finding| {
         a.value.is_none()
-            && a.text.is_none()
+            && (&a.text, &a.names) == (&b.text, &b.names)
             && (a.kind, a.severity, &a.at.file) == (b.kind, b.severity, &b.at.file)
     };
     let groups = findings.chunk_by(says_the_same);
@@ -24,7 +24,8 @@ pub(crate) fn sentences(findings: &[Finding]) -> Vec<String> {
                 let places: Vec<String> = group.iter().map(place).collect();
                 let (severity, file) = (severity(first.severity), &first.at.file);
                 let places = places.join("; ");
-                Some(format!("{severity}: {file}: {places}: {}", what(first)))
+                let (what, names) = (what(first), names(first));
+                Some(format!("{severity}: {file}: {places}: {what}{names}"))
             }
         })
         .collect()
@@ -70,10 +71,15 @@ fn sentence(finding: &Finding) -> String {
         let meant = with_unit(slip.value, finding.unit);
         let _ = write!(out, ". Was it meant in {}? Then write {meant}", slip.unit);
     }
-    if !finding.names.is_empty() {
-        let _ = write!(out, "; it has {}", finding.names.join(", "));
+    out + &names(finding)
+}
+
+/// The names there are, as the end of a sentence.
+fn names(finding: &Finding) -> String {
+    match finding.names.as_slice() {
+        [] => String::new(),
+        names => format!("; it has {}", names.join(", ")),
     }
-    out
 }
 
 /// What is wrong.

@@ -76,7 +76,10 @@ fn about(joint: &InitDescribed) -> String {
         JointMotion::Revolute => ("turns about", "rad"),
         JointMotion::Prismatic => ("slides along", "m"),
     };
-    let axis = joint.axis.map(|x| x.to_string()).join(" ");
+    let axis = joint
+        .axis
+        .map(|x| ((1e3 * x).round() / 1e3).to_string())
+        .join(" ");
     let range = match (joint.lower_rad, joint.upper_rad) {
         (Some(lower), Some(upper)) => {
             format!("{} to {} {unit}", three_digits(lower), three_digits(upper))

@@ -159,6 +159,9 @@ fn a_recording_without_urdf_or_with_other_names_says_what_it_needs() {
         "{said}"
     );
 
+    // A text without columns is no table to choose from.
+    std::fs::write(dir.join("t.txt"), "hello\n").expect("written");
+    ends(1, &["init", "t.txt"], dir);
     std::fs::write(dir.join("t.csv"), "clock,pos1,mot1\n0,1,1\n0.01,1,1\n").expect("written");
     let said = ends(3, &["init", "t.csv"], dir);
     for words in [
