@@ -202,7 +202,7 @@ pub fn each_summary(each: &EachDocument) -> String {
     }
     let (offset, last) = match each.method {
         Method::Absolute => ("offset\nmrad", "verdict"),
-        Method::Paper => ("reading\nmrad", "without"),
+        Method::Paper => ("reading\nmrad", "why not"),
     };
     let head = [
         "recording",

@@ -42,7 +42,7 @@ fn every_shipped_scenario_runs() {
 }
 
 #[test]
-fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
+fn mcap_csv_and_parquet_read_back_as_written_and_the_same_bytes_come_twice() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = Scenario {
         duration_s: Some(2.0),
@@ -60,7 +60,7 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
     while let Some(frame) = simulation.next_frame().expect("steps") {
         expected.push(frame.clone());
     }
-    for name in ["a.mcap", "a.csv"] {
+    for name in ["a.mcap", "a.csv", "a.parquet"] {
         let mut bytes = Vec::new();
         for copy in ["1", "2"] {
             let out = folder.path().join(format!("{copy}-{name}"));
@@ -115,7 +115,7 @@ fn mcap_and_csv_read_back_as_written_and_the_same_bytes_come_twice() {
 #[test]
 fn a_refused_output_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("a.parquet");
+    let out = folder.path().join("a.bag");
     let scenario = Scenario {
         duration_s: Some(0.1),
         ..Scenario::default()
@@ -126,9 +126,11 @@ fn a_refused_output_leaves_nothing_behind() {
         &SimulateOptions::new(&out),
         &mut |_| {},
     )
-    .expect_err("no Parquet writer")
+    .expect_err("no writer of bags")
     .to_string();
-    assert!(message.contains(".mcap"), "{message}");
+    for ending in [".mcap", ".parquet", ".csv"] {
+        assert!(message.contains(ending), "{message}");
+    }
     let missing = folder.path().join("no/such/folder/a.csv");
     assert!(
         run(

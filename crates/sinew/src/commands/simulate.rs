@@ -9,7 +9,7 @@ use sinew_estimate::robot_dir;
 use sinew_eval::control::{self, Simulated};
 use sinew_files::JsonDocument as _;
 use sinew_log::Compression;
-use sinew_sim::{Scenario, SimulateOptions};
+use sinew_sim::{Scenario, SimulateOptions, truth_path};
 use std::path::{Path, PathBuf};
 
 /// Make a recording of a joint-elastic arm whose tendons stretch
@@ -59,7 +59,12 @@ impl Simulate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         let inputs = [("the scenario", Some(self.scenario.as_path()))];
-        check_outputs(&[("--out", Some(&self.out))], &inputs, self.quiet)?;
+        let truth = truth_path(&self.out);
+        let outputs = [
+            ("--out", Some(self.out.as_path())),
+            ("its truth", Some(&truth)),
+        ];
+        check_outputs(&outputs, &inputs, self.quiet)?;
         let name = self.scenario.display().to_string();
         let text = std::fs::read_to_string(&self.scenario)
             .map_err(|e| Failure::Refused(format!("{name}: can't read: {e}")))?;
