@@ -14,8 +14,9 @@ fn string(text: &str) -> Vec<u8> {
 
 #[test]
 fn a_diagnostic_array_is_the_bytes_that_ros_writes() {
-    let status = [DiagnosticStatus {
-        level: Level::Error,
+    // The second begins where the first ends, at no multiple of four: a level is one byte.
+    let one = |level| DiagnosticStatus {
+        level,
         name: "elbow".into(),
         message: "longer".into(),
         hardware_id: "arm".into(),
@@ -23,7 +24,8 @@ fn a_diagnostic_array_is_the_bytes_that_ros_writes() {
             key: "k".into(),
             value: "v".into(),
         }],
-    }];
+    };
+    let status = [Level::Error, Level::Warn].map(one);
     let message = DiagnosticArray {
         header: Header::at(-1, "b").unwrap(),
         status: &status,
@@ -38,17 +40,19 @@ fn a_diagnostic_array_is_the_bytes_that_ros_writes() {
     body.extend(999_999_999_u32.to_le_bytes());
     body.extend(string("b"));
     pad(&mut body);
-    body.extend(1_u32.to_le_bytes());
-    body.push(2);
-    for text in ["elbow", "longer", "arm"] {
+    body.extend(2_u32.to_le_bytes());
+    for level in [2, 1] {
+        body.push(level);
+        for text in ["elbow", "longer", "arm"] {
+            pad(&mut body);
+            body.extend(string(text));
+        }
         pad(&mut body);
-        body.extend(string(text));
-    }
-    pad(&mut body);
-    body.extend(1_u32.to_le_bytes());
-    for text in ["k", "v"] {
-        pad(&mut body);
-        body.extend(string(text));
+        body.extend(1_u32.to_le_bytes());
+        for text in ["k", "v"] {
+            pad(&mut body);
+            body.extend(string(text));
+        }
     }
     assert_eq!(bytes[..4], [0, 1, 0, 0]);
     assert_eq!(bytes[4..], body);
