@@ -11,7 +11,7 @@ use sinew_model::rope::validity::Outside;
 pub enum Caution {
     /// Tension below the range the law was made for.
     LowLoad,
-    /// Tension above it: creep rupture is not in the law.
+    /// Tension above it.
     HighLoad,
     /// HMPE hotter than its flow was measured.
     Hot,
@@ -26,6 +26,32 @@ pub enum Caution {
     CreepsApart {
         /// When, at the catalogue's values, s.
         time_s: f64,
+    },
+    /// Bending wears the rope out; there is no reading from then on.
+    WornOut {
+        /// When, at the catalogue's values, s.
+        time_s: f64,
+    },
+    /// A pulley bends the rope closer than makers advise.
+    TightBend {
+        /// Diameter that the rope is bent to, over its own.
+        bend_ratio: f64,
+        /// Advised at least.
+        least_ratio: f64,
+    },
+    /// More load than makers advise.
+    LoadShare {
+        /// Largest tension over the breaking load.
+        load_share: f64,
+        /// Advised at most.
+        most_share: f64,
+    },
+    /// The ends are taken to be as strong as the rope.
+    EndsNotStated {
+        /// Share of the strength that a splice keeps.
+        splice_share: f64,
+        /// Share of the strength that a knot keeps.
+        knot_share: f64,
     },
     /// The duty goes beyond the data behind the rope's values; intervals are widened.
     BeyondData {

@@ -101,6 +101,10 @@ pub struct RopeDescription {
     pub holds: Holds,
     /// Parameters of the law by their names in the catalogue, which end in their units.
     pub law: BTreeMap<String, CatalogueValue>,
+    /// What breaks the rope, its own values or its fibre's, by their names, which end in their units.
+    pub endurance: BTreeMap<String, CatalogueValue>,
+    /// Sources of the endurance by their keys.
+    pub endurance_sources: BTreeMap<String, String>,
     /// Sources by their keys.
     pub sources: BTreeMap<String, String>,
 }
@@ -156,6 +160,10 @@ impl CatalogueRope {
         let e = &self.entry;
         let value =
             |v: &Option<Value>, unit: f64| v.as_ref().map(|v| CatalogueValue::scaled(v, unit));
+        // The fibres' files ship with the program; a test reads each of them.
+        let class = self.endurance().ok();
+        let (endurance, endurance_sources) =
+            class.map_or_else(Default::default, |c| (c.endurance, c.sources));
         RopeDescription {
             summary: self.summary(),
             note: e.note.clone(),
@@ -170,6 +178,11 @@ impl CatalogueRope {
                 .iter()
                 .map(|(p, v)| (p.name().to_owned(), CatalogueValue::scaled(v, 1.0)))
                 .collect(),
+            endurance: endurance
+                .iter()
+                .map(|(k, v)| (k.name().to_owned(), CatalogueValue::scaled(v, 1.0)))
+                .collect(),
+            endurance_sources,
             sources: e.sources.clone(),
         }
     }

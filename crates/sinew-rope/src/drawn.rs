@@ -4,14 +4,18 @@ use super::CatalogueRope;
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
-use super::limits::{self, STRAIN_MOST_PERCENT};
-use super::predict::{Prediction, Reading, TENSIONED_AFTER_S, bending, cautions};
+use super::endurance::Endurances;
+use super::life::{BreakCause, LIFE_MOST_S, Life, cause, life_s, spots, wear};
+use super::limits;
+use super::predict::{Prediction, Reading, TENSIONED_AFTER_S, cautions};
 use super::refusal::PredictError;
 use super::route::Request;
 use super::strand::{Mean, StrandError, strand};
 use rayon::prelude::*;
+use sinew_model::Bounded;
+use sinew_model::rope::endurance::Endurance;
 use sinew_model::rope::holds::Beyond;
-use sinew_model::rope::{Law, RopeLoad};
+use sinew_model::rope::{Law, RopeLoad, State, damage};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One rope's strand at the catalogue's values and in every draw.
@@ -22,8 +26,11 @@ pub(crate) struct Drawn {
     nominal: Vec<Mean>,
     /// The same in each draw, up to where the rope breaks.
     drawn: Vec<Vec<Mean>>,
-    /// When the rope has crept until it breaks.
-    breaks_after_s: Option<f64>,
+    /// When the rope breaks, within the times asked for.
+    pub(crate) breaks_after_s: Option<f64>,
+    /// How long it lasts.
+    pub(crate) life: Life,
+    endurance: Endurance,
     /// How far the duty lies beyond the rope's data.
     beyond: Beyond,
 }
@@ -57,86 +64,140 @@ fn widened(
     means.iter().zip(decades).map(later).collect()
 }
 
-/// Runs a strand through the duty, at the catalogue's values and in every draw. A rope that creeps
-/// until it breaks has times up to there, or none where it must last the `whole` time.
+/// Runs a strand through the duty, at the catalogue's values and in every draw, up to where it
+/// breaks.
 pub(crate) fn drawn(
     rope: &CatalogueRope,
     request: &Request,
-    whole: bool,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Drawn, PredictError> {
     limits::check(rope, request)?;
     let draws = Draws::new(rope, request.draws, request.seed)?;
+    let endurances = Endurances::new(rope, request.draws, request.seed)?;
     let summary = request.duty.summary();
     let read_at = request.read_at.unwrap_or(RopeLoad::celsius(
         summary.tension_mean_n,
         summary.temperature_mean_c,
     ));
-    let mut times = vec![TENSIONED_AFTER_S];
-    times.extend(&request.times_s);
-    let mut nominal = strand(&draws.nominal, request, read_at, &times).map_err(|e| match e {
-        StrandError::Load(error) => PredictError::Load {
-            rope: rope.entry.name.clone(),
-            error,
-        },
-        StrandError::Routing(error) => error.into(),
-    })?;
-    let unbroken = |means: &[Mean]| {
-        let past = |m: &Mean| m.strain > STRAIN_MOST_PERCENT;
-        means.iter().position(past).unwrap_or(means.len())
+    let refuse = |error| PredictError::Load {
+        rope: rope.entry.name.clone(),
+        error,
     };
-    let crept = unbroken(&nominal);
-    let breaks_after_s = (crept < times.len()).then(|| {
-        // Halved in the logarithm of time, to a hundredth of it.
-        let whole = |t: f64| {
-            let now = strand(&draws.nominal, request, read_at, &[t]);
-            now.is_ok_and(|means| unbroken(&means) > 0)
-        };
-        let mut from = if crept > 0 { times[crept - 1] } else { 0.0 };
-        let mut to = times[crept];
-        while crept > 0 && to > 1.01 * from {
-            let middle = (from * to).sqrt();
-            if whole(middle) {
-                from = middle;
-            } else {
-                to = middle;
+    let hardest = RopeLoad::celsius(summary.tension_max_n, summary.temperature_max_c);
+    draws.nominal.rates(hardest).map_err(refuse)?;
+    let rope_m = rope.entry.diameter_mm.as_ref().map(|d| 1e-3 * d.value);
+    let wears = wear(&draws.nominal, &endurances.nominal, request, rope_m)?;
+    let life = life_s(&wears);
+    if life <= TENSIONED_AFTER_S {
+        let name = rope.entry.name.clone();
+        let e = &endurances.nominal;
+        let strength = request.route.ends.share(e) * e.strength_share(hardest.temperature_k);
+        let strength_n = strength * draws.nominal.parameters().breaking_load_n;
+        let tension_n = summary.tension_max_n;
+        return Err(if tension_n > strength_n {
+            PredictError::TooWeak {
+                rope: name,
+                tension_n,
+                strength_n,
+                temperature_c: summary.temperature_max_c,
+                ends: request.route.ends,
             }
-        }
-        to
-    });
-    if let Some(time_s) = breaks_after_s
-        && (crept == 0 || whole)
-    {
-        return Err(PredictError::Creeps {
-            rope: rope.entry.name.clone(),
-            tension_n: summary.tension_max_n,
-            time_s,
+        } else {
+            PredictError::Creeps {
+                rope: name,
+                tension_n,
+                time_s: life,
+            }
         });
     }
-    nominal.truncate(crept);
+    let mut times = vec![TENSIONED_AFTER_S];
+    times.extend(&request.times_s);
+    let within = |life_s: f64| {
+        &times[..times
+            .iter()
+            .position(|t| *t >= life_s)
+            .unwrap_or(times.len())]
+    };
+    let nominal = strand(&draws.nominal, request, read_at, rope_m, within(life));
+    let nominal = nominal.map_err(|e| match e {
+        StrandError::Load(error) => refuse(error),
+        StrandError::Routing(error) => error.into(),
+    })?;
     let beyond = beyond(rope, &draws.nominal, &summary);
     let holds = rope.holds();
     let doubts = draws.doubts(rope, request.seed);
     let finished = AtomicUsize::new(0);
-    let each = draws.laws.par_iter().zip(&doubts).map(|(law, doubt)| {
-        let mut means = strand(law, request, read_at, &times).unwrap_or_default();
+    let each = draws.laws.par_iter().zip(&endurances.drawn).zip(&doubts);
+    let each = each.map(|((law, endurance), doubt)| {
+        let life_s = wear(law, endurance, request, rope_m).map_or(0.0, |w| life_s(&w));
+        // Where the law stretches a rope more than it should, it breaks it sooner.
+        let decades = holds.decades_beyond(life_s.max(1.0));
+        let life_s = life_s * (-doubt * beyond.deviation_after(decades)).exp();
+        let means = strand(law, request, read_at, rope_m, within(life_s)).unwrap_or_default();
         done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        means.truncate(unbroken(&means));
         let decades = times.iter().map(|t| holds.decades_beyond(*t));
-        widened(&means, decades, beyond, *doubt)
+        let mut means = widened(&means, decades, beyond, *doubt);
+        // What the widening stretches beyond a break is broken too.
+        let parted = |m: &Mean| m.irreversible > endurance.rupture_percent;
+        let mut life_s = life_s.min(LIFE_MOST_S);
+        if let Some(first) = means.iter().position(parted) {
+            means.truncate(first);
+            life_s = life_s.min(times[first]);
+        }
+        (life_s, means)
     });
-    let drawn = each.collect();
+    let (lives_s, drawn): (Vec<f64>, Vec<Vec<Mean>>) = each.collect::<Vec<_>>().into_iter().unzip();
+    let last_s = request.times_s.last().copied().unwrap_or(0.0);
+    let early = lives_s.iter().filter(|l| **l <= last_s).count();
     Ok(Drawn {
+        life: Life {
+            breaks_after_s: (life < LIFE_MOST_S).then(|| bounded(life, &lives_s)),
+            cause: cause(&wears),
+            broken_share: early as f64 / lives_s.len().max(1) as f64,
+            ends: request.route.ends,
+            end_share: request.route.ends.share(&endurances.nominal),
+            abrasion_factor: request.route.abrasion_factor,
+            spots: spots(&wears, life.min(last_s)),
+        },
+        endurance: endurances.nominal,
         draws,
         read_at,
         nominal,
         drawn,
-        breaks_after_s,
+        breaks_after_s: (life <= last_s).then_some(life),
         beyond,
     })
 }
 
 impl Drawn {
+    /// Strength of the most bent portion at the last time asked for; `None` where nothing bends it
+    /// or it is broken by then.
+    fn strength_left(&self, rope: &CatalogueRope, request: &Request) -> Option<Bounded> {
+        let rope_m = 1e-3 * rope.entry.diameter_mm.as_ref()?.value;
+        let last_s = *request.times_s.last()?;
+        let route = &request.route;
+        if self.breaks_after_s.is_some()
+            || route.strokes_per_hour == 0.0
+            || route.pulleys.is_empty()
+        {
+            return None;
+        }
+        let left = |law: &Law| {
+            let worn = wear(law, &self.endurance, request, Some(rope_m)).unwrap_or_default();
+            let most = spots(&worn, last_s)
+                .iter()
+                .map(|s| s.bending_damage)
+                .fold(0.0, f64::max);
+            let state = State {
+                bending_damage: most,
+                ..State::default()
+            };
+            damage::strength_left(&state)
+        };
+        let (nominal, drawn) = self.draws.map(left);
+        Some(bounded(nominal, &drawn))
+    }
+
     /// Elongation since tensioned at the last time asked for, m, in each draw; NaN where the rope
     /// breaks.
     pub(crate) fn growth_m(&self, request: &Request) -> Vec<f64> {
@@ -173,9 +234,14 @@ impl Drawn {
             }
         };
         let times = request.times_s.iter().take(self.nominal.len() - 1);
-        let mut cautions = cautions(rope, &self.draws.nominal, request, self.beyond);
+        let law = &self.draws.nominal;
+        let mut cautions = cautions(rope, law, &self.endurance, request, self.beyond);
         if let Some(time_s) = self.breaks_after_s {
-            cautions.insert(0, Caution::CreepsApart { time_s });
+            let caution = match self.life.cause {
+                BreakCause::CreepRupture => Caution::CreepsApart { time_s },
+                BreakCause::BendingFatigue => Caution::WornOut { time_s },
+            };
+            cautions.insert(0, caution);
         }
         let entry = &rope.entry;
         Prediction {
@@ -186,7 +252,8 @@ impl Drawn {
             read_at_n: self.read_at.tension_n,
             read_at_c: self.read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
             readings: times.enumerate().map(reading).collect(),
-            strength_left_share: bending(rope, &self.draws, request),
+            strength_left_share: self.strength_left(rope, request),
+            life: self.life.clone(),
             broken_share: share(broken),
             starting_guesses: entry.guesses(),
             parameters: entry.law.len(),

@@ -98,7 +98,7 @@ fn standard_errors(entry: &CatalogueEntry, rng: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// FNV-1a: spreads names over seeds, the same on every machine.
-fn name_hash(name: &str) -> u64 {
+pub(crate) fn name_hash(name: &str) -> u64 {
     name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
         (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
     })

@@ -5,7 +5,7 @@
 //! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
 //!
 //! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
-//! [`select`], [`pretension`].
+//! [`endurance`], [`life`], [`select`], [`pretension`].
 
 pub mod bench;
 mod blocks;
@@ -15,7 +15,9 @@ mod describe;
 mod drawn;
 pub mod draws;
 pub mod duty;
+pub mod endurance;
 pub mod history;
+pub mod life;
 mod limits;
 pub mod predict;
 pub mod pretension;
@@ -32,3 +34,5 @@ pub use caution::Caution;
 pub use describe::{CatalogueValue, Published, RopeDescription, RopeList, RopeSummary};
 pub use draws::Draws;
 pub use duty::{Duty, Stretch};
+pub use endurance::Ends;
+pub use life::{BreakCause, Life, Place, Spot};

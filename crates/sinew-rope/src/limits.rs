@@ -6,10 +6,6 @@ use sinew_model::rope::Polymer;
 
 /// HMPE melts from here on, °C: the lower end of what is reported for its fibres, 144 to 152 °C.
 pub(crate) const HMPE_MELTS_C: f64 = 144.0;
-/// Strain at which a rope counts as broken, %. A judgement: fibres break at 3 to 5 % when pulled
-/// quickly, and HMPE creeps to some 10 % before it does.
-pub(crate) const STRAIN_MOST_PERCENT: f64 = 10.0;
-
 /// Refuses a temperature at which the rope's fibre melts.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! Why there is no prediction.
 
 use super::CatalogueError;
-use super::limits::STRAIN_MOST_PERCENT;
+use super::endurance::Ends;
 use super::predict::{DAY_S, HOUR_S};
 use sinew_model::rope::LoadError;
 use sinew_model::rope::routing::RoutingError;
@@ -36,10 +36,10 @@ pub enum PredictError {
         /// Where it melts, °C.
         melts_c: f64,
     },
-    /// The rope creeps until it breaks.
+    /// The rope breaks before there is anything to read.
     #[error(
-        "rope '{rope}': under {tension_n} N it stretches beyond {} % within {}: it creeps until it breaks, and no elongation can be given",
-        STRAIN_MOST_PERCENT, rounded(*time_s)
+        "rope '{rope}': under {tension_n} N it creeps until it breaks, within {}; no elongation can be given",
+        rounded(*time_s)
     )]
     Creeps {
         /// Rope.
@@ -48,6 +48,23 @@ pub enum PredictError {
         tension_n: f64,
         /// When, s.
         time_s: f64,
+    },
+    /// The load is more than heat and ends leave of the rope's strength.
+    #[error(
+        "rope '{rope}': {tension_n:.0} N breaks it at once; at {temperature_c:.0} °C{} it holds {strength_n:.0} N",
+        match ends { Ends::NotStated => "", Ends::Spliced => " and spliced", Ends::Knotted => " and knotted" }
+    )]
+    TooWeak {
+        /// Rope.
+        rope: String,
+        /// Largest tension of the duty, N.
+        tension_n: f64,
+        /// Its strength where it is weakest, N.
+        strength_n: f64,
+        /// Hottest of the duty, °C.
+        temperature_c: f64,
+        /// How its ends are held.
+        ends: Ends,
     },
     /// A load that slackens the partner before the rope is tensioned again.
     #[error(
@@ -80,6 +97,7 @@ fn millimetres(m: f64) -> f64 {
 /// A time in the unit that suits it.
 fn rounded(time_s: f64) -> String {
     match time_s {
+        t if t < 60.0 => "a minute".into(),
         t if t < 2.0 * HOUR_S => format!("{:.0} min", t / 60.0),
         t if t < 2.0 * DAY_S => format!("{:.0} h", t / HOUR_S),
         t => format!("{:.0} days", t / DAY_S),

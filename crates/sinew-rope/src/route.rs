@@ -1,6 +1,7 @@
 //! How a rope lies in the machine, and what is asked of a prediction.
 
 use super::duty::Duty;
+use super::endurance::Ends;
 use sinew_model::rope::RopeLoad;
 use sinew_model::rope::routing::Pulley;
 use sinew_model::transmission::Guide as TendonGuide;
@@ -16,6 +17,10 @@ pub struct Route {
     pub pulleys: Vec<Pulley>,
     /// Strokes per hour, back and forth counting as one; 0 where bending is not asked for.
     pub strokes_per_hour: f64,
+    /// How the rope's ends are held.
+    pub ends: Ends,
+    /// Factor by which abrasion speeds up the wear of bending; 1: none beyond the tests behind it.
+    pub abrasion_factor: f64,
 }
 
 impl Route {
@@ -26,6 +31,8 @@ impl Route {
             stroke_m: 0.0,
             pulleys: Vec::new(),
             strokes_per_hour: 0.0,
+            ends: Ends::NotStated,
+            abrasion_factor: 1.0,
         }
     }
 

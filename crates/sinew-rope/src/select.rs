@@ -3,12 +3,16 @@
 use super::caution::Caution;
 use super::drawn::drawn;
 use super::draws::{Draws, bounded};
+use super::life::{BreakCause, LIFE_MOST_S};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
 use sinew_model::rope::RopeLoad;
+
+/// A rope that breaks in more of the draws than this is ranked behind those that last.
+pub const MAY_BREAK_SHARE: f64 = 0.025;
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,10 +52,14 @@ pub struct Candidate {
     pub stiffness_n_per_m: Bounded,
     /// Elongation since tensioned at the last time asked for, m.
     pub elongation_m: Bounded,
+    /// When it breaks, s; `None` beyond 300 years.
+    pub life_s: Option<Bounded>,
+    /// Share of the draws in which it breaks within the last time asked for, 0 to 1.
+    pub broken_share: f64,
     /// In how many of the draws it stretches least of all candidates, 0 to 1.
     pub least_share: f64,
-    /// Whether no other candidate of known diameter is as thin or thinner and stretches as little or
-    /// less, at the catalogue's values.
+    /// Whether no other candidate of known diameter is as thin or thinner, stretches as little or less
+    /// and lasts as long or longer, at the catalogue's values.
     pub pareto: bool,
     /// Parameters of the law that are starting guesses.
     pub starting_guesses: usize,
@@ -59,6 +67,15 @@ pub struct Candidate {
     pub parameters: usize,
     /// Cautions.
     pub cautions: Vec<Caution>,
+}
+
+impl Candidate {
+    /// What counts besides its size, the smaller the better: elongation, m, and life taken from 0, s.
+    #[must_use]
+    pub fn objectives(&self) -> [f64; 2] {
+        let life_s = self.life_s.map_or(LIFE_MOST_S, |l| l.value);
+        [self.elongation_m.value, -life_s]
+    }
 }
 
 /// Why a rope fell out. What was found and the limit it was held against.
@@ -123,6 +140,13 @@ pub enum Rejection {
     BendRatioNotKnown,
     /// The breaking load is not published.
     BreakingLoadNotPublished,
+    /// It breaks before the last time asked for.
+    Breaks {
+        /// When, at the catalogue's values, s.
+        after_s: f64,
+        /// Of what.
+        cause: BreakCause,
+    },
     /// HMPE would be too hot.
     Hot,
     /// The law gives no prediction.
@@ -150,7 +174,8 @@ pub struct Selection {
     pub duty: String,
     /// Time the elongation is for, s.
     pub time_s: f64,
-    /// Ropes that meet everything, least elongation first.
+    /// Ropes that meet everything: first those that last in 97.5 % of the draws, then the others, each
+    /// by least elongation.
     pub candidates: Vec<Candidate>,
     /// The others.
     pub rejected: Vec<Rejected>,
@@ -199,14 +224,18 @@ pub fn select(
             candidates[i].least_share += 1.0 / request.draws as f64;
         }
     }
-    let points: Vec<(Option<f64>, f64)> = candidates
+    let points: Vec<(Option<f64>, [f64; 2])> = candidates
         .iter()
-        .map(|c| (c.diameter_m, c.elongation_m.value))
+        .map(|c| (c.diameter_m, c.objectives()))
         .collect();
     for (i, candidate) in candidates.iter_mut().enumerate() {
         candidate.pareto = is_pareto(&points, i);
     }
-    candidates.sort_by(|a, b| a.elongation_m.value.total_cmp(&b.elongation_m.value));
+    let may_break = |c: &Candidate| c.broken_share > MAY_BREAK_SHARE;
+    candidates.sort_by(|a, b| {
+        let stretch = a.elongation_m.value.total_cmp(&b.elongation_m.value);
+        may_break(a).cmp(&may_break(b)).then(stretch)
+    });
     Ok(Selection {
         duty: request.duty.about.clone(),
         time_s: request.times_s.last().copied().unwrap_or(0.0),
@@ -215,13 +244,16 @@ pub fn select(
     })
 }
 
-/// Whether no other point is as small in both and smaller in one.
-pub fn is_pareto(points: &[(Option<f64>, f64)], i: usize) -> bool {
+/// Whether no other point is as small in everything and smaller in something.
+pub fn is_pareto(points: &[(Option<f64>, [f64; 2])], i: usize) -> bool {
     let (Some(d), y) = points[i] else {
         return false;
     };
     !points.iter().enumerate().any(|(j, (other, z))| {
-        j != i && other.is_some_and(|o| o <= d && *z <= y && (o < d || *z < y))
+        let pairs = other.map(|o| [(o, d), (z[0], y[0]), (z[1], y[1])]);
+        let beats =
+            |p: [(f64, f64); 3]| p.iter().all(|(a, b)| a <= b) && p.iter().any(|(a, b)| a < b);
+        j != i && pairs.is_some_and(beats)
     })
 }
 
@@ -295,7 +327,7 @@ fn judge(
     .flatten()
     .collect();
     // The law is asked only where it can answer.
-    let found = match drawn(rope, request, true, &|_| {}) {
+    let found = match drawn(rope, request, &|_| {}) {
         Ok(found) => found,
         Err(e @ (PredictError::Routing(_) | PredictError::Stroke { .. })) => {
             return Err(Judged::Refused(e));
@@ -311,10 +343,18 @@ fn judge(
         rope: name,
         cautions,
         readings,
+        life,
         ..
     } = found.prediction(rope, request);
     if cautions.contains(&Caution::Hot) {
         reasons.push(Rejection::Hot);
+    }
+    if let Some(after_s) = found.breaks_after_s {
+        reasons.push(Rejection::Breaks {
+            after_s,
+            cause: life.cause,
+        });
+        return Err(Judged::Reasons(reasons));
     }
     let unknown = Bounded::even(f64::NAN, 0.0);
     let stiffness = stiffness_n_per_m(&found.draws, request);
@@ -346,6 +386,8 @@ fn judge(
         safety_factor_ratio: safety_factor,
         stiffness_n_per_m: stiffness,
         elongation_m,
+        life_s: life.breaks_after_s,
+        broken_share: life.broken_share,
         least_share: 0.0,
         pareto: false,
         starting_guesses: entry.guesses(),

@@ -1,9 +1,10 @@
 //! One strand of rope along its route: portion by portion through a duty.
 
 use super::history::History;
+use super::life::felt_by;
 use super::route::Request;
-use sinew_model::rope::routing::{self, RoutingError};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
+use sinew_model::rope::routing::{self, Pulley, RoutingError};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 
 /// Strand averages at one time: strain, irreversible strain, %.
 #[derive(Debug, Clone, Copy, Default)]
@@ -23,6 +24,7 @@ pub(super) fn strand(
     law: &Law,
     request: &Request,
     read_at: RopeLoad,
+    rope_m: Option<f64>,
     times_s: &[f64],
 ) -> Result<Vec<Mean>, StrandError> {
     let route = &request.route;
@@ -30,21 +32,12 @@ pub(super) fn strand(
         .map_err(StrandError::Routing)?;
     let mut out = vec![Mean::default(); times_s.len()];
     for portion in portions {
-        let law = law.passed_by(portion.guides as f64);
-        // A rope at rest keeps whatever friction has left it: only a moving one is sure to be
-        // pulled both ways.
-        let duty = if route.stroke_m > 0.0 {
-            let share = routing::tension_share(
-                &route.pulleys,
-                law.parameters().friction,
-                portion.middle_m,
-                0.5 * route.stroke_m,
-                false,
-            );
-            request.duty.with_friction(share.ln())
-        } else {
-            request.duty.clone()
-        };
+        let touching = |p: &&Pulley| p.touches(portion.middle_m, route.stroke_m);
+        let over = route.pulleys.iter().filter(touching);
+        // A pulley that hardly bends the rope hardly counts.
+        let weight = |p: &Pulley| rope_m.map_or(1.0, |d| damage::pass_weight(p, d));
+        let law = law.passed_by(over.map(weight).sum());
+        let duty = felt_by(&portion, &law, request);
         let weight = portion.length_m / route.length_m;
         let mut history = History::new(&law, &duty, State::default());
         for (mean, &time_s) in out.iter_mut().zip(times_s) {

@@ -1,4 +1,5 @@
 //! All tests of sinew-rope in one binary: one link, one start.
 
+mod life;
 mod relaxation;
 mod spoiled_text;

@@ -234,6 +234,10 @@ fn rope_entries() {
                 "law",
                 format!("{rope}{sources}[law]\n{UNKNOWN} = {{ {value} }}\n"),
             ),
+            (
+                "endurance",
+                format!("{rope}{sources}[endurance]\n{UNKNOWN} = {{ {value} }}\n"),
+            ),
             ("holds", with(&format!("{rope}{sources}{law}{holds}"))),
             (
                 "correlation",
@@ -241,6 +245,7 @@ fn rope_entries() {
             ),
             ("VALUE", known("[published]\ndiameter_mm")),
             ("VALUE", known("[law]\ntoe_percent")),
+            ("VALUE", known("[endurance]\nknot_share")),
         ],
         |text| {
             let (folder, _) = file("mine.toml", text);

@@ -156,7 +156,9 @@ fn duties_come_from_tables_and_warn() {
         "--draws",
         "20",
     ];
-    let text = told(&args, dir.path());
+    let output = sinew(&args, dir.path());
+    assert_eq!(output.status.code(), Some(3), "45 % at 70 °C breaks it");
+    let text = String::from_utf8_lossy(&output.stdout);
     for words in [
         "40 % of the breaking load",
         "1 % of the breaking load",
@@ -330,6 +332,71 @@ fn relaxation_is_stable_at_high_loads() {
     ends(&plan("600", "23"), "schedule_new", 6, 165.0);
 }
 
+/// 30 % of the breaking load at 60 °C for a year was 948 % of strain and exit code 0.
+#[test]
+fn a_rope_that_breaks_says_when_and_ends_there() {
+    let dir = empty();
+    let rope = ["rope", "predict", "teufelberger-fl-9-ng", "--draws", "40"];
+    let duty = ["--tension", "1950", "--temperature", "60"];
+    let output = sinew(&[&rope[..], &duty].concat(), dir.path());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    let said = [
+        "it breaks after 3.9 days (95 %",
+        "creep under load",
+        "30.0 % of its breaking load",
+    ];
+    assert!(said.iter().all(|w| text.contains(w)), "{text}");
+    assert!(
+        text.contains("\n1 day") && !text.contains("\n1 year"),
+        "{text}"
+    );
+    // Bending: which portion, and when.
+    let bent = [
+        "--tension",
+        "100",
+        "--length",
+        "700",
+        "--stroke",
+        "50",
+        "--strokes-per-hour",
+        "60",
+    ];
+    let over = ["--guide", "90:8@300", "--guide", "90:8@330"];
+    let output = sinew(&[&rope[..], &bent, &over].concat(), dir.path());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("of bending over") && text.contains("\n280.0 *"),
+        "{text}"
+    );
+    // A choice counts strokes.
+    let choice = [
+        "rope",
+        "select",
+        "--draws",
+        "40",
+        "--at",
+        "1year",
+        "--tension",
+        "100",
+        "--length",
+        "700",
+    ];
+    let moved = [
+        "--stroke",
+        "50",
+        "--strokes-per-hour",
+        "6",
+        "--guide",
+        "90:8",
+    ];
+    let text = told(&[&choice[..], &moved].concat(), dir.path());
+    assert!(
+        text.contains("breaks after some") && text.contains("of bending over"),
+        "{text}"
+    );
+}
+
 #[test]
 fn a_joints_tendon_is_planned_with_all_that_holds_it() {
     let dir = empty();
@@ -355,7 +422,7 @@ fn a_joints_tendon_is_planned_with_all_that_holds_it() {
     // Lines may end anywhere.
     let text = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("the joint 20 mrad"), "{told}");
-    let rope = &["rope", "pretension", "liros-dc000-0301", "--tension", "60"];
+    let rope = &["rope", "pretension", "liros-dc000-0301", "--tension", "6"];
     let alone = [&rope[..], &["--torque", "1"]].concat();
     refused(&alone, dir.path(), 1, &["second rope", "--joint-radius"]);
     let slack = [&rope[..], &["--joint-radius", "20", "--torque", "2.2"]].concat();
@@ -424,8 +491,17 @@ fn what_breaks_melts_or_leaves_its_route_is_refused_and_a_copy_is_told() {
         1,
         &["700 mm is no shorter than the strand of 700 mm"],
     );
-    let text = told(&ask(&["2000"]), dir.path());
+    let output = sinew(&ask(&["2000"]), dir.path());
+    let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("creeps until it breaks"), "{text}");
+    assert_eq!(output.status.code(), Some(3), "it breaks within the year");
+    let knot = ["2000", "--ends", "knot"];
+    refused(
+        &ask(&knot),
+        dir.path(),
+        1,
+        &["2000 N breaks it at once", "knotted", "holds 1869 N"],
+    );
     let folder = dir.path().join("ropes");
     std::fs::create_dir(&folder).expect("made");
     let entry = told(&["rope", "show", "liros-dc000-0301", "--toml"], dir.path());

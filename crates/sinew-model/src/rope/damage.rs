@@ -10,6 +10,24 @@ pub const REFERENCE_LOAD_RATIO: f64 = 0.1;
 /// discarding a fibre rope.
 pub const STRENGTH_LEFT_WHEN_SPENT: f64 = 0.5;
 
+/// Diameter of the circle that a rope is really bent to, m: `1/D' = (1 − exp(−R φ/d))/D`.
+///
+/// A rope takes a pulley's curvature over a length of about its own diameter; where it touches the
+/// pulley over less, it is bent less. That length is a judgement.
+///
+/// * Returns at least `2 R`; infinite without a wrap.
+#[must_use]
+pub fn bend_diameter_m(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
+    -2.0 * pulley.radius_m / libm::expm1(-pulley.contact_m() / rope_m)
+}
+
+/// What a guiding pulley counts for in the bedding-in, 0 to 1: one that bends the rope to
+/// [`REFERENCE_DIAMETER_RATIO`] or closer counts in full, a gentler one by its curvature.
+#[must_use]
+pub fn pass_weight(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
+    (REFERENCE_DIAMETER_RATIO * rope_m / bend_diameter_m(pulley, rope_m)).min(1.0)
+}
+
 /// Passes over a pulley that the rope survives:
 /// `N = N_ref ((D/d)/20)^m_D (λ/0.1)^(−m_λ)`.
 ///

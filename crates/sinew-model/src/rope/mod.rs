@@ -28,11 +28,11 @@
 //! ([`ramp()`]) the error is controlled to [`RAMP_TOLERANCE_PERCENT`].
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
-//! over pulleys, [`strung`] lets ropes relax at constant length, [`validity`] says where the law was never checked, [`holds`] what data is behind a
+//! over pulleys, [`endurance`] says what breaks a rope, [`strung`] lets ropes relax at constant length, [`validity`] says where the law was never checked, [`holds`] what data is behind a
 //! rope's values, `entry`
 //! reads a catalogue entry (feature `catalogue`).
 //!
-//! Not modelled: humidity, ultraviolet light, abrasion, creep rupture, knots and splices, shock.
+//! Not modelled: humidity, ultraviolet light, abrasion, shock.
 //!
 //! # Source
 //! The elements are those of the paper's discussion (section III) and of the rope literature
@@ -41,6 +41,7 @@
 
 pub mod bedding;
 pub mod damage;
+pub mod endurance;
 #[cfg(feature = "catalogue")]
 pub mod entry;
 

@@ -25,6 +25,13 @@ impl Pulley {
     pub fn contact_m(&self) -> f64 {
         self.radius_m * self.wrap_rad
     }
+
+    /// Whether the rope point `point_m` from the drive comes to lie on it within a stroke.
+    #[must_use]
+    pub fn touches(&self, point_m: f64, stroke_m: f64) -> bool {
+        let from = (self.at_m - stroke_m).max(0.0);
+        (from..=self.at_m + self.contact_m()).contains(&point_m)
+    }
 }
 
 /// A stretch of a strand that the same pulleys pass over.
@@ -86,7 +93,6 @@ pub fn portions(
         return Err(RoutingError::Strand);
     }
     let mut edges = Vec::with_capacity(2 + 2 * pulleys.len());
-    let mut touched = Vec::with_capacity(pulleys.len());
     edges.extend([0.0, length_m]);
     for (i, p) in pulleys.iter().enumerate() {
         let pulley = i + 1;
@@ -103,7 +109,6 @@ pub fn portions(
             });
         }
         let from = (p.at_m - stroke_m).max(0.0);
-        touched.push((from, to));
         edges.extend([from, to]);
     }
     edges.sort_unstable_by(f64::total_cmp);
@@ -114,10 +119,8 @@ pub fn portions(
             continue;
         }
         let middle_m = 0.5 * (from + to);
-        let guides = touched
-            .iter()
-            .filter(|(a, b)| (*a..=*b).contains(&middle_m))
-            .count();
+        let touching = pulleys.iter().filter(|p| p.touches(middle_m, stroke_m));
+        let guides = touching.count();
         out.push(Portion {
             length_m: to - from,
             middle_m,

@@ -5,7 +5,7 @@ use core::fmt;
 
 /// Below this share of the breaking load the braid is slack and its geometry decides.
 pub const LOAD_RATIO_LOW: f64 = 0.01;
-/// Above it creep speeds up towards rupture, which the law doesn't have.
+/// Above it creep speeds up towards rupture, and the law was never checked.
 pub const LOAD_RATIO_HIGH: f64 = 0.40;
 /// Above it HMPE leaves the range its flow was measured in, K (65 °C).
 pub const HMPE_HOT_K: f64 = CELSIUS_ZERO_K + 65.0;
@@ -59,7 +59,7 @@ impl Outside {
             ),
             (
                 self.high_load,
-                "tension above 40 % of the breaking load: creep rupture is not in the law",
+                "tension above 40 % of the breaking load: the law was never checked there",
             ),
             (
                 self.hot,

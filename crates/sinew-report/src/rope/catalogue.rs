@@ -115,9 +115,21 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
         let names: Vec<&str> = c.parameters.iter().map(|p| p.name()).collect();
         out.say(format!("errors correlated among {}", names.join(", ")));
     }
+    // The fibres' files ship with the program; a test reads each of them.
+    let class = rope.endurance().ok();
+    if let Some(class) = &class {
+        out.add("\nendurance: its own values, else those of its fibre\n");
+        let values = class.endurance.iter();
+        let rows = values.map(|(k, v)| row(k.name(), v)).collect();
+        out.add(text::table(&head, rows, 3));
+    }
     out.add("\nsources\n");
     for (key, source) in &e.sources {
         out.item(format!("{key}: {source}"));
+    }
+    let of_fibre = class.iter().flat_map(|c| &c.sources);
+    for (key, source) in of_fibre {
+        out.item(format!("{key} (endurance): {source}"));
     }
     out.0
 }

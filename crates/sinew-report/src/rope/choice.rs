@@ -5,15 +5,15 @@ use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_rope::select::{Candidate, Selection, is_pareto};
 
 /// Elongation against diameter and against weight; the dotted line joins the ropes that nothing
-/// beats in both.
+/// beats, life included.
 pub fn figure(selection: &Selection, time: &str) -> Figure {
     let panel = |label: &str, x: &dyn Fn(&Candidate) -> Option<f64>| {
         let mut panel = Panel::new("", label, format!("elongation after {time} (mm)"));
         let mut front: Vec<(f64, f64)> = Vec::new();
-        let points: Vec<(Option<f64>, f64)> = selection
+        let points: Vec<(Option<f64>, [f64; 2])> = selection
             .candidates
             .iter()
-            .map(|c| (x(c), 1e3 * c.elongation_m.value))
+            .map(|c| (x(c), c.objectives()))
             .collect();
         let known = points.iter().filter_map(|p| p.0);
         let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {

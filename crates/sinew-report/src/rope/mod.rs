@@ -3,6 +3,7 @@
 mod bench;
 mod catalogue;
 mod choice;
+mod life;
 mod planned;
 mod predicted;
 mod selected;

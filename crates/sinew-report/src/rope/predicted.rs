@@ -1,7 +1,7 @@
 //! A prediction as a page.
 
 use super::words::guessed;
-use super::{bracketed, caution, notices, page, spoken};
+use super::{bracketed, caution, life, notices, page, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
@@ -22,9 +22,10 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
     }
     if let Some(time_s) = p.breaks_after_s {
         let breaks = format!(
-            "{} creeps until it breaks, after some {}.{}",
+            "{} breaks after some {}, of {}.{}",
             p.rope,
             spoken(time_s),
+            life::cause(p.life.cause),
             guessed(p.starting_guesses, p.parameters)
         );
         let breaks = Headline::new(Level::Alarm, breaks);
@@ -91,15 +92,22 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         (
             "strength left after bending",
             p.strength_left_share.map_or_else(
-                || "not asked for".into(),
+                || "not asked for, or broken by then".into(),
                 |i| format!("{} % of new", bracketed(i.scaled(100.0), 2)),
             ),
         ),
     ]))];
+    let mut lasts = vec![Block::Paragraph(format!("It {}.", life::lasts(&p.life)))];
+    if life::is_told(&p.life) {
+        let about = "What is used up of each portion's life at the last time, or when it breaks; a star marks the weakest.";
+        lasts.push(Block::Figure(Box::new(life::figure(&p.life)), about.into()));
+        lasts.push(Table::new(&life::HEAD, life::rows(&p.life)).into());
+    }
     basis.extend(broken(p).map(|text| Block::Notice(text + ".")));
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
         .section("Readings", vec![Table::new(&head, rows).into()])
+        .section("How long it lasts", lasts)
         .section("What it rests on", basis)
 }
 
@@ -211,6 +219,11 @@ pub fn prediction_table(p: &Prediction) -> String {
         out.say("no reading: it breaks before the first");
     } else {
         out.add(text::table(&head, rows, 1));
+    }
+    out.say(format!("it {}", life::lasts(&p.life)));
+    if life::is_told(&p.life) {
+        out.add("\nlife used up along the rope, from the drive\n");
+        out.add(text::table(&life::HEAD, life::rows(&p.life), 1));
     }
     if let Some(left) = p.strength_left_share {
         out.say(format!(

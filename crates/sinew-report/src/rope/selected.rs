@@ -6,11 +6,13 @@ use super::{bracketed, caution, page, rejection, spoken};
 use crate::text::{self, Told, plain};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_rope::Caution;
+use sinew_rope::predict::YEAR_S;
 use sinew_rope::select::{Constraints, Rejected, Selection};
 
 const LEGEND: &str = "Least in: share of the draws in which it stretches least of these. Safety \
     factor: published breaking load over the largest tension. Beaten by none: no rope of known \
-    diameter is as thin and stretches as little, by the values before the brackets.";
+    diameter is as thin, stretches as little and lasts as long, by the values before the brackets. \
+    Breaks after: – beyond 300 years. Ropes that break in more than 2.5 % of the draws come last.";
 
 fn asked(c: &Constraints) -> Vec<Vec<String>> {
     let row = |what: &str, limit: Option<f64>, unit: &str| {
@@ -90,6 +92,14 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
             optional(c.diameter_m.map(|m| 1e3 * m)),
             optional(c.weight_kg_per_m.map(|kg| 1e3 * kg)),
             optional(c.safety_factor_ratio),
+            c.life_s.map_or_else(none, |l| {
+                format!(
+                    "{} ({} to {})",
+                    spoken(l.value),
+                    spoken(l.low),
+                    spoken(l.high)
+                )
+            }),
             if c.pareto { "yes" } else { "no" }.into(),
             format!("{} of {}", c.starting_guesses, c.parameters),
         ]
@@ -102,6 +112,7 @@ pub fn selected(s: &Selection, constraints: &Constraints) -> Page {
         "diameter, mm",
         "weight, g/m",
         "safety factor",
+        "breaks after",
         "beaten by none",
         "guessed parameters",
     ];
@@ -151,6 +162,7 @@ pub fn selection_table(s: &Selection) -> String {
         "d\nmm",
         "g/m",
         "load",
+        "life\nyears",
     ];
     let rows = s
         .candidates
@@ -165,6 +177,7 @@ pub fn selection_table(s: &Selection) -> String {
                 c.diameter_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
                 c.weight_kg_per_m.map_or_else(none, |v| rounded(1e3 * v, 3)),
                 c.safety_factor_ratio.map_or_else(none, |v| rounded(v, 2)),
+                c.life_s.map_or_else(none, |l| rounded(l.value / YEAR_S, 2)),
             ]
         })
         .collect();
@@ -173,8 +186,10 @@ pub fn selection_table(s: &Selection) -> String {
     } else {
         out.add(text::table(&head, rows, 1));
         out.say(
-            "* no other rope of known diameter is both as thin and stretches as little. least: in how many of \
-             the draws it stretches least. N/mm: stiffness. load: breaking load over the largest tension.",
+            "* no other rope of known diameter is as thin, stretches as little and lasts as long. least: in how \
+             many of the draws it stretches least. N/mm: stiffness. load: breaking load over the largest \
+             tension. life: until it breaks, – beyond 300 years. Ropes that break within the time in more \
+             than 2.5 % of the draws come last.",
         );
     }
     for c in &s.candidates {
@@ -211,7 +226,7 @@ pub fn selection_table(s: &Selection) -> String {
 /// A long name on two lines, cut at a hyphen.
 fn in_two(name: &str) -> String {
     /// What the numbers leave of 80 columns.
-    const ROOM: usize = 26;
+    const ROOM: usize = 19;
     let cut = name
         .char_indices()
         .filter(|(_, c)| *c == '-')

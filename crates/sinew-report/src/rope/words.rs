@@ -1,6 +1,6 @@
 //! Cautions and rejections in words.
 
-use super::spoken;
+use super::{life, spoken};
 use sinew_figure::rounded;
 use sinew_model::rope::CELSIUS_ZERO_K;
 use sinew_model::rope::validity::{HMPE_HOT_K, Outside};
@@ -30,8 +30,39 @@ pub fn caution(caution: Caution) -> String {
                 .into()
         }
         Caution::CreepsApart { time_s } => format!(
-            "it creeps until it breaks: beyond 10 % after some {}, without an elongation from then on",
+            "it creeps until it breaks, after some {}; there is no elongation from then on",
             spoken(time_s)
+        ),
+        Caution::WornOut { time_s } => format!(
+            "bending wears it out after some {}; there is no elongation from then on",
+            spoken(time_s)
+        ),
+        Caution::TightBend {
+            bend_ratio,
+            least_ratio,
+        } => format!(
+            "a pulley bends it to {} times its own diameter; makers advise {} at least, because its \
+             fibres rub and break inside the bend: take a larger pulley or a thinner rope",
+            short(bend_ratio),
+            stated(least_ratio)
+        ),
+        Caution::LoadShare {
+            load_share,
+            most_share,
+        } => format!(
+            "the largest tension is {} % of its breaking load; makers advise {} % at most, because creep, \
+             bending and abrasion speed up above: take a stronger rope",
+            short(100.0 * load_share),
+            stated(100.0 * most_share)
+        ),
+        Caution::EndsNotStated {
+            splice_share,
+            knot_share,
+        } => format!(
+            "its ends are taken to be as strong as the rope; a splice keeps some {} %, a knot some {} %: \
+             say --ends",
+            rounded(100.0 * splice_share, 2),
+            rounded(100.0 * knot_share, 2)
         ),
         Caution::BeyondData {
             holds,
@@ -128,6 +159,11 @@ pub fn rejection(why: &Rejection) -> String {
         Rejection::BreakingLoadNotPublished => {
             "breaking load is not published, so no safety factor can be shown".into()
         }
+        Rejection::Breaks { after_s, cause } => format!(
+            "breaks after some {}, of {}",
+            spoken(*after_s),
+            life::cause(*cause)
+        ),
         Rejection::Hot => format!(
             "temperature is above the {:.0} °C that HMPE may have",
             HMPE_HOT_K - CELSIUS_ZERO_K

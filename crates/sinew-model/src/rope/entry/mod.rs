@@ -25,6 +25,8 @@
 //! load_share = [0.01, 0.05]               # tension over breaking load
 //! temperature_c = [23.0, 60.0]
 //! duration_s = 5100.0                     # of the longest test
+//! [endurance]                             # optional: what breaks it; else its fibre's values
+//! knot_share = { value = 0.5, factor = 1.2, origin = "measured", source = "bench" }
 //! ```
 //!
 //! `factor = f`: with 95 % probability between `value/f` and `value·f`. `plus_minus = d`: between
@@ -33,6 +35,7 @@
 
 mod parse;
 
+use super::endurance::EnduranceKey;
 use super::holds::Holds;
 use super::{Parameter, Parameters, Polymer};
 use crate::cholesky;
@@ -182,6 +185,27 @@ pub struct CatalogueEntry {
     pub correlation: Option<Correlation>,
     /// Data behind the values, where it is stated.
     pub holds: Option<Holds>,
+    /// What the rope endures, where it is stated; the rest is its fibre's ([`FibreClass`]).
+    pub endurance: BTreeMap<EnduranceKey, Value>,
+}
+
+/// What ropes of a class of fibres endure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FibreClass {
+    /// Sources by their keys.
+    pub sources: BTreeMap<String, String>,
+    /// Values by their names.
+    pub endurance: BTreeMap<EnduranceKey, Value>,
+}
+
+impl FibreClass {
+    /// Parses `[sources]` and `[endurance]`; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// With file, line, key and value.
+    pub fn parse(text: &str, file: &str) -> Result<Self, Located> {
+        parse::fibre(text, file)
+    }
 }
 
 impl CatalogueEntry {
@@ -277,6 +301,12 @@ impl CatalogueEntry {
         out.push_str("\n[law]\n");
         for (parameter, value) in &self.law {
             let _ = writeln!(out, "{} = {}", parameter.name(), inline(value));
+        }
+        if !self.endurance.is_empty() {
+            out.push_str("\n[endurance]\n");
+        }
+        for (key, value) in &self.endurance {
+            let _ = writeln!(out, "{} = {}", key.name(), inline(value));
         }
         if let Some(correlation) = &self.correlation {
             let names: Vec<String> = correlation

@@ -1,6 +1,7 @@
 //! From catalogue text to an entry, with the place of what is wrong.
 
-use super::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
+use super::{CatalogueEntry, Correlation, FibreClass, Origin, Uncertainty, Value};
+use crate::rope::endurance::EnduranceKey;
 use crate::rope::holds::Holds;
 use crate::rope::{Parameter, Polymer};
 use alloc::borrow::ToOwned;
@@ -17,13 +18,44 @@ pub(super) fn entry(text: &str, file: &str) -> Result<CatalogueEntry, Located> {
     TomlFile::parse(text, file)?.root().whole(root)
 }
 
-fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
+pub(super) fn fibre(text: &str, file: &str) -> Result<FibreClass, Located> {
+    let read = |s: &Section<'_>| -> Result<FibreClass, Located> {
+        let sources = sources(s)?;
+        let endurance = s.read("endurance", |s| endurance(s, &sources))?;
+        Ok(FibreClass {
+            endurance: endurance.unwrap_or_default(),
+            sources,
+        })
+    };
+    TomlFile::parse(text, file)?.root().whole(read)
+}
+
+fn sources(s: &Section<'_>) -> Result<Sources, Located> {
     let sources = s.read("sources", |s| {
         let entries = s.entries().into_iter();
         let read = entries.map(|(key, _, text)| Ok((key.to_owned(), text.text()?.to_owned())));
         read.collect::<Result<Sources, Located>>()
     })?;
-    let sources = sources.unwrap_or_default();
+    Ok(sources.unwrap_or_default())
+}
+
+fn endurance(s: &Section<'_>, sources: &Sources) -> Result<BTreeMap<EnduranceKey, Value>, Located> {
+    let mut out = BTreeMap::new();
+    for (name, line, entry) in s.entries() {
+        let key = EnduranceKey::ALL.iter().copied().find(|k| k.name() == name);
+        let key = key.ok_or_else(|| {
+            let known: Vec<&str> = EnduranceKey::ALL.iter().map(|k| k.name()).collect();
+            s.unknown(name, line, &known)
+        })?;
+        let (low, high) = key.range();
+        let read = |s: &Section<'_>| value(s, Bound::Within(low, high), sources);
+        out.insert(key, entry.section()?.whole(read)?);
+    }
+    Ok(out)
+}
+
+fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
+    let sources = sources(s)?;
     let published = s.read("published", |s| {
         let read = |key| s.read(key, |s| value(s, Bound::Positive, &sources));
         Ok::<_, Located>((
@@ -44,6 +76,9 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
         note: s.text("note")?,
         correlation: s.read("correlation", |s| correlation(s, &law))?,
         holds: s.read("holds", holds)?,
+        endurance: s
+            .read("endurance", |s| endurance(s, &sources))?
+            .unwrap_or_default(),
         material: match material.to_lowercase().as_str() {
             "hmpe" => Polymer::Hmpe,
             "aramid" => Polymer::Aramid,

@@ -7,6 +7,7 @@ use clap::Args;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::{Progress, robot_dir};
 use sinew_model::transmission::Tendon;
+use sinew_rope::Ends;
 use sinew_rope::duty::Duty;
 use sinew_rope::predict::{Guide, Request, Route, TIMES_DEFAULT_S};
 use std::path::PathBuf;
@@ -23,6 +24,12 @@ const STRANDS: [Choice<Strand>; 2] = [
         "The one that pulls when the torque is negative",
         Strand::Negative,
     ),
+];
+
+/// How a rope's ends are held.
+const ENDS: [Choice<Ends>; 2] = [
+    ("splice", "Spliced", Ends::Spliced),
+    ("knot", "Knotted", Ends::Knotted),
 ];
 
 /// What the rope has to do.
@@ -66,9 +73,15 @@ pub(super) struct DutyArgs {
     /// How far the rope moves back and forth over its guides, mm
     #[arg(long, value_name = "MM", default_value = "0", value_parser = not_negative("mm"), help_heading = "Route")]
     stroke: f64,
-    /// Strokes per hour, to count bending damage
+    /// Strokes per hour, to count the wear of bending
     #[arg(long, value_name = "1/H", default_value = "0", value_parser = not_negative("1/h"), help_heading = "Route")]
     strokes_per_hour: f64,
+    /// How the rope's ends are held [default: as strong as the rope]
+    #[arg(long, value_parser = choice(&ENDS), help_heading = "Route")]
+    ends: Option<Ends>,
+    /// Factor by which abrasion speeds up the wear of bending
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = positive("(a factor)"), help_heading = "Route")]
+    abrasion: f64,
     /// Times to read at, such as 8h,30d,1year [default: 1h,1d,1month,1year]
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
     at: Vec<f64>,
@@ -174,6 +187,8 @@ impl DutyArgs {
         Route {
             stroke_m: M_PER_MM * self.stroke,
             strokes_per_hour: self.strokes_per_hour,
+            ends: self.ends.unwrap_or_default(),
+            abrasion_factor: self.abrasion,
             ..Route::straight(length_m).guided(&guides)
         }
     }

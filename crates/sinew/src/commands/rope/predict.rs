@@ -15,7 +15,8 @@ use std::path::PathBuf;
 ///
 /// "since tensioned" counts from a minute after the first loading: what is left to re-tension.
 /// "from slack" counts from the new, slack rope. Brackets are 95 % intervals from draws of the
-/// rope's parameters within their stated uncertainty.
+/// rope's parameters within their stated uncertainty. Where the rope breaks within the times asked for,
+/// there is no number from then on, and the exit code is 3.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  sinew rope predict liros-dc000-0301 --tension 60 --length 700\n  \
@@ -78,6 +79,6 @@ impl Predict {
             })?;
         }
         answer_as(self.json, &found, prediction_table)?;
-        Ok(Finish::Complete)
+        Ok(Finish::lossy(found.breaks_after_s.is_some()))
     }
 }

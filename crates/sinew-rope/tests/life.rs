@@ -1,0 +1,261 @@
+//! When a rope breaks, of what, and which portion of it first.
+
+use sinew_model::rope::routing::Pulley;
+use sinew_model::rope::{Law, RopeLoad};
+use sinew_rope::predict::{DAY_S, PredictError, Prediction, Request, Route, YEAR_S, predict};
+use sinew_rope::select::{Constraints, Rejection, select};
+use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Ends, Place, Stretch};
+
+fn request(duty: Duty, route: Route) -> Request {
+    Request {
+        duty,
+        route,
+        times_s: vec![3600.0, DAY_S, YEAR_S],
+        read_at: None,
+        draws: 100,
+        seed: 1,
+    }
+}
+
+fn found(rope: &str, asked: &Request) -> Result<Prediction, PredictError> {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    predict(catalogue.find(rope).expect("there"), asked)
+}
+
+fn law(rope: &str) -> Law {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let entry = &catalogue.find(rope).expect("there").entry;
+    Law::new(entry.parameters().expect("complete")).expect("a law")
+}
+
+/// One pulley in the middle of 700 mm, 50 mm of stroke, a stroke a minute.
+fn led(radius_m: f64, wrap_deg: f64) -> Route {
+    let mut route = Route::straight(0.7);
+    route.stroke_m = 0.05;
+    route.strokes_per_hour = 60.0;
+    route.pulleys = vec![Pulley {
+        at_m: 0.3,
+        radius_m,
+        wrap_rad: wrap_deg.to_radians(),
+        friction: None,
+    }];
+    route
+}
+
+fn most_bent(p: &Prediction) -> f64 {
+    let spots = p.life.spots.iter();
+    spots.map(|s| s.bending_damage).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_rope_that_creeps_apart_says_when_and_gives_no_number_beyond() {
+    let rope = "teufelberger-fl-9-ng";
+    let asked = request(Duty::constant(1950.0, 60.0), Route::straight(1.0));
+    let p = found(rope, &asked).expect("an hour and a day of it");
+    // Flow at a constant rate up to 10 %: 3.3e5 s.
+    let rates = law(rope)
+        .rates(RopeLoad::celsius(1950.0, 60.0))
+        .expect("a load");
+    let life = p.life.breaks_after_s.expect("it breaks");
+    assert!((life.value * rates.flow_percent_per_s / 10.0 - 1.0).abs() < 1e-9);
+    assert!(
+        (1.0 * DAY_S..10.0 * DAY_S).contains(&life.value),
+        "{life:?}"
+    );
+    assert!(life.low < life.value && life.value < life.high, "{life:?}");
+    assert_eq!(p.breaks_after_s, Some(life.value));
+    assert_eq!(
+        (p.readings.len(), p.life.cause),
+        (2, BreakCause::CreepRupture)
+    );
+    let said = |c: &Caution| matches!(c, Caution::CreepsApart { time_s } if *time_s == life.value);
+    assert!(p.cautions.iter().any(said) && p.life.broken_share > 0.9);
+    let share = |c: &Caution| matches!(c, Caution::LoadShare { load_share, most_share } if (*load_share, *most_share) == (0.3, 0.2));
+    assert!(p.cautions.iter().any(share), "{:?}", p.cautions);
+    // The same at 10 N lasts.
+    let light = request(Duty::constant(10.0, 60.0), Route::straight(1.0));
+    let light = found(rope, &light).expect("a prediction");
+    assert_eq!((light.readings.len(), light.breaks_after_s), (3, None));
+}
+
+/// Palmgren–Miner: a duty of two loads takes the sum of what each takes in its time; a ramp lies
+/// between, and what follows a duty that doesn't repeat goes on at its last load.
+#[test]
+fn damage_adds_up_over_a_duty() {
+    let rope = "teufelberger-fl-9-ng";
+    let life = |stretches: &[(f64, f64, f64)], repeat| {
+        let stretch = |&(from, to, duration_s): &(f64, f64, f64)| Stretch {
+            from: RopeLoad::celsius(from, 60.0),
+            to: RopeLoad::celsius(to, 60.0),
+            duration_s,
+        };
+        let duty = Duty {
+            about: "test".into(),
+            stretches: stretches.iter().map(stretch).collect(),
+            repeat,
+        };
+        let p = found(rope, &request(duty, Route::straight(1.0))).expect("a prediction");
+        p.life.breaks_after_s.expect("it breaks").value
+    };
+    let (hard, soft) = (
+        life(&[(1950.0, 1950.0, 60.0)], true),
+        life(&[(1300.0, 1300.0, 60.0)], true),
+    );
+    let both = life(&[(1950.0, 1950.0, 60.0), (1300.0, 1300.0, 180.0)], true);
+    assert!((both * (0.25 / hard + 0.75 / soft) - 1.0).abs() < 1e-12);
+    let ramp = life(&[(1300.0, 1950.0, 60.0), (1950.0, 1300.0, 60.0)], true);
+    assert!(hard < ramp && ramp < soft);
+    let once = life(
+        &[(1300.0, 1300.0, 0.5 * soft), (1950.0, 1950.0, 1.0)],
+        false,
+    );
+    assert!((once / (0.5 * soft + 0.5 * hard) - 1.0).abs() < 1e-3);
+}
+
+/// Strength falls with heat, and ends keep a part of it.
+#[test]
+fn heat_and_ends_break_what_the_rope_would_hold() {
+    let rope = "teufelberger-fl-9-ng";
+    let ask = |n: f64, celsius: f64, ends: Ends| {
+        let mut route = Route::straight(1.0);
+        route.ends = ends;
+        found(rope, &request(Duty::constant(n, celsius), route))
+    };
+    let weak = ask(3000.0, 23.0, Ends::Knotted).expect_err("a knot holds 2730 N");
+    assert!(
+        matches!(&weak, PredictError::TooWeak { strength_n, .. } if (strength_n - 0.42 * 6500.0).abs() < 1e-6),
+        "{weak}"
+    );
+    assert!(weak.to_string().contains("knotted"), "{weak}");
+    let hot = ask(5000.0, 80.0, Ends::NotStated).expect_err("4277 N at 80 °C");
+    assert!(matches!(hot, PredictError::TooWeak { .. }), "{hot}");
+    let life = |ends| ask(1300.0, 40.0, ends).expect("a prediction").life;
+    let [bare, spliced, knotted] = [Ends::NotStated, Ends::Spliced, Ends::Knotted].map(life);
+    let value = |l: &sinew_rope::Life| l.breaks_after_s.expect("some day").value;
+    assert!(value(&bare) > value(&spliced) && value(&spliced) > value(&knotted));
+    let last = knotted.spots.last().expect("the ends");
+    assert!(last.place == Place::Ends && last.damage() > knotted.spots[0].damage());
+}
+
+/// Aramid doesn't flow apart: it loses a share of its strength with every decade of time.
+#[test]
+fn aramid_breaks_by_static_fatigue() {
+    let rope = "liros-aramid-braided-cord";
+    let asked = request(Duty::constant(2000.0, 23.0), Route::straight(1.0));
+    let p = found(rope, &asked).expect("a prediction");
+    let life = p.life.breaks_after_s.expect("it breaks").value;
+    // A fifth of its strength is left over: four decades of a twentieth from a minute on.
+    assert!((life / 6e5).ln().abs() < 0.5, "{life}");
+}
+
+/// Friction, bedding-in and fatigue: what hardly bends the rope costs hardly anything.
+#[test]
+fn a_gentle_guide_costs_less_than_a_tight_one() {
+    let ask = |route: Route| {
+        let asked = request(Duty::constant(100.0, 23.0), route);
+        found("liros-dc000-0301", &asked).expect("a prediction")
+    };
+    let grown = |p: &Prediction| p.readings[1].strain_ratio.value;
+    let [touch, tenth, ten] = [(8e-3, 0.1), (8e-3, 1.0), (8e-3, 10.0)].map(|(r, w)| ask(led(r, w)));
+    let [small, large] = [(4e-3, 90.0), (50e-3, 90.0)].map(|(r, w)| ask(led(r, w)));
+    let bare = ask(Route::straight(0.7));
+    for (gentle, tight) in [(&touch, &tenth), (&tenth, &ten), (&large, &small)] {
+        assert!(most_bent(gentle) < 0.9 * most_bent(tight));
+        assert!(grown(gentle) < grown(tight));
+        assert!(
+            gentle.life.breaks_after_s.map_or(f64::MAX, |l| l.value)
+                > tight.life.breaks_after_s.map_or(0.0, |l| l.value)
+        );
+    }
+    assert!(most_bent(&touch) < 1e-3 * most_bent(&ten));
+    assert!((grown(&touch) / grown(&bare) - 1.0).abs() < 2e-3);
+}
+
+/// The portion that two pulleys pass wears twice as fast as where one does; the map says where.
+#[test]
+fn the_weak_spot_is_where_pulleys_follow_each_other() {
+    let mut route = led(8e-3, 90.0);
+    let second = Pulley {
+        at_m: 0.33,
+        ..route.pulleys[0]
+    };
+    route.pulleys.push(second);
+    let asked = request(Duty::constant(100.0, 23.0), route.clone());
+    let p = found("liros-dc000-0301", &asked).expect("a prediction");
+    let of = |guides: usize| p.life.spots.iter().filter(move |s| s.guides == guides);
+    let [once, twice] = [1, 2].map(|n| of(n).map(|s| s.bending_damage).fold(0.0, f64::max));
+    assert!((1.7..2.3).contains(&(twice / once)), "{once} {twice}");
+    assert!(of(0).all(|s| s.bending_damage == 0.0));
+    let weak = of(2).next().expect("a portion");
+    assert!(weak.from_m > 0.25 && weak.to_m < 0.36, "{weak:?}");
+    // Strength left is that of this portion, and abrasion speeds it up as stated.
+    assert_eq!(p.life.cause, BreakCause::BendingFatigue);
+    route.abrasion_factor = 3.0;
+    let rough = found(
+        "liros-dc000-0301",
+        &request(Duty::constant(100.0, 23.0), route),
+    );
+    let life = |p: &Prediction| p.life.breaks_after_s.expect("some day").value;
+    assert!((life(&p) / life(&rough.expect("a prediction")) - 3.0).abs() < 1e-2);
+}
+
+#[test]
+fn a_pulley_of_3_mm_under_a_rope_of_1_8_mm_is_warned_of() {
+    let asked = request(Duty::constant(60.0, 23.0), led(1.5e-3, 90.0));
+    let p = found("tu-chemnitz-technora-black", &asked).expect("a prediction");
+    let tight = |c: &Caution| matches!(c, Caution::TightBend { bend_ratio, least_ratio } if bend_ratio < least_ratio);
+    assert!(p.cautions.iter().any(tight), "{:?}", p.cautions);
+    let wide = request(Duty::constant(60.0, 23.0), led(15e-3, 90.0));
+    let wide = found("tu-chemnitz-technora-black", &wide).expect("a prediction");
+    assert!(!wide.cautions.iter().any(tight));
+}
+
+#[test]
+fn the_choice_counts_strokes_and_leaves_out_what_breaks() {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let choose = |strokes_per_hour: f64, n: f64| {
+        let mut route = led(8e-3, 90.0);
+        route.strokes_per_hour = strokes_per_hour;
+        let asked = request(Duty::constant(n, 23.0), route);
+        select(&catalogue, &asked, &Constraints::default()).expect("a choice")
+    };
+    let (idle, busy) = (choose(0.0, 300.0), choose(60.0, 300.0));
+    let broken = |why: &Rejection| {
+        matches!(
+            why,
+            Rejection::Breaks {
+                cause: BreakCause::BendingFatigue,
+                ..
+            }
+        )
+    };
+    let left_out = |s: &sinew_rope::select::Selection| {
+        s.rejected
+            .iter()
+            .filter(|r| r.reasons.iter().any(broken))
+            .count()
+    };
+    assert!(
+        left_out(&idle) == 0 && left_out(&busy) > 0,
+        "{:?}",
+        busy.rejected
+    );
+    let light = choose(6.0, 20.0);
+    let life = |rope: &str| {
+        light
+            .candidates
+            .iter()
+            .find(|c| c.rope == rope)
+            .and_then(|c| c.life_s)
+    };
+    let strong = life("teufelberger-fl-9-ng").expect("bending tells").value;
+    assert!(strong > life("ockert-climax-combat").expect("bending tells").value);
+    // Those that may break come last.
+    let may = |c: &sinew_rope::select::Candidate| c.broken_share > 0.025;
+    assert!(
+        light
+            .candidates
+            .windows(2)
+            .all(|w| may(&w[0]) <= may(&w[1]))
+    );
+}
