@@ -3,7 +3,7 @@
 use super::error::CameraError;
 use super::times::{NamePattern, natural};
 use sinew_files::csv::Table;
-use sinew_files::{Bound, Fault, Fields as _, Located};
+use sinew_files::{Bound, Fault, Fields as _, Located, limits};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -122,16 +122,13 @@ fn by_name(folder: &Path, names: Vec<String>, list: &mut FrameList) -> Result<()
     Ok(())
 }
 
-/// Largest table of times read, bytes.
-const TIMES_BYTES_MAX: u64 = 64 << 20;
-
 fn by_table(
     folder: &Path,
     names: &[String],
     path: &Path,
     list: &mut FrameList,
 ) -> Result<(), CameraError> {
-    let table = Table::read(path, TIMES_BYTES_MAX)?;
+    let table = Table::read(path, &limits::DESCRIPTION)?;
     table.need(&["file", "time_s"])?;
     let mut named = HashSet::new();
     let mut falls: Option<u64> = None;

@@ -1,7 +1,7 @@
 //! A frame as grey levels.
 
 /// Widest and highest picture that is read, px. A 100-megapixel camera has 11,648 × 8,736.
-pub const SIDE_LIMIT_PX: u32 = 20_000;
+pub const SIDE_LIMIT_PX: u32 = sinew_files::limits::PICTURE_SIDE.most as u32;
 
 /// Grey levels, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use super::reader::ScaleReader;
 use super::rejection::Rejection;
 use super::request::{Request, check, check_region};
 use super::video::Video;
-use sinew_files::write_file;
+use sinew_files::{limits, read_bytes, write_file};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Decoded frames that wait to be read. More would only cost memory.
@@ -50,7 +50,7 @@ pub fn run(
         return std::thread::scope(|scope| {
             scope.spawn(move || {
                 for file in list.frames {
-                    let picture = std::fs::read(&file.path)
+                    let picture = read_bytes(&file.path, &limits::PICTURE_FILE)
                         .map_err(|e| e.to_string())
                         .and_then(|bytes| decode(&bytes));
                     let (name, time_s) = (file.name, file.time_s);

@@ -1,12 +1,9 @@
 //! A robot's folder: `robot.toml` and the URDF it names.
 
-use sinew_files::{Located, names, read_text};
+use sinew_files::{Located, limits, names, read_text};
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_model::transmission::{Tendon, Transmission};
 use std::path::{Path, PathBuf};
-
-/// Largest `robot.toml` or URDF read, bytes.
-const BYTES_MAX: u64 = 64 << 20;
 
 /// A robot and where it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,12 +122,15 @@ pub fn draft(
     } else {
         place.to_path_buf()
     };
-    let file_text = read_text(&file, BYTES_MAX)?;
+    let file_text = read_text(&file, &limits::DESCRIPTION)?;
     let parsed = RobotFile::parse(&file_text, &file.display().to_string())?;
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
             let path = file.parent().unwrap_or(Path::new("")).join(name);
-            (read_text(&path, BYTES_MAX)?, path.display().to_string())
+            (
+                read_text(&path, &limits::DESCRIPTION)?,
+                path.display().to_string(),
+            )
         }
         (None, Some(text)) => (
             text.to_string(),

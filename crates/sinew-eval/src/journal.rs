@@ -2,6 +2,8 @@
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use sinew_files::limits;
+use sinew_files::lock::lock;
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
@@ -109,13 +111,22 @@ impl Journal {
         let start = format!("{{\"format\":\"{}\"", kind.format);
         let wrong = |why: String| journal.refuse(why);
         let io = |e: std::io::Error| wrong(format!("can't be used: {e}"));
-        let mut file = OpenOptions::new()
-            .read(true)
-            // Two runs with one file repeat each other's work, but spoil nothing.
-            .append(true)
-            .create(true)
-            .open(path)
-            .map_err(io)?;
+        let is_file = std::fs::metadata(path).map_or(true, |about| about.is_file());
+        if !is_file || sinew_files::is_stdout(path) {
+            return Err(wrong(
+                "a stopped run goes on from its file; name a file".into(),
+            ));
+        }
+        let mut options = OpenOptions::new();
+        let options = options.read(true).append(true).create(true);
+        let mut file = options.open(path).map_err(io)?;
+        lock(&file).map_err(|holder| {
+            wrong(format!(
+                "another run is writing it ({holder}); wait for it, or name another file"
+            ))
+        })?;
+        let length = file.metadata().map_err(io)?.len();
+        limits::STUDY.check(length).map_err(wrong)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(|e| match e.kind() {
             ErrorKind::InvalidData => wrong("is not text; name another file".into()),

@@ -118,12 +118,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file of at most `most` bytes.
+    /// Reads a file within its limit.
     ///
     /// # Errors
     /// As [`read_text`](crate::read_text) and [`Table::parse`].
-    pub fn read(path: &Path, most: u64) -> Result<Self, Located> {
-        let text = crate::read_text(path, most)?;
+    pub fn read(path: &Path, limit: &crate::Limit) -> Result<Self, Located> {
+        let text = crate::read_text(path, limit)?;
         Self::parse(&text, &path.display().to_string())
     }
 

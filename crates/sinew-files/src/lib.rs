@@ -5,10 +5,12 @@
 //! * [`section`]: a TOML table read key by key (feature `toml`);
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
 //! * [`bound`]: what a number may be, and the unit its key ends in;
+//! * [`limits`]: what is read and simulated at most;
 //! * [`names`]: the name somebody may have meant;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
 //! * [`date`]: days and times of day, UTC;
-//! * [`atomic`]: output files that are whole or not there.
+//! * [`atomic`]: output files that are whole or not there;
+//! * [`temporary`]: files that nobody else writes, gone unless they get a name.
 
 pub mod atomic;
 pub mod bound;
@@ -17,19 +19,24 @@ pub mod csv;
 pub mod date;
 #[cfg(feature = "json")]
 mod json;
+pub mod limits;
 pub mod located;
+pub mod lock;
 pub mod names;
 #[cfg(feature = "toml")]
 pub mod section;
+pub mod temporary;
 pub mod text;
 mod utf16;
 
-pub use atomic::{AtomicFile, OutputError, write_file};
+pub use atomic::{AtomicFile, OutputError, folder_of, is_stdout, take_replaced, write_file};
 pub use bound::Bound;
 #[cfg(feature = "json")]
 pub use json::JsonDocument;
+pub use limits::Limit;
 pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use section::{Section, TomlFile, Value};
-pub use text::{csv_cell, read_text};
+pub use temporary::Temporary;
+pub use text::{csv_cell, read_bytes, read_text};
 pub use utf16::Utf16Reader;

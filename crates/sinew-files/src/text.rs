@@ -1,7 +1,9 @@
 //! Bytes as text, in the encodings instruments and spreadsheets write.
 
+use crate::limits::Limit;
 use crate::located::{Fault, Located};
 use std::borrow::Cow;
+use std::io::Read as _;
 use std::path::Path;
 
 /// How a text is stored.
@@ -69,22 +71,54 @@ pub fn decode<'b>(bytes: &'b [u8], file: &str) -> Result<(Cow<'b, str>, Encoding
     Ok((encoding.decode(&bytes[mark..]), encoding))
 }
 
-/// Text of a file of at most `most` bytes, in whatever encoding.
+/// Text of a file within its limit, in whatever encoding.
 ///
 /// # Errors
-/// [`Fault::Unreadable`], [`Fault::TooLarge`]; [`Fault::Syntax`] when it is no text.
-pub fn read_text(path: &Path, most: u64) -> Result<String, Located> {
+/// As [`read_bytes`]; [`Fault::Syntax`] when it is no text.
+pub fn read_text(path: &Path, limit: &Limit) -> Result<String, Located> {
+    let bytes = read_bytes(path, limit)?;
+    let (text, _) = decode(&bytes, &path.display().to_string())?;
+    Ok(text.into_owned())
+}
+
+/// A whole file, or what a pipe gives, within its limit.
+///
+/// # Errors
+/// [`Fault::Unreadable`], also for a device, which may never end; [`Fault::TooLarge`].
+pub fn read_bytes(path: &Path, limit: &Limit) -> Result<Vec<u8>, Located> {
     let file = path.display().to_string();
-    let unreadable = |error: std::io::Error| {
-        Located::new(&file, Fault::Unreadable, format!("can't read: {error}"))
-    };
-    let bytes = std::fs::metadata(path).map_err(unreadable)?.len();
-    if bytes > most {
-        let problem = format!("{bytes} bytes; such a file has at most {most}");
-        return Err(Located::new(&file, Fault::TooLarge, problem));
+    let wrong = |fault, problem: String| Located::new(&file, fault, problem);
+    let unreadable = |error| wrong(Fault::Unreadable, format!("can't read: {error}"));
+    let opened = std::fs::File::open(path).map_err(unreadable)?;
+    let about = opened.metadata().map_err(unreadable)?;
+    if about.is_dir() {
+        return Err(wrong(Fault::Unreadable, "is a folder; name a file".into()));
     }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
-    decode(&bytes, &file).map(|(text, _)| text.into_owned())
+    if is_device(&about) {
+        return Err(wrong(Fault::Unreadable, "is a device; name a file".into()));
+    }
+    let too_large = |problem| wrong(Fault::TooLarge, problem);
+    limit.check(about.len()).map_err(too_large)?;
+    let mut bytes = Vec::with_capacity(about.len() as usize);
+    // A pipe has no length, and a file may grow.
+    let mut bounded = opened.take(limit.most + 1);
+    bounded.read_to_end(&mut bytes).map_err(unreadable)?;
+    match bytes.len() as u64 > limit.most {
+        true => Err(too_large(format!("it goes on; {limit}"))),
+        false => Ok(bytes),
+    }
+}
+
+#[cfg(unix)]
+fn is_device(about: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt as _;
+    let kind = about.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_about: &std::fs::Metadata) -> bool {
+    false
 }
 
 /// A byte of code page 1252; the five it leaves open stay control characters.
@@ -119,6 +153,27 @@ mod tests {
         assert_eq!(csv_cell("a,b"), "\"a,b\"");
         assert_eq!(csv_cell("say \"no\""), "\"say \"\"no\"\"\"");
         assert_eq!(csv_cell("two\nlines"), "\"two\nlines\"");
+    }
+
+    #[test]
+    fn what_has_no_end_is_not_read() {
+        const FEW: Limit = Limit {
+            most: 4,
+            ..crate::limits::SETTINGS
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        for (text, fault) in [("four", None), ("five!", Some(Fault::TooLarge)), ("", None)] {
+            std::fs::write(&path, text).unwrap();
+            assert_eq!(read_text(&path, &FEW).err().map(|e| e.fault), fault);
+        }
+        assert!(read_text(folder.path(), &FEW).is_err());
+        #[cfg(unix)]
+        for endless in ["/dev/zero", "/dev/null", "/proc/self/status"] {
+            let error = read_text(Path::new(endless), &FEW).unwrap_err();
+            let is_device = endless.starts_with("/dev");
+            assert_eq!(error.problem.contains("is a device"), is_device, "{error}");
+        }
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl Default for OpenOptions {
             gap_s: 0.5,
             reorder_s: 0.25,
             interpolate_s: 0.05,
-            chunk_limit_bytes: 256 << 20,
+            chunk_limit_bytes: sinew_files::limits::CHUNK.length(),
         }
     }
 }

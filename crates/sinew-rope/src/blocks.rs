@@ -1,8 +1,8 @@
 //! Tables of blocks: TOML and CSV.
 
-use super::duty::{DUTY_BYTES_MAX, Duty, Stretch};
+use super::duty::{Duty, Stretch};
 use sinew_files::csv::Table;
-use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, read_text};
+use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, limits, read_text};
 use sinew_model::rope::RopeLoad;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ impl Duty {
                 return Err(Located::new(&file, Fault::Syntax, problem));
             }
         };
-        read(&read_text(path, DUTY_BYTES_MAX)?, &file)
+        read(&read_text(path, &limits::DESCRIPTION)?, &file)
     }
 
     /// Reads a block table in TOML:

@@ -1,6 +1,6 @@
 //! Ropes to choose from: those that ship with the program and those in the user's own folders.
 
-use sinew_files::{Fault, Located, read_text};
+use sinew_files::{Fault, Located, limits, read_text};
 use sinew_model::rope::entry::CatalogueEntry;
 use sinew_model::rope::holds::Holds;
 use std::path::{Path, PathBuf};
@@ -27,9 +27,6 @@ const SHIPPED: [(&str, &str); 9] = shipped![
     "tu-chemnitz-technora-black",
     "tu-chemnitz-vectran",
 ];
-
-/// Largest catalogue entry read, bytes: a hundred times the shipped ones.
-const ENTRY_BYTES_MAX: u64 = 1 << 20;
 
 /// A rope and the file it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,7 +147,7 @@ impl Catalogue {
         files.sort();
         let mut fresh: Vec<CatalogueRope> = Vec::new();
         for path in files {
-            let text = read_text(&path, ENTRY_BYTES_MAX)?;
+            let text = read_text(&path, &limits::ROPE_ENTRY)?;
             let entry = CatalogueEntry::parse(&text, &path.display().to_string())?;
             if let Some(twin) = fresh.iter().find(|r| r.entry.name == entry.name) {
                 return Err(CatalogueError::Twice {

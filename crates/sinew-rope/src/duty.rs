@@ -5,8 +5,6 @@ use serde::{Deserialize, Serialize};
 use sinew_files::{Fault, Located};
 use sinew_model::rope::RopeLoad;
 
-/// Largest duty file read, bytes.
-pub(super) const DUTY_BYTES_MAX: u64 = 64 << 20;
 /// Stretches a duty may have: a week of seconds.
 const STRETCHES_MAX: usize = 604_800;
 

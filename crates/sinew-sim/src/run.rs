@@ -5,10 +5,12 @@ use super::faults::{FaultCounts, FaultyLine};
 use super::scenario::Scenario;
 use super::simulation::Simulation;
 use super::truth::Truth;
+use sinew_files::AtomicFile;
 use sinew_log::{
     Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, ParquetWriter, Quantities,
 };
 use sinew_model::robot::Robot;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -113,12 +115,16 @@ pub fn run(
         file: truth_file.display().to_string(),
         message: e.to_string(),
     })?;
+    // Its bytes are there before the recording gets its name: a recording without its truth would
+    // pass for a real one.
+    let mut beside = AtomicFile::create(&truth_file)?;
+    beside.append((text + "\n").as_bytes())?;
+    beside.sync()?;
+    // Two runs of one output: both names go to the same run. A system without such locks goes on.
+    let folder = File::open(sinew_files::folder_of(&options.out));
+    let _pair = folder.and_then(|folder| folder.lock().map(|()| folder));
     writer.finish()?;
-    if let Err(error) = sinew_files::write_file(&truth_file, (text + "\n").as_bytes()) {
-        // A recording without its truth would pass for a real one.
-        let _ = std::fs::remove_file(&options.out);
-        return Err(error.into());
-    }
+    beside.finish()?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |m| m.len());
     Ok(Summary {
         out: options.out.clone(),

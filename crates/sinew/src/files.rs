@@ -1,8 +1,7 @@
 //! Checks of output paths before long work begins.
 
-use crate::terminal::{Failure, say_at_end};
-use crate::text::plain;
-use sinew_files::{OutputError, write_file};
+use crate::terminal::{Failure, asked, name_output, take_stdout};
+use sinew_files::{OutputError, folder_of, is_stdout, write_file};
 use sinew_log::{LogError, Table};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +43,15 @@ pub(crate) fn check_outputs(
     for (i, (option, path)) in outputs.iter().enumerate() {
         let Some(path) = path else { continue };
         let place = |why: String| Failure::Refused(format!("{option} {}: {why}", path.display()));
+        if is_stdout(path) {
+            let taken = outputs[..i].iter().find(|o| o.1.is_some_and(is_stdout));
+            let taken = taken.map(|o| o.0);
+            if let Some(other) = taken.or(asked("--json").then_some("--json")) {
+                return Err(place(format!("stdout is taken by {other}; name a file")));
+            }
+            take_stdout()?;
+            continue;
+        }
         if path.is_dir() {
             return Err(place("is a folder; name a file".into()));
         }
@@ -57,21 +65,12 @@ pub(crate) fn check_outputs(
             return Err(place(format!("is the same file as {other}")));
         }
     }
-    let files = outputs
-        .iter()
-        .filter_map(|(option, path)| Some((option, (*path)?)));
-    for (option, path) in files.filter(|(_, path)| !quiet && path.is_file()) {
-        let path = plain(&path.display().to_string());
-        say_at_end(format!("{option} replaced {path}, which was there"));
+    for (option, path) in outputs {
+        if let (Some(path), false) = (path, quiet) {
+            name_output(option, path);
+        }
     }
     Ok(())
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// Whether two paths lead to the same file, also when it doesn't exist yet.

@@ -7,6 +7,7 @@
 mod args;
 mod commands;
 mod files;
+mod process;
 mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -56,29 +57,40 @@ enum Command {
     Man(commands::shell::Man),
 }
 
-fn main() -> ExitCode {
-    let cli = Cli::parse();
-    cli.style.apply();
-    let result = match cli.command {
-        Command::Init(command) => command.run(),
-        Command::Estimate(command) => command.run(),
-        Command::Baseline(command) => command.run(),
-        Command::Trend(command) => command.run(),
-        Command::Excitation(command) => command.run(),
-        Command::Simulate(command) => command.run(),
-        Command::Scenarios(command) => command.run(),
-        Command::Paper(command) => command.run(),
-        Command::Bench(command) => command.run(),
-        Command::Rope(command) => command.run(),
-        Command::Creep(command) => command.run(),
-        Command::Robot(command) => command.run(),
-        Command::Log(command) => command.run(),
-        Command::Completions(command) => command.run(Cli::command()),
-        Command::Man(command) => command.run(Cli::command()),
-    };
-    if result.is_ok() {
-        terminal::end();
+impl Command {
+    fn run(self) -> Result<Finish, Failure> {
+        match self {
+            Self::Init(command) => command.run(),
+            Self::Estimate(command) => command.run(),
+            Self::Baseline(command) => command.run(),
+            Self::Trend(command) => command.run(),
+            Self::Excitation(command) => command.run(),
+            Self::Simulate(command) => command.run(),
+            Self::Scenarios(command) => command.run(),
+            Self::Paper(command) => command.run(),
+            Self::Bench(command) => command.run(),
+            Self::Rope(command) => command.run(),
+            Self::Creep(command) => command.run(),
+            Self::Robot(command) => command.run(),
+            Self::Log(command) => command.run(),
+            Self::Completions(command) => command.run(Cli::command()),
+            Self::Man(command) => command.run(Cli::command()),
+        }
     }
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::try_parse() {
+        Ok(cli) => {
+            cli.style.apply();
+            cli.command.run()
+        }
+        // Wrong usage.
+        Err(error) if error.use_stderr() => error.exit(),
+        // What --help and --version ask for is an answer like any other.
+        Err(error) => terminal::answer(&error.to_string()).map(|()| Finish::Complete),
+    };
+    terminal::end();
     match result {
         Ok(Finish::Complete) => ExitCode::SUCCESS,
         Ok(Finish::Lossy) => ExitCode::from(3),

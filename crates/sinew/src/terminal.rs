@@ -1,11 +1,13 @@
 //! What goes to stdout and stderr, and how a command ends.
 
+use crate::text::plain;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sinew_files::JsonDocument;
 use sinew_report::text::{Look, Tone, WIDTH, painted, set_look};
 use std::error::Error;
 use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr, stdout};
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -96,19 +98,56 @@ pub(crate) enum Failure {
 
 impl<E: Error> From<E> for Failure {
     fn from(error: E) -> Self {
+        let gone = |e: &std::io::Error| e.kind() == ErrorKind::BrokenPipe;
+        let mut source = error.source();
+        while let Some(error) = source {
+            if error.downcast_ref().is_some_and(gone) {
+                return Self::ReaderGone;
+            }
+            source = error.source();
+        }
         Self::Refused(error.to_string())
     }
 }
 
-/// Writes the result to stdout.
+/// Whether an option was given, for what is the same in every command.
+pub(crate) fn asked(option: &str) -> bool {
+    std::env::args_os().any(|argument| argument == option)
+}
+
+/// Writes the result to stdout, or to stderr where a file was asked for on stdout.
 pub(crate) fn answer(text: &str) -> Result<(), Failure> {
+    let fail = |e: std::io::Error| match e.kind() {
+        ErrorKind::BrokenPipe => Failure::ReaderGone,
+        _ => Failure::Refused(format!("can't write to stdout: {e}")),
+    };
+    if STDOUT_TAKEN.load(Ordering::Relaxed) {
+        let _ = stderr().write_all(text.as_bytes());
+        return Ok(());
+    }
+    check_stdout()?;
     let mut out = stdout().lock();
-    out.write_all(text.as_bytes())
+    (out.write_all(text.as_bytes()))
         .and_then(|()| out.flush())
-        .map_err(|e| match e.kind() {
-            ErrorKind::BrokenPipe => Failure::ReaderGone,
-            _ => Failure::Refused(format!("can't write to stdout: {e}")),
-        })
+        .map_err(fail)
+}
+
+/// A file was asked for on stdout: answers go to stderr.
+pub(crate) fn take_stdout() -> Result<(), Failure> {
+    STDOUT_TAKEN.store(true, Ordering::Relaxed);
+    check_stdout()
+}
+
+static STDOUT_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Refuses a stdout that nobody opened.
+fn check_stdout() -> Result<(), Failure> {
+    match crate::process::stdout_was_closed() {
+        true => Err(Failure::Refused(
+            "can't write to stdout: it is closed".into(),
+        )),
+        false => Ok(()),
+    }
 }
 
 /// Writes the result to stdout: one JSON document where that was asked for, else words.
@@ -148,20 +187,35 @@ pub(crate) fn complain(word: Word, text: &str) {
     let _ = writeln!(stderr(), "{word} {text}");
 }
 
-static AT_END: Mutex<Vec<String>> = Mutex::new(Vec::new());
+static OUTPUTS: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
 
-/// A note for stderr that is true once the command has ended well.
-pub(crate) fn say_at_end(text: String) {
-    if let Ok(mut notes) = AT_END.lock() {
-        notes.push(text);
+/// What an output is called on the command line, for when it replaces a file.
+pub(crate) fn name_output(option: &str, path: &Path) {
+    if let Ok(mut outputs) = OUTPUTS.lock() {
+        outputs.push((option.to_owned(), path.to_path_buf()));
     }
 }
 
-/// Says what was kept for the end.
+/// Says which files were replaced.
 pub(crate) fn end() {
-    let notes = AT_END.lock().map(|mut notes| std::mem::take(&mut *notes));
-    for text in notes.unwrap_or_default() {
-        complain(Word::Note, &text);
+    let outputs = OUTPUTS.lock().map(|outputs| outputs.clone());
+    let outputs = outputs.unwrap_or_default();
+    for path in sinew_files::take_replaced() {
+        let named = outputs.iter().find(|(_, output)| *output == path);
+        let shown = plain(&path.display().to_string());
+        match named {
+            Some((option, _)) => {
+                complain(
+                    Word::Note,
+                    &format!("{option} replaced {shown}, which was there"),
+                );
+            }
+            // A file beside one that was asked for.
+            None if !asked("--quiet") => {
+                complain(Word::Note, &format!("replaced {shown}, which was there"));
+            }
+            None => {}
+        }
     }
 }
 

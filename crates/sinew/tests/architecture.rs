@@ -130,3 +130,45 @@ fn crates_see_only_whom_they_may() {
         }
     }
 }
+
+#[test]
+fn files_are_read_and_written_in_one_place() {
+    // Unbounded reads, and writes that can be half done: `sinew-files` has what stands for them.
+    const ONLY_THERE: [&str; 9] = [
+        "fs::read(",
+        "fs::read_to_string(",
+        "fs::write(",
+        "fs::rename(",
+        "fs::copy(",
+        "File::create(",
+        "File::create_new(",
+        ".truncate(true)",
+        "create_new(true)",
+    ];
+    let mut folders = vec![root().join("crates")];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let relative = path.strip_prefix(root()).unwrap().display().to_string();
+            let of_tests = ["tests", "tests.rs", "benches", "examples"]
+                .iter()
+                .any(|name| path.ends_with(name));
+            if of_tests || relative == "crates/sinew-files" {
+                continue;
+            }
+            if path.is_dir() {
+                folders.push(path);
+            } else if relative.ends_with(".rs") {
+                files += 1;
+                let text = std::fs::read_to_string(&path).unwrap();
+                let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+                let code = code.replace("AtomicFile::create(", "");
+                for call in ONLY_THERE {
+                    assert!(!code.contains(call), "{relative}: {call}");
+                }
+            }
+        }
+    }
+    assert!(files > 100, "{files} files found");
+}

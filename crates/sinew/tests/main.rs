@@ -10,7 +10,11 @@ mod control;
 mod creep;
 mod examples;
 mod init;
+#[cfg(unix)]
+mod limits;
 mod outputs;
+#[cfg(unix)]
+mod outputs_whole;
 mod reference;
 mod rope;
 #[cfg(feature = "schema")]

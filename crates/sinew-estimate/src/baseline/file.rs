@@ -2,7 +2,7 @@
 
 use crate::error::SessionError;
 use serde::{Deserialize, Serialize};
-use sinew_files::{OutputError, write_file};
+use sinew_files::{OutputError, limits, read_text, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;
 use sinew_model::offset::{Belief, Prior};
 use sinew_model::robot::Robot;
@@ -129,7 +129,7 @@ impl Baseline {
             file: path.display().to_string(),
             why,
         };
-        let text = std::fs::read_to_string(path).map_err(|e| wrong(format!("can't read: {e}")))?;
+        let text = read_text(path, &limits::BASELINE).map_err(|e| wrong(e.problem.clone()))?;
         let not = |e: serde_json::Error| {
             wrong(format!(
                 "not a baseline: {e}; make one with sinew baseline LOG --out FILE"

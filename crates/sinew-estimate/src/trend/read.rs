@@ -21,13 +21,10 @@ use crate::session::{SessionEstimate, Verdict};
 use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
-use sinew_files::{Bound, Fault, Fields as _, read_text};
+use sinew_files::{Bound, Fault, Fields as _, limits, read_text};
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
 use std::path::{Path, PathBuf};
-
-/// Largest file read, bytes: a session of 32 joints takes some ten thousand.
-const BYTES_MAX: u64 = 1 << 28;
 
 /// Reads the records of several files and puts them in order; joints must be elastic ones of the robot.
 ///
@@ -56,7 +53,7 @@ pub fn read_sessions(files: &[PathBuf], robot: Option<&Robot>) -> Result<Sorted,
 /// [`RecordError`] with file, line or entry, and what to do.
 pub fn read_records(path: &Path) -> Result<Vec<SessionRecord>, RecordError> {
     let file = path.display().to_string();
-    let text = read_text(path, BYTES_MAX)?;
+    let text = read_text(path, &limits::SESSIONS)?;
     let csv = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("csv"));

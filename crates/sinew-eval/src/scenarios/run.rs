@@ -150,13 +150,11 @@ fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
     Ok(plans)
 }
 
-/// Largest scenario read, bytes: written by hand.
-const SCENARIO_BYTES_MAX: u64 = 4 << 20;
-
 /// A scenario from a file, with the robot that is given or the one it names.
 fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, ScenarioError> {
     let file = path.display().to_string();
-    let text = sinew_files::read_text(path, SCENARIO_BYTES_MAX).map_err(SimulateError::from)?;
+    let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)
+        .map_err(SimulateError::from)?;
     let mut scenario = Scenario::from_toml(&text, &file).map_err(SimulateError::from)?;
     let beside = path.parent().unwrap_or(Path::new(""));
     scenario.correction.read_estimate(beside)?;

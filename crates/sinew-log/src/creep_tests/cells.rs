@@ -1,6 +1,8 @@
 //! A table before anybody knows what its columns mean.
 
+use crate::error::LogError;
 use sinew_files::csv::Dialect;
+use sinew_files::limits;
 
 /// A cell as found.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +38,39 @@ impl Cell {
             Cell::Empty => String::new(),
             Cell::Number(value) | Cell::Clock(value) => format!("{value}"),
             Cell::Text(text) => text.trim().to_owned(),
+        }
+    }
+}
+
+/// What cells may still be read.
+pub(super) struct Room<'f> {
+    file: &'f str,
+    taken: u64,
+}
+
+impl<'f> Room<'f> {
+    pub(super) fn new(file: &'f str) -> Self {
+        Self { file, taken: 0 }
+    }
+
+    /// Takes a row, which needs as much memory as some cells.
+    pub(super) fn take_row(&mut self) -> Result<(), LogError> {
+        const AS_CELLS: usize = 4;
+        self.take(AS_CELLS)
+    }
+
+    /// Takes cells.
+    pub(super) fn take(&mut self, cells: usize) -> Result<(), LogError> {
+        self.taken = self.taken.saturating_add(cells as u64);
+        match self.taken > limits::TEST_CELLS.most {
+            false => Ok(()),
+            true => Err(LogError::refused(
+                self.file,
+                format!(
+                    "it has more cells; {}: leave out columns, or thin out the rows",
+                    limits::TEST_CELLS
+                ),
+            )),
         }
     }
 }

@@ -30,9 +30,6 @@ pub use specimens::Specimen;
 
 use crate::error::LogError;
 
-/// Largest test file that is read, bytes: a day at 100 Hz with ten columns is half of it.
-const FILE_LIMIT_BYTES: u64 = 1 << 30;
-
 /// What a column of a test measures.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
@@ -208,15 +205,7 @@ pub struct TestFile {
 /// modulus, a unit that is missing, unknown or of another dimension, a cell that is no number.
 pub fn read_test(path: &Path, options: &TestOptions) -> Result<TestFile, LogError> {
     let name = path.display().to_string();
-    let io = |source| LogError::io(&name, "read", source);
-    let length = std::fs::metadata(path).map_err(io)?.len();
-    if length > FILE_LIMIT_BYTES {
-        return Err(LogError::refused(
-            &name,
-            format!("{length} bytes; a test file may have {FILE_LIMIT_BYTES}"),
-        ));
-    }
-    let bytes = std::fs::read(path).map_err(io)?;
+    let bytes = sinew_files::read_bytes(path, &sinew_files::limits::TEST_FILE)?;
     read_test_bytes(bytes, &name, options)
 }
 

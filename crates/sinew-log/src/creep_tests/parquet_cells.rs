@@ -7,20 +7,22 @@ use parquet::record::Field;
 
 use sinew_files::csv::Dialect;
 
-use super::cells::{Cell, Table};
+use super::cells::{Cell, Room, Table};
 use crate::error::LogError;
 
 pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Vec<Table>, LogError> {
     let refuse = |reason: String| LogError::refused(file, reason);
     // The library's decoders may panic on damaged pages.
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes)))
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes, file)))
         .map_err(|_| refuse("its pages are damaged".to_owned()))?
         .map(|table| vec![table])
-        .map_err(|error| refuse(format!("not readable as Parquet: {error}")))
 }
 
-fn cells(bytes: Vec<u8>) -> Result<Table, ParquetError> {
-    let reader = SerializedFileReader::new(Bytes::from(bytes))?;
+fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, LogError> {
+    let refuse =
+        |error: ParquetError| LogError::refused(file, format!("not readable as Parquet: {error}"));
+    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(refuse)?;
+    let mut room = Room::new(file);
     let names: Vec<Cell> = reader
         .metadata()
         .file_metadata()
@@ -34,9 +36,12 @@ fn cells(bytes: Vec<u8>) -> Result<Table, ParquetError> {
         places: vec![0],
         ..Table::default()
     };
-    for (index, row) in reader.get_row_iter(None)?.enumerate() {
+    for (index, row) in reader.get_row_iter(None).map_err(refuse)?.enumerate() {
+        room.take_row()?;
+        room.take(table.rows[0].len())?;
         table.rows.push(
-            row?.get_column_iter()
+            row.map_err(refuse)?
+                .get_column_iter()
                 .map(|(_, field)| cell(field))
                 .collect(),
         );

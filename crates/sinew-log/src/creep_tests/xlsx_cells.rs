@@ -1,13 +1,16 @@
 //! Workbooks as cells.
 
-use std::io::Cursor;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::io::{BufRead as _, BufReader, Cursor};
 
-use calamine::{Data, Reader, Xlsx, open_workbook_from_rs};
+use calamine::{Data, Reader, Xlsx, XlsxError, open_workbook_from_rs};
 
 use sinew_files::csv::Dialect;
 
-use super::cells::{Cell, Table};
+use super::cells::{Cell, Room, Table};
 use crate::error::LogError;
+use sinew_files::limits;
 use sinew_files::names::list;
 
 /// Seconds of a day: workbooks keep times as days.
@@ -21,6 +24,8 @@ pub(super) fn read(
     let refuse = |reason: String| LogError::refused(file, reason);
     // The library decodes foreign bytes; a panic in it must not end the program.
     let tables = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        check_parts(&bytes, file)?;
+        let mut room = Room::new(file);
         let mut book: Xlsx<_> = open_workbook_from_rs(Cursor::new(bytes))
             .map_err(|error| refuse(format!("not a workbook: {error}")))?;
         let names = book.sheet_names();
@@ -36,17 +41,40 @@ pub(super) fn read(
         };
         let mut tables = Vec::new();
         for title in wanted {
-            let range = book
-                .worksheet_range(&title)
-                .map_err(|error| refuse(format!("sheet '{title}': {error}")))?;
-            let first = range.start().map_or(0, |start| u64::from(start.0)) + 1;
+            let damaged = |error: XlsxError| refuse(format!("sheet '{title}': {error}"));
+            let mut reader = book.worksheet_cells_reader(&title).map_err(damaged)?;
+            // Only rows and columns that are there: one cell far off costs its row, no more.
+            let mut rows: BTreeMap<u32, Vec<Cell>> = BTreeMap::new();
+            let mut first_column = usize::MAX;
+            while let Some(found) = reader.next_cell().map_err(damaged)? {
+                let (row, column) = found.get_position();
+                let data = Data::from(found.get_value().clone());
+                if data == Data::Empty {
+                    continue;
+                }
+                let column = column as usize;
+                first_column = first_column.min(column);
+                let row = match rows.entry(row) {
+                    Entry::Occupied(row) => row.into_mut(),
+                    Entry::Vacant(place) => {
+                        room.take_row()?;
+                        place.insert(Vec::new())
+                    }
+                };
+                if column >= row.len() {
+                    room.take(column + 1 - row.len())?;
+                    row.resize(column + 1, Cell::Empty);
+                }
+                row[column] = cell(&data);
+            }
             let mut table = Table {
                 title,
                 ..Table::default()
             };
-            for (index, row) in range.rows().enumerate() {
-                table.rows.push(row.iter().map(cell).collect());
-                table.places.push(first + index as u64);
+            for (place, mut row) in rows {
+                row.drain(..first_column.min(row.len()));
+                table.rows.push(row);
+                table.places.push(u64::from(place) + 1);
             }
             if !table.rows.is_empty() {
                 tables.push(table);
@@ -56,6 +84,47 @@ pub(super) fn read(
     }))
     .map_err(|_| refuse("its workbook is damaged".to_owned()))??;
     Ok(tables)
+}
+
+/// Unpacks every part once, piece by piece, and refuses what would not fit in memory.
+fn check_parts(bytes: &[u8], file: &str) -> Result<(), LogError> {
+    const PIECE_BYTES: usize = 1 << 16;
+    let refuse = |reason: String| LogError::refused(file, reason);
+    let damaged = |error: &dyn std::fmt::Display| refuse(format!("not a workbook: {error}"));
+    let mut parts = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(&e))?;
+    let [mut sheets, mut others] = [0_u64; 2];
+    for index in 0..parts.len() {
+        let part = parts.by_index(index).map_err(|e| damaged(&e))?;
+        let name = part.name().map_err(|e| damaged(&e))?.to_ascii_lowercase();
+        let (unpacked, limit) = match name.starts_with("xl/worksheets/") {
+            true => (&mut sheets, limits::WORKBOOK_SHEETS),
+            false => (&mut others, limits::WORKBOOK_PARTS),
+        };
+        let is_xml = name.ends_with(".xml");
+        let mut part = BufReader::with_capacity(PIECE_BYTES, part);
+        // Bytes since the last bracket: a text or an element, kept whole by the reader.
+        let mut text = 0_u64;
+        loop {
+            let piece = part.fill_buf().map_err(|e| damaged(&e))?;
+            if piece.is_empty() {
+                break;
+            }
+            for span in piece.split_inclusive(|byte| *byte == b'<') {
+                text += span.len() as u64;
+                if is_xml && text > limits::WORKBOOK_TEXT.most {
+                    return Err(refuse(limits::WORKBOOK_TEXT.to_string()));
+                }
+                if span.ends_with(b"<") {
+                    text = 0;
+                }
+            }
+            let length = piece.len();
+            *unpacked += length as u64;
+            limit.check(*unpacked).map_err(refuse)?;
+            part.consume(length);
+        }
+    }
+    Ok(())
 }
 
 fn cell(data: &Data) -> Cell {

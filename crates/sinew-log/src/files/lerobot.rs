@@ -7,8 +7,6 @@ use serde_json::Value;
 
 /// What describes a data set, in its folder.
 pub(super) const INFO: &str = "meta/info.json";
-/// Largest such file that is read, bytes.
-const INFO_BYTES_MAX: u64 = 16 << 20;
 /// Folders between a table and its data set.
 const DEPTH: usize = 3;
 
@@ -21,7 +19,8 @@ pub(super) fn list_names(table: &Path) -> ListNames {
     let info = folders
         .map(|folder| folder.join(INFO))
         .find(|info| info.is_file());
-    let text = info.and_then(|info| sinew_files::read_text(&info, INFO_BYTES_MAX).ok());
+    let text = info
+        .and_then(|info| sinew_files::read_text(&info, &sinew_files::limits::DATA_SET_INFO).ok());
     let info: Value = text.map_or(Value::Null, |t| {
         serde_json::from_str(&t).unwrap_or_default()
     });

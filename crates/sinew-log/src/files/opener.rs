@@ -18,7 +18,7 @@ use crate::options::OpenOptions;
 /// What an SQLite file begins with.
 const SQLITE_MAGIC: &[u8] = b"SQLite f";
 /// Most that is unpacked, or read from standard input, bytes.
-pub(super) const UNPACKED_LIMIT_BYTES: u64 = 64 << 30;
+pub(super) const UNPACKED_LIMIT_BYTES: u64 = sinew_files::limits::UNPACKED.most;
 
 /// Opens one file, whatever its format.
 pub(super) fn open_file(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader>, LogError> {
@@ -111,8 +111,8 @@ fn open_spool(
     options: &OpenOptions,
     names: &ListNames,
 ) -> Result<Box<dyn Reader>, LogError> {
-    let path = spool.path().to_path_buf();
-    open_reader(Box::new(spool), name, options, names, Some(&path))
+    let path = spool.path().map(Path::to_path_buf);
+    open_reader(Box::new(spool), name, options, names, path.as_deref())
 }
 
 /// Formats a user may take for a recording.

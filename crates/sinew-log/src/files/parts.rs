@@ -2,6 +2,7 @@
 
 use super::lerobot::INFO;
 use crate::error::LogError;
+use sinew_files::{limits, read_text};
 use std::path::{Path, PathBuf};
 
 /// What ends a name of a recording in a folder.
@@ -76,7 +77,7 @@ fn folder(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     if path.join(INFO).is_file() {
         return data_set(path);
     }
-    if let Ok(metadata) = std::fs::read_to_string(path.join("metadata.yaml")) {
+    if let Ok(metadata) = read_text(&path.join("metadata.yaml"), &limits::SETTINGS) {
         let listed = bag_files(&metadata);
         if !listed.is_empty() {
             return Ok(listed.iter().map(|file| path.join(file)).collect());

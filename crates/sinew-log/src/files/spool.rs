@@ -1,9 +1,9 @@
 //! Bytes that come once, kept where they can be read again and again.
 
+use sinew_files::Temporary;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
 /// What a file packed with zstd begins with.
 pub(super) const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
@@ -11,22 +11,14 @@ pub(super) const ZSTD_MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
 /// A file of this process that is gone with it.
 pub(super) struct Spool {
     file: File,
-    path: PathBuf,
+    temporary: Temporary,
 }
 
 impl Spool {
     /// Keeps all that `from` gives, at most `limit` bytes of it.
     pub(super) fn of(from: impl Read, limit: u64) -> std::io::Result<Self> {
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("sinew-{}-{count}.tmp", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        let file = File::options()
-            .read(true)
-            .write(true)
-            .create_new(true)
-            .open(&path)?;
-        let mut spool = Spool { file, path };
+        let (file, temporary) = Temporary::create_named(&std::env::temp_dir(), "recording")?;
+        let mut spool = Spool { file, temporary };
         let kept = std::io::copy(&mut from.take(limit + 1), &mut spool.file)?;
         if kept > limit {
             let problem = format!("more than {limit} bytes");
@@ -42,15 +34,8 @@ impl Spool {
 
 impl Spool {
     /// Where it lies.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-}
-
-impl Drop for Spool {
-    fn drop(&mut self) {
-        // A file that stays behind does no harm, and there is nobody to tell.
-        let _ = std::fs::remove_file(&self.path);
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.temporary.path()
     }
 }
 

@@ -66,7 +66,7 @@ impl Mapping {
     /// # Errors
     /// As [`Mapping::from_toml`]; a file that cannot be read.
     pub fn read(path: &Path) -> Result<Mapping, Located> {
-        let text = sinew_files::read_text(path, parse::TEXT_LIMIT_BYTES)?;
+        let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)?;
         Self::from_toml(&text, &path.display().to_string())
     }
 

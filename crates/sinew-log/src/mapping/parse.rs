@@ -8,7 +8,7 @@ use crate::frame::Quantity;
 use crate::unit::{Dimension, Unit};
 
 /// Most bytes a mapping file may have: a mapping is written by hand.
-pub(super) const TEXT_LIMIT_BYTES: u64 = 4 << 20;
+pub(super) const TEXT_LIMIT_BYTES: u64 = sinew_files::limits::SETTINGS.most;
 
 /// Keys of a term, beside `column`.
 const TERM_KEYS: [&str; 8] = [

@@ -5,6 +5,7 @@ use crate::vec3::{
     IDENTITY, Mat3, Vec3, add, add_scaled, mul, norm, point_inertia, rotate, rotate_back,
     rotation_with_z, scale, sub, transpose,
 };
+use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -268,9 +269,10 @@ impl ArmBuilder {
         let mut rebase: Vec<Mat3> = Vec::with_capacity(self.specs.len());
         let mut joints: Vec<ArmJoint> = Vec::with_capacity(self.specs.len());
         let mut names: Vec<String> = Vec::with_capacity(self.specs.len());
+        let mut known: BTreeSet<&str> = BTreeSet::new();
         for (i, spec) in self.specs.iter().enumerate() {
             check_spec(spec)?;
-            if names.contains(&spec.name) {
+            if !known.insert(spec.name.as_str()) {
                 return Err(ArmError::DuplicateJoint(spec.name.clone()));
             }
             let parent_rebase = match spec.parent {

@@ -3,7 +3,7 @@
 use super::draw::{Draw, PerJoint, per};
 use crate::SimulateError;
 use serde_json::Value;
-use sinew_files::{Bound, Fields as _, Located, Section};
+use sinew_files::{Bound, Fields as _, Located, Section, limits, read_text};
 use std::path::Path;
 
 /// Which offset is known.
@@ -126,9 +126,9 @@ impl Correction {
         };
         let path = folder.join(named);
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(&path).map_err(|e| SimulateError::Estimate {
+        let text = read_text(&path, &limits::SESSIONS).map_err(|e| SimulateError::Estimate {
             file: file.clone(),
-            why: format!("can't read: {e}"),
+            why: e.problem.clone(),
         })?;
         self.take_estimate(&text, &file)
     }

@@ -5,7 +5,7 @@ use crate::plant::State;
 use crate::sampled::{check_names, draw_temperature, drives, transmissions, true_arm, unknown};
 use crate::scenario::{Stream, rng};
 use rand::RngExt;
-use sinew_files::{Fault, Located};
+use sinew_files::{Fault, Located, limits};
 use sinew_model::robot::Robot;
 
 impl Simulation {
@@ -109,6 +109,17 @@ impl Simulation {
                 let problem = "duration_s is missing: this motion never ends by itself";
                 Located::new(&scenario.file, Fault::MissingKey, problem)
             })?;
+        let steps = (duration_s + scenario.settle_s) / scenario.integration_step_s;
+        // A length that is no number of steps at all is above any bound.
+        if limits::SIMULATED_STEPS.check(steps as u64).is_err() {
+            let problem = format!("{steps:.3e} integration steps; {}", limits::SIMULATED_STEPS);
+            let located = Located::new(&scenario.file, Fault::TooLarge, problem);
+            let key = match scenario.duration_s {
+                Some(_) => "duration_s",
+                None => "motion",
+            };
+            Err(located.key(key).value(duration_s).unit("s"))?;
+        }
 
         let n = names.len();
         let joint_coulomb_nm = drives.iter().map(|d| d.joint_friction.coulomb_nm).collect();

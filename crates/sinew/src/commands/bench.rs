@@ -6,6 +6,7 @@ use super::rope::{Ropes, find};
 use crate::files::{check_outputs, write_table};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
+use sinew_files::{limits, read_text};
 use sinew_report::rope::{bench_csv, bench_figure, bench_table};
 use sinew_rope::bench::{Bench, routings};
 use std::path::PathBuf;
@@ -116,11 +117,12 @@ impl Simulate {
         let bench = match routings::paper(&self.bench) {
             Some(bench) => bench,
             None => {
-                let text = std::fs::read_to_string(&self.bench).map_err(|e| {
+                let text = read_text(self.bench.as_ref(), &limits::SETTINGS).map_err(|e| {
                     Failure::Refused(format!(
-                        "'{}' is neither one of {} nor a file that can be read: {e}",
+                        "'{}' is neither one of {} nor a file that can be read: {}",
                         self.bench,
-                        routings::NAMES.join(", ")
+                        routings::NAMES.join(", "),
+                        e.problem
                     ))
                 })?;
                 Bench::parse(&text, &self.bench)?

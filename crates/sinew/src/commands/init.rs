@@ -10,9 +10,6 @@ use sinew_report::init::{mapping_toml, render, robot_toml};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Largest URDF read, bytes.
-const URDF_BYTES_MAX: u64 = 64 << 20;
-
 /// Write a first robot.toml from a recording or a URDF
 ///
 /// Joints, sides, topics and rate come from the recording, masses and axes from its /robot_description
@@ -97,7 +94,10 @@ impl InitCommand {
         let (name, text) = match (file, description) {
             (Some(file), _) => {
                 let name = file.file_name().map(|n| n.to_string_lossy().into_owned());
-                (name, Some(read_text(file, URDF_BYTES_MAX)?))
+                (
+                    name,
+                    Some(read_text(file, &sinew_files::limits::DESCRIPTION)?),
+                )
             }
             (None, Some(text)) => (Some("robot.urdf".to_owned()), Some(text.to_owned())),
             (None, None) => (None, None),

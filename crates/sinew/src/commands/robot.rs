@@ -5,6 +5,7 @@ use crate::terminal::{Failure, Finish, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_check::{RobotCheck, Severity};
 use sinew_estimate::robot_dir;
+use sinew_files::{limits, read_text};
 use sinew_log::Mapping;
 use std::path::PathBuf;
 
@@ -50,7 +51,7 @@ impl Check {
         let mut check = RobotCheck::of(&loaded, &gaps, &self.ropes.catalogue(self.json)?)?;
         if let Some(file) = &self.mapping {
             Mapping::read(file)?;
-            let text = std::fs::read_to_string(file)?;
+            let text = read_text(file, &limits::SETTINGS)?;
             check.add_mapping(&text, &file.display().to_string())?;
         }
         answer_as(self.json, &check, sinew_report::robot::render)?;

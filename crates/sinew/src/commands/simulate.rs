@@ -7,7 +7,7 @@ use crate::text::plain;
 use clap::Args;
 use sinew_estimate::robot_dir;
 use sinew_eval::control::{self, Simulated};
-use sinew_files::JsonDocument as _;
+use sinew_files::{JsonDocument as _, limits, read_text};
 use sinew_log::Compression;
 use sinew_sim::{Scenario, SimulateOptions, truth_path};
 use std::path::{Path, PathBuf};
@@ -66,8 +66,7 @@ impl Simulate {
         ];
         check_outputs(&outputs, &inputs, self.quiet)?;
         let name = self.scenario.display().to_string();
-        let text = std::fs::read_to_string(&self.scenario)
-            .map_err(|e| Failure::Refused(format!("{name}: can't read: {e}")))?;
+        let text = read_text(&self.scenario, &limits::SETTINGS)?;
         let mut scenario = Scenario::from_toml(&text, &name)?;
         if let Some(seed) = self.seed {
             scenario.seed = seed;

@@ -20,7 +20,7 @@ const NAMED_MESSAGES: u64 = 256;
 /// Most joints and interfaces a topic may have.
 const NAME_LIMIT: usize = 4096;
 /// Largest summary section read, bytes.
-const SUMMARY_LIMIT: u64 = 64 << 20;
+const SUMMARY_LIMIT: u64 = sinew_files::limits::SUMMARY.most;
 /// Magic bytes at both ends of the file.
 const MAGIC_BYTES: u64 = 8;
 /// Footer record and closing magic, bytes.

@@ -11,7 +11,7 @@ use sinew_files::names::{hint, list};
 use sinew_files::{Fault, Located};
 
 /// Most columns a table may have.
-pub(crate) const COLUMN_LIMIT: usize = 65_536;
+pub(crate) const COLUMN_LIMIT: usize = sinew_files::limits::COLUMNS.length();
 
 /// One addend of a value: `scale · cell + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -21,9 +21,9 @@ use crate::options::OpenOptions;
 use sinew_files::names::shorten;
 
 /// Longest line (header or row) that is read, bytes.
-const ROW_LIMIT_BYTES: u64 = 4 << 20;
+const ROW_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
 /// Bytes of the start in which the header line must end.
-const HEADER_LIMIT_BYTES: u64 = 4 << 20;
+const HEADER_LIMIT_BYTES: u64 = sinew_files::limits::CSV_LINE.most;
 /// What a line that holds no row begins with.
 const COMMENT: u8 = b'#';
 /// One read of the operating system, bytes.

@@ -21,7 +21,7 @@ use crate::health::Health;
 use crate::options::OpenOptions;
 
 /// Largest piece (page, footer) taken into memory, bytes.
-const PIECE_LIMIT_BYTES: usize = 256 << 20;
+const PIECE_LIMIT_BYTES: usize = sinew_files::limits::PARQUET_PIECE.length();
 
 /// A file shared by the column readers, each with its own position.
 #[derive(Clone)]

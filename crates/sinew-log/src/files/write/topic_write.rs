@@ -77,6 +77,7 @@ impl TopicWriter {
             .compression_threads(0)
             .chunk_size(Some(packing.chunk_size.max(1)))
             .use_chunks(packing.chunked)
+            .disable_seeking(!file.can_seek())
             .emit_summary_records(packing.indexed)
             .emit_summary_offsets(packing.indexed)
             .emit_message_indexes(packing.indexed && packing.chunked)

@@ -92,7 +92,7 @@ impl Odd {
     }
 }
 
-pub(super) fn limits(joint: &xml::UrdfJoint) -> JointLimits {
+pub(super) fn joint_limits(joint: &xml::UrdfJoint) -> JointLimits {
     let [lower, upper, effort, velocity] = joint.limit;
     let endless = joint.joint_type == xml::JointType::Continuous;
     JointLimits {

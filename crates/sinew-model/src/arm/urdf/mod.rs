@@ -27,7 +27,8 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use links::{Odd, limits, urdf_pose};
+use links::{Odd, joint_limits, urdf_pose};
+use sinew_files::limits;
 
 pub use links::{is_positive_semidefinite, obeys_triangle};
 pub use located::line_of;
@@ -235,18 +236,17 @@ impl<'a> Reader<'a> {
                 )
             });
         };
+        let moving = |j: &&xml::UrdfJoint| j.joint_type != xml::JointType::Fixed;
+        let moving = robot.joints.iter().filter(moving).map(|j| j.name.as_str());
+        let moving: Vec<&str> = moving.collect();
+        if let Err(problem) = limits::URDF_JOINTS.check(moving.len() as u64) {
+            return tree(problem);
+        }
         for (name, _) in &options.locked {
-            let moving = |j: &&xml::UrdfJoint| j.joint_type != xml::JointType::Fixed;
-            if !robot.joints.iter().filter(moving).any(|j| j.name == *name) {
-                let known: Vec<&str> = robot
-                    .joints
-                    .iter()
-                    .filter(moving)
-                    .map(|j| j.name.as_str())
-                    .collect();
+            if !moving.contains(&name.as_str()) {
                 return Err(UrdfError::UnknownLocked {
                     joint: name.clone(),
-                    known: known.join(", "),
+                    known: moving.join(", "),
                 });
             }
         }
@@ -331,7 +331,7 @@ impl<'a> Reader<'a> {
             }
         }
         let joint_of = |i: usize| &self.robot.joints[sources[i]];
-        let limits = (0..arm.dof()).map(|i| limits(joint_of(i))).collect();
+        let limits = (0..arm.dof()).map(|i| joint_limits(joint_of(i))).collect();
         let mut coulomb_nm = Vec::with_capacity(arm.dof());
         let mut viscous_nm_s_per_rad = Vec::with_capacity(arm.dof());
         for i in 0..arm.dof() {

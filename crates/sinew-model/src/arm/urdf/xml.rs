@@ -5,9 +5,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use roxmltree::{Document, Error, Node, ParsingOptions};
-
-/// Elements and texts a URDF may have; the largest robots have some ten thousand.
-const NODES_MOST: u32 = 1_000_000;
+use sinew_files::limits;
 
 /// A URDF as it stands in the file: links and joints in the file's order.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +126,7 @@ pub fn read(text: &str) -> Result<UrdfRobot, UrdfError> {
 
 fn parsed(text: &str) -> Result<Document<'_>, Error> {
     let options = ParsingOptions {
-        nodes_limit: NODES_MOST,
+        nodes_limit: limits::URDF_NODES.most as u32,
         ..ParsingOptions::default()
     };
     Document::parse_with_options(text, options)
