@@ -1,6 +1,7 @@
 //! What the reader of a recording's estimate should know, as data; the words are the report's.
 
 use serde::{Deserialize, Serialize};
+use sinew_log::StreamRole;
 
 /// What the reader of a recording's estimate should know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,6 +64,17 @@ pub enum RecordingWarning {
     OutOfOrder {
         /// How many.
         count: u64,
+    },
+    /// Samples of a stream that are missing, or were dropped because their stamp was there already.
+    SamplesLost {
+        /// What the stream brings.
+        stream: StreamRole,
+        /// Missing, as far as the steps between the others tell.
+        missing: u64,
+        /// Dropped.
+        repeated: u64,
+        /// Part of all samples, 0 to 1.
+        share: f64,
     },
     /// Samples that are NaN or infinite.
     NonFinite {

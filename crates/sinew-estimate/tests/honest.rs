@@ -298,3 +298,42 @@ fn a_hand_called_empty_that_carries_something_is_found_out() {
     let (in_them, all) = inside(&said, &truth);
     assert_eq!(in_them, all, "{:?}", said.joints);
 }
+
+#[test]
+fn a_motor_side_that_is_late_is_named_and_held_by_the_interval() {
+    let mut plan = Plan::named("S5").unwrap();
+    plan.scenario.encoder.motor_delay_s = 0.005;
+    let (mut hits, mut count, mut named) = (0, 0, 0);
+    for seed in 0..seeds(4) {
+        let ([fresh, _], _) = sessions(&plan, 900 + seed);
+        let options = SessionOptions::default();
+        let said = session::estimate_recorded(&plan.robot, &fresh, "A", None, &options);
+        let (said, _) = said.unwrap();
+        for j in &said.joints {
+            println!(
+                "{} {:.2} ± {:.2} mrad",
+                j.name,
+                1e3 * j.offset_rad.mean,
+                1e3 * j.offset_rad.half_width_95()
+            );
+        }
+        let (in_them, all) = inside(&said, &[0.0; 4]);
+        (hits, count) = (hits + in_them, count + all);
+        for warning in &said.warnings {
+            if let Warning::SidesOutOfStep { motor_late_s: late } = warning {
+                println!(
+                    "late by {:.2} ± {:.2} ms",
+                    1e3 * late.mean,
+                    1e3 * late.half_width_95()
+                );
+                assert!(
+                    (late.mean - 0.005).abs() < late.half_width_95() + 0.001,
+                    "{late:?}"
+                );
+                named += 1;
+            }
+        }
+    }
+    println!("{hits} of {count} inside, {named} named");
+    assert!(hits as f64 >= 0.86 * count as f64, "{hits} of {count}");
+}

@@ -6,6 +6,8 @@ use crate::frame::Quantity;
 
 /// How many events are kept; later ones are only counted.
 pub const EVENT_LIMIT: usize = 256;
+/// So much of a stream that is missing is data lost (exit code 3 of the command line).
+pub const MUCH_LOST: f64 = 0.05;
 /// How many names of unknown joints are kept.
 pub(crate) const UNKNOWN_LIMIT: usize = 64;
 
@@ -66,6 +68,47 @@ pub struct SignalCount {
     pub count: u64,
 }
 
+/// What a stream of samples brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum StreamRole {
+    /// Both sides: rows of a table, or one topic.
+    BothSides,
+    /// Joint positions.
+    JointSide,
+    /// Motor positions.
+    MotorSide,
+    /// External torques.
+    ExternalTorque,
+}
+
+/// When the samples of one stream came: a topic, or the rows of a table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StreamTiming {
+    /// What it brings.
+    pub role: StreamRole,
+    /// Samples with a stamp of their own.
+    pub samples: u64,
+    /// Usual step from one to the next, s; `None` with too few.
+    pub step_s: Option<f64>,
+    /// How much shorter a step is than usual, one standard deviation, s.
+    pub jitter_s: Option<f64>,
+    /// Samples that the steps between the others leave out; `None` where steps are too uneven to tell.
+    pub missing: Option<u64>,
+    /// Samples dropped because another one with their stamp was there already, and said something else.
+    pub repeated: u64,
+}
+
+impl StreamTiming {
+    /// Part of all samples that are missing or were dropped, 0 to 1.
+    pub fn lost_share(&self) -> f64 {
+        let lost = self.missing.unwrap_or(0) + self.repeated;
+        lost as f64 / (self.samples + lost).max(1) as f64
+    }
+}
+
 /// What was read, what was lost and why. Complete after the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -80,6 +123,8 @@ pub struct Health {
     pub duplicates: u64,
     /// Messages that came out of order and were sorted in.
     pub out_of_order: u64,
+    /// When the samples came, stream by stream: the joint side's or the table's rows first.
+    pub streams: Vec<StreamTiming>,
     /// Pauses longer than the gap limit.
     pub gaps: u64,
     /// The longest such pause, s.
@@ -124,7 +169,16 @@ impl Health {
 
     /// Whether anything at all was lost: damage, or messages dropped.
     pub fn is_lossy(&self) -> bool {
-        self.is_damaged() || self.late > 0 || self.undecodable > 0 || self.rows_without_time > 0
+        self.is_damaged()
+            || self.late > 0
+            || self.undecodable > 0
+            || self.rows_without_time > 0
+            || self.has_lost_much()
+    }
+
+    /// Whether more than [`MUCH_LOST`] of a stream's samples are missing or were dropped.
+    pub fn has_lost_much(&self) -> bool {
+        self.streams.iter().any(|s| s.lost_share() > MUCH_LOST)
     }
 
     /// Bad samples over all signals.

@@ -119,7 +119,9 @@ pub use files::{
     open, open_parts, recordings_of,
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
-pub use health::{Damage, EVENT_LIMIT, Event, EventKind, Health, SignalCount};
+pub use health::{
+    Damage, EVENT_LIMIT, Event, EventKind, Health, MUCH_LOST, SignalCount, StreamRole, StreamTiming,
+};
 pub use info::{JointInfo, Pace, RecordingInfo};
 pub use mapping::{JointEffort, Mapping};
 pub use options::OpenOptions;

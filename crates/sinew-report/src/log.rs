@@ -1,9 +1,10 @@
 //! What a recording holds, as text.
 
 use crate::text::{paragraph, plain, table};
+use crate::warnings::stream_name;
 use sinew_figure::rounded;
 use sinew_log::{
-    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, TopicInfo, TopicUse,
+    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, StreamTiming, TopicInfo, TopicUse,
 };
 
 /// A format as people call it.
@@ -141,10 +142,31 @@ pub fn render(info: &RecordingInfo) -> String {
         }
         false => format!("robot_description: {description}"),
     });
+    for stream in &info.health.streams {
+        line(timing(stream));
+    }
     for text in troubles(&info.health) {
         line(text);
     }
     out
+}
+
+/// When a stream's samples came.
+fn timing(stream: &StreamTiming) -> String {
+    let name = stream_name(stream.role);
+    let (Some(step_s), Some(jitter_s)) = (stream.step_s, stream.jitter_s) else {
+        return format!("{name}: {} samples, too few for a rate", stream.samples);
+    };
+    let missing = match stream.missing {
+        None => "too uneven to tell whether any is missing".into(),
+        Some(0) => "none missing".into(),
+        Some(n) => format!("{n} missing"),
+    };
+    format!(
+        "{name}: a sample every {} ms ± {} (one standard deviation), {missing}",
+        rounded(1e3 * step_s, 3),
+        rounded(1e3 * jitter_s, 2)
+    )
 }
 
 /// What was lost, repaired or suspicious, one sentence each.
@@ -186,6 +208,10 @@ fn troubles(health: &Health) -> Vec<String> {
         if count > 0 {
             all.push(format!("{count} {what}"));
         }
+    }
+    for stream in health.streams.iter().filter(|s| s.lost_share() > 0.0) {
+        let (name, share) = (stream_name(stream.role), 100.0 * stream.lost_share());
+        all.push(format!("{name}: {share:.1} % of the samples lost"));
     }
     if health.gaps > 0 {
         all.push(format!(

@@ -3,6 +3,7 @@
 use sinew_estimate::session::{Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::rounded;
+use sinew_log::StreamRole;
 use sinew_model::Z95;
 use sinew_model::offset::misfit::misfit_rad;
 
@@ -21,6 +22,16 @@ pub(crate) fn of_reading(document: &EstimateDocument) -> impl Iterator<Item = &R
         document.session.is_none()
             || !matches!(warning, RecordingWarning::TorqueHardlyChanges { .. })
     })
+}
+
+/// A stream of samples in words.
+pub(crate) fn stream_name(role: StreamRole) -> &'static str {
+    match role {
+        StreamRole::BothSides => "the recording",
+        StreamRole::JointSide => "the joint side",
+        StreamRole::MotorSide => "the motor side",
+        StreamRole::ExternalTorque => "the external torque",
+    }
 }
 
 /// What the reader of a recording's estimate should know, in a sentence.
@@ -61,6 +72,25 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
             format!(
                 "{} came out of order, sorted in",
                 counted(*count, "message")
+            )
+        }
+        RecordingWarning::SamplesLost {
+            stream,
+            missing,
+            repeated,
+            share,
+        } => {
+            let of = stream_name(*stream);
+            let lost = [
+                (*missing, "missing"),
+                (*repeated, "dropped, their stamp was there already"),
+            ];
+            let lost = lost.iter().filter(|(count, _)| *count > 0);
+            let lost = lost.map(|(count, what)| format!("{} {what}", counted(*count, "sample")));
+            let lost = Vec::from_iter(lost).join(", ");
+            format!(
+                "{of}: {lost} ({:.1} %); look at the network, the recorder's queue, and who stamps",
+                100.0 * share
             )
         }
         RecordingWarning::NonFinite {
@@ -155,6 +185,12 @@ pub fn session_warning(warning: &Warning) -> String {
             "the temperature is not known here, in the baseline or in both: its change is taken as 0 ± {:.0} K (95 %), which is {} mrad of the interval at {joint}; record it, or state it with --temperature-c",
             Z95 * deviation_k,
             rounded(1e3 * half_width_95_rad, 2)
+        ),
+        Warning::SidesOutOfStep { motor_late_s } => format!(
+            "the motor side looks {} ± {} ms {} against the joint side, or friction is that far from robot.toml: the interval holds it; stamp both sides where they are read",
+            rounded(1e3 * motor_late_s.mean.abs(), 2),
+            rounded(1e3 * motor_late_s.half_width_95(), 2),
+            if motor_late_s.mean > 0.0 { "late" } else { "early" }
         ),
         Warning::MotorTorqueLeftOut { joint, fault } => match fault {
             WitnessFault::Constant => {

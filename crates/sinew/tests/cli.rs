@@ -615,3 +615,69 @@ fn a_reader_that_goes_away_is_no_failure() {
     assert_eq!(code(&output), 0, "{}", err(&output));
     assert_eq!(err(&output), "");
 }
+
+/// 6 s of the shipped arm whose frames pass `faults` on their way into the file.
+fn simulated_with(faults: &str) -> TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let shipped = repository().join("examples/scenarios/stretched-arm.toml");
+    let text = std::fs::read_to_string(shipped).unwrap() + faults;
+    std::fs::write(dir.path().join("s.toml"), text).unwrap();
+    let robot = robot();
+    let args = [
+        "simulate",
+        "s.toml",
+        "--robot",
+        &robot,
+        "--out",
+        "s.mcap",
+        "--duration",
+        "6",
+    ];
+    let output = sinew(&args, dir.path());
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    dir
+}
+
+#[test]
+fn what_a_recording_lost_is_said_and_much_of_it_is_exit_code_3() {
+    let dir = simulated_with("\n[faults]\ndropout_fraction = 0.2\n");
+    let info = sinew(&["log", "info", "s.mcap", "--json"], dir.path());
+    assert_eq!(code(&info), 3, "{}", err(&info));
+    let document: serde_json::Value = serde_json::from_slice(&info.stdout).unwrap();
+    for stream in document["health"]["streams"].as_array().unwrap() {
+        let (kept, missing) = (&stream["samples"], &stream["missing"]);
+        let (kept, missing) = (kept.as_u64().unwrap(), missing.as_u64().unwrap());
+        // All but what is lost at either end: 6 s of 500 Hz.
+        assert!(
+            (2990..=3001).contains(&(kept + missing)),
+            "{kept}, {missing}"
+        );
+        assert!((450..750).contains(&missing), "{missing}");
+    }
+    let words = sinew(&["log", "info", "s.mcap"], dir.path());
+    assert!(
+        out(&words).contains("% of the samples lost"),
+        "{}",
+        out(&words)
+    );
+    let robot = robot();
+    let estimate = sinew(&["estimate", "s.mcap", "--robot", &robot], dir.path());
+    assert_eq!(code(&estimate), 3, "{}", err(&estimate));
+    assert!(
+        err(&estimate).contains("samples missing"),
+        "{}",
+        err(&estimate)
+    );
+}
+
+#[test]
+fn a_frame_written_twice_loses_nothing() {
+    let dir = simulated_with("\n[faults]\nduplicate_fraction = 0.3\n");
+    let info = sinew(&["log", "info", "s.mcap"], dir.path());
+    assert_eq!(code(&info), 0, "{}", out(&info));
+    assert!(
+        out(&info).contains("time stamp seen before"),
+        "{}",
+        out(&info)
+    );
+}

@@ -4,6 +4,9 @@ use super::result::{JointEstimate, Loss, LossReason};
 use crate::warning::RecordingWarning as Warning;
 use sinew_log::Health;
 
+/// A smaller part of a stream's samples is lost on every network.
+const WORTH_SAYING: f64 = 0.005;
+
 /// What a reader should doubt.
 pub(super) fn judge(joints: &[JointEstimate], warnings: &mut Vec<Warning>) {
     // The paper looks for 10 mrad; a tendon pulley of 25 mm turns 200 mrad for 5 mm of rope.
@@ -67,6 +70,16 @@ pub(super) fn health_warnings(health: &Health, warnings: &mut Vec<Warning>) {
         warnings.push(Warning::OutOfOrder {
             count: health.out_of_order,
         });
+    }
+    for stream in &health.streams {
+        if stream.lost_share() > WORTH_SAYING {
+            warnings.push(Warning::SamplesLost {
+                stream: stream.role,
+                missing: stream.missing.unwrap_or(0),
+                repeated: stream.repeated,
+                share: stream.lost_share(),
+            });
+        }
     }
     for signal in &health.non_finite {
         warnings.push(Warning::NonFinite {

@@ -142,7 +142,7 @@ impl<'a> Pass<'a> {
             },
             joints,
             losses,
-            damaged: health.is_damaged() || health.undecodable > 0,
+            damaged: health.is_damaged() || health.undecodable > 0 || health.has_lost_much(),
             warnings,
         })
     }

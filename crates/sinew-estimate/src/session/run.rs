@@ -111,7 +111,7 @@ pub fn learn_recorded(
     );
     baseline.temperature_deviation_k = learning.temperature_c.map_or(0.0, |t| t.deviation);
     baseline.before = known.map_or_else(Vec::new, |(known, _)| known.rests_on());
-    let mut estimate = session.summarise(&segments, name, None, &[]);
+    let mut estimate = session.summarise(&segments, name, None, &[], 0.0);
     if estimate.poses < POSES_OF_BASELINE {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
             poses: estimate.poses,
@@ -172,6 +172,9 @@ pub fn estimate_with_replay(
 
 /// [`estimate`] from blocks; `name` of the recording for the result and errors.
 ///
+/// Both sides are taken as stamped together, unless friction is such at every joint as one side's lag would show:
+/// then the lag is estimated along, and a warning says so.
+///
 /// A stated payload is believed unless the recording contradicts it: where much fits nothing with it, and half as
 /// much without, it is estimated instead, and a warning says so.
 ///
@@ -190,7 +193,18 @@ pub fn estimate_recorded(
         let misfits = estimate.joints.iter().map(|j| j.misfit_rad);
         misfits.fold(0.0, f64::max)
     };
-    let stated = estimate_as_stated(robot, recorded, name, baseline, options)?;
+    let estimate_as_stated = |options: &SessionOptions| {
+        let as_one = estimate_with_lag(robot, recorded, name, baseline, options, 0.0)?;
+        let late = as_one.0.warnings.iter().find_map(|warning| match warning {
+            Warning::SidesOutOfStep { motor_late_s } => Some(motor_late_s.mean.abs()),
+            _ => None,
+        });
+        match late {
+            None => Ok(as_one),
+            Some(late_s) => estimate_with_lag(robot, recorded, name, baseline, options, late_s),
+        }
+    };
+    let stated = estimate_as_stated(options)?;
     let suspect_rad = worst(&stated.0);
     if options.payload == Payload::Unknown || suspect_rad < SUSPECT_RAD {
         return Ok(stated);
@@ -199,7 +213,7 @@ pub fn estimate_recorded(
         payload: Payload::Unknown,
         ..*options
     };
-    let mut opened = estimate_as_stated(robot, recorded, name, baseline, &open)?;
+    let mut opened = estimate_as_stated(&open)?;
     if worst(&opened.0) > 0.5 * suspect_rad {
         return Ok(stated);
     }
@@ -211,20 +225,21 @@ pub fn estimate_recorded(
     Ok(opened)
 }
 
-/// [`estimate_recorded`], whatever is stated taken as true.
-fn estimate_as_stated(
+/// [`estimate_recorded`], whatever is stated taken as true, and the lag between the sides as `0 ± lag_s`.
+fn estimate_with_lag(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
+    lag_s: f64,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     let mut continues = false;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
-    let start = match baseline {
+    let mut start = match baseline {
         Some((baseline, file)) => {
             let mut belief = baseline.belief(robot, prior, file)?;
             let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
@@ -249,6 +264,7 @@ fn estimate_as_stated(
             fresh
         }
     };
+    prior.open_lag(&mut start, lag_s);
     let everything = SearchScope {
         offsets: true,
         payload: true,
@@ -271,7 +287,7 @@ fn estimate_as_stated(
         next.temperature_deviation_k = baseline.temperature_deviation_k;
         next.change_deviation_k = change_k;
     }
-    let mut estimate = session.summarise(&segments, name, first, &added_rad);
+    let mut estimate = session.summarise(&segments, name, first, &added_rad, lag_s);
     let unknown = session.temperature == TemperatureSource::Unknown
         || baseline.is_some_and(|(b, _)| b.temperature_c.is_none());
     let most = (added_rad.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1));
@@ -317,13 +333,15 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The result; `added_rad`: what is unknown of every joint's offset and looks the same in every block.
+    /// The result; `added_rad`: what is unknown of every joint's offset and looks the same in every block;
+    /// `lag_s`: by how much the lag between the sides was opened.
     fn summarise(
         &self,
         segments: &Segments,
         name: &str,
         baseline: Option<String>,
         added_rad: &[f64],
+        lag_s: f64,
     ) -> SessionEstimate {
         let context = Context {
             estimator: &self.estimator,
@@ -331,6 +349,7 @@ impl<'a> Session<'a> {
             recorded: &self.recorded,
             segments,
             added_rad,
+            lag_s,
         };
         let mut estimate = summarise(&context, name, baseline);
         estimate.temperature_source = self.temperature;

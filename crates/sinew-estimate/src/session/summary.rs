@@ -15,7 +15,9 @@ use crate::estimator::mean_temperature;
 use crate::nuisance::NuisanceChange;
 use sinew_model::Gaussian;
 use sinew_model::offset::misfit::misfit_rad;
-use sinew_model::offset::{Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior};
+use sinew_model::offset::{
+    Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, lag_s,
+};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
@@ -31,6 +33,8 @@ pub(super) struct Context<'a> {
     pub(super) segments: &'a Segments,
     /// What is unknown of every joint's offset and looks the same in every block, rad; empty: nothing.
     pub(super) added_rad: &'a [f64],
+    /// By how much the lag between the sides was opened, s.
+    pub(super) lag_s: f64,
 }
 
 /// The result of a recording.
@@ -87,6 +91,8 @@ pub(super) fn summarise(
     };
     let far = far_from_prior(prior, robot, segments);
     estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far);
+    let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
+    estimate.warnings.extend(late.and_then(out_of_step));
     estimate
 }
 
@@ -281,6 +287,16 @@ fn far_from_prior(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<Warn
             })
         })
         .collect()
+}
+
+/// A lag that friction doesn't explain.
+fn out_of_step(motor_late_s: Gaussian) -> Option<Warning> {
+    /// Less is a control cycle.
+    const LEAST_S: f64 = 1e-3;
+    const SURE: f64 = 3.0;
+    let size = motor_late_s.mean.abs();
+    (size > LEAST_S && size > SURE * motor_late_s.deviation)
+        .then_some(Warning::SidesOutOfStep { motor_late_s })
 }
 
 /// Places of the state that are estimated along with the offsets, and what was believed of them.

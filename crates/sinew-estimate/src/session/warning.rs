@@ -107,6 +107,11 @@ pub enum Warning {
         /// Half of the 95 % interval for that, rad.
         half_width_95_rad: f64,
     },
+    /// One side is stamped late against the other.
+    SidesOutOfStep {
+        /// How late the motor side is, s; below 0 it is early.
+        motor_late_s: Gaussian,
+    },
     /// A joint's motor torque can't be one, and was left out.
     MotorTorqueLeftOut {
         /// Joint.

@@ -89,6 +89,11 @@ pub struct Conditioner {
 }
 
 impl Conditioner {
+    /// Longest step that is no gap, ns.
+    pub(crate) fn gap_ns(&self) -> i64 {
+        self.gap_ns
+    }
+
     /// `signals`: six blocks of as many entries as there are joints.
     pub fn new(joints: &[String], signals: Vec<Signal>, gap_ns: i64) -> Self {
         let n = joints.len();

@@ -6,9 +6,10 @@
 
 mod condition;
 mod sorter;
+mod steps;
 
 use crate::frame::{BLOCKS, Frame, Quantity, is_absent};
-use crate::health::{EventKind, Health};
+use crate::health::{EventKind, Health, StreamRole};
 
 pub use crate::frame::ABSENT;
 pub use condition::{Conditioner, Signal};
@@ -68,12 +69,12 @@ impl Joiner {
             n,
             window_ns,
             interpolate_ns,
-            primary: Sorter::new(n * primary_blocks.len(), window_ns),
+            primary: Sorter::new(n * primary_blocks.len(), window_ns, conditioner.gap_ns()),
             primary_blocks: primary_blocks.to_vec(),
             sides: side_blocks
                 .iter()
                 .map(|blocks| Side {
-                    sorter: Sorter::new(n * blocks.len(), window_ns),
+                    sorter: Sorter::new(n * blocks.len(), window_ns, conditioner.gap_ns()),
                     blocks: blocks.to_vec(),
                     seen: vec![false; n * blocks.len()],
                     cursor: 0,
@@ -181,11 +182,28 @@ impl Joiner {
         health.late = counts.late;
         health.duplicates = counts.duplicates;
         health.out_of_order = counts.out_of_order;
+        let motor_apart = self.sides.iter().any(Side::is_motor);
+        let of_primary = match motor_apart {
+            true => StreamRole::JointSide,
+            false => StreamRole::BothSides,
+        };
+        health.streams = vec![self.primary.timing(of_primary)];
+        for side in &mut self.sides {
+            let role = match side.is_motor() {
+                true => StreamRole::MotorSide,
+                false => StreamRole::ExternalTorque,
+            };
+            health.streams.push(side.sorter.timing(role));
+        }
         self.conditioner.finish(health);
     }
 }
 
 impl Side {
+    fn is_motor(&self) -> bool {
+        self.blocks.contains(&Quantity::Theta)
+    }
+
     /// Writes this stream's values at `key` into the wide row; absent where there are none.
     fn look_up(
         &mut self,

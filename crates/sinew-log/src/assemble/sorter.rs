@@ -8,7 +8,9 @@
 
 use std::collections::VecDeque;
 
+use super::steps::Steps;
 use crate::frame::{ABSENT, is_absent};
+use crate::health::{StreamRole, StreamTiming};
 
 /// So many samples behind the window in a row are a clock jump.
 pub(crate) const JUMP_EVIDENCE: usize = 8;
@@ -37,6 +39,8 @@ pub(crate) struct Slot {
 pub(crate) struct SortCounts {
     pub(crate) late: u64,
     pub(crate) duplicates: u64,
+    /// Of these, those that said something else than the sample kept.
+    pub(crate) conflicting: u64,
     pub(crate) out_of_order: u64,
     pub(crate) clock_jumps: u64,
 }
@@ -57,11 +61,12 @@ pub struct Sorter {
     damage_pending: bool,
     pub(crate) counts: SortCounts,
     pub(crate) last_late_ns: Option<i64>,
+    steps: Steps,
 }
 
 impl Sorter {
-    /// A stream of rows of `width` values.
-    pub fn new(width: usize, window_ns: i64) -> Self {
+    /// A stream of rows of `width` values; a longer step than `gap_ns` is a pause.
+    pub fn new(width: usize, window_ns: i64, gap_ns: i64) -> Self {
         let slot_limit = (BYTES_LIMIT / (width * 8 + 64)).clamp(16, SLOT_LIMIT);
         Sorter {
             width,
@@ -77,7 +82,16 @@ impl Sorter {
             damage_pending: false,
             counts: SortCounts::default(),
             last_late_ns: None,
+            steps: Steps::new(gap_ns),
         }
+    }
+
+    /// Steps from stamp to stamp, of what left and what is still held.
+    pub(crate) fn timing(&mut self, role: StreamRole) -> StreamTiming {
+        for slot in self.queue.drain(..) {
+            self.steps.sample(slot.key);
+        }
+        self.steps.timing(role, self.counts.conflicting)
     }
 
     /// Newest stamp seen in the current epoch.
@@ -168,6 +182,7 @@ impl Sorter {
             // Amid samples from behind, the same stamp is one of them.
             if self.released == Some(key) && self.behind.is_empty() {
                 self.counts.duplicates += 1;
+                self.counts.conflicting += 1;
                 return;
             }
             let mut slot = self.take_slot(time_ns);
@@ -185,8 +200,12 @@ impl Sorter {
             Ok(index) => {
                 self.scratch.fill(ABSENT);
                 fill(&mut self.scratch);
-                if !merge(&mut self.queue[index].values, &self.scratch) {
+                let kept = &mut self.queue[index].values;
+                if !merge(kept, &self.scratch) {
                     self.counts.duplicates += 1;
+                    let differs = |(kept, new): (&f64, &f64)| !is_absent(*new) && kept != new;
+                    let conflicts = kept.iter().zip(&self.scratch).any(differs);
+                    self.counts.conflicting += u64::from(conflicts);
                 }
             }
             Err(index) => {
@@ -233,6 +252,7 @@ impl Sorter {
     pub(crate) fn pop_front(&mut self) {
         if let Some(slot) = self.queue.pop_front() {
             self.released = Some(slot.key);
+            self.steps.sample(slot.key);
             self.free.push(slot);
         }
     }
@@ -286,7 +306,7 @@ mod tests {
 
     #[test]
     fn late_within_the_window_is_sorted_in() {
-        let mut sorter = Sorter::new(1, 100);
+        let mut sorter = Sorter::new(1, 100, 1_000_000);
         for time in [0, 50, 20, 60, 60, 55] {
             insert(&mut sorter, time);
         }
@@ -300,7 +320,7 @@ mod tests {
 
     #[test]
     fn a_few_behind_are_late_and_many_are_a_clock_jump() {
-        let mut sorter = Sorter::new(1, 100);
+        let mut sorter = Sorter::new(1, 100, 1_000_000);
         for time in [1000, 1010, 5, 6, 1020] {
             insert(&mut sorter, time);
         }
@@ -318,7 +338,7 @@ mod tests {
 
     #[test]
     fn nothing_at_or_before_what_was_released_comes_back() {
-        let mut sorter = Sorter::new(1, 100);
+        let mut sorter = Sorter::new(1, 100, 1_000_000);
         insert(&mut sorter, 0);
         insert(&mut sorter, 10);
         sorter.pop_front();
@@ -329,7 +349,7 @@ mod tests {
 
     #[test]
     fn extreme_stamps_do_not_overflow() {
-        let mut sorter = Sorter::new(1, i64::MAX);
+        let mut sorter = Sorter::new(1, i64::MAX, 1_000_000);
         for time in [i64::MAX, i64::MIN, 0, i64::MIN, i64::MAX] {
             insert(&mut sorter, time);
         }

@@ -20,6 +20,7 @@ mod features;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod joint_signals;
+mod lag;
 mod layout;
 pub mod misfit;
 mod mixture;
@@ -40,6 +41,7 @@ pub use error::MapError;
 pub use estimate::{ChangePosterior, Convergence, MapEstimate, StiffnessChange, Termination};
 pub use executor::{Executor, Sequential};
 pub use features::FeatureObserver;
+pub use lag::lag_s;
 pub use observer::{OffsetObserver, Sample};
 pub use parameter::JointParameter;
 pub use prior::{JointPrior, Prior};

@@ -287,6 +287,27 @@ impl Prior {
         }
     }
 
+    /// How late one side is stamped against the other is `0 ± deviation_s` on top of what is believed.
+    ///
+    /// A motor side stamped `T` late shows `theta(t − T) ≈ theta − T dtheta`: on every joint that is `−K T` of
+    /// viscous friction. So an unknown `T` makes the joints' viscous frictions go together.
+    pub fn open_lag(&self, belief: &mut Belief, deviation_s: f64) {
+        let d = self.dimension();
+        let slope = |i: usize| {
+            let joint = self.joints.get(i).and_then(Option::as_ref);
+            joint.map_or(0.0, |j| deviation_s * j.stiffness_nm_per_rad)
+        };
+        for i in 0..self.joints.len() {
+            let row = self.place(i, JointParameter::Viscous) * d;
+            for k in 0..self.joints.len() {
+                let column = self.place(k, JointParameter::Viscous);
+                if let Some(cell) = belief.covariance.get_mut(row + column) {
+                    *cell += slope(i) * slope(k);
+                }
+            }
+        }
+    }
+
     /// Whatever the gripper held is forgotten.
     pub fn open_payload(&self, belief: &mut Belief, payload: Payload) {
         for (k, believed) in self.payload_belief(payload).into_iter().enumerate() {

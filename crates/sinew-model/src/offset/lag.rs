@@ -1,0 +1,104 @@
+//! How late the motor side is stamped against the joint side.
+
+use super::belief::Belief;
+use super::parameter::JointParameter;
+use super::prior::Prior;
+use crate::Gaussian;
+use crate::cholesky::{self, dot};
+use alloc::vec::Vec;
+
+/// How much later the motor side is stamped against the joint side than was believed before, s.
+///
+/// A lag `T` shows as `−K T` of viscous friction at every joint. Let the recording alone say `m`, with the covariance
+/// `C`, of the changes of the joints' viscous frictions, and their own friction be known to `S = diag(s²)`:
+///
+/// ```text
+/// C⁻¹ = C_after⁻¹ − C_before⁻¹,    m = C (C_after⁻¹ m_after − C_before⁻¹ m_before) − m_before
+/// W = (S + C)⁻¹,                   T = −KᵀW m / KᵀW K,    σ_T² = 1 / KᵀW K
+/// ```
+///
+/// `opened_s` is what [`Prior::open_lag`] opened `before` by. `None` when the recording says nothing of friction. Source: generalised least squares; allocates.
+pub fn lag_s(prior: &Prior, before: &Belief, after: &Belief, opened_s: f64) -> Option<Gaussian> {
+    let elastic = (0..prior.joints()).filter(|&i| prior.is_elastic(i));
+    let joints: Vec<usize> = elastic.collect();
+    let n = joints.len();
+    let place = |i: usize| prior.place(i, JointParameter::Viscous);
+    let part = |belief: &Belief| {
+        let d = prior.dimension();
+        let rows = joints.iter().map(|&i| place(i) * d);
+        let cells = rows.flat_map(|row| joints.iter().map(move |&k| row + place(k)));
+        let covariance: Vec<f64> = cells.map(|at| belief.covariance[at]).collect();
+        let mean: Vec<f64> = joints.iter().map(|&i| belief.mean[place(i)]).collect();
+        Some((cholesky::inverse(&covariance, n).ok()?, mean))
+    };
+    let ((old, old_mean), (new, new_mean)) = (part(before)?, part(after)?);
+    let gained: Vec<f64> = new.iter().zip(&old).map(|(new, old)| new - old).collect();
+    let mut spread = cholesky::inverse(&gained, n).ok()?;
+    let pulled: Vec<f64> = (0..n)
+        .map(|i| dot(&new[i * n..][..n], &new_mean) - dot(&old[i * n..][..n], &old_mean))
+        .collect();
+    let change: Vec<f64> = (0..n)
+        .map(|i| dot(&spread[i * n..][..n], &pulled) - old_mean[i])
+        .collect();
+    let stiffness: Vec<f64> = (joints.iter())
+        .map(|&i| prior.joints[i].map_or(0.0, |j| j.stiffness_nm_per_rad))
+        .collect();
+    for (at, &i) in joints.iter().enumerate() {
+        let believed = before.entry(place(i)).deviation;
+        let lag = opened_s * stiffness[at];
+        spread[at * n + at] += (believed * believed - lag * lag).max(0.0);
+    }
+    let weights = cholesky::inverse(&spread, n).ok()?;
+    let weighed = |x: &[f64]| -> f64 {
+        (0..n)
+            .map(|i| stiffness[i] * dot(&weights[i * n..][..n], x))
+            .sum()
+    };
+    let information = weighed(&stiffness);
+    (information > 0.0).then(|| {
+        Gaussian::new(
+            -weighed(&change) / information,
+            libm::sqrt(1.0 / information),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::fixtures::turntable;
+    use crate::offset::{Payload, UNKNOWN_OFFSET_RAD};
+
+    /// One joint of 40 N·m/rad, 5 ms late, its friction told to 0.02 N·m·s/rad: by hand.
+    #[test]
+    fn a_lag_is_read_from_friction_as_large_as_it_is() {
+        let model = turntable();
+        let prior = &model.prior;
+        let place = prior.place(0, JointParameter::Viscous);
+        let d = prior.dimension();
+        for opened_s in [0.0, 0.002] {
+            let mut before = prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+            prior.open_lag(&mut before, opened_s);
+            let believed = before.entry(place);
+            let (told, deviation) = (believed.mean - 40.0 * 0.005, 0.02);
+            let variance = believed.deviation * believed.deviation;
+            let gain = variance / (variance + deviation * deviation);
+            let mut after = before.clone();
+            after.mean[place] += gain * (told - believed.mean);
+            after.covariance[place * d + place] *= 1.0 - gain;
+            let late = lag_s(prior, &before, &after, opened_s).unwrap();
+            assert!((late.mean - 0.005).abs() < 1e-9, "{late:?}");
+            // 2 mrad of 40 N·m/rad at a guess, 0.6 of it per rad/s.
+            let expected = libm::hypot(0.048, deviation) / 40.0;
+            assert!(
+                (late.deviation - expected).abs() < 1e-9,
+                "{late:?}, {expected}"
+            );
+            assert_eq!(
+                lag_s(prior, &before, &before, opened_s),
+                None,
+                "nothing learned"
+            );
+        }
+    }
+}
