@@ -326,10 +326,7 @@ fn a_motor_side_that_is_late_is_named_and_held_by_the_interval() {
                     1e3 * late.mean,
                     1e3 * late.half_width_95()
                 );
-                assert!(
-                    (late.mean - 0.005).abs() < late.half_width_95() + 0.001,
-                    "{late:?}"
-                );
+                assert!((late.mean - 0.005).abs() < late.half_width_95(), "{late:?}");
                 named += 1;
             }
         }

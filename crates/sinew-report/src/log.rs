@@ -4,7 +4,8 @@ use crate::text::{paragraph, plain, table};
 use crate::warnings::stream_name;
 use sinew_figure::rounded;
 use sinew_log::{
-    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, StreamTiming, TopicInfo, TopicUse,
+    Ambiguity, Format, Health, Quantity, RecordingInfo, SignalSource, StreamTiming, TopicInfo,
+    TopicUse,
 };
 
 /// A format as people call it.
