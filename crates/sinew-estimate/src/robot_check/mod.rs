@@ -1,6 +1,6 @@
 //! What was understood of a robot's folder, and what of it looks odd.
 //!
-//! Reading order: [`finding`] (types), `keys` (ranges of robot.toml and mappings), `masses`, `limits`
+//! Reading order: `finding` (types), `keys` (ranges of robot.toml and mappings), `masses`, `limits`
 //! (the URDF), `loads` (what the arm asks of its joints), `drives`, `ropes`.
 
 mod drives;

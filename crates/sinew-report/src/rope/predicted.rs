@@ -8,7 +8,7 @@ use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_model::Bounded;
 use sinew_rope::predict::{Prediction, Reading};
 
-/// How far a rope will stretch; `curve`: its readings at more times, by [`curve_times`].
+/// How far a rope will stretch; `curve`: its readings at more times, by [`super::series::curve_times`].
 pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
     let mut first = Vec::new();
     if let Some(last) = p.readings.last() {

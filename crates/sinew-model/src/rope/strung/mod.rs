@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The rope law adds its memory to this. A step solves for the tension at its end together with
-//! every element ([`piece`]); nothing is frozen, so the delayed compliance may be larger than the
+//! every element (`piece`); nothing is frozen, so the delayed compliance may be larger than the
 //! elastic one. The step is symmetric in time: two extrapolations over halved steps raise it to
 //! sixth order, and their distance to fourth order chooses the next step.
 //!
