@@ -1,0 +1,104 @@
+//! What an alarm is about.
+
+use serde::{Deserialize, Serialize};
+
+/// What an alarm is about. Names, severities and states are those of ISA-18.2 and OPC UA part 9.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Condition {
+    /// The strain at which the owner wants the rope replaced is passed with 95 %.
+    ReplaceLimit,
+    /// A jump with stiffness lost was confirmed.
+    StrandFailed,
+    /// A jump was confirmed by a second session.
+    Jump,
+    /// The elongation at which to tension again is passed with 95 %.
+    RetensionLimit,
+    /// A limit may be passed within two weeks.
+    LimitNear,
+    /// A jump that isn't confirmed, or ten minutes in doubt.
+    Suspicion,
+    /// The data can't be what they should: missing, swapped, degrees, lost.
+    Data,
+    /// What is learned can't be stored.
+    Store,
+    /// Nothing is received.
+    NoData,
+}
+
+impl Condition {
+    /// All, the most severe first.
+    pub const ALL: [Self; 9] = [
+        Self::ReplaceLimit,
+        Self::StrandFailed,
+        Self::Jump,
+        Self::Store,
+        Self::RetensionLimit,
+        Self::LimitNear,
+        Self::Suspicion,
+        Self::Data,
+        Self::NoData,
+    ];
+
+    /// Severity, 1 to 1000.
+    pub fn severity(self) -> u16 {
+        match self {
+            Self::ReplaceLimit => 900,
+            Self::StrandFailed => 800,
+            Self::Jump => 700,
+            Self::Store => 650,
+            Self::RetensionLimit => 600,
+            Self::LimitNear => 400,
+            Self::Suspicion | Self::Data => 300,
+            Self::NoData => 200,
+        }
+    }
+
+    /// Whether it stays until somebody tensions, replaces or resets.
+    pub fn latches(self) -> bool {
+        self.severity() >= 700
+    }
+
+    /// What `/diagnostics` shows.
+    pub fn level(self) -> Level {
+        match self {
+            Self::NoData => Level::Stale,
+            _ if self.latches() || self == Self::Store => Level::Error,
+            _ => Level::Warn,
+        }
+    }
+}
+
+/// How a tendon or a robot is, in the words and numbers of `diagnostic_msgs/DiagnosticStatus`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Level {
+    /// Nothing to do.
+    #[default]
+    Ok,
+    /// Look at it.
+    Warn,
+    /// Do something.
+    Error,
+    /// Nothing is known now.
+    Stale,
+}
+
+impl Level {
+    /// Number of the message.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// For sorting, the worst first: an error before what is stale, that before a warning.
+    pub fn urgency(self) -> u8 {
+        match self {
+            Self::Error => 3,
+            Self::Stale => 2,
+            Self::Warn => 1,
+            Self::Ok => 0,
+        }
+    }
+}

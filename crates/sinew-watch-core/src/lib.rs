@@ -1,0 +1,21 @@
+//! What a monitor knows of a running robot: a state machine without sockets, clocks or threads.
+//!
+//! [`Monitor`] takes frames, ticks and commands, each with the [`Instant`] it came, and gives
+//! [`Transaction`]s to store and a [`RobotSnapshot`] to show. A week replays in minutes, and a step of a
+//! clock is a test. It listens only: nothing here commands a robot.
+//!
+//! Reading order: `instant`, `record`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (what goes
+//! in and out), then `monitor`.
+
+pub mod alarm;
+pub mod command;
+pub mod instant;
+pub mod journal;
+pub mod record;
+pub mod snapshot;
+pub mod transaction;
+
+pub use instant::Instant;
+pub use record::Record;
+pub use snapshot::RobotSnapshot;
+pub use transaction::{Belief, Transaction};

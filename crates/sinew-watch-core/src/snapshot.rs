@@ -1,0 +1,158 @@
+//! What a robot's monitor says now.
+
+use crate::alarm::{Alarm, Level, LimitOrigin};
+use crate::record::{Clock, NoOffset, Record};
+use serde::{Deserialize, Serialize};
+use sinew_estimate::trend::JointTrend;
+use sinew_model::Gaussian;
+use std::sync::Arc;
+
+/// What is known of a robot now. Records, alarms and journal are those that are stored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RobotSnapshot {
+    /// Name in the configuration.
+    pub robot: String,
+    /// Name in robot.toml.
+    pub robot_type: String,
+    /// Where its frames come from.
+    pub source: String,
+    /// When this was said, s since 1970 UTC.
+    pub time_utc_s: f64,
+    /// The worst of its tendons and of itself.
+    pub level: Level,
+    /// Whether data come.
+    pub freshness: Freshness,
+    /// Frames of a second, over the last seconds.
+    pub rate_hz: f64,
+    /// Frames received since the monitor began.
+    pub frames: u64,
+    /// Frames that were lost, refused or incomplete since then.
+    pub frames_lost: u64,
+    /// What the estimator is at.
+    pub learning: Learning,
+    /// The session under way; `None`: the robot stands, or nothing comes.
+    pub session: Option<SessionNow>,
+    /// Which clock records are of now.
+    pub clock: Clock,
+    /// Temperature, °C.
+    pub temperature_c: Option<f64>,
+    /// Its tendons, in the order of joints.
+    pub tendons: Vec<TendonSnapshot>,
+    /// Alarms of the robot and its tendons, the most severe first.
+    pub alarms: Vec<Alarm>,
+    /// Transactions that wait for the store.
+    pub waiting_to_be_stored: usize,
+}
+
+/// Whether data come.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Freshness {
+    /// None came since the monitor began.
+    Never,
+    /// They come.
+    Fresh,
+    /// The last came so long ago.
+    Stale {
+        /// s.
+        for_s: f64,
+    },
+}
+
+/// What the estimator is at.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Learning {
+    /// It follows the tendons since their baseline.
+    Following,
+    /// There is no baseline: offsets are against the encoders' zero, and wide.
+    NoBaseline,
+    /// A rope was tensioned: it learns the new baseline from motion with nothing in the gripper.
+    Baseline {
+        /// Motion so far, s.
+        duration_s: f64,
+        /// Distinct poses so far.
+        poses: u64,
+        /// Distinct poses it needs.
+        poses_needed: u64,
+    },
+}
+
+/// A session under way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SessionNow {
+    /// When it began, s since 1970 UTC.
+    pub start_utc_s: f64,
+    /// Motion so far, s.
+    pub duration_s: f64,
+}
+
+/// What is known of a tendon now.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TendonSnapshot {
+    /// Joint.
+    pub joint: String,
+    /// The worst of its alarms.
+    pub level: Level,
+    /// Offset now, rad, from the recursive estimate; `None`: it isn't known now, and `reason` says why.
+    pub offset_rad: Option<Gaussian>,
+    /// Elongation now, m; `None` without an offset or tendon geometry.
+    pub elongation_m: Option<Gaussian>,
+    /// Strain now since the rope was new, as a fraction.
+    pub strain_ratio: Option<Gaussian>,
+    /// Why there is no offset now.
+    pub reason: Option<NotNow>,
+    /// When it was last tensioned, s since 1970 UTC.
+    pub tensioned_utc_s: Option<f64>,
+    /// The last record that is stored. It may be old: it says when it was made.
+    pub last: Option<Record>,
+    /// Limits, with where they come from.
+    pub limits: Vec<LimitNow>,
+    /// The trend of its records, without the series; `None`: none was computed yet.
+    #[serde(skip)]
+    pub trend: Option<Arc<JointTrend>>,
+}
+
+/// Why there is no offset now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum NotNow {
+    /// No data come.
+    NoData,
+    /// The estimate is in doubt: it began anew, or something doesn't fit.
+    InDoubt,
+    /// It can't tell stretch from nothing.
+    CannotTell {
+        /// Why.
+        why: NoOffset,
+    },
+    /// A new baseline is learned first.
+    LearnsBaseline,
+}
+
+/// A limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum LimitNow {
+    /// Tension again at this elongation.
+    Retension {
+        /// m.
+        elongation_m: f64,
+        /// Where it comes from.
+        origin: LimitOrigin,
+    },
+    /// Replace at this strain.
+    Replace {
+        /// As a fraction.
+        strain_ratio: f64,
+        /// Where it comes from.
+        origin: LimitOrigin,
+    },
+}
