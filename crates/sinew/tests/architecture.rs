@@ -42,7 +42,7 @@ fn every_crate_is_mentioned_and_every_path_exists() {
 
 #[test]
 fn crates_see_only_whom_they_may() {
-    const BELOW: [(&str, &[&str]); 12] = [
+    const BELOW: [(&str, &[&str]); 13] = [
         ("sinew-files", &[]),
         ("sinew-model", &["sinew-files"]),
         ("sinew-log", &["sinew-files"]),
@@ -70,6 +70,16 @@ fn crates_see_only_whom_they_may() {
             ],
         ),
         ("sinew-sim", &["sinew-files", "sinew-model", "sinew-log"]),
+        (
+            "sinew-watch-core",
+            &[
+                "sinew-files",
+                "sinew-model",
+                "sinew-log",
+                "sinew-rope",
+                "sinew-estimate",
+            ],
+        ),
         (
             "sinew-report",
             &[
@@ -115,6 +125,13 @@ fn crates_see_only_whom_they_may() {
             ],
         ),
     ];
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            BELOW.iter().any(|(known, _)| *known == name),
+            "what may {name} see?"
+        );
+    }
     for (name, sees) in BELOW {
         let manifest = read(&format!("crates/{name}/Cargo.toml"));
         let dependencies = manifest
