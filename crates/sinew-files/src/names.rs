@@ -1,4 +1,4 @@
-//! The name somebody may have meant.
+//! Names: the one somebody may have meant, those there are, their order.
 
 /// Most names compared, and most characters of each: they may come from a damaged file.
 const NAMES: usize = 1024;
@@ -68,9 +68,35 @@ pub fn shorten(text: &str, limit: usize) -> String {
     short
 }
 
+/// A key by which `run_9` comes before `run_10`.
+pub fn natural_key(name: &str) -> Vec<(u64, String)> {
+    let mut key = vec![(0_u64, String::new())];
+    for c in name.chars() {
+        let digit = c.to_digit(10).map(u64::from);
+        let fresh = key.last().is_some_and(|(_, text)| !text.is_empty());
+        if digit.is_some() && fresh {
+            key.push((0, String::new()));
+        }
+        if let Some((number, text)) = key.last_mut() {
+            match digit {
+                Some(digit) => *number = number.saturating_mul(10).saturating_add(digit),
+                None => text.push(c),
+            }
+        }
+    }
+    key
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_count_upwards() {
+        let mut names = ["b_1", "a_10", "a_9", "a_10b", "a"];
+        names.sort_by_key(|name| natural_key(name));
+        assert_eq!(names, ["a", "a_9", "a_10", "a_10b", "b_1"]);
+    }
 
     #[test]
     fn a_slip_of_the_pen_finds_its_name_and_a_stranger_does_not() {

@@ -1,7 +1,8 @@
 //! Recordings of tendon-driven robots as frames: MCAP/ROS 2, CSV, Parquet; SQLite bags with the feature `db3`.
 //!
-//! What was measured, and nothing else: no physics, no clock, no network. In three storeys: [`decode`]
-//! (bytes to messages), [`assemble`] (samples to frames, time as an argument), and on top the files.
+//! What was measured, and nothing else: no physics, no clock, no network. In storeys: [`decode`]
+//! (bytes to messages), [`assemble`] (samples to frames, time as an argument), [`live`] (messages to frames as
+//! they come), and on top the files.
 //!
 //! ```no_run
 //! use sinew_log::{OpenOptions, open};
@@ -103,6 +104,7 @@ mod files;
 mod frame;
 mod health;
 mod info;
+pub mod live;
 mod mapping;
 mod options;
 mod sources;

@@ -1,5 +1,6 @@
 //! How a recording shall be read.
 
+use crate::error::LogError;
 use crate::mapping::{JointEffort, Mapping};
 
 /// How a recording shall be read; every field has a documented default.
@@ -59,4 +60,27 @@ impl Default for OpenOptions {
 /// Seconds to nanoseconds, saturating.
 pub(crate) fn to_ns(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
+}
+
+/// Refuses times that can't be; `name` is what is read.
+pub(crate) fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
+    let request = |reason: String| Err(LogError::request(name, reason));
+    for (what, value) in [
+        ("gap_s", options.gap_s),
+        ("reorder_s", options.reorder_s),
+        ("interpolate_s", options.interpolate_s),
+    ] {
+        if value.is_nan() || value < 0.0 {
+            return request(format!(
+                "option {what} is {value} s; zero or more is needed"
+            ));
+        }
+    }
+    if options.interpolate_s > options.reorder_s && options.interpolate_s > 0.0 {
+        return request(format!(
+            "option interpolate_s ({} s) is larger than reorder_s ({} s): the later neighbour would not be waited for",
+            options.interpolate_s, options.reorder_s
+        ));
+    }
+    Ok(())
 }

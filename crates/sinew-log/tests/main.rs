@@ -10,6 +10,7 @@ mod encode;
 mod independent;
 mod joining;
 mod lerobot;
+mod live;
 mod mapping;
 mod messages;
 mod parquet;

@@ -365,7 +365,7 @@ impl Conditioner {
     }
 
     /// Writes the counts and suspicions of the whole recording.
-    pub(crate) fn finish(&mut self, health: &mut Health) {
+    pub(crate) fn finish(&self, health: &mut Health) {
         let n = self.n;
         health.non_finite.clear();
         health.unwrapped.clear();

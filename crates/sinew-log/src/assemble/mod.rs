@@ -30,6 +30,8 @@ pub struct Side {
     seen: Vec<bool>,
     /// Index of the last sample at or before the current instant.
     cursor: usize,
+    /// Whether there is such a stream at all: nobody waits for one that there isn't.
+    expected: bool,
 }
 
 /// Sorts, joins and conditions; hands out one frame at a time.
@@ -47,6 +49,8 @@ pub struct Joiner {
     conditioner: Conditioner,
     frame: Frame,
     ended: bool,
+    /// What is held up to here may leave.
+    released: Option<Key>,
     late_reported: u64,
 }
 
@@ -78,12 +82,14 @@ impl Joiner {
                     blocks: blocks.to_vec(),
                     seen: vec![false; n * blocks.len()],
                     cursor: 0,
+                    expected: true,
                 })
                 .collect(),
             raw: vec![ABSENT; n * BLOCKS],
             conditioner,
             frame: Frame::new(n),
             ended: false,
+            released: None,
             late_reported: 0,
         }
     }
@@ -97,6 +103,30 @@ impl Joiner {
         self.ended = true;
     }
 
+    /// Whether there is such a side stream: nobody waits for one that there isn't, and its values are absent.
+    pub fn expect(&mut self, side: usize, expected: bool) {
+        let Some(side) = self.sides.get_mut(side) else {
+            return;
+        };
+        side.expected = expected;
+        if !expected {
+            for quantity in &side.blocks {
+                let into = quantity.index() * self.n;
+                self.raw[into..into + self.n].fill(ABSENT);
+            }
+        }
+    }
+
+    /// What is held may leave, as it is; what comes next begins a new segment.
+    pub fn release(&mut self) {
+        self.primary.drop_behind();
+        for side in &mut self.sides {
+            side.sorter.drop_behind();
+        }
+        self.released = self.primary.newest();
+        self.primary.mark_damage();
+    }
+
     /// The next sample comes after a damaged part of the file.
     pub fn mark_damage(&mut self) {
         self.primary.mark_damage();
@@ -108,14 +138,15 @@ impl Joiner {
         let Some(front) = self.primary.front() else {
             return false;
         };
-        if self.ended || self.primary.is_full() {
+        let released = self.released.is_some_and(|newest| front.key <= newest);
+        if self.ended || released || self.primary.is_full() {
             return true;
         }
         if !self.primary.front_is_settled(self.window_ns) {
             return false;
         }
         let key = front.key;
-        let sides_reached = self.sides.iter().all(|side| {
+        let sides_reached = self.sides.iter().filter(|side| side.expected).all(|side| {
             side.sorter.is_full()
                 || side
                     .sorter
@@ -142,7 +173,7 @@ impl Joiner {
                 (slot.key, slot.after_damage)
             }
         };
-        for side in &mut self.sides {
+        for side in self.sides.iter_mut().filter(|side| side.expected) {
             side.look_up(
                 key,
                 n,
@@ -172,9 +203,9 @@ impl Joiner {
     }
 
     /// Adds what the sorters and the conditioner counted.
-    pub fn finish(&mut self, health: &mut Health) {
+    pub fn finish(&self, health: &mut Health) {
         let mut counts = self.primary.counts;
-        for side in &self.sides {
+        for side in self.sides.iter().filter(|side| side.expected) {
             counts.late += side.sorter.counts.late;
             counts.duplicates += side.sorter.counts.duplicates;
             counts.out_of_order += side.sorter.counts.out_of_order;
@@ -182,13 +213,14 @@ impl Joiner {
         health.late = counts.late;
         health.duplicates = counts.duplicates;
         health.out_of_order = counts.out_of_order;
-        let motor_apart = self.sides.iter().any(Side::is_motor);
+        let mut expected = self.sides.iter().filter(|side| side.expected);
+        let motor_apart = expected.any(Side::is_motor);
         let of_primary = match motor_apart {
             true => StreamRole::JointSide,
             false => StreamRole::BothSides,
         };
         health.streams = vec![self.primary.timing(of_primary)];
-        for side in &mut self.sides {
+        for side in self.sides.iter().filter(|side| side.expected) {
             let role = match side.is_motor() {
                 true => StreamRole::MotorSide,
                 false => StreamRole::ExternalTorque,

@@ -87,11 +87,12 @@ impl Sorter {
     }
 
     /// Steps from stamp to stamp, of what left and what is still held.
-    pub(crate) fn timing(&mut self, role: StreamRole) -> StreamTiming {
-        for slot in self.queue.drain(..) {
-            self.steps.sample(slot.key);
+    pub(crate) fn timing(&self, role: StreamRole) -> StreamTiming {
+        let mut steps = self.steps.clone();
+        for slot in &self.queue {
+            steps.sample(slot.key);
         }
-        self.steps.timing(role, self.counts.conflicting)
+        steps.timing(role, self.counts.conflicting)
     }
 
     /// Newest stamp seen in the current epoch.
@@ -233,7 +234,9 @@ impl Sorter {
         self.counts.clock_jumps += 1;
         self.epoch = self.epoch.saturating_add(1);
         self.behind.sort_by_key(|slot| slot.key.time_ns);
-        for mut slot in std::mem::take(&mut self.behind) {
+        // Its memory is kept.
+        let mut behind = std::mem::take(&mut self.behind);
+        for mut slot in behind.drain(..) {
             slot.key.epoch = self.epoch;
             self.newest_ns = Some(slot.key.time_ns);
             match self.queue.back_mut() {
@@ -246,6 +249,7 @@ impl Sorter {
                 _ => self.queue.push_back(slot),
             }
         }
+        self.behind = behind;
     }
 
     /// Takes the oldest sample out; nothing at or before it is accepted afterwards.

@@ -20,7 +20,7 @@ pub(crate) struct Steps {
     limit_ns: i64,
     last: Option<Key>,
     samples: u64,
-    /// Count and sum, ns, of each bin.
+    /// Count and sum, ns, of each bin; none before the first step.
     bins: Vec<(u64, u64)>,
     /// The last step and its bin: most steps are like the one before.
     cached: (i64, usize),
@@ -33,7 +33,7 @@ impl Steps {
             limit_ns,
             last: None,
             samples: 0,
-            bins: vec![(0, 0); BINS],
+            bins: Vec::new(),
             cached: (0, 0),
         }
     }
@@ -53,6 +53,9 @@ impl Steps {
         if step_ns != self.cached.0 {
             let bin = ((step_ns as f64).ln() / BIN) as usize;
             self.cached = (step_ns, bin.min(BINS - 1));
+        }
+        if self.bins.is_empty() {
+            self.bins.resize(BINS, (0, 0));
         }
         let bin = &mut self.bins[self.cached.1];
         bin.0 += 1;

@@ -154,3 +154,23 @@ pub fn stamp_ns(data: &[u8]) -> Option<i64> {
     };
     Some(i64::from(seconds) * 1_000_000_000 + i64::from(nanos))
 }
+
+/// Writes the stamp of a `std_msgs/Header` at the start of a payload, ns; `false`: not plain CDR, too short, or a time
+/// that a stamp can't hold. Nothing is changed then.
+pub fn set_stamp_ns(data: &mut [u8], time_ns: i64) -> bool {
+    let Ok(seconds) = i32::try_from(time_ns.div_euclid(1_000_000_000)) else {
+        return false;
+    };
+    let nanos = time_ns.rem_euclid(1_000_000_000) as u32;
+    let Some(head) = data.first_chunk_mut::<12>() else {
+        return false;
+    };
+    let (seconds, nanos) = match (head[0], head[1]) {
+        (0, 1) => (seconds.to_le_bytes(), nanos.to_le_bytes()),
+        (0, 0) => (seconds.to_be_bytes(), nanos.to_be_bytes()),
+        _ => return false,
+    };
+    head[4..8].copy_from_slice(&seconds);
+    head[8..].copy_from_slice(&nanos);
+    true
+}

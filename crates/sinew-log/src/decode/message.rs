@@ -152,6 +152,38 @@ pub fn parse(kind: MessageKind, data: &[u8]) -> Result<Parsed<'_>, DecodeError> 
     Ok(parsed)
 }
 
+/// Changes values where they lie: `value` gets each with its joint and field, and says what it becomes.
+///
+/// # Errors
+/// [`DecodeError`]: not plain CDR, or cut off; nothing is changed then.
+pub fn rewrite(
+    kind: MessageKind,
+    data: &mut [u8],
+    mut value: impl FnMut(&Entry<'_>, f64) -> f64,
+) -> Result<(), DecodeError> {
+    let parsed = parse(kind, data)?;
+    let is_big_endian = parsed.big_endian;
+    let mut changed = Vec::with_capacity(parsed.entries.len());
+    for entry in &parsed.entries {
+        let Some(bytes) = data[entry.at..].first_chunk::<8>() else {
+            continue;
+        };
+        let before = match is_big_endian {
+            true => f64::from_be_bytes(*bytes),
+            false => f64::from_le_bytes(*bytes),
+        };
+        changed.push((entry.at, value(entry, before)));
+    }
+    for (at, value) in changed {
+        let bytes = match is_big_endian {
+            true => value.to_be_bytes(),
+            false => value.to_le_bytes(),
+        };
+        data[at..at + 8].copy_from_slice(&bytes);
+    }
+    Ok(())
+}
+
 /// Where the values of a message go, valid while its other bytes stay the same.
 #[derive(Debug)]
 pub struct Layout {

@@ -13,5 +13,5 @@ mod cdr;
 mod message;
 
 pub(crate) use cdr::Cdr;
-pub use cdr::{DecodeError, stamp_ns};
-pub use message::{Entry, Field, Layout, MessageKind, Parsed, parse};
+pub use cdr::{DecodeError, set_stamp_ns, stamp_ns};
+pub use message::{Entry, Field, Layout, MessageKind, Parsed, parse, rewrite};

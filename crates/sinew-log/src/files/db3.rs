@@ -7,12 +7,13 @@ use mcap::records::Channel;
 use rusqlite::{Connection, OpenFlags, params};
 
 use super::mcap::BagReader;
-use super::mcap::messages::{Item, Messages, Summary, Topic};
+use super::mcap::messages::{Item, Messages, Summary};
 use super::read_seek::ReadSeek;
 use super::reader::{Format, Progress};
 use super::spool::ZSTD_MAGIC;
 use crate::error::LogError;
 use crate::health::Health;
+use crate::live::survey::Topic;
 use crate::options::OpenOptions;
 
 /// Messages fetched at a time.

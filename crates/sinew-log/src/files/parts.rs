@@ -2,6 +2,7 @@
 
 use super::lerobot::INFO;
 use crate::error::LogError;
+use sinew_files::names::natural_key;
 use sinew_files::{limits, read_text};
 use std::path::{Path, PathBuf};
 
@@ -61,7 +62,7 @@ pub fn recordings_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
         is_bag(path) || path.is_file() && ENDINGS.iter().any(|end| name.ends_with(end))
     };
     let mut found: Vec<PathBuf> = entries.filter(is_recording).collect();
-    found.sort_by_cached_key(|path| natural(&path.to_string_lossy()));
+    found.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
     match found.is_empty() {
         true => Err(LogError::refused(
             &name,
@@ -139,27 +140,8 @@ fn named(folder: &Path, is: impl Fn(&str) -> bool) -> Result<Vec<PathBuf>, LogEr
             path.is_file() && name.is_some_and(|name| is(&name))
         })
         .collect();
-    found.sort_by_cached_key(|path| natural(&path.to_string_lossy()));
+    found.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
     Ok(found)
-}
-
-/// A key by which `run_9` comes before `run_10`.
-fn natural(name: &str) -> Vec<(u64, String)> {
-    let mut key = vec![(0_u64, String::new())];
-    for c in name.chars() {
-        let digit = c.to_digit(10).map(u64::from);
-        let fresh = key.last().is_some_and(|(_, text)| !text.is_empty());
-        if digit.is_some() && fresh {
-            key.push((0, String::new()));
-        }
-        if let Some((number, text)) = key.last_mut() {
-            match digit {
-                Some(digit) => *number = number.saturating_mul(10).saturating_add(digit),
-                None => text.push(c),
-            }
-        }
-    }
-    key
 }
 
 /// Whether a name fits a pattern of `*` (anything) and `?` (one character).
@@ -198,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_fit_patterns_and_count_upwards() {
+    fn names_fit_patterns() {
         for (pattern, name, fits) in [
             ("*.mcap", "a.mcap", true),
             ("*.mcap", "a.mcap.zst", false),
@@ -210,8 +192,5 @@ mod tests {
         ] {
             assert_eq!(matches(pattern, name), fits, "{pattern} {name}");
         }
-        let mut names = ["b_1", "a_10", "a_9", "a_10b", "a"];
-        names.sort_by_key(|name| natural(name));
-        assert_eq!(names, ["a", "a_9", "a_10", "a_10b", "b_1"]);
     }
 }

@@ -14,7 +14,7 @@ use crate::assemble::Joiner;
 use crate::error::LogError;
 use crate::frame::{Channels, Frame};
 use crate::health::Health;
-use crate::options::OpenOptions;
+use crate::options::{OpenOptions, check_options};
 use crate::sources::{SignalSource, TopicInfo};
 use sinew_files::names::{hint, list};
 
@@ -253,26 +253,4 @@ impl Recording {
     pub fn progress(&self) -> Progress {
         self.reader.progress()
     }
-}
-
-fn check_options(options: &OpenOptions, name: &str) -> Result<(), LogError> {
-    let request = |reason: String| Err(LogError::request(name, reason));
-    for (what, value) in [
-        ("gap_s", options.gap_s),
-        ("reorder_s", options.reorder_s),
-        ("interpolate_s", options.interpolate_s),
-    ] {
-        if value.is_nan() || value < 0.0 {
-            return request(format!(
-                "option {what} is {value} s; zero or more is needed"
-            ));
-        }
-    }
-    if options.interpolate_s > options.reorder_s && options.interpolate_s > 0.0 {
-        return request(format!(
-            "option interpolate_s ({} s) is larger than reorder_s ({} s): the later neighbour would not be waited for",
-            options.interpolate_s, options.reorder_s
-        ));
-    }
-    Ok(())
 }

@@ -2,40 +2,9 @@
 
 use crate::files::reader::{Format, Progress};
 use crate::health::Health;
+use crate::live::survey::Topic;
 use mcap::records::Channel;
-use std::collections::{BTreeMap, BTreeSet};
-
-/// Which of a joint's values a topic holds.
-#[derive(Debug, Clone, Default)]
-pub(in crate::files) struct Fields {
-    pub(in crate::files) position: bool,
-    pub(in crate::files) velocity: bool,
-    pub(in crate::files) effort: bool,
-    pub(in crate::files) interfaces: Vec<String>,
-}
-
-/// A topic and what its first messages name.
-#[derive(Debug, Clone, Default)]
-pub(in crate::files) struct Topic {
-    pub(in crate::files) name: String,
-    pub(in crate::files) schema: String,
-    pub(in crate::files) encoding: String,
-    pub(in crate::files) messages: u64,
-    /// Joints in the order met.
-    pub(in crate::files) joints: Vec<(String, Fields)>,
-}
-
-impl Topic {
-    /// Interfaces that its joints have, sorted.
-    pub(in crate::files) fn interfaces(&self) -> Vec<String> {
-        let all = self
-            .joints
-            .iter()
-            .flat_map(|(_, fields)| &fields.interfaces);
-        let all: BTreeSet<&String> = all.collect();
-        all.into_iter().cloned().collect()
-    }
-}
+use std::collections::BTreeMap;
 
 /// What the file says it holds.
 #[derive(Default)]

@@ -5,20 +5,16 @@ use std::collections::BTreeMap;
 use mcap::records::{Record, op};
 
 use super::container::{Container, record_header};
-use super::messages::{Fields, Item, Messages, Summary, Topic};
-use crate::decode::Cdr;
-use crate::decode::{Field, MessageKind, parse};
+use super::messages::{Item, Messages, Summary};
+use crate::decode::MessageKind;
 use crate::files::reader::{Format, Progress};
 use crate::health::Health;
+use crate::live::survey::{NAMED_MESSAGES, Survey, Topic, description, is_description};
 
 /// Bytes of the file looked at for what the summary announces.
 const SCAN_BYTES: u64 = 16 << 20;
 /// Bytes looked at where no summary says what there is.
 const BLIND_SCAN_BYTES: u64 = 2 << 20;
-/// Messages per topic looked at for joint names.
-const NAMED_MESSAGES: u64 = 256;
-/// Most joints and interfaces a topic may have.
-const NAME_LIMIT: usize = 4096;
 /// Largest summary section read, bytes.
 const SUMMARY_LIMIT: u64 = sinew_files::limits::SUMMARY.most;
 /// Magic bytes at both ends of the file.
@@ -26,23 +22,11 @@ const MAGIC_BYTES: u64 = 8;
 /// Footer record and closing magic, bytes.
 const TAIL_BYTES: u64 = 9 + 20 + MAGIC_BYTES;
 
-/// What the recording holds.
-#[derive(Debug, Default)]
-pub(super) struct Contents {
-    pub(super) topics: BTreeMap<u16, Topic>,
-    schemas: BTreeMap<u16, String>,
-    pub(super) robot_description: Option<String>,
-    /// The recorder's clock at the first message, ns.
-    pub(super) starts_ns: Option<i64>,
-    /// What was found damaged in the part looked at.
-    pub(super) health: Health,
-}
-
 /// Looks at the recording; leaves the container at the first record.
-pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Contents> {
+pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Survey> {
     let summary = container.summary()?;
     container.rewind()?;
-    let mut contents = Contents::default();
+    let mut survey = Survey::default();
     // Channels are defined where they are first used. The summary repeats them, so
     // that a file whose first chunk is damaged can still be read.
     for (id, topic) in summary.iter().flat_map(|summary| &summary.topics) {
@@ -50,7 +34,7 @@ pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Contents> {
             messages: 0,
             ..topic.clone()
         };
-        contents.topics.insert(*id, seen);
+        survey.topics.insert(*id, seen);
     }
     let mut health = Health::default();
     loop {
@@ -58,19 +42,19 @@ pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Contents> {
             Item::End => break,
             Item::Damage => {}
             Item::Schema { id, name } => {
-                contents.schemas.insert(id, name);
+                survey.schemas.insert(id, name);
             }
-            Item::Channel(channel) => contents.channel(&channel),
+            Item::Channel(channel) => note_channel(&mut survey, &channel),
             Item::Message {
                 channel,
                 log_time_ns,
             } => {
-                contents.starts_ns.get_or_insert(log_time_ns as i64);
-                contents.message(channel, container.payload());
+                survey.starts_ns.get_or_insert(log_time_ns as i64);
+                survey.message(channel, container.payload());
                 let scanned = container.progress().bytes_done;
                 let satisfied = match &summary {
                     None => scanned > BLIND_SCAN_BYTES,
-                    Some(summary) => scanned > SCAN_BYTES || contents.has_met(&summary.topics),
+                    Some(summary) => scanned > SCAN_BYTES || has_met(&survey, &summary.topics),
                 };
                 if satisfied {
                     break;
@@ -78,120 +62,71 @@ pub(super) fn scan(container: &mut impl Messages) -> std::io::Result<Contents> {
             }
         }
     }
-    contents.health = health;
+    survey.health = health;
     if let Some(summary) = summary
-        && contents.robot_description.is_none()
+        && survey.robot_description.is_none()
     {
-        contents.find_description(container, &summary.chunks)?;
+        survey.robot_description = find_description(container, &survey, &summary.chunks)?;
     }
     container.rewind()?;
-    Ok(contents)
+    Ok(survey)
 }
 
-impl Contents {
-    fn channel(&mut self, channel: &mcap::records::Channel) {
-        let topic = topic_of(channel, &self.schemas);
-        let known = self.topics.entry(channel.id).or_default();
-        if known.name != topic.name || known.schema.is_empty() {
-            *known = topic;
-        }
+fn note_channel(survey: &mut Survey, channel: &mcap::records::Channel) {
+    let topic = topic_of(channel, &survey.schemas);
+    let known = survey.topics.entry(channel.id).or_default();
+    if known.name != topic.name || known.schema.is_empty() {
+        *known = topic;
     }
+}
 
-    fn message(&mut self, channel: u16, payload: &[u8]) {
-        let Some(topic) = self.topics.get_mut(&channel) else {
-            return;
-        };
-        topic.messages += 1;
-        if is_description(topic) && self.robot_description.is_none() {
-            self.robot_description = description(payload);
-            return;
+/// Whether everything of interest that the summary announces was met.
+fn has_met(survey: &Survey, announced: &BTreeMap<u16, Topic>) -> bool {
+    announced.iter().all(|(id, topic)| {
+        let met = survey.topics.get(id).map_or(0, |topic| topic.messages);
+        if is_description(topic) {
+            survey.robot_description.is_some()
+        } else if MessageKind::of_schema(&topic.schema).is_some() {
+            met >= NAMED_MESSAGES.min(topic.messages)
+        } else {
+            true
         }
-        if topic.messages > NAMED_MESSAGES || topic.encoding != "cdr" {
-            return;
-        }
-        let Some(kind) = MessageKind::of_schema(&topic.schema) else {
-            return;
-        };
-        // What cannot be decoded is counted when the messages are read for good.
-        let Ok(parsed) = parse(kind, payload) else {
-            return;
-        };
-        for entry in &parsed.entries {
-            let name = String::from_utf8_lossy(entry.joint);
-            let index = match topic.joints.iter().position(|(known, _)| *known == name) {
-                Some(index) => index,
-                None if topic.joints.len() < NAME_LIMIT => {
-                    topic.joints.push((name.into_owned(), Fields::default()));
-                    topic.joints.len() - 1
-                }
-                None => continue,
-            };
-            let fields = &mut topic.joints[index].1;
-            match entry.field {
-                Field::Position => fields.position = true,
-                Field::Velocity => fields.velocity = true,
-                Field::Effort => fields.effort = true,
-                Field::Interface(name) => {
-                    let name = String::from_utf8_lossy(name);
-                    if !fields.interfaces.iter().any(|known| *known == name)
-                        && fields.interfaces.len() < NAME_LIMIT
-                    {
-                        fields.interfaces.push(name.into_owned());
-                    }
-                }
-            }
-        }
-    }
+    })
+}
 
-    /// Whether everything of interest that the summary announces was met.
-    fn has_met(&self, announced: &BTreeMap<u16, Topic>) -> bool {
-        announced.iter().all(|(id, topic)| {
-            let met = self.topics.get(id).map_or(0, |topic| topic.messages);
-            if is_description(topic) {
-                self.robot_description.is_some()
-            } else if MessageKind::of_schema(&topic.schema).is_some() {
-                met >= NAMED_MESSAGES.min(topic.messages)
-            } else {
-                true
+/// Looks a robot description up in the chunks the summary says it is in.
+fn find_description(
+    container: &mut impl Messages,
+    survey: &Survey,
+    chunks: &[(u64, Vec<u16>)],
+) -> std::io::Result<Option<String>> {
+    let wanted: Vec<u16> = survey
+        .topics
+        .iter()
+        .filter(|(_, topic)| is_description(topic))
+        .map(|(id, _)| *id)
+        .collect();
+    let mut health = Health::default();
+    let holding = chunks
+        .iter()
+        .find(|(_, channels)| channels.iter().any(|id| wanted.contains(id)));
+    let Some((start, _)) = holding else {
+        return Ok(None);
+    };
+    container.restart(*start)?;
+    let mut last_position = None;
+    loop {
+        match container.next(&mut health)? {
+            Item::End | Item::Damage => return Ok(None),
+            Item::Message { channel, .. } if wanted.contains(&channel) => {
+                return Ok(description(container.payload()));
             }
-        })
-    }
-
-    /// Looks a robot description up in the chunks the summary says it is in.
-    fn find_description(
-        &mut self,
-        container: &mut impl Messages,
-        chunks: &[(u64, Vec<u16>)],
-    ) -> std::io::Result<()> {
-        let wanted: Vec<u16> = self
-            .topics
-            .iter()
-            .filter(|(_, topic)| is_description(topic))
-            .map(|(id, _)| *id)
-            .collect();
-        let mut health = Health::default();
-        let holding = chunks
-            .iter()
-            .find(|(_, channels)| channels.iter().any(|id| wanted.contains(id)));
-        let Some((start, _)) = holding else {
-            return Ok(());
-        };
-        container.restart(*start)?;
-        let mut last_position = None;
-        loop {
-            match container.next(&mut health)? {
-                Item::End | Item::Damage => return Ok(()),
-                Item::Message { channel, .. } if wanted.contains(&channel) => {
-                    self.robot_description = description(container.payload());
-                    return Ok(());
-                }
-                _ => {}
-            }
-            // One chunk is enough: the summary said so.
-            let position = container.progress().bytes_done;
-            if *last_position.get_or_insert(position) != position {
-                return Ok(());
-            }
+            _ => {}
+        }
+        // One chunk is enough: the summary said so.
+        let position = container.progress().bytes_done;
+        if *last_position.get_or_insert(position) != position {
+            return Ok(None);
         }
     }
 }
@@ -204,20 +139,6 @@ pub(super) fn topic_of(channel: &mcap::records::Channel, schemas: &BTreeMap<u16,
         messages: 0,
         joints: Vec::new(),
     }
-}
-
-pub(super) fn is_description(topic: &Topic) -> bool {
-    topic.name.rsplit('/').next() == Some("robot_description")
-        && matches!(
-            topic.schema.as_str(),
-            "std_msgs/msg/String" | "std_msgs/String"
-        )
-}
-
-fn description(payload: &[u8]) -> Option<String> {
-    let text = Cdr::new(payload).and_then(|mut cdr| cdr.string()).ok()?;
-    let text = String::from_utf8_lossy(text);
-    (!text.trim().is_empty()).then(|| text.into_owned())
 }
 
 impl Messages for Container {

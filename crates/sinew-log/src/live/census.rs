@@ -1,0 +1,148 @@
+//! What there is to watch: topics, joints, and which of them look like a robot.
+
+use super::choose::{Wishes, choose_so_far};
+use super::joints::joints_of;
+use super::names::Names;
+use super::seen::{Seen, topics_of};
+use super::survey::{Survey, Topic, description, is_description_topic};
+use super::{TOPICS_MOST, TopicId};
+use crate::decode::MessageKind;
+use crate::error::Ambiguity;
+use crate::info::JointInfo;
+use crate::mapping::Mapping;
+use crate::options::OpenOptions;
+use crate::sources::TopicInfo;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Topics of a network as they are met, for somebody who doesn't know yet what to watch.
+#[derive(Debug, Default)]
+pub struct Census {
+    survey: Survey,
+    seen: Vec<Seen>,
+    /// Namespace and text.
+    descriptions: BTreeMap<String, String>,
+}
+
+/// What looks like a robot: a namespace with joint states.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RobotFound {
+    /// What its topics lie in; empty: the root.
+    pub namespace: String,
+    /// The joint side; `None`: there is none, or several could be.
+    pub joint_side: Option<String>,
+    /// The motor side; `None`: there is none, or several could be.
+    pub motor_side: Option<String>,
+    /// Sides that several topics could be.
+    pub ambiguous: Vec<Ambiguity>,
+    /// Joints, and what came of each.
+    pub joints: Vec<JointInfo>,
+    /// Its URDF.
+    pub robot_description: Option<String>,
+}
+
+impl Census {
+    /// Announces a topic of any type; `None`: there are too many already.
+    pub fn topic(&mut self, name: &str, schema: &str) -> Option<TopicId> {
+        let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
+        let known = self.survey.topics.iter().find(|(_, topic)| is_same(topic));
+        if let Some((id, _)) = known {
+            return Some(TopicId(*id));
+        }
+        let id = self.survey.topics.len();
+        if id >= TOPICS_MOST {
+            return None;
+        }
+        let topic = Topic::live(name, schema);
+        let mut seen = Seen::default();
+        seen.describe(&topic);
+        self.seen.push(seen);
+        self.survey.topics.insert(id as u16, topic);
+        Some(TopicId(id as u16))
+    }
+
+    /// Whether a look into messages of this type tells more: joints, interfaces, a robot's description.
+    pub fn reads(name: &str, schema: &str) -> bool {
+        MessageKind::of_schema(schema).is_some() || is_description_topic(name, schema)
+    }
+
+    /// A message and when it was received, ns.
+    pub fn push(&mut self, topic: TopicId, cdr: &[u8], received_ns: i64) {
+        let Some(seen) = self.seen.get_mut(usize::from(topic.0)) else {
+            return;
+        };
+        seen.message(u64::try_from(received_ns).unwrap_or(0));
+        if seen.is_description() {
+            if let Some(text) = description(cdr) {
+                let namespace = namespace_of(&seen.topic).to_owned();
+                self.descriptions.insert(namespace, text);
+            }
+            return;
+        }
+        self.survey.message(topic.0, cdr);
+        if let Some(topic) = self.survey.topics.get(&topic.0) {
+            seen.describe(topic);
+        }
+    }
+
+    /// Every topic with its type, its rate, and what it would be taken for in its namespace.
+    pub fn topics(&self) -> Vec<TopicInfo> {
+        let mut topics = topics_of(&self.seen, &Names::default());
+        for robot in self.robots() {
+            for topic in &mut topics {
+                let is = |side: &Option<String>| side.as_ref() == Some(&topic.name);
+                if is(&robot.joint_side) {
+                    topic.taken_for = Some(crate::sources::TopicUse::JointSide);
+                } else if is(&robot.motor_side) {
+                    topic.taken_for = Some(crate::sources::TopicUse::MotorSide);
+                }
+            }
+        }
+        topics
+    }
+
+    /// Namespaces that hold joint states.
+    pub fn robots(&self) -> Vec<RobotFound> {
+        let states = self.survey.topics.values();
+        let states = states.filter(|topic| MessageKind::of_schema(&topic.schema).is_some());
+        let namespaces: BTreeSet<&str> = states.map(|topic| namespace_of(&topic.name)).collect();
+        let all = namespaces.into_iter();
+        all.map(|namespace| self.robot(namespace)).collect()
+    }
+
+    fn robot(&self, namespace: &str) -> RobotFound {
+        let here = |topic: &&Topic| namespace_of(&topic.name) == namespace;
+        let topics = self.survey.topics.values().filter(here).cloned();
+        let survey = Survey {
+            topics: (0..).zip(topics).collect(),
+            ..Survey::default()
+        };
+        let wishes = Wishes::of(&OpenOptions::default(), namespace);
+        let (names, ambiguous) = choose_so_far(&survey, &wishes);
+        // Without a mapping no joint is missing.
+        let joints = joints_of(&survey, &names, &Mapping::default(), "");
+        let (joints, channels, _) = joints.unwrap_or_default();
+        let joints = joints.into_iter().zip(channels.joints);
+        RobotFound {
+            namespace: namespace.to_owned(),
+            joint_side: names.joint_topic,
+            motor_side: names.motor_topic,
+            ambiguous,
+            joints: joints
+                .map(|(name, has)| JointInfo {
+                    name,
+                    channels: has.iter().collect(),
+                })
+                .collect(),
+            robot_description: self.descriptions.get(namespace).cloned(),
+        }
+    }
+}
+
+/// What a topic lies in: `/arm7` of `/arm7/joint_states`.
+fn namespace_of(topic: &str) -> &str {
+    topic
+        .rsplit_once('/')
+        .map_or("", |(namespace, _)| namespace)
+}

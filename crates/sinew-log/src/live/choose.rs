@@ -1,0 +1,383 @@
+//! Which topic is what: by name where somebody named it, else the usual one, else the only one.
+
+use super::names::Names;
+use super::survey::{Survey, Topic};
+use crate::decode::MessageKind;
+use crate::error::{Ambiguity, LogError};
+use crate::mapping::{JointEffort, Mapping};
+use crate::options::OpenOptions;
+use crate::sources::TopicUse;
+use sinew_files::names::{hint, list};
+use sinew_files::{Fault, Located};
+use std::collections::BTreeSet;
+
+/// Topic of the joint side unless told otherwise.
+const JOINT_TOPIC: &str = "/joint_states";
+/// Topic of the motor side unless told otherwise.
+const MOTOR_TOPIC: &str = "/dynamic_joint_states";
+
+/// In an MCAP recording a term converts a field; it names no column.
+pub(crate) fn check_mapping(mapping: &Mapping) -> Result<(), Located> {
+    for source in mapping
+        .joints
+        .iter()
+        .flat_map(|joint| joint.sources.iter().flatten())
+    {
+        for term in &source.terms {
+            if let Some(column) = &term.column {
+                let problem = "an MCAP recording has topics, not columns";
+                return Err(Located::new(&mapping.file, Fault::NotAllowed, problem)
+                    .line(term.line)
+                    .column(column)
+                    .cure(
+                        "leave column and sum out, the term then converts the topic's own value",
+                    ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What options and mapping ask for; the options win.
+#[derive(Debug, Clone)]
+pub(crate) struct Wishes {
+    pub(crate) joint: Option<String>,
+    pub(crate) motor: Option<String>,
+    pub(crate) external: String,
+    motor_interface: String,
+    motor_effort_interface: String,
+    temperature_interface: String,
+    joint_effort: JointEffort,
+    /// Whether the motor interface isn't the usual one.
+    asks_interface: bool,
+    /// What usual names lie in; empty: anywhere.
+    pub(crate) namespace: String,
+}
+
+impl Wishes {
+    /// `namespace` is empty, or a name that begins with `/`: usual names are looked for in it.
+    pub(crate) fn of(options: &OpenOptions, namespace: &str) -> Self {
+        let full = |name: String| match name.starts_with('/') {
+            true => name,
+            false => format!("{namespace}/{name}"),
+        };
+        let defaults = OpenOptions::default();
+        let mapped = options.mapping.as_ref().map(|mapping| &mapping.mcap);
+        let name = |given: &String, default: &String, mapped: Option<&String>| {
+            if given == default {
+                mapped.unwrap_or(given).clone()
+            } else {
+                given.clone()
+            }
+        };
+        let external = name(
+            &options.external_torque_topic,
+            &defaults.external_torque_topic,
+            mapped.and_then(|m| m.external_torque_topic.as_ref()),
+        );
+        let motor_interface = name(
+            &options.motor_interface,
+            &defaults.motor_interface,
+            mapped.and_then(|m| m.motor_interface.as_ref()),
+        );
+        Wishes {
+            joint: options
+                .joint_state_topic
+                .clone()
+                .or_else(|| mapped.and_then(|m| m.joint_state_topic.clone()))
+                .map(full),
+            motor: options
+                .motor_topic
+                .clone()
+                .or_else(|| mapped.and_then(|m| m.motor_topic.clone()))
+                .map(full),
+            external: match external == defaults.external_torque_topic {
+                true => format!("{namespace}{external}"),
+                false => full(external),
+            },
+            asks_interface: motor_interface != defaults.motor_interface,
+            namespace: namespace.to_owned(),
+            motor_interface,
+            motor_effort_interface: name(
+                &options.motor_effort_interface,
+                &defaults.motor_effort_interface,
+                mapped.and_then(|m| m.motor_effort_interface.as_ref()),
+            ),
+            temperature_interface: name(
+                &options.temperature_interface,
+                &defaults.temperature_interface,
+                mapped.and_then(|m| m.temperature_interface.as_ref()),
+            ),
+            joint_effort: match mapped.and_then(|m| m.joint_effort) {
+                Some(effort) if options.joint_effort == JointEffort::default() => effort,
+                _ => options.joint_effort,
+            },
+        }
+    }
+
+    /// Whether a topic lies where usual names are looked for.
+    pub(crate) fn encloses(&self, topic: &str) -> bool {
+        let inner = topic.strip_prefix(&self.namespace);
+        inner.is_some_and(|inner| self.namespace.is_empty() || inner.starts_with('/'))
+    }
+
+    fn usual(&self, topic: &str) -> String {
+        format!("{}{topic}", self.namespace)
+    }
+
+    fn is_motor_name(&self, topic: &str) -> bool {
+        let inner = topic.strip_prefix(&self.namespace).unwrap_or(topic);
+        inner.to_ascii_lowercase().contains("motor")
+    }
+
+    /// Whether a topic has a name that is asked for, or the usual one where none is.
+    pub(crate) fn is_named(&self, topic: &str) -> bool {
+        let is = |wanted: &Option<String>, usual: &str| match wanted {
+            Some(wanted) => wanted == topic,
+            None => self.usual(usual) == topic,
+        };
+        is(&self.joint, JOINT_TOPIC) || is(&self.motor, MOTOR_TOPIC) || topic == self.external
+    }
+
+    /// Whether a topic may become one of the sides, by what is known of it alone.
+    pub(crate) fn may_use(&self, topic: &str, kind: MessageKind) -> bool {
+        let is = |wanted: &Option<String>| wanted.as_deref() == Some(topic);
+        if is(&self.joint) || is(&self.motor) || topic == self.external {
+            return true;
+        }
+        let is_state = kind == MessageKind::JointState;
+        let is_open = self.motor.is_none() || self.joint.is_none() && is_state;
+        is_open && self.encloses(topic)
+    }
+
+    /// The names with these topics in their roles.
+    pub(crate) fn names(
+        &self,
+        joint: Option<&Topic>,
+        motor: Option<&Topic>,
+        external: Option<&Topic>,
+    ) -> Names {
+        Names {
+            joint_topic: joint.map(|topic| topic.name.clone()),
+            motor_topic: motor.map(|topic| topic.name.clone()),
+            motor_is_plain: motor.is_some_and(|motor| {
+                MessageKind::of_schema(&motor.schema) == Some(MessageKind::JointState)
+            }),
+            external_topic: external.map(|topic| topic.name.clone()),
+            motor_interface: self.motor_interface.clone(),
+            motor_effort_interface: self.motor_effort_interface.clone(),
+            temperature_interface: self.temperature_interface.clone(),
+            joint_effort: self.joint_effort,
+        }
+    }
+}
+
+/// Chooses the topics.
+pub(crate) fn choose(
+    survey: &Survey,
+    options: &OpenOptions,
+    file: &str,
+) -> Result<Names, LogError> {
+    let wishes = Wishes::of(options, "");
+    let topics = Topics::of(survey, file);
+    let joint = match &wishes.joint {
+        Some(wanted) => topics.named(wanted, "joint side", &[MessageKind::JointState])?,
+        None => {
+            let found = topics.joint_side(&wishes)?;
+            found.ok_or_else(|| topics.no_joint_side(survey))?
+        }
+    };
+    if joint.encoding != "cdr" {
+        return Err(LogError::request(
+            file,
+            format!(
+                "topic '{}' is encoded as '{}'; ROS 2 recordings use cdr",
+                joint.name, joint.encoding
+            ),
+        ));
+    }
+    let motor = match &wishes.motor {
+        Some(wanted) => Some(topics.named(wanted, "motor side", &MOTOR_KINDS)?),
+        None => topics.motor_side(&wishes, Some(joint))?,
+    };
+    if motor.is_some_and(|motor| motor.name == joint.name) {
+        return Err(LogError::request(
+            file,
+            format!(
+                "joint side and motor side are the same topic, '{}'; name the motor's (--motor-topic), topics are {}",
+                joint.name,
+                list(&topics.labels())
+            ),
+        ));
+    }
+    let names = wishes.names(Some(joint), motor, topics.external(&wishes));
+    let interfaces = motor.map_or(Vec::new(), Topic::interfaces);
+    let wanted = &names.motor_interface;
+    if wishes.asks_interface && !interfaces.is_empty() && !interfaces.contains(wanted) {
+        let hint = hint(wanted, &interfaces);
+        let there = list(&interfaces);
+        let reason =
+            format!("no interface '{wanted}' on the motor side{hint} interfaces are {there}");
+        return Err(LogError::request(file, reason));
+    }
+    Ok(names)
+}
+
+/// Chooses among the topics there are so far: a side that isn't there yet, or could be several, is left out.
+pub(crate) fn choose_so_far(survey: &Survey, wishes: &Wishes) -> (Names, Vec<Ambiguity>) {
+    let topics = Topics::of(survey, "");
+    let mut ambiguous = Vec::new();
+    let mut settle = |found: Result<Option<&'_ Topic>, LogError>| match found {
+        Ok(found) => found.map(|topic| topic.name.clone()),
+        Err(LogError::Ambiguous(what)) => {
+            ambiguous.push(what);
+            None
+        }
+        // Named, and not there yet or of another type.
+        Err(_) => None,
+    };
+    let joint = settle(match &wishes.joint {
+        Some(wanted) => {
+            let named = topics.named(wanted, "joint side", &[MessageKind::JointState]);
+            named.map(Some)
+        }
+        None => topics.joint_side(wishes),
+    });
+    let joint = joint.and_then(|name| topics.by_name(&name));
+    let motor = settle(match &wishes.motor {
+        Some(wanted) => topics.named(wanted, "motor side", &MOTOR_KINDS).map(Some),
+        None => topics.motor_side(wishes, joint),
+    });
+    let motor = motor.and_then(|name| topics.by_name(&name));
+    let motor = motor.filter(|motor| joint.is_none_or(|joint| joint.name != motor.name));
+    (
+        wishes.names(joint, motor, topics.external(wishes)),
+        ambiguous,
+    )
+}
+
+/// What the motor side may be.
+const MOTOR_KINDS: [MessageKind; 2] = [MessageKind::DynamicJointState, MessageKind::JointState];
+
+/// The topics of a recording, to choose from.
+struct Topics<'a> {
+    all: Vec<&'a Topic>,
+    file: &'a str,
+}
+
+impl<'a> Topics<'a> {
+    fn of(survey: &'a Survey, file: &'a str) -> Self {
+        let mut all: Vec<&Topic> = survey.topics.values().collect();
+        // A topic may have several channels.
+        let mut seen = BTreeSet::new();
+        all.retain(|topic| seen.insert(&topic.name));
+        Topics { all, file }
+    }
+
+    fn of_kind(&self, kind: MessageKind) -> Vec<&'a Topic> {
+        let all = self.all.iter().copied();
+        all.filter(|topic| MessageKind::of_schema(&topic.schema) == Some(kind))
+            .collect()
+    }
+
+    fn by_name(&self, name: &str) -> Option<&'a Topic> {
+        self.all.iter().copied().find(|topic| topic.name == name)
+    }
+
+    /// The joint side, where nobody named it.
+    fn joint_side(&self, wishes: &Wishes) -> Result<Option<&'a Topic>, LogError> {
+        let could_be = |topic: &&Topic| {
+            Some(&topic.name) != wishes.motor.as_ref()
+                && topic.name != wishes.external
+                && (wishes.motor.is_some() || !wishes.is_motor_name(&topic.name))
+        };
+        let states = self.of_kind(MessageKind::JointState);
+        let candidates: Vec<&Topic> = states.into_iter().filter(could_be).collect();
+        self.one_of(&candidates, &wishes.usual(JOINT_TOPIC), TopicUse::JointSide)
+    }
+
+    /// The motor side, where nobody named it.
+    fn motor_side(
+        &self,
+        wishes: &Wishes,
+        joint: Option<&Topic>,
+    ) -> Result<Option<&'a Topic>, LogError> {
+        let mut candidates = self.of_kind(MessageKind::DynamicJointState);
+        if candidates.is_empty() {
+            let motors = self.of_kind(MessageKind::JointState).into_iter();
+            let is_joint = |topic: &Topic| joint.is_some_and(|joint| joint.name == topic.name);
+            let motors =
+                motors.filter(|topic| !is_joint(topic) && wishes.is_motor_name(&topic.name));
+            candidates = motors.collect();
+        }
+        self.one_of(&candidates, &wishes.usual(MOTOR_TOPIC), TopicUse::MotorSide)
+    }
+
+    fn external(&self, wishes: &Wishes) -> Option<&'a Topic> {
+        let mut all = self.all.iter().copied();
+        all.find(|topic| topic.name == wishes.external && topic.schema.ends_with("JointState"))
+    }
+
+    /// Names with their types.
+    fn labels(&self) -> Vec<String> {
+        let label = |topic: &&Topic| format!("{} ({})", topic.name, topic.schema);
+        self.all.iter().map(label).collect()
+    }
+
+    /// The topic asked for.
+    fn named(
+        &self,
+        wanted: &str,
+        side: &str,
+        kinds: &[MessageKind],
+    ) -> Result<&'a Topic, LogError> {
+        let Some(topic) = self.all.iter().find(|topic| topic.name == wanted) else {
+            let names: Vec<&str> = self.all.iter().map(|topic| topic.name.as_str()).collect();
+            let (hint, there) = (hint(wanted, &names), list(&names));
+            let reason = format!("no topic '{wanted}'{hint} topics are {there}");
+            return Err(LogError::request(self.file, reason));
+        };
+        match MessageKind::of_schema(&topic.schema) {
+            Some(kind) if kinds.contains(&kind) => Ok(topic),
+            _ => {
+                let types: Vec<&str> = kinds.iter().map(|kind| kind.schema()).collect();
+                let (holds, types) = (&topic.schema, types.join(" or "));
+                let reason = format!("topic '{wanted}' holds '{holds}'; the {side} is {types}");
+                Err(LogError::request(self.file, reason))
+            }
+        }
+    }
+
+    /// The one with the usual name, or the only one; refused where several are left.
+    fn one_of(
+        &self,
+        candidates: &[&'a Topic],
+        usual: &str,
+        side: TopicUse,
+    ) -> Result<Option<&'a Topic>, LogError> {
+        let usual = candidates.iter().find(|topic| topic.name == usual);
+        match (usual, candidates) {
+            (Some(topic), _) | (None, [topic]) => Ok(Some(topic)),
+            (None, []) => Ok(None),
+            (None, several) => Err(LogError::Ambiguous(Ambiguity {
+                file: self.file.to_owned(),
+                side,
+                candidates: several.iter().map(|t| t.name.clone()).collect(),
+            })),
+        }
+    }
+
+    fn no_joint_side(&self, survey: &Survey) -> LogError {
+        let damage = survey.health.damage.first();
+        let damage = damage.map_or(String::new(), |damage| {
+            format!(" before byte {}: {}", damage.offset, damage.reason)
+        });
+        LogError::refused(
+            self.file,
+            format!(
+                "no sensor_msgs/msg/JointState topic for the joint side{damage}; topics are {}",
+                list(&self.labels())
+            ),
+        )
+    }
+}

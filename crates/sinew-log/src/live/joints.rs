@@ -1,0 +1,112 @@
+//! Which joints a recording holds, and what is recorded of each.
+
+use super::names::{Names, Role};
+use super::survey::{Fields, Survey};
+use crate::decode::Field;
+use crate::error::LogError;
+use crate::frame::{Channels, Quantities, Quantity};
+use crate::mapping::{JointMap, Mapping};
+use sinew_files::names::{hint, list};
+
+pub(crate) type Joints = (Vec<String>, Channels, Vec<Vec<u8>>);
+
+/// The joints of the recording, what is recorded of each, and their recorded names.
+pub(crate) fn joints_of(
+    survey: &Survey,
+    names: &Names,
+    mapping: &Mapping,
+    file: &str,
+) -> Result<Joints, LogError> {
+    let roles = [
+        (Role::Joint, names.joint_topic.as_ref()),
+        (Role::Motor, names.motor_topic.as_ref()),
+        (Role::External, names.external_topic.as_ref()),
+    ];
+    // Recorded name on its side, and what it has there.
+    let mut found: Vec<(Role, String, Quantities)> = Vec::new();
+    let mut known = Vec::new();
+    for (role, topic_name) in roles {
+        let topics = survey
+            .topics
+            .values()
+            .filter(|topic| Some(&topic.name) == topic_name);
+        for (joint, fields) in topics.flat_map(|topic| &topic.joints) {
+            known.push(joint.as_bytes().to_vec());
+            let quantities = quantities_of(role, fields, names);
+            found.push((role, joint.clone(), quantities));
+        }
+    }
+    let mut channels = Channels::default();
+    let mut joints: Vec<String> = Vec::new();
+    if mapping.joints.is_empty() {
+        for (_, joint, quantities) in &found {
+            let anything = Quantity::PER_JOINT.iter().any(|q| quantities.has(*q));
+            if anything && !joints.contains(joint) {
+                joints.push(joint.clone());
+            }
+        }
+    } else {
+        let recorded: Vec<&str> = found.iter().map(|(_, joint, _)| joint.as_str()).collect();
+        for joint in &mapping.joints {
+            let wanted = joint.recorded_name();
+            if !recorded.contains(&wanted) {
+                let hint = hint(wanted, &recorded);
+                return Err(LogError::request(
+                    file,
+                    format!(
+                        "the mapping {} names the joint '{wanted}', which is not recorded{hint} joints are {}",
+                        mapping.file,
+                        list(&recorded)
+                    ),
+                ));
+            }
+            joints.push(joint.name.clone());
+        }
+    }
+    for joint in &joints {
+        let mapped = mapping.joints.iter().find(|mapped| mapped.name == *joint);
+        let recorded = mapped.map_or(joint.as_str(), JointMap::recorded_name);
+        let motor = mapped.map_or(joint.as_str(), JointMap::motor_recorded_name);
+        let mut all = Quantities::default();
+        for (role, name, quantities) in &found {
+            let wanted = if *role == Role::Motor {
+                motor
+            } else {
+                recorded
+            };
+            if name == wanted {
+                for quantity in quantities.iter() {
+                    all.insert(quantity);
+                }
+            }
+        }
+        channels.temperature |= all.temperature;
+        channels.joints.push(all);
+    }
+    Ok((joints, channels, known))
+}
+
+fn quantities_of(role: Role, fields: &Fields, names: &Names) -> Quantities {
+    let mut quantities = Quantities::default();
+    let plain = [
+        (fields.position, Field::Position),
+        (fields.velocity, Field::Velocity),
+        (fields.effort, Field::Effort),
+    ];
+    let present = plain
+        .into_iter()
+        .filter(|(present, _)| *present)
+        .map(|(_, field)| field)
+        .chain(
+            fields
+                .interfaces
+                .iter()
+                .map(|name| Field::Interface(name.as_bytes())),
+        );
+    for field in present {
+        if let Some(quantity) = names.quantity(role, field) {
+            quantities.insert(quantity);
+        }
+    }
+    quantities
+}

@@ -1,0 +1,127 @@
+//! What messages bring, before any of it is taken for something: topics, joints, interfaces.
+
+use crate::decode::{Cdr, Field, MessageKind, parse};
+use crate::health::Health;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Messages per topic looked at for joint names.
+pub(crate) const NAMED_MESSAGES: u64 = 256;
+/// Most joints and interfaces a topic may have.
+const NAME_LIMIT: usize = 4096;
+
+/// Which of a joint's values a topic holds.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Fields {
+    pub(crate) position: bool,
+    pub(crate) velocity: bool,
+    pub(crate) effort: bool,
+    pub(crate) interfaces: Vec<String>,
+}
+
+/// A topic and what its first messages name.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Topic {
+    pub(crate) name: String,
+    pub(crate) schema: String,
+    pub(crate) encoding: String,
+    pub(crate) messages: u64,
+    /// Joints in the order met.
+    pub(crate) joints: Vec<(String, Fields)>,
+}
+
+impl Topic {
+    /// A topic that was announced.
+    pub(crate) fn live(name: &str, schema: &str) -> Self {
+        Topic {
+            name: name.to_owned(),
+            schema: schema.to_owned(),
+            encoding: "cdr".to_owned(),
+            ..Topic::default()
+        }
+    }
+
+    /// Interfaces that its joints have, sorted.
+    pub(crate) fn interfaces(&self) -> Vec<String> {
+        let all = self
+            .joints
+            .iter()
+            .flat_map(|(_, fields)| &fields.interfaces);
+        let all: BTreeSet<&String> = all.collect();
+        all.into_iter().cloned().collect()
+    }
+}
+
+/// Topics, and what their first messages name.
+#[derive(Debug, Default)]
+pub(crate) struct Survey {
+    pub(crate) topics: BTreeMap<u16, Topic>,
+    pub(crate) schemas: BTreeMap<u16, String>,
+    pub(crate) robot_description: Option<String>,
+    /// The recorder's clock at the first message, ns.
+    pub(crate) starts_ns: Option<i64>,
+    /// What was found damaged in the part looked at.
+    pub(crate) health: Health,
+}
+
+impl Survey {
+    pub(crate) fn message(&mut self, channel: u16, payload: &[u8]) {
+        let Some(topic) = self.topics.get_mut(&channel) else {
+            return;
+        };
+        topic.messages += 1;
+        if is_description(topic) && self.robot_description.is_none() {
+            self.robot_description = description(payload);
+            return;
+        }
+        if topic.messages > NAMED_MESSAGES || topic.encoding != "cdr" {
+            return;
+        }
+        let Some(kind) = MessageKind::of_schema(&topic.schema) else {
+            return;
+        };
+        // What cannot be decoded is counted when the messages are read for good.
+        let Ok(parsed) = parse(kind, payload) else {
+            return;
+        };
+        for entry in &parsed.entries {
+            let name = String::from_utf8_lossy(entry.joint);
+            let index = match topic.joints.iter().position(|(known, _)| *known == name) {
+                Some(index) => index,
+                None if topic.joints.len() < NAME_LIMIT => {
+                    topic.joints.push((name.into_owned(), Fields::default()));
+                    topic.joints.len() - 1
+                }
+                None => continue,
+            };
+            let fields = &mut topic.joints[index].1;
+            match entry.field {
+                Field::Position => fields.position = true,
+                Field::Velocity => fields.velocity = true,
+                Field::Effort => fields.effort = true,
+                Field::Interface(name) => {
+                    let name = String::from_utf8_lossy(name);
+                    if !fields.interfaces.iter().any(|known| *known == name)
+                        && fields.interfaces.len() < NAME_LIMIT
+                    {
+                        fields.interfaces.push(name.into_owned());
+                    }
+                }
+            }
+        }
+    }
+}
+
+pub(crate) fn is_description(topic: &Topic) -> bool {
+    is_description_topic(&topic.name, &topic.schema)
+}
+
+pub(crate) fn is_description_topic(name: &str, schema: &str) -> bool {
+    name.rsplit('/').next() == Some("robot_description")
+        && matches!(schema, "std_msgs/msg/String" | "std_msgs/String")
+}
+
+pub(crate) fn description(payload: &[u8]) -> Option<String> {
+    let text = Cdr::new(payload).and_then(|mut cdr| cdr.string()).ok()?;
+    let text = String::from_utf8_lossy(text);
+    (!text.trim().is_empty()).then(|| text.into_owned())
+}
