@@ -1,0 +1,123 @@
+//! ROS 2 over DDS, without an installation of ROS.
+//!
+//! One participant for each domain. It reads the topics that some robot wants, best effort and volatile, which
+//! matches every publisher; a robot's description reliable and transient local. It announces at most two
+//! writers: those of [`Outgoing`](crate::Outgoing).
+//!
+//! Ports are those of the standard (RTPS 9.6.1): 7400 + 250 × domain for discovery, and two more for each
+//! participant of a computer.
+
+mod domains;
+mod participant;
+mod qos;
+mod raw;
+mod writers;
+
+pub use domains::active_domains;
+
+use crate::found::DomainFound;
+use crate::handle::{Door, DoorError, Shared};
+use crate::look::{Directory, Look};
+use crate::publish::{Publisher, Publishing};
+use crate::received::Clock;
+use crate::route::Routes;
+use participant::Listening;
+use std::net::IpAddr;
+use std::time::Duration;
+use writers::DdsPublisher;
+
+/// Highest domain: the ports of the next one are above 65535.
+pub const DOMAIN_MOST: u16 = 232;
+
+/// Which network is listened to.
+#[derive(Debug, Clone)]
+pub struct DdsOptions {
+    /// Domain, as in `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// Addresses of the interfaces used; none: all.
+    pub interfaces: Vec<IpAddr>,
+    /// What may be published.
+    pub publishing: Publishing,
+    /// Longest message taken, bytes.
+    pub message_most_bytes: usize,
+}
+
+impl Default for DdsOptions {
+    fn default() -> Self {
+        DdsOptions {
+            domain: 0,
+            interfaces: Vec::new(),
+            publishing: Publishing::default(),
+            message_most_bytes: 4 << 20,
+        }
+    }
+}
+
+impl DdsOptions {
+    fn check(&self) -> Result<(), DoorError> {
+        if self.domain > DOMAIN_MOST {
+            return Err(DoorError::Option {
+                what: "domain",
+                value: self.domain.to_string(),
+                why: format!("it is 0 to {DOMAIN_MOST}"),
+            });
+        }
+        Ok(())
+    }
+
+    fn name(&self) -> String {
+        format!("dds:{}", self.domain)
+    }
+}
+
+/// Opens the door; it listens until it is dropped. The publisher lives as long as the door.
+///
+/// # Errors
+/// A domain above 232. A network that can't be used is a [`Trouble`](crate::Trouble): it may come back.
+pub fn open(
+    options: &DdsOptions,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<(Door, Box<dyn Publisher>), DoorError> {
+    let (door, publisher, _directory) = open_with(options, routes, clock)?;
+    Ok((door, publisher))
+}
+
+fn open_with(
+    options: &DdsOptions,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<(Door, Box<dyn Publisher>, Directory), DoorError> {
+    options.check()?;
+    let shared = Shared::new(options.name());
+    let directory = Directory::default();
+    let (publisher, outgoing) = DdsPublisher::new(options.publishing);
+    let listening = Listening {
+        options: options.clone(),
+        routes: routes.clone(),
+        clock,
+        outgoing,
+        directory: directory.clone(),
+    };
+    let door = Door::run(shared, move |shared| listening.run(shared))?;
+    publisher.wakes(&door);
+    Ok((door, Box::new(publisher), directory))
+}
+
+/// Listens to a domain for a while and says what there is. Publishes nothing.
+///
+/// # Errors
+/// As [`open`].
+pub fn discover(
+    options: &DdsOptions,
+    clock: Clock,
+    length: Duration,
+) -> Result<DomainFound, DoorError> {
+    let look = Look::new();
+    let options = DdsOptions {
+        publishing: Publishing::NOTHING,
+        ..options.clone()
+    };
+    let (door, _publisher, directory) = open_with(&options, look.routes(), clock)?;
+    Ok(look.listen(&door, &directory, length))
+}

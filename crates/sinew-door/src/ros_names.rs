@@ -1,0 +1,65 @@
+//! Names and types as ROS 2 writes them on DDS, and back.
+//!
+//! A topic `/arm7/joint_states` is `rt/arm7/joint_states`; a type `sensor_msgs/msg/JointState` is
+//! `sensor_msgs::msg::dds_::JointState_`.
+
+/// The topic of a DDS topic; `None`: not a topic of ROS 2 (a service, or of somebody else).
+pub(crate) fn topic_of(dds: &str) -> Option<String> {
+    let name = dds.strip_prefix("rt/")?;
+    (!name.is_empty()).then(|| format!("/{name}"))
+}
+
+/// The type of a DDS type; `None`: not a message of ROS 2.
+pub(crate) fn schema_of(dds: &str) -> Option<String> {
+    let (package, name) = dds.split_once("::msg::dds_::")?;
+    let name = name.strip_suffix('_')?;
+    Some(format!("{package}/msg/{name}"))
+}
+
+/// A topic on DDS.
+pub(crate) fn dds_topic(topic: &str) -> String {
+    format!("rt{topic}")
+}
+
+/// A type on DDS.
+pub(crate) fn dds_type(schema: &str) -> String {
+    match schema.split_once("/msg/") {
+        Some((package, name)) => format!("{package}::msg::dds_::{name}_"),
+        None => schema.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_go_there_and_back() {
+        for (ros, dds) in [("/joint_states", "rt/joint_states"), ("/a/b/c", "rt/a/b/c")] {
+            assert_eq!(dds_topic(ros), dds);
+            assert_eq!(topic_of(dds).as_deref(), Some(ros));
+        }
+        let (ros, dds) = (
+            "sensor_msgs/msg/JointState",
+            "sensor_msgs::msg::dds_::JointState_",
+        );
+        assert_eq!(dds_type(ros), dds);
+        assert_eq!(schema_of(dds).as_deref(), Some(ros));
+        for stranger in [
+            "rq/add_two_intsRequest",
+            "rr/x",
+            "Square",
+            "rt/",
+            "DCPSTopic",
+        ] {
+            assert_eq!(topic_of(stranger), None, "{stranger}");
+        }
+        for stranger in [
+            "ShapeType",
+            "example_interfaces::srv::dds_::AddTwoInts_Request_",
+            "",
+        ] {
+            assert_eq!(schema_of(stranger), None, "{stranger}");
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! An MCAP that grows: a recorder's file, or the newest of a folder, read as it is written.
+//!
+//! The file is looked at every so often, since network disks tell nobody of changes. A record or chunk that isn't
+//! whole yet is waited for. In a folder the next file, by name, is read when the one before it
+//! ends, or stops to grow while there is a next one. A file replaced by another of its name is read from its start.
+
+use crate::handle::{Door, DoorError, Shared};
+use crate::received::Clock;
+use crate::records::{Piece, Recorded, Records, State};
+use crate::route::{Routes, Targets};
+use crate::trouble::Trouble;
+use sinew_files::names::natural_key;
+use std::collections::HashMap;
+use std::fs::{File, Metadata};
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// One read, bytes.
+const PIECE: usize = 256 << 10;
+/// Room that is kept for longer records, bytes.
+const KEPT: usize = 8 << 20;
+/// So often a record that can't be read is looked at again.
+const TRIES: u32 = 3;
+/// Looks without growth before the next file of a folder is begun.
+const STILL_LOOKS: u32 = 3;
+/// Bytes of the file's start that tell it from another of its name.
+const HEAD: usize = 256;
+
+/// How a growing recording is read.
+#[derive(Debug, Clone)]
+pub struct TailOptions {
+    /// A file, which need not be there yet, or a folder of files that end in `.mcap`.
+    pub path: PathBuf,
+    /// What was recorded before the door was opened: read, or left out.
+    pub from: From,
+    /// Time from one look to the next, s.
+    pub look_every_s: f64,
+}
+
+/// Where reading begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum From {
+    /// At the start: of the file, of the folder's first file.
+    Start,
+    /// At what is written from now on: of the file, of the folder's last file.
+    Now,
+}
+
+impl TailOptions {
+    /// What is written from now on, looked at five times a second.
+    pub fn of(path: PathBuf) -> Self {
+        TailOptions {
+            path,
+            from: From::Now,
+            look_every_s: 0.2,
+        }
+    }
+}
+
+/// Opens it; it reads until the door is dropped.
+///
+/// # Errors
+/// A time between looks below 1 ms or above a minute.
+pub fn open(options: &TailOptions, routes: &Routes, clock: Clock) -> Result<Door, DoorError> {
+    let every_s = options.look_every_s;
+    if !(0.001..=60.0).contains(&every_s) {
+        return Err(DoorError::Option {
+            what: "look_every_s",
+            value: format!("{every_s} s"),
+            why: "it is 0.001 s to 60 s".to_owned(),
+        });
+    }
+    let name = format!("mcap:{}", options.path.display());
+    let tail = Tail {
+        options: options.clone(),
+        every: Duration::from_secs_f64(every_s),
+        routes: routes.clone(),
+        clock,
+        targets: HashMap::new(),
+        version: 0,
+        piece: vec![0; PIECE],
+    };
+    Door::run(Shared::new(name), move |shared| tail.follow(shared))
+}
+
+struct Tail {
+    options: TailOptions,
+    every: Duration,
+    routes: Routes,
+    clock: Clock,
+    targets: HashMap<u16, Targets>,
+    version: u64,
+    piece: Vec<u8>,
+}
+
+/// The file being read.
+struct Following {
+    path: PathBuf,
+    file: File,
+    records: Records,
+    identity: Option<(u64, u64)>,
+    head: Vec<u8>,
+    /// Messages of bytes before this one were there already, and are left out.
+    new_from: u64,
+    still_looks: u32,
+    /// Looks at a record that couldn't be read.
+    tries: u32,
+    /// Nothing more of it can be read.
+    is_done: bool,
+}
+
+impl Tail {
+    fn follow(mut self, shared: &Shared) {
+        let mut following: Option<Following> = None;
+        let mut is_first = true;
+        while !shared.stops() {
+            let Some(now) = &mut following else {
+                match self.begin(is_first) {
+                    Ok(begun) => {
+                        is_first = false;
+                        self.targets.clear();
+                        shared.set_shut(None);
+                        let door = shared.name().to_owned();
+                        self.tell(&Trouble::Open { door });
+                        following = Some(begun);
+                    }
+                    Err(why) => {
+                        // What appears later is new as a whole.
+                        is_first = false;
+                        shared.set_shut(Some(why));
+                        std::thread::sleep(self.every);
+                    }
+                }
+                continue;
+            };
+            if self.read(now, shared) {
+                continue;
+            }
+            if let Some(next) = self.next(now) {
+                // Channels are numbered anew in each file.
+                self.targets.clear();
+                following = Some(next);
+                continue;
+            }
+            std::thread::sleep(self.every);
+        }
+    }
+
+    fn tell(&self, trouble: &Trouble) {
+        self.routes.tell_all(self.clock.now(), trouble);
+    }
+
+    /// The file to begin with.
+    fn begin(&self, is_first: bool) -> Result<Following, String> {
+        let skips = is_first && self.options.from == From::Now;
+        let path = &self.options.path;
+        if !path.is_dir() {
+            return Following::of(path, skips);
+        }
+        let files = mcaps(path)?;
+        let file = match self.options.from {
+            From::Start => files.first(),
+            From::Now => files.last(),
+        };
+        let file = file.ok_or_else(|| format!("no .mcap in {}", path.display()))?;
+        Following::of(file, skips)
+    }
+
+    /// Reads what has been written; whether there was anything.
+    fn read(&mut self, now: &mut Following, shared: &Shared) -> bool {
+        if now.is_done {
+            return false;
+        }
+        let (got, available) = match now.fill(&mut self.piece) {
+            Ok(filled) => filled,
+            Err(error) => {
+                self.give_up(now, error.to_string());
+                return true;
+            }
+        };
+        let piece = std::mem::take(&mut self.piece);
+        let mut at = 0;
+        let mut larger = None;
+        while !now.is_done && !shared.stops() {
+            let rest = &piece[at..got];
+            let length = match now.records.piece(rest, available - at as u64) {
+                Piece::Torn => break,
+                Piece::Broken(why) => {
+                    self.give_up(now, why);
+                    break;
+                }
+                Piece::Whole(length) if length > rest.len() => {
+                    larger = Some(length);
+                    break;
+                }
+                Piece::Whole(length) => length,
+            };
+            let is_new = now.records.read + length as u64 > now.new_from;
+            let state = now.records.feed(&rest[..length], |recorded| {
+                !is_new || self.message(&recorded, shared)
+            });
+            match state {
+                State::Wants => {
+                    let missing = HEAD - now.head.len();
+                    now.head.extend_from_slice(&rest[..length.min(missing)]);
+                    at += length;
+                }
+                State::Ended => now.is_done = true,
+                // Written in two steps, it may be whole at the next look.
+                State::Broken(_) if now.tries < TRIES => {
+                    now.tries += 1;
+                    break;
+                }
+                State::Broken(why) => self.give_up(now, why),
+            }
+            now.tries = 0;
+        }
+        self.piece = piece;
+        // Room for the longest record met, given back after an unusual one.
+        let room = larger.unwrap_or(PIECE).max(PIECE);
+        if room > self.piece.len() || self.piece.len() > KEPT {
+            self.piece.resize(room, 0);
+            self.piece.shrink_to_fit();
+        }
+        let has_read = at > 0 || larger.is_some();
+        if has_read {
+            now.still_looks = 0;
+        }
+        has_read
+    }
+
+    fn give_up(&self, now: &mut Following, why: String) {
+        now.is_done = true;
+        let file = now.path.display().to_string();
+        let offset = now.records.read;
+        self.tell(&Trouble::Damaged { file, offset, why });
+    }
+
+    /// `false`: the door shall be shut.
+    fn message(&mut self, recorded: &Recorded<'_>, shared: &Shared) -> bool {
+        let (version, routes) = self.routes.now();
+        if version != self.version {
+            self.version = version;
+            self.targets.clear();
+        }
+        let targets = self
+            .targets
+            .entry(recorded.channel)
+            .or_insert_with(|| Targets::of(&routes, recorded.topic, recorded.schema));
+        if targets.is_empty() {
+            return !shared.stops();
+        }
+        while !targets.have_room(recorded.cdr.len()) {
+            if shared.stops() {
+                return false;
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        targets.message(self.clock.now(), recorded.logged_ns, &[recorded.cdr]);
+        shared.count(1);
+        !shared.stops()
+    }
+
+    /// What to go on with where nothing more came: the same file anew, or the folder's next.
+    fn next(&self, now: &mut Following) -> Option<Following> {
+        now.still_looks = now.still_looks.saturating_add(1);
+        if now.was_replaced() {
+            let next = Following::of(&now.path, false).ok()?;
+            let file = now.path.display().to_string();
+            self.tell(&Trouble::Replaced { file });
+            return Some(next);
+        }
+        let folder = &self.options.path;
+        if !folder.is_dir() || !(now.is_done || now.still_looks >= STILL_LOOKS) {
+            return None;
+        }
+        let later = mcaps(folder).ok()?;
+        let here = natural_key(&now.path.to_string_lossy());
+        let next = later
+            .into_iter()
+            .find(|path| natural_key(&path.to_string_lossy()) > here)?;
+        let begun = Following::of(&next, false).ok()?;
+        let file = next.display().to_string();
+        self.tell(&Trouble::NextFile { file });
+        Some(begun)
+    }
+}
+
+impl Following {
+    /// `skips`: what is there already is left out.
+    fn of(path: &Path, skips: bool) -> Result<Self, String> {
+        let refuse = |error: std::io::Error| format!("{}: {error}", path.display());
+        let file = File::open(path).map_err(refuse)?;
+        let metadata = file.metadata().map_err(refuse)?;
+        if !metadata.is_file() {
+            return Err(format!("{}: not a file", path.display()));
+        }
+        Ok(Following {
+            path: path.to_owned(),
+            file,
+            records: Records::new(),
+            identity: identity(&metadata),
+            head: Vec::new(),
+            new_from: if skips { metadata.len() } else { 0 },
+            still_looks: 0,
+            tries: 0,
+            is_done: false,
+        })
+    }
+
+    /// Fills `piece` with what follows what was read, as far as it goes; how many bytes, and how many there are. What
+    /// wasn't a whole record is read again: it may have been changed.
+    fn fill(&mut self, piece: &mut [u8]) -> std::io::Result<(usize, u64)> {
+        let at = self.records.read;
+        let available = self.file.metadata()?.len().saturating_sub(at);
+        self.file.seek(SeekFrom::Start(at))?;
+        let most = usize::try_from(available).unwrap_or(usize::MAX);
+        let wanted = most.min(piece.len());
+        let mut got = 0;
+        while got < wanted {
+            match self.file.read(&mut piece[got..wanted]) {
+                Ok(0) => break,
+                Ok(read) => got += read,
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        // Between the two looks it may have been cut off.
+        Ok((got, if got < wanted { got as u64 } else { available }))
+    }
+
+    /// Whether another file has its name now, or it was written anew.
+    fn was_replaced(&mut self) -> bool {
+        let Ok(mut file) = File::open(&self.path) else {
+            // Taken away: it may come back.
+            return false;
+        };
+        let Ok(metadata) = file.metadata() else {
+            return false;
+        };
+        if identity(&metadata) != self.identity || metadata.len() < self.records.read {
+            return true;
+        }
+        let mut head = vec![0; self.head.len()];
+        let begins_alike = file
+            .seek(SeekFrom::Start(0))
+            .and(file.read_exact(&mut head));
+        begins_alike.is_ok() && head != self.head
+    }
+}
+
+/// What tells a file from another of its name, where the system says.
+fn identity(metadata: &Metadata) -> Option<(u64, u64)> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        Some((metadata.dev(), metadata.ino()))
+    }
+    #[cfg(not(unix))]
+    {
+        let _nothing_is_told = metadata;
+        None
+    }
+}
+
+/// The recordings of a folder, in the order of their names and numbers.
+fn mcaps(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = std::fs::read_dir(folder);
+    let entries = entries.map_err(|error| format!("{}: {error}", folder.display()))?;
+    let files = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    let is_mcap = |path: &PathBuf| path.extension().is_some_and(|end| end == "mcap");
+    let mut files: Vec<PathBuf> = files
+        .filter(is_mcap)
+        .filter(|path| path.is_file())
+        .collect();
+    files.sort_by_cached_key(|path| natural_key(&path.to_string_lossy()));
+    Ok(files)
+}
