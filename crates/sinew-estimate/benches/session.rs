@@ -215,7 +215,9 @@ fn read(log: &Path, robot: &Robot, window: Window) -> u64 {
 
 fn features(log: &Path, robot: &Robot, window: Window) -> Recorded {
     let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
-    each(log, robot, window, |frame, t| recorder.push(frame, t));
+    each(log, robot, window, |frame, t| {
+        recorder.push(frame, t);
+    });
     recorder.finish()
 }
 

@@ -290,7 +290,11 @@ impl<O: FrameObserver> Feeder<O> {
         }
     }
 
-    fn restart(&mut self) {
+    /// The next frame is a start, as after a gap.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn restart(&mut self) {
         self.observer.reset();
         self.accepted_ns = None;
         for motor in &mut self.motors {

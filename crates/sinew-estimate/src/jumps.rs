@@ -46,14 +46,6 @@ struct Jump {
     size_rad: f64,
 }
 
-/// A slot of time: the largest jump of every reading.
-#[derive(Debug, Clone, PartialEq)]
-struct Slot {
-    from_s: f64,
-    /// Motor readings, then joint readings, `2 n`.
-    largest: Vec<Jump>,
-}
-
 /// The jumps of a recording's readings, sample by sample. Memory: `32 n` bytes a second.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Jumps {
@@ -63,7 +55,10 @@ pub struct Jumps {
     /// The last `2 SIDE` of every reading, motor readings first, the oldest sample first.
     readings: Vec<[f64; 2 * SIDE]>,
     times: [f64; 2 * SIDE],
-    slots: Vec<Slot>,
+    /// When slots of time began, s.
+    slots_s: Vec<f64>,
+    /// The largest jump of every reading in every slot: motor readings, then joint readings, `2 n` a slot.
+    largest: Vec<Jump>,
     /// When samples were missing or came unevenly, s.
     blind: Vec<[f64; 2]>,
     /// Sum and number of the samples' distances, s.
@@ -80,6 +75,23 @@ impl Jumps {
             readings: vec![[0.0; 2 * SIDE]; 2 * joints],
             ..Self::default()
         }
+    }
+
+    /// Room for so many seconds: taking them allocates nothing.
+    pub fn reserve(&mut self, duration_s: f64) {
+        let slots = (duration_s / SLOT_S).ceil().max(0.0) as usize + 1;
+        self.slots_s.reserve(slots);
+        self.largest.reserve(2 * self.joints * slots);
+        // Two are at least a tenth of a second apart.
+        self.blind.reserve(10 * slots);
+    }
+
+    /// Forgets all but the room.
+    pub fn clear(&mut self) {
+        self.slots_s.clear();
+        self.largest.clear();
+        self.blind.clear();
+        (self.samples, self.sum_s, self.steps, self.last_s) = (0, 0.0, 0, None);
     }
 
     /// Takes a sample at `time_s`: motor and joint readings, rad.
@@ -114,20 +126,15 @@ impl Jumps {
 
     fn measure(&mut self) {
         let time_s = 0.5 * (self.times[SIDE - 1] + self.times[SIDE]);
-        if self
-            .slots
-            .last()
-            .is_none_or(|s| time_s >= s.from_s + SLOT_S)
-        {
-            self.slots.push(Slot {
-                from_s: time_s,
-                largest: vec![Jump::default(); 2 * self.joints],
-            });
+        let width = 2 * self.joints;
+        let is_over = |from_s: &f64| time_s >= from_s + SLOT_S;
+        if self.slots_s.last().is_none_or(is_over) {
+            self.slots_s.push(time_s);
+            let length = self.largest.len() + width;
+            self.largest.resize(length, Jump::default());
         }
-        let Some(slot) = self.slots.last_mut() else {
-            return;
-        };
-        for (largest, reading) in slot.largest.iter_mut().zip(&self.readings) {
+        let from = self.largest.len() - width;
+        for (largest, reading) in self.largest[from..].iter_mut().zip(&self.readings) {
             let size_rad: f64 = WEIGHTS.iter().zip(reading).map(|(w, x)| w * x).sum();
             if size_rad.abs() > largest.size_rad.abs() {
                 *largest = Jump { time_s, size_rad };
@@ -149,11 +156,8 @@ impl Jumps {
 
     /// What noise, quantisation and motion usually make in a second, rad: the upper quartile.
     fn usual_rad(&self, reading: usize) -> f64 {
-        let mut sizes: Vec<f64> = self
-            .slots
-            .iter()
-            .map(|s| s.largest[reading].size_rad.abs())
-            .collect();
+        let jumps = self.jumps(reading);
+        let mut sizes: Vec<f64> = jumps.map(|j| j.size_rad.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         sizes
             .get(3 * sizes.len() / 4)
@@ -163,9 +167,15 @@ impl Jumps {
 
     /// A jump of `size_rad`, to `unsure_rad`, of a reading around `at_s`.
     fn jumped(&self, reading: usize, at_s: f64, size_rad: f64, unsure_rad: f64) -> bool {
-        self.slots.iter().map(|s| s.largest[reading]).any(|j| {
+        self.jumps(reading).any(|j| {
             (j.time_s - at_s).abs() < WITHIN_S && (j.size_rad - size_rad).abs() < unsure_rad
         })
+    }
+
+    /// The largest jumps of a reading, slot by slot.
+    fn jumps(&self, reading: usize) -> impl Iterator<Item = &Jump> {
+        let slots = self.largest.chunks_exact((2 * self.joints).max(1));
+        slots.filter_map(move |slot| slot.get(reading))
     }
 
     /// What made the offset of a joint change by `change_rad` around `at_s`.
@@ -178,7 +188,7 @@ impl Jumps {
         const PER_STEP: f64 = 1.4;
         let (size_rad, unsure_rad) = (change_rad.mean, change_rad.half_width_95());
         let (theta, q) = (joint, self.joints + joint);
-        if joint >= self.joints || self.slots.is_empty() {
+        if joint >= self.joints || self.slots_s.is_empty() {
             return Cause::Unknown(UnknownCause::Missing);
         }
         let near = |[from_s, to_s]: &[f64; 2]| *from_s < at_s + WITHIN_S && *to_s > at_s - WITHIN_S;

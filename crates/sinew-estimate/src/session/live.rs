@@ -28,6 +28,7 @@ pub fn live(
         None => TemperatureSource::Recorded,
     };
     let change_k = temperature::change_deviation_k(robot, baseline, temperature, options);
+    beliefs::age(estimator.prior(), &mut belief);
     let added_rad = open(estimator.prior(), &mut belief, options, change_k);
     let mut filter =
         RecursiveOffsets::new(estimator, belief).map_err(|error| SessionError::Map {
@@ -37,6 +38,26 @@ pub fn live(
     filter.add_deviation(&added_rad);
     filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
     Ok(filter)
+}
+
+/// The recursive form without a baseline: offsets against the encoders' zero, from the tolerances of robot.toml.
+/// Allocates here only.
+///
+/// # Errors
+/// [`SessionError`] when the tolerances make no prior.
+pub fn live_without_baseline(
+    robot: &Robot,
+    options: &SessionOptions,
+) -> Result<RecursiveOffsets, SessionError> {
+    let estimator = estimator(robot, options);
+    let prior = estimator.prior();
+    let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
+    prior.hold_zero(&mut fresh);
+    fresh.temperature_c = options.temperature_c.map_or(f64::NAN, |t| t.mean);
+    RecursiveOffsets::new(estimator, fresh).map_err(|error| SessionError::Map {
+        file: robot.name.clone(),
+        error,
+    })
 }
 
 /// What `filter`, which [`live`] began from `before`, knows by `end_time_ns` of `recording`, as the next of the chain:
@@ -67,7 +88,7 @@ pub fn live_saved(
     Ok(next)
 }
 
-/// What a baseline knows, some time later: offsets may be anything, the gripper hold something else, and the
+/// What a baseline knows, in another recording: offsets may be anything, the gripper hold something else, and the
 /// temperature be another by `change_k`, a standard deviation. Returns what that leaves unknown of every joint's
 /// offset, rad.
 pub(super) fn open(
@@ -76,7 +97,6 @@ pub(super) fn open(
     options: &SessionOptions,
     change_k: f64,
 ) -> Vec<f64> {
-    beliefs::age(prior, belief);
     prior.open_offsets(belief, UNKNOWN_OFFSET_RAD);
     prior.open_payload(belief, options.payload);
     beliefs::unknown_temperature(prior, belief, change_k)

@@ -10,7 +10,7 @@
 //! The estimator is [`sinew_model::offset::MapEstimator`]; [`live`] gives its recursive form, for a
 //! robot that runs.
 //!
-//! Reading order: `recorder` (frames to blocks), `witness` and `temperature` (what of them can be
+//! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
 //! believed), `segments` (blocks to posteriors), `changes`,
 //! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `run`.
 
@@ -18,6 +18,7 @@ mod changes;
 mod checks;
 mod inflation;
 mod live;
+mod poses;
 mod recorder;
 mod result;
 mod run;
@@ -30,14 +31,18 @@ mod witness;
 
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
-pub use live::{live, live_saved};
+pub use live::{live, live_saved, live_without_baseline};
+pub use poses::Poses;
 pub use recorder::{Recorded, Recorder, Window};
 pub use result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
     SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,
     TendonChangeKind, TendonEstimate, Verdict,
 };
-pub use run::{Learning, estimate, estimate_recorded, estimate_with_replay, learn, learn_recorded};
+pub use run::{
+    Learning, Since, estimate, estimate_recorded, estimate_stretch, estimate_with_replay, learn,
+    learn_recorded,
+};
 pub use sinew_model::offset::Payload;
 pub use torque_range::TorqueRange;
 pub use warning::{Warning, WitnessFault};

@@ -50,9 +50,22 @@ pub struct Recorded {
     pub motor_current: bool,
     /// What jumped between two samples.
     pub jumps: Jumps,
+    /// Room for further blocks ([`Recorder::room`]).
+    pub room: Vec<Block>,
 }
 
 impl Recorded {
+    fn make_room(&mut self, duration_s: f64, block_s: f64, like: &Block) {
+        let blocks = (duration_s / block_s).ceil().max(0.0) as usize;
+        self.blocks.reserve(blocks.max(self.room.len()));
+        // What is cleared goes back here.
+        let missing = blocks.saturating_sub(self.room.len());
+        self.room.reserve(missing + self.blocks.len());
+        self.room
+            .extend(std::iter::repeat_n(like, missing).cloned());
+        self.jumps.reserve(duration_s);
+    }
+
     /// Time of the last block, s of the recording.
     pub(super) fn end_s(&self) -> f64 {
         self.blocks.last().map_or(0.0, |b| b.time_s)
@@ -99,8 +112,11 @@ impl Recorder {
         self
     }
 
-    /// Takes the frame at `time_s` of the recording.
-    pub fn push(&mut self, frame: &Frame, time_s: f64) {
+    /// Takes the frame at `time_s` of the recording; what became of it, and whether a block is complete.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock as long as there is [room](Recorder::room).
+    pub fn push(&mut self, frame: &Frame, time_s: f64) -> Fed<bool> {
         let first_s = *self.first_s.get_or_insert_with(|| {
             self.out.start_time_ns = frame.time_ns;
             let since_start_ns = (time_s * 1e9).round() as i64;
@@ -112,15 +128,80 @@ impl Recorder {
         let fed = self.feeder.frame(frame);
         if let Fed::Refused(Refusal::JointPosition | Refusal::MotorPosition) = fed {
             self.out.frames_missing += 1;
-            return;
+            return fed;
         }
         self.out.jumps.push(time_s, self.feeder.theta(), &frame.q);
         if fed.output() == Some(true) {
-            let mut block = self.feeder.observer().block().clone();
+            let latest = self.feeder.observer().block();
+            let mut block = match self.out.room.pop() {
+                Some(mut block) => {
+                    block.copy_from(latest);
+                    block
+                }
+                None => latest.clone(),
+            };
             // On the recording's clock, gaps and all.
             block.time_s = time_s - 0.5 * self.block_s;
             self.out.blocks.push(block);
         }
+        fed
+    }
+
+    /// Makes room for `duration_s` more, so that recording it allocates nothing. Allocates.
+    pub fn make_room(&mut self, duration_s: f64) {
+        self.out
+            .make_room(duration_s, self.block_s, self.feeder.observer().block());
+    }
+
+    /// An empty recording with room for `duration_s`, to [exchange](Recorder::exchange). Allocates.
+    pub fn room(&self, duration_s: f64) -> Recorded {
+        let mut empty = Recorded {
+            elastic: self.out.elastic.clone(),
+            jumps: Jumps::new(self.feeder.theta().len()),
+            ..Recorded::default()
+        };
+        empty.make_room(duration_s, self.block_s, self.feeder.observer().block());
+        empty
+    }
+
+    /// Forgets what was recorded, and keeps the room. The filters go on.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn clear(&mut self) {
+        self.first_s = None;
+        let out = &mut self.out;
+        out.room.append(&mut out.blocks);
+        out.jumps.clear();
+        (out.frames_missing, out.duration_s) = (0, 0.0);
+    }
+
+    /// What was recorded since the beginning or the last call, for an empty recording that takes its place. The
+    /// filters go on: what comes next goes on with it.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn exchange(&mut self, empty: Recorded) -> Recorded {
+        self.first_s = None;
+        std::mem::replace(&mut self.out, empty)
+    }
+
+    /// What was recorded since the beginning or the last [`Recorder::exchange`].
+    pub fn recorded(&self) -> &Recorded {
+        &self.out
+    }
+
+    /// The observer, after the last frame it took: its [block](FeatureObserver::block) is the last complete one.
+    pub fn observer(&self) -> &FeatureObserver {
+        self.feeder.observer()
+    }
+
+    /// The next frame is a start, as after a gap.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn restart(&mut self) {
+        self.feeder.restart();
     }
 
     /// What was recorded.

@@ -37,6 +37,13 @@ pub struct Learning<'a> {
     pub motor_torque: bool,
     /// Temperature during the recording, °C, where it is stated instead of recorded.
     pub temperature_c: Option<Gaussian>,
+    /// Joints whose ropes were tensioned while the encoders stayed as they were: their offsets are zero now,
+    /// wherever their encoders are. The other joints' offsets are estimated along, and go on counting from
+    /// before. `None`: all were, and the encoders were zeroed then as well as robot.toml says.
+    pub tensioned: Option<&'a [usize]>,
+    /// Whether the recording goes on with the one that `known` was learned from: of one tensioning,
+    /// minutes apart. Nothing is opened then.
+    pub continues: bool,
 }
 
 impl Default for Learning<'_> {
@@ -45,8 +52,20 @@ impl Default for Learning<'_> {
             known: None,
             motor_torque: true,
             temperature_c: None,
+            tensioned: None,
+            continues: false,
         }
     }
+}
+
+/// What a recording has to do with those before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Since {
+    /// It comes so many days later: offsets and payload are opened anew, friction and the rest may have
+    /// changed as much as they do in that time.
+    Days(f64),
+    /// It goes on where the last one ended, and nothing is opened.
+    Now,
 }
 
 /// Learns a baseline from a recording taken right after tensioning, the gripper empty.
@@ -87,14 +106,35 @@ pub fn learn_recorded(
     let temperature_c = mean_temperature(&recorded.blocks);
     if let Some((known, file)) = known {
         start = known.belief(robot, prior, file)?;
-        beliefs::age(prior, &mut start);
-        // Zero is what the tendons are now, at this temperature.
-        beliefs::refer_to(prior, &mut start, temperature_c);
-        prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
-        prior.open_zero(&mut start);
-        prior.open_payload(&mut start, Payload::Empty);
+        if !learning.continues {
+            beliefs::age(prior, &mut start);
+            prior.open_payload(&mut start, Payload::Empty);
+        }
+    } else if learning.tensioned.is_some() {
+        prior.hold_zero(&mut start);
     }
-    start.temperature_c = temperature_c;
+    match learning.tensioned {
+        _ if learning.continues => {}
+        Some(joints) => {
+            prior.open_offsets(&mut start, UNKNOWN_OFFSET_RAD);
+            for joint in joints {
+                prior.tension(&mut start, *joint);
+            }
+            // The others' offsets stay those of the temperature they were.
+            if !start.temperature_c.is_finite() {
+                start.temperature_c = temperature_c;
+            }
+        }
+        None => {
+            if known.is_some() {
+                // Zero is what the tendons are now, at this temperature.
+                beliefs::refer_to(prior, &mut start, temperature_c);
+                prior.open_offsets(&mut start, TENSIONED_OFFSET_RAD);
+                prior.open_zero(&mut start);
+            }
+            start.temperature_c = temperature_c;
+        }
+    }
     let nothing = SearchScope {
         offsets: false,
         payload: false,
@@ -110,7 +150,14 @@ pub fn learn_recorded(
         segments.noise(),
     );
     baseline.temperature_deviation_k = learning.temperature_c.map_or(0.0, |t| t.deviation);
-    baseline.before = known.map_or_else(Vec::new, |(known, _)| known.rests_on());
+    match known {
+        Some((known, _)) if learning.continues => {
+            baseline.recordings.clone_from(&known.recordings);
+            baseline.before.clone_from(&known.before);
+        }
+        Some((known, _)) => baseline.before = known.rests_on(),
+        None => {}
+    }
     let mut estimate = session.summarise(&segments, name, None, &[], 0.0);
     if estimate.poses < POSES_OF_BASELINE {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
@@ -187,6 +234,29 @@ pub fn estimate_recorded(
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
+    let goes_on = baseline.is_some_and(|(baseline, _)| {
+        let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
+        // A baseline's own offsets are zero by definition: what follows it is opened anew.
+        (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1
+    });
+    let since = match goes_on {
+        true => Since::Now,
+        false => Since::Days(1.0),
+    };
+    estimate_stretch(robot, recorded, name, (baseline, since), options)
+}
+
+/// [`estimate_recorded`] by somebody who knows what the recording has to do with the baseline.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn estimate_stretch(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: (Option<(&Baseline, &str)>, Since),
+    options: &SessionOptions,
+) -> Result<(SessionEstimate, Baseline), SessionError> {
     /// More than this that fits nothing makes a stated payload suspect, rad.
     const SUSPECT_RAD: f64 = 2e-3;
     let worst = |estimate: &SessionEstimate| {
@@ -230,31 +300,30 @@ fn estimate_with_lag(
     robot: &Robot,
     recorded: &Recorded,
     name: &str,
-    baseline: Option<(&Baseline, &str)>,
+    (baseline, since): (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
     lag_s: f64,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
-    let mut continues = false;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
     let mut start = match baseline {
         Some((baseline, file)) => {
             let mut belief = baseline.belief(robot, prior, file)?;
-            let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
-            // A baseline's own offsets are zero by definition: what follows it is opened anew.
-            continues = (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1;
             let source = session.temperature;
-            change_k = match continues {
-                true => baseline.change_deviation_k,
-                false => temperature::change_deviation_k(robot, baseline, source, options),
-            };
-            added_rad = match continues {
-                // The stiffness is as wide already; the zero's drift never is in a belief.
-                true => beliefs::unknown_temperature(prior, &mut belief.clone(), change_k),
-                false => open(prior, &mut belief, options, change_k),
-            };
+            match since {
+                Since::Now => {
+                    change_k = baseline.change_deviation_k;
+                    // The stiffness is as wide already; the zero's drift never is in a belief.
+                    added_rad = beliefs::unknown_temperature(prior, &mut belief.clone(), change_k);
+                }
+                Since::Days(days) => {
+                    change_k = temperature::change_deviation_k(robot, baseline, source, options);
+                    beliefs::age_by(prior, &mut belief, days);
+                    added_rad = open(prior, &mut belief, options, change_k);
+                }
+            }
             belief
         }
         None => {
@@ -268,7 +337,7 @@ fn estimate_with_lag(
     let everything = SearchScope {
         offsets: true,
         payload: true,
-        continues,
+        continues: baseline.is_some() && since == Since::Now,
     };
     let payload = options.payload;
     let segments = Segments::estimate(estimator, start, recorded, payload, everything, name)?;

@@ -3,6 +3,7 @@
 use super::changes;
 use super::checks;
 use super::inflation::{self, Inflation};
+use super::poses::Poses;
 use super::recorder::Recorded;
 use super::result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
@@ -84,7 +85,7 @@ pub(super) fn summarise(
         motor_torque: motor_torque(estimator, recorded),
         left_out_share: out / weights.len().max(1) as f64,
         left_out: left_out(&recorded.blocks, &weights),
-        poses: distinct_poses(&recorded.blocks),
+        poses: Poses::of(&recorded.blocks).count(),
         nuisance: nuisance(prior, robot, segments),
         damaged: recorded.damaged,
         warnings: Vec::new(),
@@ -331,21 +332,4 @@ fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
     found.sort_by(|a, b| (b.to_s - b.from_s).total_cmp(&(a.to_s - a.from_s)));
     found.truncate(20);
     found
-}
-
-/// How many poses differ by more than 0.2 rad in some joint, greedily.
-fn distinct_poses(blocks: &[Block]) -> usize {
-    const APART_RAD: f64 = 0.2;
-    let mut poses: Vec<&[f64]> = Vec::new();
-    for block in blocks {
-        let new = poses.iter().all(|pose| {
-            pose.iter()
-                .zip(&block.q)
-                .any(|(a, b)| (a - b).abs() > APART_RAD)
-        });
-        if new && poses.len() < 100 {
-            poses.push(&block.q);
-        }
-    }
-    poses.len()
 }

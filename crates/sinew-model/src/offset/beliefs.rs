@@ -15,8 +15,17 @@ use alloc::vec::Vec;
 /// Variances add and stop at the prior's: a chain of recordings can't become surer of
 /// friction than friction is constant.
 pub fn age(prior: &Prior, belief: &mut Belief) {
+    age_by(prior, belief, 1.0);
+}
+
+/// [`age`] for a number of days, of which parts count: variances grow with time, however often they are told.
+/// What is no number of days leaves the belief as it is.
+pub fn age_by(prior: &Prior, belief: &mut Belief, days: f64) {
     const FRICTION: f64 = 0.1;
     const OTHER: f64 = 0.01;
+    if !(days > 0.0) {
+        return;
+    }
     let d = prior.dimension();
     if belief.covariance.len() != d * d {
         return;
@@ -38,7 +47,7 @@ pub fn age(prior: &Prior, belief: &mut Belief) {
         let share = if friction { FRICTION } else { OTHER };
         let most = fresh.covariance[k * d + k];
         let room = (most - belief.covariance[k * d + k]).max(0.0);
-        belief.covariance[k * d + k] += (share * share * most).min(room);
+        belief.covariance[k * d + k] += (share * share * days * most).min(room);
     }
 }
 

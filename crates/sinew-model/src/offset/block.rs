@@ -133,8 +133,11 @@ impl Block {
         time_s.is_finite() && values.all(|x| x.is_finite())
     }
 
-    /// Makes this the same as `other`, which must [`Block::fits`], without allocating.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
+    /// Makes this the same as `other`, which must be of an arm of the same size.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;
         self.temperature_c = other.temperature_c;
         copy(&mut self.q, &other.q);

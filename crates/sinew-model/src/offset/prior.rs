@@ -1,6 +1,6 @@
 //! The unknown parameters of a robot, with their prior before any recording.
 
-use super::belief::{Belief, Payload};
+use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use super::layout::Layout;
 use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
 use super::state_entry::StateEntry;
@@ -277,6 +277,20 @@ impl Prior {
         let deviation = self.tolerances.zero_rad.max(FIXED);
         for i in (0..self.joints.len()).filter(|&i| self.is_elastic(i)) {
             belief.open(self.place(i, JointParameter::Zero), about_zero(deviation));
+        }
+    }
+
+    /// The rope of `joint` was tensioned, and nobody zeroed its encoders: its offset is zero from now on by
+    /// definition, wherever the encoders say that it is.
+    pub fn tension(&self, belief: &mut Belief, joint: usize) {
+        let anywhere = self.tolerances.zero_rad.max(UNKNOWN_OFFSET_RAD);
+        if self.is_elastic(joint) {
+            let offset = self.place(joint, JointParameter::Offset);
+            belief.open(offset, about_zero(TENSIONED_OFFSET_RAD));
+            belief.open(
+                self.place(joint, JointParameter::Zero),
+                about_zero(anywhere),
+            );
         }
     }
 

@@ -94,6 +94,7 @@ impl Baseline {
             known: known.as_ref().map(|(b, file)| (b, file.as_str())),
             motor_torque: !self.no_motor_torque,
             temperature_c: self.temperature_c,
+            ..Learning::default()
         };
         let learned = session::learn(&request, window, &learning, &mut |at| {
             bar.set(at.bytes_done as f64, at.bytes_total as f64);
