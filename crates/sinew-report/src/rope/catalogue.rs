@@ -77,6 +77,7 @@ pub fn rope_table(rope: &CatalogueRope) -> String {
         ("diameter_mm", &e.diameter_mm),
         ("breaking_load_n", &e.breaking_load_n),
         ("weight_g_per_m", &e.weight_g_per_m),
+        ("discard_strain_percent", &e.discard_strain_percent),
     ];
     let known = published
         .iter()

@@ -15,6 +15,7 @@
 //! hand = "tuned by hand to the text of the paper"
 //! [published]                             # what is missing is left out, never invented
 //! diameter_mm = { value = 1.50, origin = "published", source = "table1" }
+//! discard_strain_percent = { value = 1.5, origin = "published", source = "sheet" } # when to replace it
 //! [law]
 //! toe_percent = { value = 0.20, factor = 1.5, origin = "starting-guess", source = "hand" }
 //! jamming = { value = 2.9, plus_minus = 0.4, origin = "fitted", source = "bench", date = "2026-11-21" }
@@ -179,6 +180,8 @@ pub struct CatalogueEntry {
     pub breaking_load_n: Option<Value>,
     /// Weight, g/m, where it is published.
     pub weight_g_per_m: Option<Value>,
+    /// Strain in use, since it was new, at which its maker says to replace it, %.
+    pub discard_strain_percent: Option<Value>,
     /// Parameters of the law that are known.
     pub law: BTreeMap<Parameter, Value>,
     /// Correlations of their errors, where a fit stated them.
@@ -250,6 +253,13 @@ impl CatalogueEntry {
         Ok(out)
     }
 
+    /// Strain since it was new at which its maker says to replace it, as a fraction.
+    #[must_use]
+    pub fn discard_strain(&self) -> Option<f64> {
+        let percent = self.discard_strain_percent.as_ref()?;
+        Some(0.01 * percent.value)
+    }
+
     /// Share of the law's parameters that are starting guesses: what an interval rests on.
     #[must_use]
     pub fn guesses(&self) -> usize {
@@ -284,6 +294,7 @@ impl CatalogueEntry {
             ("diameter_mm", &self.diameter_mm),
             ("breaking_load_n", &self.breaking_load_n),
             ("weight_g_per_m", &self.weight_g_per_m),
+            ("discard_strain_percent", &self.discard_strain_percent),
         ] {
             if let Some(value) = value {
                 let _ = writeln!(out, "{key} = {}", inline(value));

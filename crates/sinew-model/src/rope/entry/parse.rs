@@ -62,9 +62,11 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
             read("diameter_mm")?,
             read("breaking_load_n")?,
             read("weight_g_per_m")?,
+            read("discard_strain_percent")?,
         ))
     })?;
-    let (diameter_mm, breaking_load_n, weight_g_per_m) = published.unwrap_or_default();
+    let (diameter_mm, breaking_load_n, weight_g_per_m, discard_strain_percent) =
+        published.unwrap_or_default();
     let law = s.read("law", |s| law(s, &sources))?.unwrap_or_default();
     let name = s.need_text("name", "what to call the rope by")?;
     let material = s.need_text("material", "HMPE, aramid, LCP or other")?;
@@ -91,6 +93,7 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
         diameter_mm,
         breaking_load_n,
         weight_g_per_m,
+        discard_strain_percent,
         law,
     };
     let good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
