@@ -56,6 +56,20 @@ impl Gaussian {
         }
     }
 
+    /// Probability of more than `x`: `½ erfc((x − mean)/(√2 deviation))`; NaN where that is none.
+    pub fn probability_above(self, x: f64) -> f64 {
+        0.5 * libm::erfc((x - self.mean) / (core::f64::consts::SQRT_2 * self.deviation))
+    }
+
+    /// Sum with an independent quantity.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            mean: self.mean + other.mean,
+            deviation: libm::hypot(self.deviation, other.deviation),
+        }
+    }
+
     /// Whether zero lies outside the 95 % interval.
     pub fn is_nonzero_95(self) -> bool {
         self.mean.abs() > self.half_width_95()
@@ -134,6 +148,21 @@ mod tests {
         );
         assert!(interval.contains(0.0125) && !interval.contains(0.013));
         assert!(offset_rad.is_nonzero_95() && !Gaussian::new(0.9, 0.5).is_nonzero_95());
+    }
+
+    #[test]
+    fn the_probability_of_more_is_the_table_s() {
+        let x = Gaussian::new(1.0, 2.0);
+        assert!((x.probability_above(1.0) - 0.5).abs() < 1e-15);
+        assert!((x.probability_above(1.0 - 1.959_963_984_540_054 * 2.0) - 0.975).abs() < 1e-12);
+        assert!((x.probability_above(5.0) - 0.022_750_131_948_179).abs() < 1e-12);
+        assert!(Gaussian::new(f64::NAN, 1.0).probability_above(0.0).is_nan());
+    }
+
+    #[test]
+    fn independent_deviations_add_in_squares() {
+        let sum = Gaussian::new(1.0, 3.0).plus(Gaussian::new(-3.0, 4.0));
+        assert_eq!(sum, Gaussian::new(-2.0, 5.0));
     }
 
     #[test]

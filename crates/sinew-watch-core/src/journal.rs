@@ -63,6 +63,23 @@ pub enum Event {
         /// How many.
         messages: u64,
     },
+    /// Motion was not estimated, because estimates take longer than the motion they are of.
+    Behind {
+        /// Time of it, s.
+        motion_s: f64,
+    },
+    /// What was stored of the tendons doesn't belong to this robot any more, and is left alone.
+    BeliefLeft {
+        /// Why.
+        why: String,
+    },
+    /// Older entries or records were given up, because they could not be stored for too long.
+    GivenUp {
+        /// Entries of the journal.
+        entries: u64,
+        /// Records.
+        records: u64,
+    },
     /// An alarm took a step.
     Alarm {
         /// Which.
@@ -96,6 +113,8 @@ pub enum SessionEnd {
     ClockStep,
     /// Somebody tensioned or replaced a rope.
     Command,
+    /// It was the motion a baseline needed.
+    Baseline,
 }
 
 /// Why a baseline waits.

@@ -11,11 +11,16 @@ pub mod alarm;
 pub mod command;
 pub mod instant;
 pub mod journal;
+mod monitor;
 pub mod record;
 pub mod snapshot;
 pub mod transaction;
 
 pub use instant::Instant;
+pub use monitor::{
+    AlarmOptions, ClockChoice, Done, History, Job, Monitor, MonitorConfig, MonitorError, Stored,
+    Times,
+};
 pub use record::Record;
 pub use snapshot::RobotSnapshot;
 pub use transaction::{Belief, Transaction};

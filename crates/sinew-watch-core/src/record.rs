@@ -23,11 +23,11 @@ pub struct Record {
     pub offset_rad: Option<f64>,
     /// Its standard deviation, rad.
     pub offset_deviation_rad: Option<f64>,
-    /// Elongation, m; `None` without an offset or tendon geometry.
+    /// Elongation since then, m; `None` without an offset or tendon geometry.
     pub elongation_m: Option<f64>,
     /// Its standard deviation, m.
     pub elongation_deviation_m: Option<f64>,
-    /// Elongation over the tendon's length.
+    /// Strain since the rope was new: elongation from before the last tensioning counts too.
     pub strain_ratio: Option<f64>,
     /// Its standard deviation.
     pub strain_deviation_ratio: Option<f64>,

@@ -101,7 +101,7 @@ pub struct TendonSnapshot {
     pub level: Level,
     /// Offset now, rad, from the recursive estimate; `None`: it isn't known now, and `reason` says why.
     pub offset_rad: Option<Gaussian>,
-    /// Elongation now, m; `None` without an offset or tendon geometry.
+    /// Elongation now since it was tensioned, m; `None` without an offset or tendon geometry.
     pub elongation_m: Option<Gaussian>,
     /// Strain now since the rope was new, as a fraction.
     pub strain_ratio: Option<Gaussian>,

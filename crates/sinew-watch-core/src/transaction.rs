@@ -1,9 +1,10 @@
 //! What has to be stored before it is spoken of.
 
-use crate::alarm::AlarmsStored;
+use crate::alarm::{AlarmsStored, JumpKind};
 use crate::journal::Entry;
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
+use sinew_estimate::Cause;
 use sinew_estimate::baseline::Baseline;
 use sinew_model::Gaussian;
 use std::sync::Arc;
@@ -33,8 +34,12 @@ pub struct Belief {
     pub version: u32,
     /// The chain's last posterior; `None`: nothing learned yet.
     pub baseline: Option<Baseline>,
-    /// Whether a new baseline is to be learned, since a rope was tensioned.
-    pub learns_baseline: bool,
+    /// When what it rests on ended, s since 1970 UTC; `None`: a baseline from a file, or nothing learned.
+    pub end_utc_s: Option<f64>,
+    /// A new baseline that is to be learned, since a rope was tensioned.
+    pub learns: Option<LearnsBaseline>,
+    /// Sessions so far.
+    pub sessions: u64,
     /// Tendons, in the order of the robot's elastic joints.
     pub tendons: Vec<TendonBelief>,
 }
@@ -44,19 +49,34 @@ impl Belief {
     pub const VERSION: u32 = 1;
 }
 
+/// A baseline on its way.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct LearnsBaseline {
+    /// Joints whose ropes were tensioned; the others' offsets go on counting from before.
+    pub joints: Vec<String>,
+    /// Motion it rests on so far, s.
+    pub duration_s: f64,
+    /// Distinct poses so far, one after the other, rad.
+    pub poses_rad: Vec<f64>,
+}
+
 /// What is kept of a tendon beside the posterior.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TendonBelief {
     /// Joint.
     pub joint: String,
-    /// When it was last tensioned, s since 1970 UTC; `None`: nobody said.
-    pub tensioned_utc_s: Option<f64>,
-    /// Its offset when the present baseline began, rad: other tendons' tensionings begin baselines too.
-    pub carried_rad: Gaussian,
+    /// What its offset counts from: the last tensioning, or a baseline from a file; `None`: the encoders' zero.
+    pub since: Option<String>,
+    /// When it was tensioned since its rope is new, s since 1970 UTC; empty: nobody said.
+    pub tensioned_utc_s: Vec<f64>,
+    /// When its rope was replaced, s since 1970 UTC; `None`: nobody said.
+    pub replaced_utc_s: Option<f64>,
     /// Elongation from before it was last tensioned, since the rope was new, m.
     pub before_m: Gaussian,
     /// Offset at the end of the last session that could tell, rad, since it was tensioned.
     pub last_rad: Option<Gaussian>,
+    /// When that was, s since 1970 UTC.
+    pub last_utc_s: Option<f64>,
     /// A sudden change that waits for another session.
     pub suspected: Option<Suspected>,
 }
@@ -71,9 +91,15 @@ pub struct Suspected {
     /// By how much it changed, rad.
     pub size_rad: Gaussian,
     /// What it may be.
-    pub what: crate::alarm::JumpKind,
+    pub what: JumpKind,
+    /// What slipped, where the readings tell.
+    pub cause: Option<Cause>,
     /// Change of the stiffness, as a fraction.
     pub stiffness_ratio: Option<f64>,
+    /// Stiffness over nominal less 1 before that.
+    pub stiffness_before_ratio: f64,
     /// Number of the session it was seen in.
     pub session: u64,
+    /// Sessions since then that could tell an offset, but not whether it lasts.
+    pub undecided: u32,
 }

@@ -60,6 +60,12 @@ impl Condition {
         self.severity() >= 700
     }
 
+    /// Whether somebody has to have seen it, once it is over. A robot that is switched off every night
+    /// needs no look every morning.
+    pub fn needs_look(self) -> bool {
+        self != Self::NoData
+    }
+
     /// What `/diagnostics` shows.
     pub fn level(self) -> Level {
         match self {

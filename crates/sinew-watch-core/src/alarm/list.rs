@@ -15,6 +15,33 @@ pub struct Delays {
     pub clear_after_s: f64,
 }
 
+impl Delays {
+    /// Without a delay.
+    pub const NONE: Self = Self {
+        raise_after_s: 0.0,
+        clear_after_s: 0.0,
+    };
+
+    /// As usual for a condition.
+    pub fn of(condition: Condition) -> Self {
+        let (raise_after_s, clear_after_s) = match condition {
+            Condition::ReplaceLimit | Condition::RetensionLimit | Condition::LimitNear => {
+                (600.0, 600.0)
+            }
+            Condition::Data => (15.0, 60.0),
+            Condition::Store => (5.0, 60.0),
+            Condition::StrandFailed
+            | Condition::Jump
+            | Condition::Suspicion
+            | Condition::NoData => (0.0, 0.0),
+        };
+        Self {
+            raise_after_s,
+            clear_after_s,
+        }
+    }
+}
+
 /// The alarms of a robot, and how each got where it is.
 #[derive(Debug, Clone, Default)]
 pub struct Alarms {
@@ -107,7 +134,13 @@ impl Alarms {
         delays: Delays,
         now: Instant,
     ) {
-        let Some(holds) = holds else { return };
+        let Some(holds) = holds else {
+            // What was about to be raised or cleared begins to wait anew.
+            if let Some(entry) = self.list.get_mut(key) {
+                entry.since = None;
+            }
+            return;
+        };
         if !holds && !self.list.contains_key(key) {
             return;
         }
@@ -129,7 +162,7 @@ impl Alarms {
             {
                 match from {
                     _ if key.condition.latches() => AlarmState::Latched,
-                    AlarmState::Active => AlarmState::Cleared,
+                    AlarmState::Active if key.condition.needs_look() => AlarmState::Cleared,
                     _ => AlarmState::Normal,
                 }
             }

@@ -8,6 +8,8 @@
 //!     └──────────── cleared (below 700)             latched ── tensioned, replaced, reset ─▶ normal
 //!                   latched (700 and more)
 //! ```
+//!
+//! What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
 
 mod condition;
 mod list;
@@ -17,6 +19,7 @@ pub use list::{Alarms, AlarmsStored, Delays};
 
 use crate::command::What;
 use serde::{Deserialize, Serialize};
+use sinew_estimate::Cause;
 
 /// Which alarm.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -112,6 +115,8 @@ pub enum AlarmCause {
         deviation_rad: f64,
         /// What may have happened.
         what: JumpKind,
+        /// What slipped, where the readings tell.
+        cause: Option<Cause>,
         /// Change of the stiffness with it, as a fraction; `None`: none was seen.
         stiffness_ratio: Option<f64>,
     },
@@ -185,10 +190,20 @@ pub enum Trouble {
         /// Whether it is the motor's; else the joint's.
         motor: bool,
     },
-    /// Joint and motor positions are many radians apart, as degrees or a missing gear ratio make them.
+    /// Joint and motor positions are so far apart as degrees or a missing gear ratio make them.
     FarApart {
-        /// Median distance, rad.
+        /// Mean distance, rad.
         apart_rad: f64,
+    },
+    /// The motor position follows another joint: two channels are swapped.
+    Swapped {
+        /// The joint it follows.
+        with: String,
+    },
+    /// Stamps that don't rise: nothing can be estimated.
+    StampsStand {
+        /// Share of the frames.
+        share: f64,
     },
     /// A publisher's quality of service can't be received.
     Qos {

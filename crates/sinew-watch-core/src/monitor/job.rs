@@ -1,0 +1,188 @@
+//! Estimates, made away from the thread that takes frames.
+
+use super::session::Session;
+use super::trend::analyze_tendon;
+use crate::journal::SessionEnd;
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session::{
+    Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
+    live,
+};
+use sinew_estimate::trend::{JointTrend, SessionRecord, Stated};
+use sinew_model::offset::RecursiveOffsets;
+use sinew_model::robot::Robot;
+use sinew_rope::Catalogue;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// Some motion of a session that waits for its estimate.
+#[derive(Debug)]
+pub(super) struct Stretch {
+    pub(super) session: Session,
+    pub(super) recorded: Recorded,
+    /// Whether it is the session's last.
+    pub(super) end: Option<SessionEnd>,
+    /// Whether the recursive estimate was in doubt at its end.
+    pub(super) in_doubt: bool,
+    /// Whether there is motion enough in it to be estimated.
+    pub(super) worth_it: bool,
+    /// Motion in it, s.
+    pub(super) motion_s: f64,
+    /// Whether it is for a baseline: for that of the so-many-th tensioning.
+    pub(super) baseline_of: Option<u32>,
+}
+
+/// An estimate to make, away from the thread that takes frames. [`Job::run`] is the whole of it.
+#[derive(Debug)]
+pub struct Job {
+    pub(super) robot: Arc<Robot>,
+    pub(super) work: Work,
+}
+
+#[derive(Debug)]
+pub(super) enum Work {
+    Stretch(Box<StretchWork>),
+    Trend(Box<TrendWork>),
+}
+
+/// What the estimate of a stretch needs.
+#[derive(Debug)]
+pub(super) struct StretchWork {
+    pub(super) stretch: Stretch,
+    pub(super) options: SessionOptions,
+    /// Where the chain stands.
+    pub(super) baseline: Option<Baseline>,
+    /// How the stretch follows on it.
+    pub(super) since: Since,
+    /// The baseline that is learned from it.
+    pub(super) learns: Option<Learns>,
+    /// Name of the session.
+    pub(super) name: String,
+}
+
+/// A baseline that is learned.
+#[derive(Debug)]
+pub(super) struct Learns {
+    /// Joints whose ropes were tensioned.
+    pub(super) tensioned: Vec<usize>,
+    /// Whether it was begun before.
+    pub(super) continues: bool,
+}
+
+/// What a tendon's trend needs.
+#[derive(Debug)]
+pub(super) struct TrendWork {
+    /// Place among the elastic joints.
+    pub(super) tendon: usize,
+    pub(super) joint: String,
+    pub(super) records: Vec<SessionRecord>,
+    pub(super) stated: Vec<Stated>,
+    pub(super) catalogue: Arc<Catalogue>,
+}
+
+/// What a [`Job`] gave, for [`Monitor::done`](crate::Monitor::done).
+#[derive(Debug)]
+pub struct Done(pub(super) Outcome);
+
+#[derive(Debug)]
+pub(super) enum Outcome {
+    Stretch {
+        stretch: Box<Stretch>,
+        learned: bool,
+        result: Result<Box<Estimated>, String>,
+    },
+    Trend {
+        tendon: usize,
+        trend: Option<Arc<JointTrend>>,
+    },
+}
+
+/// What a stretch gave.
+#[derive(Debug)]
+pub(super) struct Estimated {
+    pub(super) estimate: SessionEstimate,
+    pub(super) next: Baseline,
+    /// A recursive filter that begins from there, after the last stretch of a session.
+    pub(super) live: Option<Box<RecursiveOffsets>>,
+}
+
+impl Job {
+    /// Makes the estimate: some hundredths of a second for a few joints and a minute.
+    ///
+    /// A panic of the estimator is a refusal: a monitor that runs for a year must not end of one stretch.
+    pub fn run(self) -> Done {
+        let robot = self.robot;
+        Done(match self.work {
+            Work::Stretch(work) => {
+                let result = catch_unwind(AssertUnwindSafe(|| work.estimate(&robot)));
+                Outcome::Stretch {
+                    learned: work.learns.is_some(),
+                    stretch: Box::new(work.stretch),
+                    result: result.unwrap_or_else(|_| Err("the estimator failed".into())),
+                }
+            }
+            Work::Trend(work) => {
+                let tendon = work.tendon;
+                let trend = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
+                Outcome::Trend {
+                    tendon,
+                    trend: trend.unwrap_or_default(),
+                }
+            }
+        })
+    }
+}
+
+/// Names of recordings a chain keeps: the first and the last.
+const NAMES: usize = 2;
+
+impl StretchWork {
+    fn estimate(&self, robot: &Robot) -> Result<Box<Estimated>, String> {
+        let recorded = &self.stretch.recorded;
+        let before = self.baseline.as_ref();
+        let known = before.map(|baseline| (baseline, "what was learned before"));
+        let result = match &self.learns {
+            Some(learns) => {
+                let learning = Learning {
+                    known,
+                    motor_torque: self.options.motor_torque,
+                    temperature_c: self.options.temperature_c,
+                    tensioned: Some(&learns.tensioned),
+                    continues: learns.continues,
+                };
+                learn_recorded(robot, recorded, &self.name, &learning)
+                    .map(|(baseline, estimate)| (estimate, baseline))
+            }
+            None => estimate_stretch(
+                robot,
+                recorded,
+                &self.name,
+                (known, self.since),
+                &self.options,
+            ),
+        };
+        let result = result.and_then(|(mut estimate, mut next)| {
+            // A chain of months names its first and its last recording.
+            let count = next.recordings.len();
+            if count > NAMES {
+                next.recordings.drain(1..count - 1);
+            }
+            next.before.truncate(NAMES);
+            estimate.blocks = Vec::new();
+            let live = match self.stretch.end.is_some() || self.learns.is_some() {
+                true => Some(Box::new(live(
+                    robot,
+                    (&next, "what was learned"),
+                    &self.options,
+                )?)),
+                false => None,
+            };
+            Ok(Box::new(Estimated {
+                estimate,
+                next,
+                live,
+            }))
+        });
+        result.map_err(|error| error.to_string())
+    }
+}

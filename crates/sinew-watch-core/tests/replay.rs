@@ -1,0 +1,86 @@
+//! A recording that comes live says what the recording says, to the last digit.
+
+use crate::support::{Watched, biorob_like, config, frames, recorded};
+use sinew_estimate::feeder::{Feeder, FeederOptions};
+use sinew_estimate::session::{self, Learning, SessionOptions};
+use sinew_model::offset::{FeatureConfig, FeatureObserver};
+use sinew_watch_core::snapshot::NotNow;
+
+#[test]
+fn a_session_s_record_is_what_estimate_says_of_the_recording() {
+    let robot = biorob_like();
+    let all = frames(&robot, 41, 110.0, |text| text);
+    let (a, b) = all.split_at(60 * 250);
+    let (baseline, _) =
+        session::learn_recorded(&robot, &recorded(&robot, a), "A", &Learning::default()).unwrap();
+    let options = SessionOptions::default();
+    let b_recorded = recorded(&robot, b);
+    let with = Some((&baseline, "A"));
+    let (said, next) =
+        session::estimate_recorded(&robot, &b_recorded, "B", with, &options).unwrap();
+
+    let mut config = config(&robot);
+    config.baseline = Some(baseline);
+    let mut watched = Watched::new(config);
+    watched.play(b);
+    watched.monitor.shutdown(watched.now);
+    watched.settle();
+    let records = &watched.store.records;
+    assert_eq!(records.len(), said.joints.len());
+    for (record, joint) in records.iter().zip(&said.joints) {
+        assert_eq!(record.joint, joint.name);
+        assert_eq!(record.offset(), Some(joint.offset_rad), "{record:?}");
+        let stiffness = record.stiffness_ratio.zip(record.stiffness_deviation_ratio);
+        let change = joint.stiffness_change_ratio;
+        assert_eq!(stiffness, Some((change.mean, change.deviation)));
+        assert_eq!(record.temperature_c, said.temperature_c);
+    }
+    // So is what the next session goes on from.
+    let belief = watched.store.stored.belief.as_ref().unwrap();
+    let kept = belief.baseline.as_ref().unwrap();
+    assert_eq!(kept.mean, next.mean);
+    assert_eq!(kept.covariance_lower, next.covariance_lower);
+}
+
+#[test]
+fn the_number_of_now_is_the_recursive_form_s() {
+    let robot = biorob_like();
+    let all = frames(&robot, 42, 105.0, |text| text);
+    let (a, b) = all.split_at(60 * 250);
+    let (baseline, _) =
+        session::learn_recorded(&robot, &recorded(&robot, a), "A", &Learning::default()).unwrap();
+    let options = SessionOptions::default();
+    let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
+    let observer = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut feeder = Feeder::new(observer, &robot.transmissions, FeederOptions::default());
+
+    let mut config = config(&robot);
+    config.baseline = Some(baseline);
+    let mut watched = Watched::new(config);
+    let (mut numbers, mut doubts) = (0, 0);
+    for second in b.chunks(250) {
+        watched.play(second);
+        for frame in second {
+            if feeder.frame(frame).output() == Some(true) {
+                filter.step(feeder.observer().block()).unwrap();
+            }
+        }
+        // The next frame comes a sample later.
+        watched.now = watched.now.after_s(0.004);
+        for (i, tendon) in watched.snapshot().tendons.iter().enumerate() {
+            match tendon.offset_rad {
+                Some(offset) => {
+                    assert_eq!(offset, filter.offset(i));
+                    numbers += 1;
+                }
+                None => {
+                    let is_doubt = tendon.reason == Some(NotNow::InDoubt);
+                    assert_eq!(is_doubt, filter.is_provisional(), "{tendon:?}");
+                    doubts += 1;
+                }
+            }
+        }
+    }
+    println!("{numbers} numbers, {doubts} without");
+    assert!(numbers > 20 && doubts > 20, "{numbers} {doubts}");
+}
