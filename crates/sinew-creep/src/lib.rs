@@ -71,7 +71,7 @@ pub use solver::{Ending, LeastSquares, Minimum, Residuals, Termination, TrustReg
 pub use source::{Conditions, Source, SourceColumn, read_specimens};
 pub use span::Span;
 pub use superposition::{Arrhenius, Isotherm, Shift, Superposition, Wlf, superpose};
-pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, Tests, analyze_tests, three_digits};
+pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, Tests, analyze_tests};
 pub use tests_compared::{CompareReport, ShiftReport, compare, shift};
 pub use tests_fitted::{
     FitReport, FitRequest, FitSet, FitStep, Joint, WithheldReport, fit_tests, withhold_tests,

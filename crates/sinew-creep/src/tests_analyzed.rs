@@ -9,6 +9,7 @@ use super::scatter::{Scatter, scatter};
 use super::source::{Conditions, Source};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
+use sinew_files::number::three_digits;
 use sinew_log::Specimen;
 
 /// What is asked of creep tests.
@@ -169,17 +170,4 @@ fn label(specimen: &Specimen, sources: &[Source], column: &str) -> Option<String
     } else {
         format!("{} {unit}", three_digits(value))
     })
-}
-
-/// A number to three digits, as group names and tables write it.
-pub fn three_digits(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
-        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.1e}")
-    }
 }

@@ -4,7 +4,7 @@ use crate::robot_check::JointMotion;
 use crate::robot_check::loads::loads;
 use serde::Serialize;
 use sinew_files::{JsonDocument, Located};
-use sinew_log::{Ambiguity, LogError, Pace, Quantity, Recording, SignalSource};
+use sinew_log::{Ambiguity, JointInfo, LogError, Pace, Quantity, Recording, SignalSource};
 use sinew_model::arm::JointKind;
 use sinew_model::arm::urdf::{self, UrdfOptions};
 use std::f64::consts::TAU;
@@ -191,13 +191,45 @@ impl Init {
             out.describe(name, text)?;
         }
         if let Some(recording) = recording.as_deref_mut() {
-            out.record(recording);
+            let channels = &recording.channels().joints;
+            let joints = recording.joints().iter().zip(channels);
+            let joints: Vec<JointInfo> = joints
+                .map(|(name, has)| JointInfo {
+                    name: name.clone(),
+                    channels: has.iter().collect(),
+                })
+                .collect();
+            out.record(&joints);
             out.recording = Some(InitRecording {
                 rate_hz: rate_hz(recording)?,
                 sources: recording.sources(),
             });
         }
         out.missing = out.gaps(recording.is_some());
+        Ok(out)
+    }
+
+    /// Of a URDF's text and of joints that are heard on a network. `urdf` is the name it will have beside robot.toml.
+    ///
+    /// # Errors
+    /// The URDF's.
+    pub fn of_network(
+        source: &str,
+        urdf: Option<(&str, &str)>,
+        joints: &[JointInfo],
+        rate_hz: Option<f64>,
+    ) -> Result<Self, Located> {
+        let mut out = Self::empty(source);
+        if let Some((name, text)) = urdf {
+            out.urdf = Some(name.to_owned());
+            out.describe(name, text)?;
+        }
+        out.record(joints);
+        out.recording = Some(InitRecording {
+            rate_hz,
+            sources: Vec::new(),
+        });
+        out.missing = out.gaps(true);
         Ok(out)
     }
 
@@ -237,10 +269,10 @@ impl Init {
     }
 
     /// Joins what is recorded of each joint.
-    fn record(&mut self, recording: &Recording) {
+    fn record(&mut self, joints: &[JointInfo]) {
         let no_urdf = self.joints.is_empty();
-        for (name, has) in recording.joints().iter().zip(&recording.channels().joints) {
-            let recorded: Vec<Quantity> = has.iter().collect();
+        for JointInfo { name, channels } in joints {
+            let recorded: Vec<Quantity> = channels.clone();
             match self.joints.iter_mut().find(|joint| joint.name == *name) {
                 Some(joint) => joint.recorded = recorded,
                 None => self.joints.push(InitJoint {

@@ -21,6 +21,7 @@ pub mod replay;
 mod request;
 pub mod robot_check;
 pub mod robot_dir;
+pub mod robot_toml;
 pub mod session;
 pub mod strand_duty;
 pub mod trend;

@@ -7,6 +7,7 @@
 //! * [`bound`]: what a number may be, and the unit its key ends in;
 //! * [`limits`]: what is read and simulated at most;
 //! * [`names`]: the name somebody may have meant;
+//! * [`number`]: numbers as a reader wants them;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
 //! * [`date`]: days and times of day, UTC;
 //! * [`atomic`]: output files that are whole or not there;
@@ -23,6 +24,7 @@ pub mod limits;
 pub mod located;
 pub mod lock;
 pub mod names;
+pub mod number;
 #[cfg(feature = "toml")]
 pub mod section;
 pub mod temporary;
@@ -38,5 +40,5 @@ pub use located::{Fault, Fields, Located, Place};
 #[cfg(feature = "toml")]
 pub use section::{Section, TomlFile, Value};
 pub use temporary::Temporary;
-pub use text::{csv_cell, read_bytes, read_text};
+pub use text::{csv_cell, plain, read_bytes, read_text};
 pub use utf16::Utf16Reader;

@@ -116,6 +116,12 @@ impl RobotFile {
         self.urdf.as_deref()
     }
 
+    /// Names of the joints it describes, but for those it locks.
+    pub fn moving_joints(&self) -> Vec<String> {
+        let moving = self.joints.iter().filter(|j| j.locked_at_rad.is_none());
+        moving.map(|j| j.name.clone()).collect()
+    }
+
     /// Builds the robot with the text of its URDF.
     ///
     /// # Errors

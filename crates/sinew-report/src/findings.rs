@@ -1,7 +1,7 @@
 //! What looks odd in a robot's description, in sentences.
 
-use sinew_creep::three_digits;
 use sinew_estimate::robot_check::{Finding, FindingKind, Judged, Severity};
+use sinew_files::number::three_digits;
 use std::fmt::Write as _;
 
 /// All of them, a sentence each; those that say the same of several places, one for all.

@@ -1,7 +1,8 @@
 //! Tables and paragraphs for a terminal: as wide as it is, in colour where it shows colour.
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
-use sinew_creep::three_digits;
+use sinew_files::number::three_digits;
+pub use sinew_files::plain;
 use std::sync::OnceLock;
 
 /// Columns of a terminal that everybody has.
@@ -159,13 +160,6 @@ pub(crate) fn short(value: f64) -> String {
 pub fn plain_lines(text: &str) -> String {
     let lines: Vec<String> = text.lines().map(plain).collect();
     lines.join("\n")
-}
-
-/// Text from a file without the characters a terminal would obey.
-pub fn plain(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
-        .collect()
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use crate::args::Opening;
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
 use sinew_estimate::init::Init;
+use sinew_estimate::robot_toml::robot_toml;
 use sinew_files::{read_text, write_file};
 use sinew_log::{LogError, Recording};
-use sinew_report::init::{mapping_toml, render, robot_toml};
+use sinew_report::init::{mapping_toml, render};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 

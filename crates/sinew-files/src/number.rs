@@ -45,6 +45,19 @@ pub fn with_interval(value: f64, standard_error: f64) -> String {
     format!("{} ± {}", fixed(value, decimals), fixed(half, decimals))
 }
 
+/// A number to three digits, as group names, files and tables write it.
+pub fn three_digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
 /// A whole number with a thin gap between thousands: `1 234 567`.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
