@@ -28,8 +28,8 @@ pub(super) enum ClockEvent {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Clocks {
     choice: ClockChoice,
-    /// Civil time at zero of the clock that never steps, ns.
-    zero_ns: Option<i64>,
+    /// Civil time at zero of the clock that never steps, and that clock, ns.
+    zero_ns: Option<(i64, i64)>,
     /// Stamp and time where the present count of the rate began.
     from: Option<(i64, Instant)>,
     stamps_are_not_time: bool,
@@ -53,8 +53,12 @@ impl Clocks {
     pub(super) fn now(&mut self, now: Instant) -> Option<ClockEvent> {
         let zero_ns = now.utc_ns.saturating_sub(now.monotonic_ns);
         // A clock that is slewed is followed.
-        let before = self.zero_ns.replace(zero_ns)?;
-        let by_s = zero_ns.saturating_sub(before) as f64 * 1e-9;
+        let (before, last_ns) = self.zero_ns.replace((zero_ns, now.monotonic_ns))?;
+        let mut by_s = zero_ns.saturating_sub(before) as f64 * 1e-9;
+        if let ClockChoice::Fast { civil_rate } = self.choice {
+            let passed_s = now.monotonic_ns.saturating_sub(last_ns) as f64 * 1e-9;
+            by_s -= (civil_rate - 1.0) * passed_s;
+        }
         (by_s.abs() > STEP_S).then(|| {
             self.stepped = true;
             ClockEvent::Step(by_s)
@@ -94,5 +98,28 @@ impl Clocks {
         } else {
             Clock::Utc
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_civil_clock_that_is_meant_to_run_fast_steps_only_when_it_does() {
+        let mut clocks = Clocks::new(ClockChoice::Fast { civil_rate: 3600.0 });
+        let start = Instant {
+            monotonic_ns: 0,
+            utc_ns: 1_800_000_000_000_000_000,
+        };
+        let at = |s: f64, step_s: f64| Instant {
+            monotonic_ns: (1e9 * s) as i64,
+            utc_ns: start.utc_ns + (1e9 * (3600.0 * s + step_s)) as i64,
+        };
+        let told = (0..200).filter_map(|i| clocks.now(at(f64::from(i), 0.0)));
+        assert_eq!(told.count(), 0);
+        assert_eq!(clocks.clock(at(200.0, 0.0)), Clock::Utc);
+        let step = clocks.now(at(200.0, 3600.0));
+        assert!(matches!(step, Some(ClockEvent::Step(by_s)) if (by_s - 3600.0).abs() < 1e-3));
     }
 }

@@ -79,13 +79,18 @@ const LEAST_STRETCH_S: f64 = 20.0;
 const MOST_STRETCH_S: f64 = 120.0;
 
 /// Whose time the stamps are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ClockChoice {
     /// A robot's, in real time; found out if they run otherwise.
     #[default]
     Real,
     /// A simulation's, or a recording's: no part of a trend.
     Stamp,
+    /// A robot's, in real time, while the civil clock runs faster: a demonstration of months in minutes.
+    Fast {
+        /// Civil seconds in one.
+        civil_rate: f64,
+    },
 }
 
 /// When things begin and end.

@@ -107,6 +107,11 @@ pub(super) struct Estimated {
 }
 
 impl Job {
+    /// Whether it is a trend's: of what is stored already, so that nothing is lost without it.
+    pub fn is_trend(&self) -> bool {
+        matches!(self.work, Work::Trend(_))
+    }
+
     /// Makes the estimate: some hundredths of a second for a few joints and a minute.
     ///
     /// A panic of the estimator is a refusal: a monitor that runs for a year must not end of one stretch.
