@@ -38,6 +38,7 @@ enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
+    Watch(commands::watch::Watch),
     Excitation(commands::excitation::Excitation),
     Simulate(commands::simulate::Simulate),
     #[command(subcommand)]
@@ -64,6 +65,7 @@ impl Command {
             Self::Estimate(command) => command.run(),
             Self::Baseline(command) => command.run(),
             Self::Trend(command) => command.run(),
+            Self::Watch(command) => command.run(),
             Self::Excitation(command) => command.run(),
             Self::Simulate(command) => command.run(),
             Self::Scenarios(command) => command.run(),

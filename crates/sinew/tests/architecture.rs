@@ -42,7 +42,7 @@ fn every_crate_is_mentioned_and_every_path_exists() {
 
 #[test]
 fn crates_see_only_whom_they_may() {
-    const BELOW: [(&str, &[&str]); 14] = [
+    const BELOW: [(&str, &[&str]); 15] = [
         ("sinew-files", &[]),
         ("sinew-model", &["sinew-files"]),
         ("sinew-log", &["sinew-files"]),
@@ -79,6 +79,18 @@ fn crates_see_only_whom_they_may() {
                 "sinew-log",
                 "sinew-rope",
                 "sinew-estimate",
+            ],
+        ),
+        (
+            "sinew-watch",
+            &[
+                "sinew-files",
+                "sinew-model",
+                "sinew-log",
+                "sinew-rope",
+                "sinew-estimate",
+                "sinew-door",
+                "sinew-watch-core",
             ],
         ),
         (

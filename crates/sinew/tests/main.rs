@@ -21,3 +21,4 @@ mod rope;
 mod schemas;
 mod terminal;
 mod trend;
+mod watch;

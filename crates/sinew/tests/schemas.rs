@@ -154,7 +154,16 @@ fn the_schemas_are_those_of_the_types() {
         published(&document.file(), &text);
     }
     let files = std::fs::read_dir(repository().join("docs/schema")).unwrap();
-    assert_eq!(files.count(), documents.len(), "a schema nobody writes by");
+    let files = files.map(|file| file.unwrap().path());
+    let of_types: BTreeSet<_> = documents.iter().map(Published::file).collect();
+    // The monitor's own types are checked by its tests: crates/sinew-watch/tests/reference.rs.
+    let of_the_monitor = ["record-1.json", "webhook-1.json"];
+    let nobodys: Vec<_> = files
+        .filter(|file| {
+            !of_types.contains(file) && !of_the_monitor.iter().any(|f| file.ends_with(f))
+        })
+        .collect();
+    assert!(nobodys.is_empty(), "schemas nobody writes by: {nobodys:?}");
 }
 
 #[test]

@@ -19,3 +19,4 @@ mod session_args;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod trend;
+pub(crate) mod watch;

@@ -1,0 +1,188 @@
+// Records over months, with what happened, the limit, and the fan of the forecast.
+import { useEffect, useRef, useState } from "preact/hooks";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { day, dayAndTime, plusMinus, rounded } from "./format.js";
+
+const HEIGHT = 340;
+const css = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+// Columns of uPlot: time, record, its half interval, then median and bounds of the forecast, then the limit.
+function columns(records, trend) {
+  const forecast = trend?.forecast ?? [];
+  const times = [...records.map(r => r.time_utc_s), ...forecast.map(p => p.time_utc_s)];
+  const none = forecast.map(() => null), before = records.map(() => null);
+  const mrad = value => value === null ? null : 1e3 * value;
+  return [
+    times,
+    [...records.map(r => mrad(r.offset_rad)), ...none],
+    [...before, ...forecast.map(p => 1e3 * p.offset_rad)],
+    [...before, ...forecast.map(p => 1e3 * p.interval_95_rad.high)],
+    [...before, ...forecast.map(p => 1e3 * p.interval_95_rad.low)],
+  ];
+}
+
+// How far ahead is shown at first: to where the limit is passed for sure, or as far as half of what was.
+function horizon(records, trend) {
+  const forecast = trend?.forecast ?? [];
+  if (!forecast.length) return null;
+  const last = forecast[0].time_utc_s, end = forecast.at(-1).time_utc_s;
+  const past = last - records[0].time_utc_s, high = limitOf(trend)?.after_high_s;
+  const ahead = Math.max(14 * 86400, 0.35 * past, high ? Math.min(1.2 * high, past) : 0);
+  return [records[0].time_utc_s, Math.min(last + ahead, end)];
+}
+
+// The limit that is drawn: the first that a forecast is of.
+const limitOf = trend => trend?.limits.find(limit => limit.kind === "retension") ?? trend?.limits[0];
+
+function describe(records, trend, joint) {
+  const told = records.filter(r => r.offset_rad !== null);
+  if (told.length === 0) return `${joint}: ${records.length} records, none of which could tell`;
+  const [first, last] = [told[0], told.at(-1)];
+  const at = r => `${plusMinus({ mean: r.offset_rad, deviation: r.offset_deviation_rad }, 1e3)} mrad on ${day(r.time_utc_s)}`;
+  const limit = limitOf(trend);
+  const jumps = trend?.events.filter(event => event.kind === "jump").length ?? 0;
+  return `${joint}: ${told.length} records from ${at(first)} to ${at(last)}.` +
+    (jumps ? ` ${jumps} jump${jumps > 1 ? "s" : ""}.` : "") +
+    (limit ? ` The limit is ${rounded(1e3 * limit.limit_rad, 3)} mrad.` : "");
+}
+
+export function Chart({ records, trend, joint }) {
+  const frame = useRef(null), plot = useRef(null);
+  const [at, setAt] = useState(null);
+  const data = columns(records, trend);
+
+  useEffect(() => {
+    const half = records.map(r => r.offset_rad === null ? null : 1.96e3 * r.offset_deviation_rad);
+    const limit = limitOf(trend), events = trend?.events ?? [];
+    const ink = () => css("ink"), muted = () => css("muted");
+    const metre = trend?.elongation_m && trend.offset_rad.mean ? trend.elongation_m.mean / trend.offset_rad.mean : null;
+    const px = uPlot.pxRatio;
+
+    function line(u, x0, y0, x1, y1) {
+      u.ctx.beginPath();
+      u.ctx.moveTo(x0, y0);
+      u.ctx.lineTo(x1, y1);
+      u.ctx.stroke();
+    }
+    const under = u => {
+      const { ctx, bbox } = u;
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+      ctx.clip();
+      ctx.lineWidth = px;
+      // Half a 95 % interval either way.
+      ctx.strokeStyle = css("sky");
+      records.forEach((record, i) => {
+        if (half[i] === null) return;
+        const x = u.valToPos(record.time_utc_s, "x", true);
+        const y = value => u.valToPos(value, "y", true);
+        line(u, x, y(1e3 * record.offset_rad - half[i]), x, y(1e3 * record.offset_rad + half[i]));
+      });
+      ctx.font = `${12 * px}px sans-serif`;
+      ctx.textBaseline = "top";
+      events.forEach((event, i) => {
+        const x = u.valToPos(event.time_utc_s, "x", true);
+        if (x < bbox.left || x > bbox.left + bbox.width) return;
+        const jump = event.kind === "jump";
+        ctx.strokeStyle = ctx.fillStyle = css(jump ? "alarm" : "good");
+        ctx.setLineDash(jump ? [] : [4 * px, 3 * px]);
+        line(u, x, bbox.top, x, bbox.top + bbox.height);
+        const words = jump ? "▲ jump" : "tensioned", wide = ctx.measureText(words).width + 6 * px;
+        ctx.textAlign = x + wide > bbox.left + bbox.width ? "right" : "left";
+        ctx.fillText(words, x + (ctx.textAlign === "left" ? 4 : -4) * px, bbox.top + (4 + 15 * (i % 3)) * px);
+      });
+      if (limit) {
+        const y = u.valToPos(1e3 * limit.limit_rad, "y", true);
+        ctx.strokeStyle = ctx.fillStyle = css("watch");
+        ctx.setLineDash([8 * px, 4 * px]);
+        ctx.lineWidth = 1.5 * px;
+        line(u, bbox.left, y, bbox.left + bbox.width, y);
+        ctx.textAlign = "left";
+        ctx.textBaseline = "bottom";
+        const words = limit.kind === "retension" ? `tension again: ${rounded(1e3 * limit.elongation_m, 3)} mm` : `replace: ${rounded(100 * limit.strain_ratio, 3)} % strain`;
+        ctx.fillText(words, bbox.left + 6 * px, y - 2 * px);
+      }
+      // Now, or rather the last record: to the right of it is forecast.
+      if (trend?.forecast.length) {
+        const x = u.valToPos(trend.forecast[0].time_utc_s, "x", true);
+        ctx.strokeStyle = css("reference");
+        ctx.setLineDash([2 * px, 3 * px]);
+        line(u, x, bbox.top, x, bbox.top + bbox.height);
+      }
+      ctx.restore();
+    };
+    const told = records.filter(r => r.offset_rad !== null);
+    const low = Math.min(0, ...told.map(r => 1e3 * r.offset_rad));
+    const limit_mrad = limit ? 1e3 * limit.limit_rad : 0;
+    const shown = horizon(records, trend);
+    const ahead = (trend?.forecast ?? []).filter(p => p.time_utc_s <= shown[1]).map(p => 1e3 * p.offset_rad);
+    const highest = Math.max(...told.map(r => 1e3 * r.offset_rad + 1.96e3 * r.offset_deviation_rad), 1.1 * limit_mrad, ...ahead, 1);
+    const axis = { stroke: muted, grid: { stroke: () => css("grid"), width: 1 }, ticks: { stroke: () => css("axis"), width: 1 }, font: "12px sans-serif", labelFont: "12px sans-serif" };
+    const options = {
+      width: frame.current.clientWidth, height: HEIGHT,
+      legend: { show: false },
+      cursor: { y: false, focus: { prox: 30 } },
+      scales: { x: { time: true }, y: { range: [low - 0.05 * (highest - low), highest + 0.08 * (highest - low)] } },
+      series: [
+        {},
+        { label: "record", stroke: () => css("blue"), width: 0, points: { show: true, size: 5, fill: () => css("blue"), stroke: () => css("blue") } },
+        { label: "forecast", stroke: () => css("orange"), width: 1.5, dash: [6, 3], points: { show: false } },
+        { label: "97.5 %", width: 0, points: { show: false } },
+        { label: "2.5 %", width: 0, points: { show: false } },
+      ],
+      bands: [{ series: [3, 4], fill: () => `color-mix(in srgb, ${css("orange")} 22%, transparent)` }],
+      axes: [
+        { ...axis },
+        { ...axis, label: "offset, mrad", size: 52, labelSize: 18 },
+        ...(metre ? [{ ...axis, side: 1, scale: "y", grid: { show: false }, label: "stretch, mm", size: 52, labelSize: 18,
+          values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) }] : []),
+      ],
+      hooks: { drawAxes: [under], setCursor: [u => setAt(u.cursor.idx ?? null)] },
+    };
+    plot.current = new uPlot(options, data, frame.current);
+    if (shown) plot.current.setScale("x", { min: shown[0] - 0.02 * (shown[1] - shown[0]), max: shown[1] });
+    const fit = new ResizeObserver(() => plot.current.setSize({ width: frame.current.clientWidth, height: HEIGHT }));
+    fit.observe(frame.current);
+    const dark = matchMedia("(prefers-color-scheme: dark)"), redraw = () => plot.current.redraw(false);
+    dark.addEventListener("change", redraw);
+    return () => { fit.disconnect(); dark.removeEventListener("change", redraw); plot.current.destroy(); };
+  }, [records, trend]);
+
+  const point = i => {
+    const u = plot.current;
+    u.setCursor({ left: u.valToPos(data[0][i], "x"), top: 0 });
+    setAt(i);
+  };
+  const key = event => {
+    const last = data[0].length - 1, now = at ?? records.length - 1, far = event.shiftKey ? 10 : 1;
+    const to = { ArrowRight: now + far, ArrowLeft: now - far, Home: 0, End: last }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    point(Math.min(Math.max(to, 0), last));
+  };
+  let reads = "Point at the curve, or use the arrow keys, to read values. Drag to zoom, double click for the whole.";
+  if (at !== null && at < records.length) {
+    const r = records[at];
+    const value = r.offset_rad === null ? "couldn't tell" : `${plusMinus({ mean: r.offset_rad, deviation: r.offset_deviation_rad }, 1e3)} mrad`;
+    const more = r.elongation_m === null ? "" : `, ${plusMinus({ mean: r.elongation_m, deviation: r.elongation_deviation_m }, 1e3)} mm`;
+    reads = `${dayAndTime(r.time_utc_s)}: ${value}${more}`;
+  } else if (at !== null) {
+    const p = trend.forecast[at - records.length];
+    reads = `${day(p.time_utc_s)}, forecast: ${rounded(1e3 * p.offset_rad, 3)} mrad; 95 %: ${rounded(1e3 * p.interval_95_rad.low, 3)} to ${rounded(1e3 * p.interval_95_rad.high, 3)} mrad`;
+  }
+  return (
+    <figure class="chart">
+      <div ref={frame} role="slider" tabindex="0" aria-label={describe(records, trend, joint)} aria-valuemin="0"
+        aria-valuemax={data[0].length - 1} aria-valuenow={at ?? 0} aria-valuetext={reads} onKeyDown={key} />
+      <figcaption>
+        <p class="reads">{reads}</p>
+        <p class="keys" aria-hidden="true">
+          <span><i class="dot" />record with its 95 % interval</span>
+          {trend?.forecast.length > 0 && <span><i class="fan" />forecast with its 95 % interval</span>}
+        </p>
+      </figcaption>
+    </figure>
+  );
+}

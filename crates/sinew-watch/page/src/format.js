@@ -1,0 +1,47 @@
+// Numbers, times and spans as Sinew's reports show them (crates/sinew-files/src/number.rs).
+
+const MOST_DECIMALS = 4;
+
+function decimals(size, digits) {
+  if (!Number.isFinite(size) || size === 0) return 2;
+  return Math.min(Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(size))), 0), MOST_DECIMALS);
+}
+
+function fixed(value, places) {
+  if (!Number.isFinite(value)) return "–";
+  const text = value.toFixed(places);
+  return /^-?[0.]+$/.test(text) ? text.replace("-", "") : text.replace("-", "−");
+}
+
+export const rounded = (value, digits) => fixed(value, decimals(value, digits));
+
+// `10.02 ± 0.26` for a standard deviation of 0.13: whatever stands behind a ± in Sinew is 95 %.
+export function plusMinus(gaussian, factor = 1) {
+  if (!gaussian) return "–";
+  const mean = factor * gaussian.mean, half = 1.96 * factor * gaussian.deviation;
+  if (!(half > 0)) return rounded(mean, 3);
+  const places = decimals(half, 2);
+  return `${fixed(mean, places)} ± ${fixed(half, places)}`;
+}
+
+const local = options => new Intl.DateTimeFormat(undefined, options);
+const DAY = local({ year: "numeric", month: "short", day: "numeric" });
+const DAY_AND_TIME = local({ year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
+const TIME = local({ hour: "2-digit", minute: "2-digit", second: "2-digit" });
+
+const shown = form => utc_s => Number.isFinite(utc_s) ? form.format(new Date(1000 * utc_s)) : "–";
+export const day = shown(DAY);
+export const dayAndTime = shown(DAY_AND_TIME);
+export const time = shown(TIME);
+export const utc = utc_s => new Date(1000 * utc_s).toISOString().slice(0, 19).replace("T", " ") + " UTC";
+
+// A span in words of a fitting unit.
+export function span(s) {
+  if (!Number.isFinite(s)) return "–";
+  const units = [["day", 86400], ["h", 3600], ["min", 60], ["s", 1]];
+  const [name, size] = units.find(([, size]) => s >= 2 * size) ?? units.at(-1);
+  const count = Math.floor(s / size);
+  return name === "day" ? `${count} days` : `${count} ${name}`;
+}
+
+export const count = n => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -1,0 +1,23 @@
+// node --test: the same cases as crates/sinew-files/src/number.rs.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { count, plusMinus, rounded, span } from "./format.js";
+
+test("a value shows two digits of its interval", () => {
+  const of = (mean, deviation) => plusMinus({ mean, deviation });
+  assert.equal(of(10.0234, 0.1321), "10.02 ± 0.26");
+  assert.equal(of(-0.00003, 0.0042), "0.0000 ± 0.0082");
+  assert.equal(of(-1234.6, 56.7), "−1235 ± 111");
+  assert.equal(plusMinus(null), "–");
+  assert.equal(plusMinus({ mean: 0.0100234, deviation: 0.0001321 }, 1e3), "10.02 ± 0.26");
+  assert.equal(rounded(0.25678, 2), "0.26");
+  assert.equal(rounded(NaN, 2), "–");
+});
+
+test("spans and counts", () => {
+  assert.equal(span(45), "45 s");
+  assert.equal(span(600), "10 min");
+  assert.equal(span(3 * 86400), "3 days");
+  assert.equal(span(30 * 3600), "30 h");
+  assert.equal(count(1234567), "1\u202f234\u202f567");
+});

@@ -1,0 +1,117 @@
+// The page: its frame, and which part of it an address shows.
+import { render } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { Alarms } from "./alarms.jsx";
+import { Fleet } from "./fleet.jsx";
+import { time } from "./format.js";
+import { Journal } from "./journal.jsx";
+import { follow, useLive } from "./live.js";
+import { Login } from "./login.jsx";
+import { Robot } from "./robot.jsx";
+import { Tendon } from "./tendon.jsx";
+
+const place = () => location.pathname.split("/").filter(Boolean).map(decodeURIComponent);
+
+// Links of the page change the address without loading it anew.
+function usePlace() {
+  const [now, set] = useState(place);
+  useEffect(() => {
+    const go = () => set(place());
+    const click = event => {
+      const link = event.target.closest?.("a[href^='/']");
+      const plain = event.button === 0 && !event.ctrlKey && !event.metaKey && !event.shiftKey && !event.altKey;
+      if (!link || !plain || link.hasAttribute("download") || link.target) return;
+      event.preventDefault();
+      if (link.pathname !== location.pathname) {
+        history.pushState(null, "", link.pathname);
+        scrollTo(0, 0);
+      }
+      go();
+      // Who hears the page is told where it is.
+      requestAnimationFrame(() => document.querySelector("h1")?.focus());
+    };
+    addEventListener("popstate", go);
+    document.addEventListener("click", click);
+    return () => { removeEventListener("popstate", go); document.removeEventListener("click", click); };
+  }, []);
+  return now;
+}
+
+function Nav({ here, live }) {
+  const alarms = [...live.robots.values()].reduce((sum, row) => sum + row.unacknowledged, 0);
+  const link = (href, name, of) => (
+    <a href={href} aria-current={of.includes(here ?? "") ? "page" : undefined}>{name}</a>
+  );
+  return (
+    <nav aria-label="pages">
+      <a class="brand" href="/">Sinew watch</a>
+      {link("/", "Robots", ["", "r"])}
+      {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="not acknowledged">{alarms}</b>}</>, ["alarms"])}
+      {link("/journal", "Journal", ["journal"])}
+      <Pulse live={live} />
+    </nav>
+  );
+}
+
+// Whether the monitor is heard.
+function Pulse({ live }) {
+  if (live.lost) return <span class="pulse lost">not connected</span>;
+  return <span class="pulse" title="time of the monitor">{live.fleet ? time(live.fleet.time_utc_s) : "…"}</span>;
+}
+
+function Banners({ live }) {
+  const store = live.fleet?.store;
+  return (
+    <>
+      {live.fleet?.demo && (
+        <p class="banner demo"><strong>DEMO</strong> {live.fleet.demo}</p>
+      )}
+      <div role="status">
+        {live.lost && (
+          <p class="banner alarm">
+            <strong>No word from the monitor since {time(live.heard / 1000)}.</strong> All below is as old as that. Is
+            <code>sinew watch</code> running?
+          </p>
+        )}
+        {store?.kind === "failing" && !live.lost && (
+          <p class="banner alarm">
+            <strong>Nothing can be stored: {store.why}.</strong> {store.waiting} changes wait in memory and are lost if
+            the monitor stops. The estimate goes on.
+          </p>
+        )}
+      </div>
+    </>
+  );
+}
+
+function App() {
+  const live = useLive();
+  const [page, ...rest] = usePlace();
+  const robot = page === "r" ? rest[0] : null;
+  useEffect(() => follow(robot), [robot]);
+  if (live.login) return <main><Login /></main>;
+  let content;
+  if (page === undefined) content = <Fleet live={live} />;
+  else if (page === "r" && rest.length === 1) content = <Robot key={robot} name={robot} live={live} />;
+  else if (page === "r" && rest.length === 2) content = <Tendon key={rest.join("/")} robot={robot} joint={rest[1]} live={live} />;
+  else if (page === "alarms") content = <Alarms live={live} />;
+  else if (page === "journal") content = <Journal live={live} robot={rest[0]} />;
+  else content = <h1 tabindex="-1">There is no such page</h1>;
+  return (
+    <>
+      <a class="skip" href="#content">to the content</a>
+      <Nav here={page} live={live} />
+      <main id="content" class={live.lost ? "old" : ""}>
+        <Banners live={live} />
+        {content}
+        <footer>
+          {live.fleet && <>Sinew {live.fleet.version}. It listens only: nothing here moves a robot. </>}
+          <a href="/api/v1/openapi.json" target="_blank">API</a> · <a href="/metrics" target="_blank">metrics</a> ·{" "}
+          <a href="/api/v1/records.csv" download>all records as CSV</a> · <a href="/api/v1/records.parquet" download>as Parquet</a>
+        </footer>
+      </main>
+    </>
+  );
+}
+
+render(<App />, document.getElementById("app"));

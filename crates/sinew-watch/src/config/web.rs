@@ -1,0 +1,142 @@
+//! The page, and who is told of alarms.
+
+use sinew_files::{Fields as _, Located, Section};
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+/// Where the page is when nothing is said.
+const BIND: &str = "127.0.0.1:8642";
+
+/// The page, and who may see it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WebSettings {
+    /// Address; `None`: no page.
+    pub bind: Option<SocketAddr>,
+    /// Names that browsers may call this computer by, beside its address and `localhost`.
+    pub host_names: Vec<String>,
+    /// File of the token that other computers need; `None`: `web-token` in the store's folder.
+    pub token_file: Option<PathBuf>,
+    /// Whether a token is needed from this computer as well.
+    pub token_on_loopback: bool,
+}
+
+impl WebSettings {
+    /// Whether whoever asks needs the token.
+    pub fn needs_token(&self) -> bool {
+        self.bind
+            .is_some_and(|bind| self.token_on_loopback || !bind.ip().is_loopback())
+    }
+}
+
+impl Default for WebSettings {
+    fn default() -> Self {
+        Self {
+            bind: BIND.parse().ok(),
+            host_names: Vec::new(),
+            token_file: None,
+            token_on_loopback: false,
+        }
+    }
+}
+
+pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<WebSettings, Located> {
+    let plain = WebSettings::default();
+    let off = s.flag("off")?;
+    let bind = match s.value("bind") {
+        None => plain.bind,
+        Some(value) => {
+            let must = "an address and a port, such as \"127.0.0.1:8642\" or \"[::1]:8642\"";
+            Some(value.text()?.parse().map_err(|_| value.refuse(must))?)
+        }
+    };
+    let mut host_names = Vec::new();
+    if let Some(value) = s.value("host_names") {
+        for name in value.list("a list of names of this computer")? {
+            let text = name.text()?;
+            if !is_host_name(text) {
+                return Err(name.refuse(
+                    "a name of this computer without port, such as \"cell-3.example.org\"",
+                ));
+            }
+            host_names.push(text.to_ascii_lowercase());
+        }
+    }
+    Ok(WebSettings {
+        bind: bind.filter(|_| !off),
+        host_names,
+        token_file: super::path(s, "token_file", folder)?,
+        token_on_loopback: s.flag("token_on_loopback")?,
+    })
+}
+
+fn is_host_name(text: &str) -> bool {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-._:[]".contains(c);
+    !text.is_empty() && text.len() <= 253 && text.chars().all(fits)
+}
+
+/// Who is told of alarms.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Webhook {
+    /// Host, as the request names it.
+    pub host: String,
+    /// Port.
+    pub port: u16,
+    /// Path and query.
+    pub path: String,
+    /// Alarms of this severity and above.
+    pub severity_min: u16,
+    /// File whose text goes along as a bearer token.
+    pub token_file: Option<PathBuf>,
+}
+
+impl Webhook {
+    /// `http://HOST:PORT/PATH`.
+    pub fn url(&self) -> String {
+        format!("http://{}:{}{}", self.host, self.port, self.path)
+    }
+}
+
+pub(super) fn read_webhook(s: &Section<'_>, folder: &Path) -> Result<Webhook, Located> {
+    let must = "http://HOST[:PORT]/PATH; for https put a proxy on this computer";
+    let url = s.need_text("url", "where alarms are posted to")?;
+    let parsed = match url.is_empty() {
+        true => (String::new(), 80, String::from("/")),
+        false => split(&url).ok_or_else(|| s.refuse("url", must))?,
+    };
+    let severity_min = s.count("severity_min")?.unwrap_or(1);
+    if severity_min > 1000 {
+        return Err(s.refuse("severity_min", "between 0 and 1000"));
+    }
+    let (host, port, path) = parsed;
+    Ok(Webhook {
+        host,
+        port,
+        path,
+        severity_min: severity_min as u16,
+        token_file: super::path(s, "token_file", folder)?,
+    })
+}
+
+/// Host, port and path of an address.
+fn split(url: &str) -> Option<(String, u16, String)> {
+    let rest = url.strip_prefix("http://")?;
+    let (authority, path) = match rest.find(['/', '?']) {
+        Some(at) => rest.split_at(at),
+        None => (rest, ""),
+    };
+    let path = match path.starts_with('/') {
+        true => path.to_owned(),
+        false => format!("/{path}"),
+    };
+    let (host, port) = match authority.rsplit_once(':') {
+        Some((host, port)) if !port.contains(']') => (host, port.parse().ok()?),
+        _ => (authority, 80),
+    };
+    let bare = host.strip_prefix('[').and_then(|h| h.strip_suffix(']'));
+    let fits = match bare {
+        Some(bare) => matches!(bare.parse(), Ok(IpAddr::V6(_))),
+        None => is_host_name(host) && !host.contains([':', '[', ']']),
+    };
+    let clean = path.bytes().all(|b| b.is_ascii_graphic() && b != b'#');
+    (fits && clean).then(|| (host.to_owned(), port, path))
+}

@@ -1,0 +1,91 @@
+//! What the demonstration does to the recorded arm: its motors turn further as its ropes creep.
+
+use super::script::Life;
+use sinew_door::replay::Alter;
+use sinew_log::decode::{Field, MessageKind, rewrite};
+use std::collections::HashMap;
+
+/// Noise of a motor's encoder that isn't the recording's own, rad: no two turns are alike.
+const NOISE_RAD: f64 = 1.0e-4;
+/// Error of an arm's encoders that lasts for a day, rad.
+const DAILY_RAD: f64 = 0.8e-4;
+
+/// Changes the messages of one arm.
+pub(super) struct Crept {
+    lives: Vec<Life>,
+    rate: f64,
+    q: HashMap<Vec<u8>, f64>,
+    random: Random,
+    /// Day, and its errors.
+    day: i64,
+    daily: Vec<f64>,
+}
+
+impl Crept {
+    /// An arm with these tendons, whose civil clock runs at a rate.
+    pub(super) fn new(lives: Vec<Life>, rate: f64, seed: u64) -> Self {
+        let daily = vec![0.0; lives.len()];
+        Self {
+            lives,
+            rate,
+            q: HashMap::new(),
+            random: Random(seed),
+            day: i64::MIN,
+            daily,
+        }
+    }
+}
+
+impl Alter for Crept {
+    fn alter(&mut self, _topic: &str, schema: &str, since_start_s: f64, cdr: &mut [u8]) {
+        let Some(kind) = MessageKind::of_schema(schema) else {
+            return;
+        };
+        let time_s = self.rate * since_start_s;
+        let day = (time_s / 86_400.0).floor() as i64;
+        if day != std::mem::replace(&mut self.day, day) {
+            self.daily.fill_with(|| DAILY_RAD * self.random.normal());
+        }
+        // A message that can't be read is played as it is.
+        let _as_it_is = rewrite(kind, cdr, |entry, value| match entry.field {
+            Field::Position if kind == MessageKind::JointState => {
+                self.q.insert(entry.joint.to_vec(), value);
+                value
+            }
+            Field::Interface(b"motor_position") => {
+                let at = self
+                    .lives
+                    .iter()
+                    .position(|l| l.joint.as_bytes() == entry.joint);
+                let (Some(at), Some(q)) = (at, self.q.get(entry.joint)) else {
+                    return value;
+                };
+                let life = &self.lives[at];
+                let deflection = (value - q) / life.stiffness_factor(time_s);
+                let noise = NOISE_RAD * self.random.normal() + self.daily[at];
+                q + deflection + life.offset_rad(time_s) + noise
+            }
+            _ => value,
+        });
+    }
+}
+
+/// Numbers that look random: SplitMix64 (Steele, Lea, Flood 2014).
+#[derive(Debug, Clone)]
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    /// Between 0 and 1.
+    pub(super) fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normally distributed, of deviation 1 (sum of twelve, which is enough for an encoder).
+    pub(super) fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}

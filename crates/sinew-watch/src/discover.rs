@@ -1,0 +1,303 @@
+//! `sinew watch` without a configuration: what there is to watch, and what is missing for it.
+
+use sinew_door::{Clock, DomainFound, TopicFound};
+use sinew_estimate::init::{Init, InitGap};
+use sinew_estimate::robot_toml::robot_toml;
+use sinew_files::number::three_digits;
+use sinew_files::plain;
+use sinew_log::TopicUse;
+use sinew_log::live::RobotFound;
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// Domains are looked for so long, and each is then listened to so long.
+const LISTEN: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(5)];
+
+/// Listens to every domain in which somebody speaks, and says what is there.
+///
+/// # Errors
+/// This build can't listen, or the network can't be used.
+#[cfg(feature = "dds")]
+pub fn listen(mut say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    use sinew_door::dds::{DdsOptions, active_domains, discover};
+    let [look, listen] = LISTEN;
+    say(&format!("looks for ROS 2 domains, {} s …", look.as_secs()));
+    let mut domains = active_domains(&[], look);
+    if !domains.contains(&0) {
+        domains.insert(0, 0);
+    }
+    let clock = Clock::start();
+    let mut found = Vec::new();
+    for domain in domains {
+        say(&format!(
+            "listens to domain {domain}, {} s …",
+            listen.as_secs()
+        ));
+        let options = DdsOptions {
+            domain,
+            ..DdsOptions::default()
+        };
+        found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
+    }
+    Ok(found)
+}
+
+/// Without DDS there is nothing to look through.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "dds"))]
+pub fn listen(_say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    let _never = (LISTEN, Clock::start());
+    Err("this sinew-watch was built without DDS; name a configuration, or build it with --features dds".into())
+}
+
+/// What was found, and what to do next.
+pub fn render(found: &[DomainFound]) -> String {
+    let mut out = String::new();
+    for domain in found.iter().filter(|d| !d.topics.is_empty()) {
+        topics(&mut out, domain);
+        for robot in &domain.robots {
+            of_robot(&mut out, domain, robot);
+        }
+        for trouble in &domain.troubles {
+            let _ok = writeln!(out, "  {}", plain(&trouble.to_string()));
+        }
+    }
+    let robots: usize = found.iter().map(|domain| domain.robots.len()).sum();
+    if robots == 0 {
+        out += "\nNothing that looks like a robot was heard: a namespace with sensor_msgs/msg/JointState.\n\
+                Is its driver running, in this network, and is multicast allowed? Is ROS_DOMAIN_ID another?\n\
+                An MCAP that grows needs no network: mcap = { path = \"FILE\" } in the configuration.\n\
+                sinew watch --demo shows what it would look like.\n";
+    } else {
+        out += "\nWrite the configuration to watch.toml, fill in robot.toml, and run: sinew watch watch.toml\n";
+    }
+    out
+}
+
+fn topics(out: &mut String, domain: &DomainFound) {
+    let _ok = writeln!(
+        out,
+        "{}, heard for {:.0} s:",
+        domain.door, domain.listened_s
+    );
+    let name = |topic: &TopicFound| plain(&topic.topic.name);
+    let widest =
+        |of: &dyn Fn(&TopicFound) -> usize| domain.topics.iter().map(of).max().unwrap_or(0);
+    let wide = widest(&|t| name(t).chars().count());
+    let kinds = widest(&|t| plain(&t.topic.kind).chars().count());
+    for topic in &domain.topics {
+        let rate = topic.topic.rate_hz;
+        let rate = rate.map_or("–".into(), |hz| format!("{} Hz", three_digits(hz)));
+        let used = match topic.topic.taken_for {
+            Some(TopicUse::JointSide) => "joint side",
+            Some(TopicUse::MotorSide) => "motor side",
+            Some(_) => "used",
+            None => "",
+        };
+        let line = format!(
+            "  {:wide$}  {:kinds$}  {rate:>8}  {used}",
+            name(topic),
+            plain(&topic.topic.kind)
+        );
+        let _ok = writeln!(out, "{}", line.trim_end());
+    }
+}
+
+/// Namespaces make names: `/cell/arm7` is `cell-arm7`.
+fn name_of(robot: &RobotFound, init: Option<&Init>) -> String {
+    let of_namespace = robot.namespace.trim_matches('/').replace('/', "-");
+    let of_urdf = init.and_then(|init| init.robot.clone()).unwrap_or_default();
+    let name = match of_namespace.as_str() {
+        "" => of_urdf,
+        name => name.to_owned(),
+    };
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let name: String = name.chars().filter(|c| fits(*c)).collect();
+    if name.is_empty() { "arm".into() } else { name }
+}
+
+fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
+    let place = match robot.namespace.as_str() {
+        "" => "the root".to_owned(),
+        namespace => plain(namespace),
+    };
+    let joints: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
+    let joints = plain(&joints.join(", "));
+    let _ok = writeln!(out, "\n  A robot in {place}, with joints {joints}.");
+    for ambiguity in &robot.ambiguous {
+        let several = plain(&ambiguity.candidates.join(", "));
+        let key = match ambiguity.side {
+            TopicUse::MotorSide => "motor_topic",
+            _ => "joint_topic",
+        };
+        let _ok = writeln!(
+            out,
+            "  Several topics could be one side: {several}. Name one with {key}."
+        );
+    }
+    let rate = domain
+        .topics
+        .iter()
+        .find(|t| Some(&t.topic.name) == robot.joint_side.as_ref());
+    let rate_hz = rate.and_then(|t| t.topic.rate_hz);
+    let urdf = robot.robot_description.as_deref();
+    let source = format!("{}{}", domain.door, robot.namespace);
+    let init = Init::of_network(
+        &source,
+        urdf.map(|text| ("robot.urdf", text)),
+        &robot.joints,
+        rate_hz,
+    );
+    let init = match init {
+        Ok(init) => init,
+        Err(error) => {
+            let _ok = writeln!(
+                out,
+                "  Its URDF can't be used: {}",
+                plain(&error.to_string())
+            );
+            return;
+        }
+    };
+    missing(out, &init);
+    let name = name_of(robot, Some(&init));
+    let number = domain.door.rsplit(':').next().unwrap_or("0");
+    let _ok = write!(
+        out,
+        "\n  watch.toml:\n\n    [[robot]]\n    name = \"{name}\"\n    dir = \"{name}\"\n    \
+         dds = {{ domain = {number}, namespace = \"{}\" }}\n\n  {name}/robot.toml:\n\n",
+        plain(&robot.namespace)
+    );
+    // A URDF that is published needs no file.
+    let text = match urdf {
+        Some(_) => robot_toml(&init).replace(
+            "urdf = \"robot.urdf\"",
+            "# urdf comes as /robot_description",
+        ),
+        None => robot_toml(&init),
+    };
+    for line in text.lines() {
+        let _ok = writeln!(out, "    {line}");
+    }
+}
+
+/// What an estimate still needs.
+fn missing(out: &mut String, init: &Init) {
+    let mut stiffness = Vec::new();
+    for gap in &init.missing {
+        let line = match gap {
+            InitGap::Urdf => "No URDF is published: put one beside robot.toml.".to_owned(),
+            InitGap::MotorSide => {
+                "No motor positions are published: without them no tendon can be watched.".into()
+            }
+            InitGap::LockedAt(joint) => {
+                format!(
+                    "{} isn't published: where does it stand? (locked_at_rad)",
+                    plain(joint)
+                )
+            }
+            InitGap::Stiffness(joint) => {
+                stiffness.push(plain(joint));
+                continue;
+            }
+            InitGap::Choice => continue,
+        };
+        let _ok = writeln!(out, "  {line}");
+    }
+    if !stiffness.is_empty() {
+        let _ok = writeln!(
+            out,
+            "  Without stiffness there is no estimate: stiffness_nm_per_rad of {}.",
+            stiffness.join(", ")
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_log::{JointInfo, Quantity, TopicInfo};
+    use sinew_model::robot::RobotFile;
+
+    fn found(robots: Vec<RobotFound>) -> DomainFound {
+        let topic = |name: &str, kind: &str, taken_for| TopicFound {
+            topic: TopicInfo {
+                name: name.into(),
+                kind: kind.into(),
+                messages: 500,
+                rate_hz: Some(100.0),
+                interfaces: Vec::new(),
+                taken_for,
+            },
+            publishers: Vec::new(),
+        };
+        DomainFound {
+            door: "dds:3".into(),
+            listened_s: 5.0,
+            topics: vec![
+                topic(
+                    "/arm7/joint_states",
+                    "sensor_msgs/msg/JointState",
+                    Some(TopicUse::JointSide),
+                ),
+                topic("/tf\u{1b}[2J", "tf2_msgs/msg/TFMessage", None),
+            ],
+            robots,
+            troubles: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_robot_is_listed_with_what_it_lacks_and_files_to_fill_in() {
+        let robot = RobotFound {
+            namespace: "/arm7".into(),
+            joint_side: Some("/arm7/joint_states".into()),
+            motor_side: None,
+            ambiguous: Vec::new(),
+            joints: vec![JointInfo {
+                name: "elbow".into(),
+                channels: vec![Quantity::Q, Quantity::Theta],
+            }],
+            robot_description: None,
+        };
+        let text = render(&[found(vec![robot])]);
+        for words in [
+            "/arm7/joint_states  sensor_msgs/msg/JointState    100 Hz  joint side",
+            "A robot in /arm7, with joints elbow.",
+            "No URDF is published",
+            "stiffness_nm_per_rad of elbow",
+            "dds = { domain = 3, namespace = \"/arm7\" }",
+            "[joints.elbow]",
+        ] {
+            assert!(text.contains(words), "{words}\n{text}");
+        }
+        assert!(
+            !text.contains('\u{1b}'),
+            "what a network says doesn't steer the terminal"
+        );
+        // What is printed is a robot.toml.
+        let toml: String = text
+            .lines()
+            .skip_while(|line| !line.contains("arm7/robot.toml"))
+            .skip(1)
+            .take_while(|line| line.is_empty() || line.starts_with("    "))
+            .map(|line| format!("{}\n", line.trim()))
+            .collect();
+        assert!(
+            RobotFile::parse(&toml, "robot.toml").is_ok() || toml.contains("# stiffness"),
+            "{toml}"
+        );
+    }
+
+    #[test]
+    fn nothing_is_an_answer_with_what_to_look_at() {
+        let text = render(&[found(Vec::new())]);
+        assert!(
+            text.contains("Nothing that looks like a robot") && text.contains("ROS_DOMAIN_ID"),
+            "{text}"
+        );
+        assert!(render(&[]).contains("sinew watch --demo"));
+    }
+}

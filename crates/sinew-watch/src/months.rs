@@ -1,0 +1,152 @@
+//! Records of months that are over, as Parquet beside the database: for trends of fleets, and for other tools.
+
+use crate::runtime::{Request, Runtime};
+use crate::store::{Place, Reader, StoreError};
+use sinew_files::date::{DAY_S, civil, day_number};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::Sender;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// It is looked so often whether a month is over.
+const EVERY: Duration = Duration::from_secs(3600);
+/// A month is over so long after its end, s: its last sessions are stored by then.
+const AFTER_S: f64 = 2.0 * 3600.0;
+
+/// Writes files of months that are over.
+pub struct Months {
+    folder: Option<PathBuf>,
+    place: Place,
+    next: Instant,
+    running: Option<JoinHandle<()>>,
+}
+
+impl Months {
+    /// Of the store in this place; one in memory has none.
+    pub fn new(place: &Place) -> Self {
+        Self {
+            folder: place.folder().map(|folder| folder.join("records")),
+            place: place.clone(),
+            next: Instant::now(),
+            running: None,
+        }
+    }
+
+    /// Looks whether it is time, and writes on a thread of its own.
+    pub fn look(&mut self, runtime: &Runtime) {
+        let busy = self
+            .running
+            .as_ref()
+            .is_some_and(|thread| !thread.is_finished());
+        let Some(folder) = self
+            .folder
+            .clone()
+            .filter(|_| !busy && Instant::now() >= self.next)
+        else {
+            return;
+        };
+        self.next = Instant::now() + EVERY;
+        let (place, store) = (self.place.clone(), runtime.store());
+        let health = std::sync::Arc::clone(runtime.health());
+        let thread = std::thread::Builder::new().name("months".into());
+        let work = move || {
+            let since = SystemTime::now().duration_since(UNIX_EPOCH);
+            let now_s = since.map_or(0.0, |since| since.as_secs_f64());
+            if let Err(error) = write(&place, &folder, now_s, &store) {
+                health.say(&format!("records of the month: {}", error.in_words()));
+            }
+        };
+        // Without a thread it is tried an hour later.
+        self.running = thread.spawn(work).ok();
+    }
+}
+
+/// `2026-11` of a time, s since 1970 UTC.
+fn month_of(utc_s: f64) -> String {
+    let (year, month, _) = civil((utc_s / DAY_S).floor() as i64);
+    format!("{year:04}-{month:02}")
+}
+
+/// When a month begins and ends, s since 1970 UTC.
+fn bounds(month: &str) -> Option<[f64; 2]> {
+    let (year, of_year) = month.split_once('-')?;
+    let (year, of_year): (i64, i64) = (year.parse().ok()?, of_year.parse().ok()?);
+    let (next_year, next) = if of_year == 12 {
+        (year + 1, 1)
+    } else {
+        (year, of_year + 1)
+    };
+    let start = |year, month| Some(DAY_S * day_number(year, month, 1)? as f64);
+    Some([start(year, of_year)?, start(next_year, next)?])
+}
+
+/// Writes every month that is over by now and has records that are in no file yet; what was written.
+///
+/// # Errors
+/// [`StoreError`]; the months before are written.
+pub fn write(
+    place: &Place,
+    folder: &Path,
+    now_utc_s: f64,
+    store: &Sender<Request>,
+) -> Result<Vec<PathBuf>, StoreError> {
+    let reader = Reader::open(place)?;
+    let over = month_of(now_utc_s - AFTER_S);
+    let mut written = Vec::new();
+    for pending in reader.not_exported()? {
+        let Some(bounds) = bounds(&pending.month).filter(|_| pending.month < over) else {
+            continue;
+        };
+        let name = format!("{}-{}.parquet", host(), pending.number);
+        let month = format!("month={}", pending.month);
+        let of_type = format!("robot_type={}", escaped(&pending.robot_type));
+        let path = folder.join(of_type).join(month).join(name);
+        let last_record = reader.write_month(&pending, bounds, &path)?;
+        let _ended = store.send(Request::Exported {
+            robot_type: pending.robot_type,
+            month: pending.month,
+            number: pending.number,
+            last_record,
+        });
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// Name of this computer, as far as it fits into a file's.
+fn host() -> String {
+    let limit = sinew_files::limits::ROPE_ENTRY;
+    let name = sinew_files::read_text(Path::new("/etc/hostname"), &limit);
+    let name = escaped(name.as_deref().unwrap_or("").trim());
+    if name.is_empty() { "host".into() } else { name }
+}
+
+/// A name as part of a path.
+fn escaped(name: &str) -> String {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let text: String = name
+        .chars()
+        .map(|c| if fits(c) { c } else { '_' })
+        .collect();
+    text.trim_start_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn months_have_their_bounds() {
+        let [start, end] = bounds("2026-12").unwrap();
+        assert_eq!(
+            (month_of(start), month_of(end - 1.0)),
+            ("2026-12".into(), "2026-12".into())
+        );
+        assert_eq!(
+            (month_of(start - 1.0), month_of(end)),
+            ("2026-11".into(), "2027-01".into())
+        );
+        assert_eq!(bounds("x"), None);
+        assert_eq!(escaped("../a b"), "_a_b");
+    }
+}

@@ -1,0 +1,130 @@
+//! Records as files: CSV, or Parquet where the name ends so.
+
+use super::StoreError;
+use super::read::{Reader, RecordQuery};
+use super::row::{COLUMNS, Cell, cells, record};
+use rusqlite::params;
+use sinew_log::{Cell as TableCell, CellKind, Column, TableWriter};
+use sinew_watch_core::Record;
+use std::path::Path;
+
+/// Records of a type and month that are in no file yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pending {
+    /// Type of the robots.
+    pub robot_type: String,
+    /// `2026-11`.
+    pub month: String,
+    /// Number of the file to write.
+    pub number: u32,
+    after: i64,
+    last: i64,
+}
+
+fn kind(column: &str) -> CellKind {
+    match column {
+        "poses" | "frames" | "frames_lost" => CellKind::Integer,
+        "in_doubt" => CellKind::Flag,
+        "robot" | "robot_type" | "joint" | "baseline" | "source" | "clock" | "reason"
+        | "sinew_version" => CellKind::Text,
+        _ => CellKind::Number,
+    }
+}
+
+fn columns() -> Vec<Column> {
+    COLUMNS
+        .iter()
+        .map(|name| ((*name).to_owned(), kind(name)))
+        .collect()
+}
+
+fn row(of: &Record) -> Vec<TableCell> {
+    let cell = |cell: Cell<'_>| match cell {
+        Cell::Text(text) => TableCell::Text(text.into()),
+        Cell::Word(word) => TableCell::Text(word),
+        Cell::Number(x) => TableCell::Number(x),
+        Cell::Count(n) => TableCell::Integer(i64::try_from(n).unwrap_or(i64::MAX)),
+        Cell::Flag(flag) => TableCell::Flag(flag),
+        Cell::Nothing => TableCell::Empty,
+    };
+    cells(of).into_iter().map(cell).collect()
+}
+
+/// Writes records in the order of time; how many there were.
+///
+/// # Errors
+/// [`StoreError`]; no file is left.
+pub fn write_records(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<u64, StoreError> {
+    let mut writer = TableWriter::create(path, &columns())?;
+    let count = reader.each_record(query, |record| Ok(writer.row(&row(&record))?))?;
+    writer.finish()?;
+    Ok(count)
+}
+
+impl Reader {
+    /// Months that have records which are in no file yet, by type.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn not_exported(&self) -> Result<Vec<Pending>, StoreError> {
+        let mut statement = self.connection().prepare_cached(
+            "WITH of_month AS (
+                SELECT robot_type, strftime('%Y-%m', time_utc_s, 'unixepoch') AS month, max(id) AS last
+                FROM record GROUP BY 1, 2
+             ), written AS (
+                SELECT robot_type, month, max(number) AS number, max(last_record) AS last
+                FROM exported GROUP BY 1, 2
+             )
+             SELECT robot_type, month, coalesce(number, 0) + 1, coalesce(written.last, 0), of_month.last
+             FROM of_month LEFT JOIN written USING (robot_type, month)
+             WHERE month IS NOT NULL AND of_month.last > coalesce(written.last, 0)
+             ORDER BY month, robot_type",
+        )?;
+        let rows = statement.query_map([], |row| {
+            Ok(Pending {
+                robot_type: row.get(0)?,
+                month: row.get(1)?,
+                number: row.get(2)?,
+                after: row.get(3)?,
+                last: row.get(4)?,
+            })
+        })?;
+        Ok(rows.collect::<Result<_, _>>()?)
+    }
+
+    /// Writes them, by robot, joint and time, between the month's bounds, s since 1970 UTC; the last one's number.
+    ///
+    /// # Errors
+    /// [`StoreError`]; no file is left.
+    pub fn write_month(
+        &self,
+        pending: &Pending,
+        [from_utc_s, to_utc_s]: [f64; 2],
+        path: &Path,
+    ) -> Result<i64, StoreError> {
+        let folder = sinew_files::folder_of(path);
+        std::fs::create_dir_all(folder).map_err(|source| StoreError::Folder {
+            folder: folder.into(),
+            source,
+        })?;
+        let mut writer = TableWriter::create(path, &columns())?;
+        let mut statement = self.connection().prepare_cached(&format!(
+            "SELECT {} FROM record WHERE robot_type = ?1 AND time_utc_s >= ?2 AND time_utc_s < ?3
+             AND id > ?4 AND id <= ?5 ORDER BY robot, joint, time_utc_s",
+            COLUMNS.join(", ")
+        ))?;
+        let values = params![
+            pending.robot_type,
+            from_utc_s,
+            to_utc_s,
+            pending.after,
+            pending.last
+        ];
+        let mut rows = statement.query(values)?;
+        while let Some(found) = rows.next()? {
+            writer.row(&row(&record(found)?))?;
+        }
+        writer.finish()?;
+        Ok(pending.last)
+    }
+}

@@ -1,0 +1,121 @@
+//! Records of sessions, as JSON, CSV and Parquet.
+
+use super::api::{Records, RecordsAsked};
+use super::{App, Refused};
+use crate::store::{Reader, RecordQuery, StoreError, write_records};
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{Query, State};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse as _, Response};
+use bytes::Bytes;
+use futures_util::stream;
+use sinew_watch_core::Record;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use tokio::sync::OwnedSemaphorePermit;
+
+/// Records in one answer of JSON: as usual, and at most.
+const RECORDS: [u64; 2] = [1000, 100_000];
+/// Files are sent in pieces of so many bytes.
+const PIECE: usize = 64 << 10;
+
+fn query(asked: RecordsAsked) -> RecordQuery {
+    RecordQuery {
+        robot: asked.robot,
+        joint: asked.joint,
+        from_utc_s: asked.from_utc_s,
+        to_utc_s: asked.to_utc_s,
+        most: asked.most,
+    }
+}
+
+pub(super) async fn json(
+    State(app): State<App>,
+    Query(asked): Query<RecordsAsked>,
+) -> Result<Json<Records>, Refused> {
+    let [usual, most] = RECORDS;
+    let mut query = query(asked);
+    query.most = Some(query.most.unwrap_or(usual).min(most));
+    let records = app.read(move |reader| reader.records(&query)).await?;
+    Ok(Json(Records {
+        schema: Record::SCHEMA,
+        records,
+    }))
+}
+
+pub(super) async fn csv(
+    State(app): State<App>,
+    Query(asked): Query<RecordsAsked>,
+) -> Result<Response, Refused> {
+    file(app, query(asked), "csv", "text/csv; charset=utf-8").await
+}
+
+pub(super) async fn parquet(
+    State(app): State<App>,
+    Query(asked): Query<RecordsAsked>,
+) -> Result<Response, Refused> {
+    file(
+        app,
+        query(asked),
+        "parquet",
+        "application/vnd.apache.parquet",
+    )
+    .await
+}
+
+/// A file of records: written as a whole first, so that a slow reader holds up nothing.
+async fn file(
+    app: App,
+    query: RecordQuery,
+    ending: &'static str,
+    kind: &'static str,
+) -> Result<Response, Refused> {
+    let busy = |_| {
+        let why = "others are being written; ask again soon";
+        Refused::new(StatusCode::SERVICE_UNAVAILABLE, why)
+    };
+    let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
+    let file = app
+        .read(move |reader| write(reader, &query, ending))
+        .await?;
+    let named = format!("attachment; filename=\"records.{ending}\"");
+    let headers = [
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_DISPOSITION, named.as_str()),
+    ];
+    let body = Body::from_stream(stream::try_unfold((file, permit), piece));
+    Ok((headers, body).into_response())
+}
+
+type Sending = (File, OwnedSemaphorePermit);
+
+async fn piece((mut file, permit): Sending) -> std::io::Result<Option<(Bytes, Sending)>> {
+    let read = tokio::task::spawn_blocking(move || {
+        let mut piece = vec![0; PIECE];
+        let length = file.read(&mut piece)?;
+        piece.truncate(length);
+        Ok::<_, std::io::Error>((piece, file))
+    });
+    let (piece, file) = read.await.map_err(std::io::Error::other)??;
+    Ok((!piece.is_empty()).then(|| (Bytes::from(piece), (file, permit))))
+}
+
+/// Writes a file that has no name any more when it is given back.
+fn write(reader: &Reader, query: &RecordQuery, ending: &str) -> Result<File, StoreError> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let name = format!("sinew-watch-{}-{number}.{ending}", std::process::id());
+    let path: PathBuf = std::env::temp_dir().join(name);
+    let refuse = |source| StoreError::Folder {
+        folder: path.clone(),
+        source,
+    };
+    write_records(reader, query, &path)?;
+    let file = File::open(&path).map_err(refuse)?;
+    std::fs::remove_file(&path).map_err(refuse)?;
+    Ok(file)
+}

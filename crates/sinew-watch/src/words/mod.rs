@@ -1,0 +1,41 @@
+//! What is said of a robot, in words: the same on pages, in `/diagnostics`, in webhooks and in the journal.
+
+mod alarms;
+mod journal;
+mod robots;
+
+pub use alarms::{advice, condition_key, condition_name, is_over, said, title};
+pub use journal::entry;
+pub use robots::{robot, tendon};
+
+use sinew_files::number::rounded;
+use sinew_model::Gaussian;
+
+/// `12.3 ± 0.4` with half a 95 % interval, in a unit of which `factor` make one of SI.
+fn plus_minus(value: Gaussian, factor: f64) -> String {
+    sinew_files::number::with_interval(factor * value.mean, factor * value.deviation)
+}
+
+/// `2026-03-01 08:30 UTC`.
+fn when(utc_s: f64) -> String {
+    let text = sinew_files::date::utc_text((utc_s * 1e9) as i64);
+    text.map_or("–".into(), |text| match text.strip_suffix(" UTC") {
+        Some(to_seconds) => format!("{} UTC", &to_seconds[..to_seconds.len() - 3]),
+        None => text,
+    })
+}
+
+/// `40 s`, `12 min`, `3 h`, `12 days`.
+fn span(seconds: f64) -> String {
+    match seconds {
+        s if !s.is_finite() => "–".into(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 2.0 * 86_400.0 => format!("{:.0} h", s / 3600.0),
+        s => format!("{:.0} days", s / 86_400.0),
+    }
+}
+
+fn percent(share: f64) -> String {
+    sinew_files::number::share(share)
+}

@@ -1,0 +1,14 @@
+//! Tests of the monitor, in one binary.
+
+#[cfg(feature = "schema")]
+#[path = "../../sinew/tests/checker.rs"]
+mod checker;
+mod config;
+mod http;
+#[cfg(feature = "schema")]
+mod openapi;
+mod recording;
+#[cfg(feature = "schema")]
+mod reference;
+mod store;
+mod web;

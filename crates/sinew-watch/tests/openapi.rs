@@ -1,0 +1,63 @@
+//! The API's description is that of its addresses and types, and every answer is what it says.
+//!
+//! `SINEW_WRITE=1 cargo test -p sinew-watch --all-features openapi` writes it anew.
+
+use crate::checker::check;
+use crate::http::get;
+use crate::web::Running;
+use serde_json::{Value, json};
+use sinew_watch::web::openapi::document;
+use sinew_watch::web::routes::API;
+use std::path::Path;
+
+#[test]
+fn the_description_is_that_of_addresses_and_types() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("openapi.json");
+    let text = serde_json::to_string_pretty(&document()).unwrap() + "\n";
+    if std::env::var_os("SINEW_WRITE").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        committed == text,
+        "openapi.json isn't what the types say: write it with SINEW_WRITE=1"
+    );
+    assert!(
+        !text.contains("undescribed"),
+        "an address isn't described in openapi.rs"
+    );
+}
+
+/// What the description says of an answer.
+fn schema(document: &Value, path: &str) -> Option<Value> {
+    let content = &document["paths"][path]["get"]["responses"]["200"]["content"];
+    let schema = content["application/json"].get("schema")?.clone();
+    let whole = json!({ "allOf": [schema], "$defs": document["components"]["schemas"] });
+    let text = whole
+        .to_string()
+        .replace("#/components/schemas/", "#/$defs/");
+    serde_json::from_str(&text).ok()
+}
+
+#[test]
+fn every_answer_is_what_the_description_says() {
+    let running = Running::shared();
+    let document = document();
+    running.until(|r| get(r.at, "/api/v1/alarms").text().contains("limit-near"));
+    let mut checked = 0;
+    for endpoint in API.iter().filter(|e| e.method == "get") {
+        let Some(schema) = schema(&document, endpoint.path) else {
+            continue;
+        };
+        let path = endpoint
+            .path
+            .replace("{robot}", "demo-1")
+            .replace("{joint}", "elbow");
+        let answer = get(running.at, &path);
+        assert_eq!(answer.status, 200, "{path}");
+        let faults = check(&schema, &answer.json());
+        assert!(faults.is_empty(), "{path}: {faults:#?}");
+        checked += 1;
+    }
+    assert_eq!(checked, 6);
+}

@@ -1,0 +1,311 @@
+//! What is stored is there again, as a whole or not at all.
+
+use sinew_model::Gaussian;
+use sinew_watch::store::{
+    COLUMNS, JournalQuery, Place, Reader, RecordQuery, Store, StoreError, VERSION,
+};
+use sinew_watch_core::alarm::{Alarm, AlarmCause, AlarmKey, AlarmState, AlarmsStored, Condition};
+use sinew_watch_core::journal::{Entry, Event, SessionEnd};
+use sinew_watch_core::record::{Clock, NoOffset};
+use sinew_watch_core::transaction::{LearnsBaseline, TendonBelief};
+use sinew_watch_core::{Belief, Record, Transaction};
+use std::path::Path;
+use std::sync::Arc;
+
+fn record(robot: &str, joint: &str, time_utc_s: f64) -> Record {
+    Record {
+        robot: robot.into(),
+        robot_type: "biorob-like".into(),
+        joint: joint.into(),
+        time_utc_s,
+        duration_s: 600.0,
+        offset_rad: Some(0.012),
+        offset_deviation_rad: Some(0.0005),
+        elongation_m: Some(3.0e-4),
+        elongation_deviation_m: Some(1.25e-5),
+        strain_ratio: Some(4.3e-4),
+        strain_deviation_ratio: Some(1.8e-5),
+        temperature_c: Some(23.5),
+        stiffness_ratio: Some(-0.01),
+        stiffness_deviation_ratio: Some(0.004),
+        baseline: Some("2026-11-01".into()),
+        source: "dds:0/arm7".into(),
+        clock: Clock::Utc,
+        in_doubt: false,
+        reason: None,
+        poses: 46,
+        frames: 150_000,
+        frames_lost: 12,
+        sinew_version: "0.1.0".into(),
+    }
+}
+
+fn belief(mean: f64) -> Belief {
+    Belief {
+        version: Belief::VERSION,
+        baseline: None,
+        end_utc_s: None,
+        learns: Some(LearnsBaseline {
+            joints: vec!["elbow".into()],
+            duration_s: 12.5,
+            poses_rad: vec![0.1 + 0.2, -1.0],
+        }),
+        sessions: 7,
+        tendons: vec![TendonBelief {
+            joint: "elbow".into(),
+            since: Some("tensioned 2026-11-01".into()),
+            tensioned_utc_s: vec![1_793_500_000.25],
+            replaced_utc_s: None,
+            before_m: Gaussian::new(mean, 0.1 + 0.2),
+            last_rad: None,
+            last_utc_s: None,
+            suspected: None,
+        }],
+    }
+}
+
+fn alarm() -> Alarm {
+    Alarm {
+        key: AlarmKey {
+            joint: Some("elbow".into()),
+            condition: Condition::Suspicion,
+        },
+        state: AlarmState::Active,
+        acknowledged: false,
+        raised_utc_s: 1_793_600_000.0,
+        cause: AlarmCause::InDoubt { for_s: 601.5 },
+        shelved_until_utc_s: None,
+        shelved_for_s: None,
+    }
+}
+
+fn transaction(robot: &str, id: u64) -> Transaction {
+    let time_utc_s = 1_793_600_000.0 + 600.0 * id as f64;
+    let mut cannot_tell = record(robot, "wrist", time_utc_s);
+    (cannot_tell.offset_rad, cannot_tell.offset_deviation_rad) = (None, None);
+    cannot_tell.reason = Some(NoOffset::TooWide);
+    Transaction {
+        id,
+        robot: robot.into(),
+        records: vec![record(robot, "elbow", time_utc_s), cannot_tell],
+        belief: Some(Arc::new(belief(id as f64))),
+        alarms: Some(AlarmsStored {
+            alarms: vec![alarm()],
+        }),
+        journal: vec![Entry {
+            time_utc_s,
+            event: Event::Session {
+                duration_s: 600.0,
+                end: SessionEnd::Full,
+            },
+        }],
+    }
+}
+
+fn open(folder: &Path) -> Store {
+    Store::open(Place::Folder(folder.into())).unwrap()
+}
+
+#[test]
+fn what_was_committed_is_there_after_opening_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path());
+    store
+        .commit(&[transaction("a", 1), transaction("b", 7)])
+        .unwrap();
+    store.commit(&[transaction("a", 2)]).unwrap();
+    drop(store);
+    let reader = open(folder.path()).reader().unwrap();
+    let restored = reader.stored("a").unwrap();
+    assert_eq!(restored.last_id, 2);
+    assert_eq!(restored.belief, Some(belief(2.0)));
+    assert_eq!(restored.alarms.alarms, [alarm()]);
+    let query = RecordQuery {
+        robot: Some("a".into()),
+        ..RecordQuery::default()
+    };
+    let mut both = transaction("a", 1).records;
+    both.extend(transaction("a", 2).records);
+    assert_eq!(reader.records(&query).unwrap(), both);
+    assert_eq!(reader.robots().unwrap(), ["a", "b"]);
+    let never = reader.stored("c").unwrap();
+    assert_eq!((never.belief, never.last_id), (None, 0));
+}
+
+#[test]
+fn a_transaction_that_comes_twice_is_stored_once() {
+    for place in [None, Some(Place::Memory(1))] {
+        let folder = tempfile::tempdir().unwrap();
+        let place = place.unwrap_or(Place::Folder(folder.path().into()));
+        let mut store = Store::open(place).unwrap();
+        store.commit(&[transaction("a", 1)]).unwrap();
+        store
+            .commit(&[transaction("a", 1), transaction("a", 2)])
+            .unwrap();
+        let reader = store.reader().unwrap();
+        assert_eq!(reader.records(&RecordQuery::default()).unwrap().len(), 4);
+        let journal = reader
+            .journal(&JournalQuery {
+                most: 10,
+                ..JournalQuery::default()
+            })
+            .unwrap();
+        assert_eq!(journal.len(), 2);
+        assert!(journal[0].id > journal[1].id);
+    }
+}
+
+#[test]
+fn records_are_asked_for_by_robot_joint_and_time_and_the_newest_are_kept() {
+    let mut store = Store::open(Place::Memory(2)).unwrap();
+    for id in 1..=20 {
+        store
+            .commit(&[transaction("a", id), transaction("b", id)])
+            .unwrap();
+    }
+    let reader = store.reader().unwrap();
+    let of = |query: &RecordQuery| -> Vec<f64> {
+        let records = reader.records(query).unwrap();
+        records
+            .iter()
+            .map(|r| (r.time_utc_s - 1_793_600_000.0) / 600.0)
+            .collect()
+    };
+    let mut query = RecordQuery {
+        robot: Some("a".into()),
+        joint: Some("elbow".into()),
+        from_utc_s: Some(1_793_600_000.0 + 600.0 * 5.0),
+        to_utc_s: Some(1_793_600_000.0 + 600.0 * 9.0),
+        most: None,
+    };
+    assert_eq!(of(&query), [5.0, 6.0, 7.0, 8.0]);
+    query.most = Some(2);
+    assert_eq!(of(&query), [7.0, 8.0]);
+}
+
+#[test]
+fn columns_are_the_keys_of_the_record() {
+    let value = serde_json::to_value(record("a", "elbow", 0.0)).unwrap();
+    let mut keys: Vec<&str> = value
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    let mut columns = COLUMNS.to_vec();
+    keys.sort_unstable();
+    columns.sort_unstable();
+    assert_eq!(keys, columns);
+}
+
+#[test]
+fn a_second_monitor_is_refused_and_told_who_has_the_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let _first = open(folder.path());
+    let error = Store::open(Place::Folder(folder.path().into())).unwrap_err();
+    assert!(matches!(error, StoreError::Held { .. }), "{error}");
+    if cfg!(target_os = "linux") {
+        let process = format!("in use by process {}", std::process::id());
+        assert!(error.to_string().contains(&process), "{error}");
+    }
+}
+
+#[test]
+fn a_store_that_is_damaged_foreign_or_newer_is_refused_and_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("watch.db");
+    let mut store = open(folder.path());
+    for id in 1..=50 {
+        store.commit(&[transaction("a", id)]).unwrap();
+    }
+    drop(store);
+    let whole = std::fs::read(&file).unwrap();
+    let refused = |bytes: &[u8]| {
+        std::fs::write(&file, bytes).unwrap();
+        let error = Store::open(Place::Folder(folder.path().into())).unwrap_err();
+        assert_eq!(std::fs::read(&file).unwrap(), bytes, "{error}");
+        error
+    };
+    let mut damaged = whole.clone();
+    damaged[4096 * 3..4096 * 6].fill(0x5a);
+    let error = refused(&damaged);
+    assert!(
+        error.is_damaged() && error.to_string().contains("watch.db is damaged"),
+        "{error}"
+    );
+    assert!(refused(b"not a database, but long enough for a header of one: 0123456789 0123456789 0123456789").is_damaged());
+    let mut newer = whole.clone();
+    // user_version stands at byte 60 of the header.
+    newer[60..64].copy_from_slice(&(VERSION as u32 + 1).to_be_bytes());
+    assert!(matches!(
+        refused(&newer),
+        StoreError::Newer {
+            version: 2,
+            known: 1,
+            ..
+        }
+    ));
+    let mut foreign = whole.clone();
+    foreign[68..72].fill(0x11);
+    assert!(matches!(refused(&foreign), StoreError::Foreign { .. }));
+    std::fs::write(&file, &whole).unwrap();
+    assert_eq!(
+        open(folder.path())
+            .reader()
+            .unwrap()
+            .stored("a")
+            .unwrap()
+            .last_id,
+        50
+    );
+}
+
+#[test]
+fn a_commit_that_fails_leaves_nothing_and_may_be_repeated() {
+    let mut store = Store::open(Place::Memory(3)).unwrap();
+    store.commit(&[transaction("a", 1)]).unwrap();
+    let reader = store.reader().unwrap();
+    // A reader that is in the way of the in-memory database, longer than the writer waits.
+    let before = reader.records(&RecordQuery::default()).unwrap();
+    let error = reader.each_record(&RecordQuery::default(), |record| {
+        Err(StoreError::Document {
+            what: "a record",
+            robot: record.robot,
+            why: "refused".into(),
+        })
+    });
+    assert!(matches!(error, Err(StoreError::Document { .. })));
+    store.commit(&[transaction("a", 2)]).unwrap();
+    assert_eq!(
+        before.len() + 2,
+        reader.records(&RecordQuery::default()).unwrap().len()
+    );
+}
+
+#[test]
+fn others_may_read_while_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path());
+    store.commit(&[transaction("a", 1)]).unwrap();
+    let place = Place::Folder(folder.path().into());
+    let readers: Vec<_> = (0..4)
+        .map(|_| {
+            let reader = Reader::open(&place).unwrap();
+            std::thread::spawn(move || {
+                for _ in 0..50 {
+                    let count = reader.records(&RecordQuery::default()).unwrap().len();
+                    assert!(
+                        count >= 2 && count.is_multiple_of(2),
+                        "half a transaction: {count}"
+                    );
+                }
+            })
+        })
+        .collect();
+    for id in 2..=30 {
+        store.commit(&[transaction("a", id)]).unwrap();
+    }
+    for reader in readers {
+        reader.join().unwrap();
+    }
+}

@@ -1,0 +1,308 @@
+//! The page and the API of a monitor that runs: what they say, to whom, and what they refuse.
+
+use crate::http::{ask, events, get, post, raw};
+use serde_json::{Value, json};
+use sinew_watch::config::WebSettings;
+use sinew_watch::demo::Demo;
+use sinew_watch::web::metrics::ABOUT;
+use std::collections::BTreeSet;
+use std::net::SocketAddr;
+use std::sync::OnceLock;
+use std::sync::mpsc::{Sender, channel};
+use std::time::{Duration, Instant};
+
+/// A demonstration on a port of its own.
+pub(crate) struct Running {
+    pub(crate) at: SocketAddr,
+    _signals: Sender<sinew_watch::service::Signal>,
+}
+
+impl Running {
+    pub(crate) fn start() -> Self {
+        let (signals, _) = channel();
+        let web = WebSettings {
+            bind: "127.0.0.1:0".parse().ok(),
+            host_names: vec!["cell-3.example.org".into()],
+            ..WebSettings::default()
+        };
+        let demo = Demo::start(web, signals.clone()).unwrap();
+        let at = demo.web.address.unwrap();
+        let running = Self {
+            at,
+            _signals: signals,
+        };
+        // It ends with the process.
+        std::mem::forget(demo);
+        running.until(|r| {
+            let fleet = get(r.at, "/api/v1/fleet").json();
+            fleet["robots"]
+                .as_array()
+                .is_some_and(|robots| robots.len() == 3)
+        });
+        running
+    }
+
+    /// One for all tests: it ends with the process.
+    pub(crate) fn shared() -> &'static Self {
+        static RUNNING: OnceLock<Running> = OnceLock::new();
+        RUNNING.get_or_init(Self::start)
+    }
+
+    pub(crate) fn until(&self, holds: impl Fn(&Self) -> bool) {
+        let begun = Instant::now();
+        while !holds(self) {
+            assert!(begun.elapsed() < Duration::from_secs(180), "it never came");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+fn command(at: SocketAddr, what: Value, note: &str) -> (u16, Value) {
+    let body = json!({ "who": "a test", "note": note, "what": what }).to_string();
+    let answer = post(at, "/api/v1/robots/demo-2/commands", &body);
+    (answer.status, answer.json())
+}
+
+#[test]
+fn what_somebody_says_is_answered_when_it_is_stored() {
+    let running = Running::shared();
+    let at = running.at;
+    let (status, answer) = command(at, json!({ "kind": "note" }), "oiled the guides");
+    assert_eq!((status, answer), (200, json!({ "done": true })));
+    let journal = get(at, "/api/v1/journal?robot=demo-2&event=command&most=1").json();
+    assert_eq!(journal["entries"][0]["text"], "a test: oiled the guides");
+    assert_eq!(journal["entries"][0]["event"]["who"], "a test");
+    let tension = json!({ "kind": "tensioned", "joints": ["elbow"] });
+    assert_eq!(command(at, tension, "").0, 200);
+    running.until(|r| {
+        let now = get(r.at, "/api/v1/robots/demo-2").json();
+        now["robot"]["learning"]["kind"] == "baseline"
+    });
+    for (what, note, words) in [
+        (json!({ "kind": "note" }), "", "say why"),
+        (
+            json!({ "kind": "tensioned", "joints": ["knee"] }),
+            "",
+            "no tendon at 'knee'",
+        ),
+        (json!({ "kind": "fly" }), "", "unknown variant `fly`"),
+        (
+            json!({ "kind": "shelve", "alarm": { "joint": null, "condition": "data" }, "for_s": 60.0 }),
+            "",
+            "no such alarm",
+        ),
+    ] {
+        let (status, answer) = command(at, what, note);
+        let error = answer["error"].as_str().unwrap();
+        assert!(status == 422 && error.contains(words), "{status} {error}");
+    }
+    // demo-3 is switched off: its alarm can be seen and shelved, but not without end.
+    let key = json!({ "joint": null, "condition": "no-data" });
+    let of_3 = |what: Value| {
+        let body = json!({ "who": "a test", "what": what }).to_string();
+        post(at, "/api/v1/robots/demo-3/commands", &body).status
+    };
+    running.until(|r| get(r.at, "/api/v1/alarms").text().contains("no-data"));
+    assert_eq!(of_3(json!({ "kind": "acknowledge", "alarm": key })), 200);
+    assert_eq!(
+        of_3(json!({ "kind": "shelve", "alarm": key, "for_s": 8.0 * 86_400.0 })),
+        422
+    );
+    assert_eq!(
+        of_3(json!({ "kind": "shelve", "alarm": key, "for_s": 3600.0 })),
+        200
+    );
+    let alarms = get(at, "/api/v1/alarms").json();
+    let shelved = alarms["alarms"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|a| a["robot"] == "demo-3");
+    assert_eq!(shelved.unwrap()["level"], "OK");
+}
+
+#[test]
+fn who_asks_from_elsewhere_is_refused() {
+    let running = Running::shared();
+    let at = running.at;
+    let note = json!({ "who": "x", "note": "x", "what": { "kind": "note" } }).to_string();
+    let path = "/api/v1/robots/demo-1/commands";
+    let json = ("content-type", "application/json");
+    let own = ("x-sinew", "1");
+    // A name that somebody let point here: DNS rebinding.
+    for host in [
+        "evil.example",
+        "evil.example:8642",
+        "localhost.evil.example",
+        "",
+    ] {
+        let answer = ask(at, "GET", "/api/v1/fleet", &[("host", host)], None);
+        assert_eq!(answer.status, 421, "{host}: {}", answer.text());
+    }
+    for host in [
+        "localhost",
+        "127.0.0.1:1",
+        "[::1]:8642",
+        "Cell-3.example.org:8642",
+    ] {
+        assert_eq!(
+            ask(at, "GET", "/api/v1/fleet", &[("host", host)], None).status,
+            200,
+            "{host}"
+        );
+    }
+    assert_eq!(raw(at, b"GET /api/v1/fleet HTTP/1.0\r\n\r\n").status, 421);
+    for (headers, status) in [
+        // A form of another site can send neither header.
+        (
+            vec![("content-type", "application/x-www-form-urlencoded")],
+            403,
+        ),
+        (vec![("content-type", "text/plain"), own], 415),
+        (vec![json], 403),
+        (vec![json, own, ("origin", "http://evil.example")], 403),
+        (vec![json, own, ("sec-fetch-site", "cross-site")], 403),
+        (vec![json, own, ("sec-fetch-site", "same-origin")], 200),
+    ] {
+        let answer = ask(at, "POST", path, &headers, Some(&note));
+        assert_eq!(answer.status, status, "{headers:?}: {}", answer.text());
+    }
+    let fleet = get(at, "/");
+    let policy = fleet.header("content-security-policy").unwrap();
+    assert!(
+        policy.starts_with("default-src 'none'; script-src 'self'"),
+        "{policy}"
+    );
+    assert_eq!(fleet.header("x-frame-options"), Some("DENY"));
+    let answer = ask(
+        at,
+        "OPTIONS",
+        path,
+        &[("origin", "http://evil.example")],
+        None,
+    );
+    assert!(
+        !answer
+            .headers
+            .iter()
+            .any(|(name, _)| name.starts_with("access-control"))
+    );
+    let long =
+        json!({ "who": "x", "note": "x".repeat(70_000), "what": { "kind": "note" } }).to_string();
+    assert_eq!(post(at, path, &long).status, 413);
+    assert_eq!(post(at, path, "{").status, 422);
+    assert_eq!(get(at, "/api/v1/robots/nobody").status, 404);
+    assert_eq!(get(at, "/api/v1/robots/demo-1/tendons/knee").status, 404);
+    assert_eq!(get(at, "/api/v1/records?robots=demo-1").status, 400);
+    assert_eq!(ask(at, "DELETE", path, &[json, own], None).status, 405);
+}
+
+#[test]
+fn browsers_are_told_every_second_and_only_what_changed() {
+    let running = Running::shared();
+    let told = events(running.at, "/api/v1/events?robot=demo-1", 5);
+    let names: Vec<&str> = told.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["fleet", "robot", "change", "robot", "change"]);
+    let all: Value = serde_json::from_str(&told[0].1).unwrap();
+    assert_eq!(all["robots"].as_array().unwrap().len(), 3);
+    let robot: Value = serde_json::from_str(&told[1].1).unwrap();
+    assert_eq!(robot["robot"]["robot"], "demo-1");
+    let of = |i: usize| -> Value { serde_json::from_str(&told[i].1).unwrap() };
+    let (first, second) = (of(2), of(4));
+    assert!(second["time_utc_s"].as_f64() > first["time_utc_s"].as_f64());
+    assert!(told[2].1.len() < told[0].1.len(), "{}", told[2].1);
+}
+
+#[test]
+fn records_are_there_as_json_csv_and_parquet() {
+    let running = Running::shared();
+    let at = running.at;
+    let which = "?robot=demo-1&joint=elbow&most=50";
+    let records = get(at, &format!("/api/v1/records{which}")).json();
+    assert_eq!(records["schema"], "sinew-record/1");
+    let records = records["records"].as_array().unwrap().clone();
+    assert_eq!(records.len(), 50);
+    let csv = get(at, &format!("/api/v1/records.csv{which}"));
+    assert_eq!(
+        csv.header("content-disposition"),
+        Some("attachment; filename=\"records.csv\"")
+    );
+    let text = csv.text();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!(head, sinew_watch::store::COLUMNS);
+    assert_eq!(lines.count(), 50);
+    let parquet = get(at, &format!("/api/v1/records.parquet{which}"));
+    assert!(parquet.body.starts_with(b"PAR1") && parquet.body.ends_with(b"PAR1"));
+    let times: Vec<f64> = records
+        .iter()
+        .map(|r| r["time_utc_s"].as_f64().unwrap())
+        .collect();
+    assert!(times.is_sorted());
+}
+
+#[test]
+fn metrics_are_those_of_the_list_each_with_its_kind_once() {
+    let running = Running::shared();
+    running.until(|r| {
+        get(r.at, "/metrics")
+            .text()
+            .contains("sinew_tendon_offset_radians{")
+    });
+    let text = get(running.at, "/metrics").text();
+    let known: Vec<&str> = ABOUT.iter().map(|about| about.0).collect();
+    let (mut types, mut samples) = (Vec::new(), BTreeSet::new());
+    for line in text.lines() {
+        if let Some(rest) = line.strip_prefix("# TYPE ") {
+            types.push(rest.split(' ').next().unwrap().to_owned());
+        } else if !line.starts_with('#') {
+            let (series, value) = line.rsplit_once(' ').unwrap();
+            assert!(samples.insert(series.to_owned()), "{series} twice");
+            assert!(value.parse::<f64>().is_ok(), "{line}");
+            let name = series.split('{').next().unwrap();
+            assert_eq!(types.last().map(String::as_str), Some(name), "{line}");
+        }
+    }
+    let once: BTreeSet<&String> = types.iter().collect();
+    assert_eq!(once.len(), types.len());
+    assert!(types.iter().all(|name| known.contains(&name.as_str())));
+    assert!(samples.contains("sinew_robots"), "{text}");
+    // Base units and endings, as Prometheus wants them.
+    for (name, kind, about) in ABOUT {
+        assert_eq!(name.ends_with("_total"), kind == "counter", "{name}");
+        assert!(about.ends_with('.') && !name.contains("_mrad"), "{name}");
+    }
+}
+
+#[test]
+fn the_page_is_small_and_whole() {
+    let running = Running::shared();
+    let mut packed = 0;
+    for path in ["/", "/app.js", "/app.css", "/icon.svg"] {
+        let plain = get(running.at, path);
+        let small = ask(
+            running.at,
+            "GET",
+            path,
+            &[("accept-encoding", "gzip, br")],
+            None,
+        );
+        assert_eq!(
+            (plain.status, small.header("content-encoding")),
+            (200, Some("gzip"))
+        );
+        let mut unpacked = Vec::new();
+        let mut reader = flate2::read::GzDecoder::new(&small.body[..]);
+        std::io::Read::read_to_end(&mut reader, &mut unpacked).unwrap();
+        assert_eq!(unpacked, plain.body, "{path}");
+        packed += small.body.len();
+        let tag = plain.header("etag").unwrap();
+        let again = ask(running.at, "GET", path, &[("if-none-match", tag)], None);
+        assert_eq!((again.status, again.body.len()), (304, 0));
+    }
+    assert!(packed < 60_000, "{packed} bytes");
+    for path in ["/alarms", "/journal", "/r/demo-1", "/r/demo-1/elbow"] {
+        assert_eq!(get(running.at, path).text(), get(running.at, "/").text());
+    }
+    assert_eq!(get(running.at, "/nowhere").status, 404);
+}

@@ -1,0 +1,54 @@
+//! `sinew watch` runs the monitor, or says how to get it.
+
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn a_missing_monitor_is_told_with_how_to_install_it() {
+    // A build of the whole workspace puts the monitor beside: away from there.
+    let folder = tempfile::tempdir().unwrap();
+    let sinew = folder.path().join("sinew");
+    std::fs::copy(env!("CARGO_BIN_EXE_sinew"), &sinew).unwrap();
+    let output = Command::new(sinew)
+        .args(["watch", "--demo"])
+        .env("PATH", "")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("cargo install --path crates/sinew-watch"),
+        "{said}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn the_monitor_in_path_is_given_every_argument_and_its_exit_code_is_ours() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    // Away from whatever lies beside the program built.
+    let sinew = folder.path().join("bin/sinew");
+    std::fs::create_dir(folder.path().join("bin")).unwrap();
+    std::fs::copy(env!("CARGO_BIN_EXE_sinew"), &sinew).unwrap();
+    let other = folder.path().join("path");
+    std::fs::create_dir(&other).unwrap();
+    let program = |at: &Path, says: &str| {
+        let file = at.join("sinew-watch");
+        std::fs::write(&file, format!("#!/bin/sh\necho {says} \"$@\"\nexit 3\n")).unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    let run = || {
+        let path = format!("{}:/usr/bin:/bin", other.display());
+        let mut command = Command::new(&sinew);
+        let arguments = ["watch", "--help", "-x", "a b", "--", "--quiet"];
+        command.args(arguments).env("PATH", path);
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(3));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    program(&other, "in PATH");
+    assert_eq!(run(), "in PATH --help -x a b -- --quiet\n");
+    program(&folder.path().join("bin"), "beside");
+    assert_eq!(run(), "beside --help -x a b -- --quiet\n");
+}
