@@ -4,6 +4,32 @@ use super::friction::Friction;
 use sinew_model::StepError;
 use sinew_model::arm::{Arm, ArmWorkspace};
 
+/// An end stop: a stiff spring with some damping beyond an angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndStop {
+    /// Where it begins, rad.
+    pub at_rad: f64,
+    /// Whether it holds the joint from above.
+    pub is_upper: bool,
+    /// What it gives by, N·m/rad.
+    pub stiffness_nm_per_rad: f64,
+}
+
+impl EndStop {
+    /// Time constant of its damping, s: it doesn't bounce.
+    const DAMPING_S: f64 = 1e-3;
+
+    /// Torque on the joint, N·m: it only pushes away.
+    fn torque(&self, q: f64, dq: f64) -> f64 {
+        let side = if self.is_upper { 1.0 } else { -1.0 };
+        let (into, speed) = (side * (q - self.at_rad), side * dq);
+        if into <= 0.0 {
+            return 0.0;
+        }
+        -side * (self.stiffness_nm_per_rad * (into + Self::DAMPING_S * speed)).max(0.0)
+    }
+}
+
 /// One elastic transmission, as it truly is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
@@ -21,6 +47,8 @@ pub struct Drive {
     pub joint_friction: Friction,
     /// At the motor.
     pub motor_friction: Friction,
+    /// End stop of the joint.
+    pub stop: Option<EndStop>,
 }
 
 impl Drive {
@@ -274,7 +302,9 @@ impl Plant {
             let stiffness = drive.stiffness_nm_per_rad * scale;
             k.dcreep[i] = (drive.viscoelastic_fraction * tau_el / stiffness - s.creep[i])
                 / drive.viscoelastic_time_s;
-            self.tau[i] = tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], tau_el);
+            let stop = drive.stop.map_or(0.0, |stop| stop.torque(s.q[i], s.dq[i]));
+            self.tau[i] =
+                tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], tau_el) + stop;
         }
         for f in inputs.forces {
             self.arm.add_point_force(

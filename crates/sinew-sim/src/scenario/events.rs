@@ -155,6 +155,31 @@ pub(super) fn jam(s: &Section<'_>) -> Result<Jam, Located> {
     })
 }
 
+pub(super) fn stop(s: &Section<'_>) -> Result<Stop, Located> {
+    let upper = s.number("upper_rad", Bound::Any)?;
+    let lower = s.number("lower_rad", Bound::Any)?;
+    let (at_rad, is_upper) = match (upper, lower) {
+        (Some(at), None) => (at, true),
+        (None, Some(at)) => (at, false),
+        (None, None) => return Err(s.missing("upper_rad", "where the stop is, or lower_rad")),
+        (Some(_), Some(_)) => {
+            return Err(s.refuse(
+                "upper_rad",
+                "left out where lower_rad is given: a table per stop",
+            ));
+        }
+    };
+    Ok(Stop {
+        joint: s
+            .text("joint")?
+            .ok_or_else(|| s.missing("joint", "which joint it stops"))?,
+        line: s.line(),
+        at_rad,
+        is_upper,
+        stiffness_nm_per_rad: s.number("stiffness_nm_per_rad", Bound::Positive)?,
+    })
+}
+
 pub(super) fn session(s: &Section<'_>) -> Result<Session, Located> {
     let from_s = s.need("from_s", Bound::NotNegative, "when it begins")?;
     let to_s = s.need("to_s", Bound::Positive, "when it ends")?;

@@ -84,6 +84,8 @@ pub struct Scenario {
     pub offsets: Vec<Offset>,
     /// Joints that stick.
     pub jams: Vec<Jam>,
+    /// End stops of joints.
+    pub stops: Vec<Stop>,
     /// Sessions, for the truth file only.
     pub sessions: Vec<Session>,
     /// What is written.
@@ -351,6 +353,21 @@ pub struct Offset {
     pub later_s: Draw,
 }
 
+/// An end stop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stop {
+    /// Which joint.
+    pub joint: String,
+    /// Line in the file.
+    pub line: u64,
+    /// Where it begins, rad.
+    pub at_rad: f64,
+    /// Whether it holds the joint from above.
+    pub is_upper: bool,
+    /// What it gives by, N·m/rad; `None`: a thousand times the joint's spring.
+    pub stiffness_nm_per_rad: Option<f64>,
+}
+
 /// A joint that is held by far more friction than it should have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jam {
@@ -439,6 +456,7 @@ impl Default for Scenario {
             random_contacts: None,
             offsets: Vec::new(),
             jams: Vec::new(),
+            stops: Vec::new(),
             sessions: Vec::new(),
             record: Record::default(),
             faults: Faults::default(),

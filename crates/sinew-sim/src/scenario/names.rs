@@ -81,6 +81,7 @@ impl Scenario {
         names.extend(of.into_iter().flat_map(PerJoint::named));
         names.extend(self.offsets.iter().map(|o| (o.joint.as_str(), o.line)));
         names.extend(self.jams.iter().map(|j| (j.joint.as_str(), j.line)));
+        names.extend(self.stops.iter().map(|s| (s.joint.as_str(), s.line)));
         names
     }
 

@@ -2,7 +2,9 @@
 
 use super::correction::{contact_detection, correction};
 use super::draw::{Draw, Keys as _, per};
-use super::events::{contact, faults, jam, offset, payload, random_contacts, record, session};
+use super::events::{
+    contact, faults, jam, offset, payload, random_contacts, record, session, stop,
+};
 use super::*;
 use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
 use std::f64::consts::PI;
@@ -82,6 +84,7 @@ impl Scenario {
             random_contacts: root.read("random_contacts", random_contacts)?,
             offsets: root.each("offsets", offset)?,
             jams: root.each("jams", jam)?,
+            stops: root.each("stops", stop)?,
             sessions: root.each("sessions", session)?,
             record: root.read("record", record)?.unwrap_or_default(),
             faults: root.read("faults", faults)?.unwrap_or_default(),
