@@ -16,7 +16,7 @@ macro_rules! shipped {
 }
 
 /// The ropes of the paper's Table I, in its order.
-const SHIPPED: [(&str, &str); 9] = shipped![
+const PAPER: [(&str, &str); 9] = shipped![
     "gottifredi-maffioli-sk99-ultra",
     "liros-aramid-braided-cord",
     "liros-dc000-0301",
@@ -26,6 +26,16 @@ const SHIPPED: [(&str, &str); 9] = shipped![
     "teufelberger-fl-9-ng",
     "tu-chemnitz-technora-black",
     "tu-chemnitz-vectran",
+];
+
+/// Thin lines for hands, and cables of metal to compare with.
+const BESIDE: [(&str, &str); 6] = shipped![
+    "tasline-pe5",
+    "tasline-pe8",
+    "dyneema-braid-0-9",
+    "stainless-7x7-1-0",
+    "stainless-7x7-1-6",
+    "tungsten-8x19-0-46",
 ];
 
 /// A rope and the file it came from.
@@ -41,6 +51,11 @@ impl CatalogueRope {
     /// Data behind the values; [`Holds::NOT_STATED`] where the entry doesn't say.
     pub fn holds(&self) -> Holds {
         self.entry.holds.unwrap_or(Holds::NOT_STATED)
+    }
+
+    /// Diameter, m, where it is published.
+    pub fn diameter_m(&self) -> Option<f64> {
+        self.entry.diameter_mm.as_ref().map(|d| 1e-3 * d.value)
     }
 }
 
@@ -103,18 +118,26 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError::File`]; a test keeps that from happening.
     pub fn shipped() -> Result<Self, CatalogueError> {
+        Self::of(PAPER.iter().chain(&BESIDE))
+    }
+
+    /// Those of the paper's Table I, in its order.
+    ///
+    /// # Errors
+    /// As [`Catalogue::shipped`].
+    pub fn paper() -> Result<Self, CatalogueError> {
+        Self::of(PAPER.iter())
+    }
+
+    fn of<'a>(texts: impl Iterator<Item = &'a (&'a str, &'a str)>) -> Result<Self, CatalogueError> {
         let parse = |(file, text): &(&str, &str)| {
             Ok::<_, CatalogueError>(CatalogueRope {
                 entry: CatalogueEntry::parse(text, file)?,
                 file: None,
             })
         };
-        let ropes = SHIPPED
-            .iter()
-            .map(parse)
-            .collect::<Result<_, CatalogueError>>()?;
         Ok(Self {
-            ropes,
+            ropes: texts.map(parse).collect::<Result<_, CatalogueError>>()?,
             namesakes: Vec::new(),
         })
     }
@@ -310,8 +333,15 @@ mod tests {
             ("TU Chemnitz", "Technora Black", 1.80, None, None, None),
             ("TU Chemnitz", "Vectran", 1.80, None, None, None),
         ];
-        let catalogue = Catalogue::shipped().expect("shipped ropes parse");
+        let catalogue = Catalogue::paper().expect("shipped ropes parse");
         assert_eq!(catalogue.ropes().len(), 9);
+        let all = Catalogue::shipped().expect("shipped ropes parse");
+        assert_eq!(&all.ropes()[..9], catalogue.ropes());
+        assert!(
+            all.ropes()
+                .iter()
+                .all(|r| r.entry.parameters().is_ok_and(|p| p.check().is_ok()))
+        );
         for (rope, row) in catalogue.ropes().iter().zip(table) {
             let e = &rope.entry;
             let (maker, product, diameter_mm, load_dan, plait, weight) = row;
@@ -353,7 +383,7 @@ mod tests {
         std::fs::write(folder.path().join("b.toml"), own.to_toml()).expect("written");
         std::fs::write(folder.path().join("notes.txt"), "no rope").expect("written");
         let all = Catalogue::with_folders(&[folder.path()]).expect("read");
-        assert_eq!(all.ropes().len(), 10);
+        assert_eq!(all.ropes().len(), 16);
         assert_eq!(all.ropes()[0].entry.note.as_deref(), Some("mine"));
         assert!(all.find("new-rope").is_ok());
         let error = all.find("no-rope").expect_err("unknown").to_string();

@@ -5,9 +5,9 @@ use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
 use super::endurance::Endurances;
-use super::life::{BreakCause, LIFE_MOST_S, Life, cause, life_s, spots, wear};
+use super::life::{BreakCause, LIFE_MOST_S, Life, bent_share, cause, life_s, spots, wear};
 use super::limits;
-use super::predict::{Prediction, Reading, TENSIONED_AFTER_S, cautions};
+use super::predict::{Prediction, PulleyPlace, Reading, TENSIONED_AFTER_S, cautions};
 use super::refusal::PredictError;
 use super::route::Request;
 use super::strand::{Mean, StrandError, strand};
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use sinew_model::Bounded;
 use sinew_model::rope::endurance::Endurance;
 use sinew_model::rope::holds::Beyond;
+use sinew_model::rope::routing::{self, Pulley};
 use sinew_model::rope::{Law, RopeLoad, State, damage};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -85,15 +86,24 @@ pub(crate) fn drawn(
     };
     let hardest = RopeLoad::celsius(summary.tension_max_n, summary.temperature_max_c);
     draws.nominal.rates(hardest).map_err(refuse)?;
-    let rope_m = rope.entry.diameter_mm.as_ref().map(|d| 1e-3 * d.value);
+    let rope_m = rope.diameter_m();
     let wears = wear(&draws.nominal, &endurances.nominal, request, rope_m)?;
     let life = life_s(&wears);
     if life <= TENSIONED_AFTER_S {
         let name = rope.entry.name.clone();
         let e = &endurances.nominal;
-        let strength = request.route.ends.share(e) * e.strength_share(hardest.temperature_k);
+        let pulleys: Vec<&Pulley> = request.route.pulleys.iter().collect();
+        let bent_share = bent_share(e, &pulleys, rope_m);
+        let weakest = request.route.ends.share(e).min(bent_share);
+        let strength = weakest * e.strength_share(hardest.temperature_k);
         let strength_n = strength * draws.nominal.parameters().breaking_load_n;
-        let tension_n = summary.tension_max_n;
+        // Friction on the guides pulls a rope that moves harder than its drive does.
+        let friction = draws.nominal.parameters().friction;
+        let share = match request.route.stroke_m > 0.0 {
+            true => routing::far_share(&request.route.pulleys, friction, false),
+            false => 1.0,
+        };
+        let tension_n = share * summary.tension_max_n;
         return Err(if tension_n > strength_n {
             PredictError::TooWeak {
                 rope: name,
@@ -101,11 +111,13 @@ pub(crate) fn drawn(
                 strength_n,
                 temperature_c: summary.temperature_max_c,
                 ends: request.route.ends,
+                is_bent: bent_share <= weakest && bent_share < 1.0,
             }
         } else {
-            PredictError::Creeps {
+            PredictError::BreaksEarly {
                 rope: name,
                 tension_n,
+                cause: cause(&wears),
                 time_s: life,
             }
         });
@@ -170,10 +182,15 @@ pub(crate) fn drawn(
 }
 
 impl Drawn {
+    /// What the rope endures, at the catalogue's values.
+    pub(crate) fn endurance(&self) -> &Endurance {
+        &self.endurance
+    }
+
     /// Strength of the most bent portion at the last time asked for; `None` where nothing bends it
     /// or it is broken by then.
     fn strength_left(&self, rope: &CatalogueRope, request: &Request) -> Option<Bounded> {
-        let rope_m = 1e-3 * rope.entry.diameter_mm.as_ref()?.value;
+        let rope_m = rope.diameter_m()?;
         let last_s = *request.times_s.last()?;
         let route = &request.route;
         if self.breaks_after_s.is_some()
@@ -244,7 +261,13 @@ impl Drawn {
             cautions.insert(0, caution);
         }
         let entry = &rope.entry;
+        let rope_m = rope.diameter_m();
+        let mut pulleys: Vec<PulleyPlace> = (request.route.pulleys.iter())
+            .map(|p| PulleyPlace::new(p, rope_m))
+            .collect();
+        pulleys.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Prediction {
+            pulleys,
             rope: entry.name.clone(),
             duty: request.duty.about.clone(),
             summary: request.duty.summary(),

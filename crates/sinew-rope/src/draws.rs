@@ -1,7 +1,7 @@
 //! Ropes as they might be: seeded draws of the parameters within their stated intervals.
 
 use super::{CatalogueError, CatalogueRope};
-use rand::SeedableRng;
+use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_model::Bounded;
@@ -11,6 +11,12 @@ use sinew_model::statistics::quantile;
 
 /// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.
 pub const DRAWS_DEFAULT: usize = 400;
+
+/// Share of a heat retraction that comes back when a rope cools: between nothing and all, which is all
+/// that is known, and is drawn so.
+const RETRACTION_RETURN: f64 = 0.5;
+/// Stream of numbers for it.
+const RETURN_STREAM: u64 = 3;
 
 /// `value` with the 95 % interval of `draws` around it; draws that are no numbers are left out.
 pub fn bounded(value: f64, draws: &[f64]) -> Bounded {
@@ -57,13 +63,17 @@ impl Draws {
             })
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ name_hash(&entry.name));
-        let nominal = law(&|_| 0.0)?;
+        let nominal = law(&|_| 0.0)?.giving_back(RETRACTION_RETURN);
+        // Another stream than the parameters', so that these stay the same draws.
+        let mut returns = rng.clone();
+        returns.set_stream(RETURN_STREAM);
         let laws = (0..count)
             .map(|_| {
                 let z = standard_errors(entry, &mut rng);
-                law(&|p| z[Parameter::ALL.iter().position(|q| *q == p).unwrap_or(0)])
+                let law = law(&|p| z[Parameter::ALL.iter().position(|q| *q == p).unwrap_or(0)])?;
+                Ok(law.giving_back(returns.random()))
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, CatalogueError>>()?;
         Ok(Self { nominal, laws })
     }
 

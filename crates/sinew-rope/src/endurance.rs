@@ -45,6 +45,8 @@ impl CatalogueRope {
             Polymer::Hmpe => ("hmpe.toml", include_str!("../fibres/hmpe.toml")),
             Polymer::Aramid => ("aramid.toml", include_str!("../fibres/aramid.toml")),
             Polymer::Lcp => ("lcp.toml", include_str!("../fibres/lcp.toml")),
+            Polymer::Steel => ("steel.toml", include_str!("../fibres/steel.toml")),
+            Polymer::Tungsten => ("tungsten.toml", include_str!("../fibres/tungsten.toml")),
             _ => ("other.toml", include_str!("../fibres/other.toml")),
         };
         let mut out = FibreClass::parse(text, file)?;

@@ -154,10 +154,50 @@ impl<'a> History<'a> {
             from_zero.retraction_percent,
             from_one.retraction_percent,
         );
+        end.retraction_kept_percent = self.keep(start.retraction_kept_percent, cycles)?;
         end.flow_percent = start.flow_percent + cycles * from_zero.flow_percent;
         end.bedding_percent = self.bed_in_slowly(start.bedding_percent, cycles)?;
         self.state = end;
         Ok(())
+    }
+
+    /// Heat retraction that stays, after many cycles, %.
+    ///
+    /// What a cycle adds falls with what is there: stretches that are no longer hot enough drop out. As long
+    /// as none does, it shrinks by the same share each time, and many cycles are one sum. That holds over a jump
+    /// of `n` cycles to `1e-9` % where a cycle at its end adds no more than `1e-9/n` above what the sum expects.
+    fn keep(&self, start: f64, cycles: f64) -> Result<f64, LoadError> {
+        const TOLERANCE_PERCENT: f64 = 1e-9;
+        if self.law.retraction_return() >= 1.0 {
+            return Ok(start);
+        }
+        let added = |kept: f64| {
+            let state = State {
+                retraction_kept_percent: kept,
+                ..State::default()
+            };
+            self.cycle(state).map(|s| s.retraction_kept_percent - kept)
+        };
+        let (mut kept, mut left, mut jump) = (start, cycles, cycles);
+        let mut next = added(kept)?;
+        while left >= 1.0 && next > 1e-12 {
+            let last = next;
+            (kept, left) = (kept + last, left - 1.0);
+            next = added(kept)?;
+            let ratio = (next / last).clamp(0.0, 1.0 - 1e-12);
+            jump = f64::min(4.0 * jump, left).floor();
+            while jump >= 2.0 {
+                let end = kept + next * (1.0 - ratio.powf(jump)) / (1.0 - ratio);
+                let found = added(end)?;
+                if (found - next * ratio.powf(jump)).abs() * jump <= TOLERANCE_PERCENT {
+                    (kept, left, next) = (end, left - jump, found);
+                    break;
+                }
+                jump = (0.5 * jump).floor();
+            }
+            jump = jump.max(1.0);
+        }
+        Ok(kept)
     }
 
     /// `db/dn` at bedding-in `b`: what a cycle adds, less what a difference overstates against a
@@ -291,6 +331,35 @@ mod tests {
             close(*x, y, "delayed");
         }
         close(a.flow_percent, b.flow_percent, "flow");
+    }
+
+    /// A minute of sun an hour: what stays of the retraction, leaped over and one by one.
+    #[test]
+    fn what_heat_leaves_is_leaped_over_too() {
+        let law = law().giving_back(0.4);
+        let load = |celsius: f64| RopeLoad::celsius(60.0, celsius);
+        let duty = Duty {
+            about: "sun".into(),
+            stretches: vec![
+                Stretch::hold(load(50.0), 20.0),
+                Stretch::hold(load(42.0), 40.0),
+                Stretch::hold(load(25.0), 3540.0),
+            ],
+            repeat: true,
+        };
+        for cycles in [1.0, 3.0, 20.0, 400.0, 9000.0] {
+            let mut fast = History::new(&law, &duty, State::default());
+            fast.leap(cycles).expect("load");
+            let mut slow = State::default();
+            for _ in 0..cycles as usize {
+                slow = fast.cycle(slow).expect("load");
+            }
+            let (a, b) = (
+                fast.state.retraction_kept_percent,
+                slow.retraction_kept_percent,
+            );
+            assert!((a - b).abs() < 1e-8, "{cycles}: {a} {b}");
+        }
     }
 
     #[test]

@@ -158,7 +158,13 @@ pub(crate) fn wear(
             };
             over.iter().filter_map(passed).sum()
         };
-        let creeps_per_s = |load| {
+        let bent = bent_share(endurance, &over, rope_m);
+        let creeps_per_s = |load: RopeLoad| {
+            // What a bend leaves of the strength counts for a break at once alone.
+            let strength = bent * endurance.strength_share(load.temperature_k);
+            if law.load_ratio(load.tension_n) > strength {
+                return f64::INFINITY;
+            }
             endurance
                 .damage_per_s(law, load, 1.0)
                 .unwrap_or(f64::INFINITY)
@@ -191,6 +197,14 @@ pub(crate) fn wear(
         out.push(worn(spot, &request.duty, rate, |_| 0.0));
     }
     Ok(out)
+}
+
+/// Share of the strength that the tightest of some pulleys leaves.
+pub(crate) fn bent_share(endurance: &Endurance, over: &[&Pulley], rope_m: Option<f64>) -> f64 {
+    let Some(rope_m) = rope_m else { return 1.0 };
+    let ratio = |p: &&Pulley| damage::bend_diameter_m(p, rope_m) / rope_m;
+    let shares = over.iter().map(|p| endurance.bent_share(ratio(p)));
+    shares.fold(1.0, f64::min)
 }
 
 fn worn(

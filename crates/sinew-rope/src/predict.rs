@@ -49,6 +49,32 @@ pub struct Reading {
     pub broken_share: f64,
 }
 
+/// A guiding pulley along a strand, and how it bends the rope.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PulleyPlace {
+    /// Where the rope first touches it with the drive at rest, m from the drive.
+    pub at_m: f64,
+    /// Radius of the rope's path, m.
+    pub radius_m: f64,
+    /// Wrap angle, rad.
+    pub wrap_rad: f64,
+    /// Diameter that the rope is bent to, over its own; `None` where that isn't published.
+    pub bend_ratio: Option<f64>,
+}
+
+impl PulleyPlace {
+    /// A pulley under a rope of a diameter, m.
+    pub(super) fn new(pulley: &Pulley, rope_m: Option<f64>) -> Self {
+        Self {
+            at_m: pulley.at_m,
+            radius_m: pulley.radius_m,
+            wrap_rad: pulley.wrap_rad,
+            bend_ratio: rope_m.map(|d| damage::bend_diameter_m(pulley, d) / d),
+        }
+    }
+}
+
 /// The prediction for one rope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -85,6 +111,8 @@ pub struct Prediction {
     pub breaks_after_s: Option<f64>,
     /// How long it lasts, and which portion wears out first.
     pub life: Life,
+    /// The guiding pulleys along the rope, in order from the drive.
+    pub pulleys: Vec<PulleyPlace>,
     /// Data behind the rope's values.
     pub holds: Holds,
     /// How far the duty lies beyond it in load and temperature; intervals are widened for that, and
@@ -144,7 +172,7 @@ pub(super) fn cautions(
             most_share: endurance.load_share_most,
         });
     }
-    let rope_m = entry.diameter_mm.as_ref().map(|d| 1e-3 * d.value);
+    let rope_m = rope.diameter_m();
     let bend = |p: &Pulley| Some(damage::bend_diameter_m(p, rope_m?) / rope_m?);
     let pulleys = request.route.pulleys.iter();
     let bend_ratio = pulleys.filter_map(bend).fold(f64::INFINITY, f64::min);

@@ -8,6 +8,7 @@
 use super::CatalogueRope;
 use super::caution::Caution;
 use super::draws::{Draws, bounded};
+use super::endurance::Endurances;
 use super::limits::check_temperature;
 use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
 pub use super::procedure::{HeldJoint, Mount, Procedure, Request, give_beside_rope};
@@ -83,6 +84,17 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         rope: rope.entry.name.clone(),
         error,
     };
+    let endurance = Endurances::new(rope, 0, request.seed)?.nominal;
+    let rate = endurance.damage_per_s(&draws.nominal, work, 1.0);
+    let life_s = 1.0 / rate.map_err(refuse)?;
+    if life_s <= request.horizon_s {
+        return Err(PredictError::BreaksBefore {
+            rope: rope.entry.name.clone(),
+            tension_n: request.tension_n,
+            life_s,
+            horizon_s: request.horizon_s,
+        });
+    }
     let slack_n = 0.5 * request.mount.extra_n();
     if request.lowest_n <= slack_n {
         return Err(PredictError::Slack {
@@ -91,7 +103,10 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         });
     }
     // A strand's pieces are the same for every law: only their lengths and passes count here.
-    let pieces = request.mount.pieces(&draws.nominal, request.length_m)?;
+    let rope_m = rope.diameter_m();
+    let pieces = request
+        .mount
+        .pieces(&draws.nominal, request.length_m, rope_m)?;
     // Without a procedure, and with each: nominal and every draw.
     let later = |procedure: Option<(f64, f64)>| -> Result<(f64, Vec<f64>), LoadError> {
         let one = |law: &Law| {
@@ -146,8 +161,8 @@ pub fn plan(rope: &CatalogueRope, request: &Request) -> Result<Plan, PredictErro
         .max_by(|a, b| a.removed_share.value.total_cmp(&b.removed_share.value))
         .copied();
     let bedded = chosen.map(|i| procedures[i]).or(best);
-    let schedule_new = schedule(&draws, request, None, refuse)?;
-    let schedule_bedded = schedule(&draws, request, bedded, refuse)?;
+    let schedule_new = schedule(&draws, request, rope_m, None, refuse)?;
+    let schedule_bedded = schedule(&draws, request, rope_m, bedded, refuse)?;
     let entry = &rope.entry;
     let outside = Outside::of(&draws.nominal, work);
     let mut cautions = Caution::outside(outside);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
 use sinew_model::rope::routing::{self, Pulley, RoutingError};
 use sinew_model::rope::strung::{Piece, Strand};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
+use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 
 /// How a rope is mounted, besides its length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,11 +51,16 @@ impl Mount {
         self.joint.map_or(0.0, |j| j.torque_nm / j.radius_m)
     }
 
-    /// A strand of a new rope, piece by piece.
-    pub(super) fn pieces(&self, law: &Law, length_m: f64) -> Result<Vec<Piece>, RoutingError> {
+    /// A strand of a new rope of diameter `rope_m`, piece by piece.
+    pub(super) fn pieces(
+        &self,
+        law: &Law,
+        length_m: f64,
+        rope_m: Option<f64>,
+    ) -> Result<Vec<Piece>, RoutingError> {
         let portions = routing::portions(length_m, 0.0, &self.pulleys)?;
         let piece = |p: routing::Portion| Piece {
-            law: law.passed_by(p.guides as f64),
+            law: law.passed_by(damage::passes(&p, &self.pulleys, 0.0, rope_m)),
             length_m: p.length_m,
             state: State::default(),
         };

@@ -2,7 +2,8 @@
 
 use super::CatalogueError;
 use super::endurance::Ends;
-use super::predict::{DAY_S, HOUR_S};
+use super::life::BreakCause;
+use super::predict::{DAY_S, HOUR_S, YEAR_S};
 use sinew_model::rope::LoadError;
 use sinew_model::rope::routing::RoutingError;
 
@@ -38,21 +39,47 @@ pub enum PredictError {
     },
     /// The rope breaks before there is anything to read.
     #[error(
-        "rope '{rope}': under {tension_n} N it creeps until it breaks, within {}; no elongation can be given",
+        "rope '{rope}': under {tension_n:.0} N it {}, within {}; no elongation can be given",
+        match cause {
+            BreakCause::CreepRupture => "creeps until it breaks",
+            BreakCause::BendingFatigue => "wears out over its pulleys",
+        },
         rounded(*time_s)
     )]
-    Creeps {
+    BreaksEarly {
         /// Rope.
         rope: String,
-        /// Largest tension of the duty, N.
+        /// Largest tension of the duty, with friction on the guides, N.
         tension_n: f64,
+        /// Of what.
+        cause: BreakCause,
         /// When, s.
         time_s: f64,
+    },
+    /// A rope that is to be held at its tension for longer than it lasts.
+    #[error(
+        "rope '{rope}': held at {tension_n} N it breaks after some {}, of creep under load, and --horizon is {}; pull it less, take a stronger rope, or plan for a shorter time",
+        rounded(*life_s), rounded(*horizon_s)
+    )]
+    BreaksBefore {
+        /// Rope.
+        rope: String,
+        /// Working tension, N.
+        tension_n: f64,
+        /// When it breaks, s.
+        life_s: f64,
+        /// How long it must hold, s.
+        horizon_s: f64,
     },
     /// The load is more than heat and ends leave of the rope's strength.
     #[error(
         "rope '{rope}': {tension_n:.0} N breaks it at once; at {temperature_c:.0} °C{} it holds {strength_n:.0} N",
-        match ends { Ends::NotStated => "", Ends::Spliced => " and spliced", Ends::Knotted => " and knotted" }
+        match ends {
+            _ if *is_bent => " and over its pulleys",
+            Ends::NotStated => "",
+            Ends::Spliced => " and spliced",
+            Ends::Knotted => " and knotted",
+        }
     )]
     TooWeak {
         /// Rope.
@@ -65,6 +92,8 @@ pub enum PredictError {
         temperature_c: f64,
         /// How its ends are held.
         ends: Ends,
+        /// Whether a pulley leaves less of it than the ends.
+        is_bent: bool,
     },
     /// A load that slackens the partner before the rope is tensioned again.
     #[error(
@@ -98,6 +127,7 @@ fn millimetres(m: f64) -> f64 {
 fn rounded(time_s: f64) -> String {
     match time_s {
         t if t < 60.0 => "a minute".into(),
+        t if t > 2.0 * YEAR_S => format!("{:.0} years", t / YEAR_S),
         t if t < 2.0 * HOUR_S => format!("{:.0} min", t / 60.0),
         t if t < 2.0 * DAY_S => format!("{:.0} h", t / HOUR_S),
         t => format!("{:.0} days", t / DAY_S),

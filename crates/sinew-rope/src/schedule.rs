@@ -121,11 +121,12 @@ impl LeftAlone {
 pub(super) fn schedule(
     draws: &Draws,
     request: &Request,
+    rope_m: Option<f64>,
     procedure: Option<Procedure>,
     refuse: impl Fn(LoadError) -> PredictError + Copy + Sync,
 ) -> Result<Schedule, PredictError> {
     let strands = |law: &Law| -> Result<Vec<Strand>, PredictError> {
-        let mut pieces = request.mount.pieces(law, request.length_m)?;
+        let mut pieces = request.mount.pieces(law, request.length_m, rope_m)?;
         for piece in pieces.iter_mut() {
             if let Some(p) = procedure {
                 let load = RopeLoad::celsius(p.tension_n, request.temperature_c);
@@ -238,7 +239,7 @@ mod tests {
     fn ends(law: &Law, request: &Request, start_n: f64) -> f64 {
         let pieces = request
             .mount
-            .pieces(law, request.length_m)
+            .pieces(law, request.length_m, None)
             .expect("a strand");
         let strands = request.mount.strands(pieces);
         string_up(strands, request, start_n, false, RELAXATION_TOLERANCE)

@@ -69,7 +69,34 @@ pub struct Candidate {
     pub cautions: Vec<Caution>,
 }
 
+/// How a candidate stands beside others, before its elongation counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Rank {
+    /// It lasts, within what makers advise of load and pulleys.
+    Sound,
+    /// It is loaded or bent more than makers advise.
+    BeyondAdvice,
+    /// It breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws.
+    MayBreak,
+}
+
 impl Candidate {
+    /// Whether it lasts, and within what makers advise.
+    #[must_use]
+    pub fn rank(&self) -> Rank {
+        let advice =
+            |c: &Caution| matches!(c, Caution::TightBend { .. } | Caution::LoadShare { .. });
+        if self.broken_share > MAY_BREAK_SHARE {
+            Rank::MayBreak
+        } else if self.cautions.iter().any(advice) {
+            Rank::BeyondAdvice
+        } else {
+            Rank::Sound
+        }
+    }
+
     /// What counts besides its size, the smaller the better: elongation, m, and life taken from 0, s.
     #[must_use]
     pub fn objectives(&self) -> [f64; 2] {
@@ -174,8 +201,7 @@ pub struct Selection {
     pub duty: String,
     /// Time the elongation is for, s.
     pub time_s: f64,
-    /// Ropes that meet everything: first those that last in 97.5 % of the draws, then the others, each
-    /// by least elongation.
+    /// Ropes that meet everything, by [`Candidate::rank`] and then by least elongation.
     pub candidates: Vec<Candidate>,
     /// The others.
     pub rejected: Vec<Rejected>,
@@ -231,10 +257,9 @@ pub fn select(
     for (i, candidate) in candidates.iter_mut().enumerate() {
         candidate.pareto = is_pareto(&points, i);
     }
-    let may_break = |c: &Candidate| c.broken_share > MAY_BREAK_SHARE;
     candidates.sort_by(|a, b| {
         let stretch = a.elongation_m.value.total_cmp(&b.elongation_m.value);
-        may_break(a).cmp(&may_break(b)).then(stretch)
+        a.rank().cmp(&b.rank()).then(stretch)
     });
     Ok(Selection {
         duty: request.duty.about.clone(),
@@ -341,11 +366,22 @@ fn judge(
     };
     let Prediction {
         rope: name,
-        cautions,
+        mut cautions,
         readings,
         life,
         ..
     } = found.prediction(rope, request);
+    let least_ratio = found.endurance().bend_ratio_least;
+    let bends = |c: &Caution| matches!(c, Caution::TightBend { .. });
+    if let Some(bend_ratio) = bend_ratio
+        && bend_ratio < least_ratio
+        && !cautions.iter().any(bends)
+    {
+        cautions.push(Caution::TightBend {
+            bend_ratio,
+            least_ratio,
+        });
+    }
     if cautions.contains(&Caution::Hot) {
         reasons.push(Rejection::Hot);
     }
@@ -442,7 +478,7 @@ mod tests {
 
     #[test]
     fn every_rope_is_a_candidate_or_has_a_reason() {
-        let catalogue = Catalogue::shipped().expect("shipped");
+        let catalogue = Catalogue::paper().expect("shipped");
         let limits = Constraints {
             diameter_max_mm: Some(1.9),
             safety_factor_min: Some(40.0),
@@ -483,7 +519,7 @@ mod tests {
 
     #[test]
     fn a_thick_rope_needs_a_large_pulley() {
-        let catalogue = Catalogue::shipped().expect("shipped");
+        let catalogue = Catalogue::paper().expect("shipped");
         // 20 mm over ropes of 0.9 to 2 mm: D/d is 10 on the thickest and 13 at 1.5 mm.
         let limits = Constraints {
             pulley_diameter_mm: Some(20.0),
@@ -512,7 +548,7 @@ mod tests {
 
     #[test]
     fn heat_rejects_hmpe_and_keeps_aramid() {
-        let catalogue = Catalogue::shipped().expect("shipped");
+        let catalogue = Catalogue::paper().expect("shipped");
         let hot = Request {
             duty: Duty::constant(60.0, 80.0),
             ..request()

@@ -18,8 +18,11 @@ pub struct StoredState {
     pub delayed_percent: [f64; 5],
     /// Fibre flow, %.
     pub flow_percent: f64,
-    /// Heat retraction, %.
+    /// Heat retraction that comes back, %.
     pub retraction_percent: f64,
+    /// Heat retraction that stays, %.
+    #[serde(default)]
+    pub retraction_kept_percent: f64,
     /// Bending damage, 1 when spent.
     pub bending_damage: f64,
 }
@@ -44,6 +47,7 @@ impl From<&State> for StoredState {
             delayed_percent: s.delayed_percent,
             flow_percent: s.flow_percent,
             retraction_percent: s.retraction_percent,
+            retraction_kept_percent: s.retraction_kept_percent,
             bending_damage: s.bending_damage,
         }
     }
@@ -61,6 +65,7 @@ impl TryFrom<StoredState> for State {
             delayed_percent: s.delayed_percent,
             flow_percent: s.flow_percent,
             retraction_percent: s.retraction_percent,
+            retraction_kept_percent: s.retraction_kept_percent,
             bending_damage: s.bending_damage,
         };
         if state.is_possible() {
@@ -82,6 +87,7 @@ mod tests {
             delayed_percent: [1e-300, 0.1, 1.0 / 3.0, 0.0, 2.5],
             flow_percent: 1e-12,
             retraction_percent: 0.0,
+            retraction_kept_percent: 0.25,
             bending_damage: 0.4,
         };
         let text = serde_json::to_string(&StoredState::from(&state)).expect("json");

@@ -3,7 +3,7 @@
 use super::history::History;
 use super::life::felt_by;
 use super::route::Request;
-use sinew_model::rope::routing::{self, Pulley, RoutingError};
+use sinew_model::rope::routing::{self, RoutingError};
 use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 
 /// Strand averages at one time: strain, irreversible strain, %.
@@ -32,11 +32,8 @@ pub(super) fn strand(
         .map_err(StrandError::Routing)?;
     let mut out = vec![Mean::default(); times_s.len()];
     for portion in portions {
-        let touching = |p: &&Pulley| p.touches(portion.middle_m, route.stroke_m);
-        let over = route.pulleys.iter().filter(touching);
-        // A pulley that hardly bends the rope hardly counts.
-        let weight = |p: &Pulley| rope_m.map_or(1.0, |d| damage::pass_weight(p, d));
-        let law = law.passed_by(over.map(weight).sum());
+        let passes = damage::passes(&portion, &route.pulleys, route.stroke_m, rope_m);
+        let law = law.passed_by(passes);
         let duty = felt_by(&portion, &law, request);
         let weight = portion.length_m / route.length_m;
         let mut history = History::new(&law, &duty, State::default());

@@ -3,7 +3,7 @@
 use sinew_model::rope::routing::Pulley;
 use sinew_model::rope::{Law, RopeLoad};
 use sinew_rope::predict::{DAY_S, PredictError, Prediction, Request, Route, YEAR_S, predict};
-use sinew_rope::select::{Constraints, Rejection, select};
+use sinew_rope::select::{Constraints, Rank, Rejection, select};
 use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Ends, Place, Stretch};
 
 fn request(duty: Duty, route: Route) -> Request {
@@ -135,6 +135,65 @@ fn heat_and_ends_break_what_the_rope_would_hold() {
     assert!(value(&bare) > value(&spliced) && value(&spliced) > value(&knotted));
     let last = knotted.spots.last().expect("the ends");
     assert!(last.place == Place::Ends && last.damage() > knotted.spots[0].damage());
+}
+
+/// Bent to its own diameter a rope keeps half of its strength; a gentle pulley takes little.
+#[test]
+fn a_tight_pulley_breaks_what_a_straight_rope_would_hold() {
+    let rope = "liros-aramid-braided-cord";
+    let ask = |radius_m: f64, n: f64, strokes_per_hour: f64| {
+        let mut route = led(radius_m, 180.0);
+        route.strokes_per_hour = strokes_per_hour;
+        found(rope, &request(Duty::constant(n, 23.0), route))
+    };
+    // 2500 N; D'/d is 3.0/(1 − e^−2.36)/2.0, so 0.39 of it is lost.
+    let weak =
+        ask(1.5e-3, 1400.0, 60.0).expect_err("it holds 1529 N, and friction makes more of 1400 N");
+    assert!(
+        matches!(&weak, PredictError::TooWeak { strength_n, is_bent: true, .. } if (strength_n / 1529.0 - 1.0).abs() < 1e-3),
+        "{weak}"
+    );
+    assert!(weak.to_string().contains("over its pulleys"), "{weak}");
+    // What holds at once is soon worn out by sixty strokes an hour, and lasts where it hardly moves.
+    let worn = ask(1.5e-3, 700.0, 60.0).expect_err("a few passes");
+    assert!(
+        worn.to_string()
+            .contains("under 819 N it wears out over its pulleys, within"),
+        "{worn}"
+    );
+    for (radius_m, n) in [(1.5e-3, 700.0), (30e-3, 1400.0)] {
+        let found = ask(radius_m, n, 1e-3).err().map(|e| e.to_string());
+        assert_eq!(found, None, "{radius_m} {n}");
+    }
+}
+
+/// Small pulleys are warned of where only their size is stated, and what they bend too much comes after
+/// what they don't.
+#[test]
+fn the_choice_puts_what_makers_advise_first() {
+    let catalogue = Catalogue::shipped().expect("shipped");
+    let asked = request(Duty::constant(20.0, 23.0), Route::straight(0.2));
+    let limits = Constraints {
+        pulley_diameter_mm: Some(6.0),
+        ..Constraints::default()
+    };
+    let chosen = select(&catalogue, &asked, &limits).expect("a choice");
+    let ranks: Vec<Rank> = chosen.candidates.iter().map(|c| c.rank()).collect();
+    assert!(ranks.is_sorted(), "{ranks:?}");
+    let of = |name: &str| {
+        chosen
+            .candidates
+            .iter()
+            .find(|c| c.rope == name)
+            .expect("there")
+    };
+    let tight = |c: &Caution| matches!(c, Caution::TightBend { bend_ratio, .. } if (bend_ratio - 3.333).abs() < 1e-3);
+    let technora = of("tu-chemnitz-technora-black");
+    assert!(technora.cautions.iter().any(tight) && technora.rank() == Rank::BeyondAdvice);
+    assert_eq!(of("tasline-pe8").rank(), Rank::Sound);
+    // A metal neither creeps nor flows: what it gives is the stretch of its construction.
+    let steel = of("stainless-7x7-1-0");
+    assert!(steel.life_s.is_none() && steel.elongation_m.value > 0.0);
 }
 
 /// Aramid doesn't flow apart: it loses a share of its strength with every decade of time.

@@ -61,7 +61,7 @@ fn json(args: &[&str], dir: &Path) -> serde_json::Value {
 fn the_catalogue_is_there_without_any_file() {
     let dir = empty();
     let list = told(&["rope", "list"], dir.path());
-    assert_eq!(list.matches("/26").count(), 9, "{list}");
+    assert_eq!(list.matches("/26").count(), 15, "{list}");
     let show = told(&["rope", "show", "tu-chemnitz-vectran"], dir.path());
     assert!(
         show.contains("not published: breaking_load_n, weight_g_per_m"),
@@ -261,7 +261,7 @@ fn selection_ranks_and_gives_reasons() {
         "--tension",
         "60",
         "--max-diameter",
-        "0.5",
+        "0.2",
         "--draws",
         "20",
     ];
@@ -394,6 +394,30 @@ fn a_rope_that_breaks_says_when_and_ends_there() {
     assert!(
         text.contains("breaks after some") && text.contains("of bending over"),
         "{text}"
+    );
+}
+
+/// A plan is for a time; a rope that doesn't last it is refused with what it lasts.
+#[test]
+fn a_plan_ends_where_the_rope_does() {
+    let dir = empty();
+    let rope = [
+        "rope",
+        "pretension",
+        "teufelberger-fl-9-ng",
+        "--draws",
+        "20",
+    ];
+    let hard = ["--tension", "1950", "--temperature", "60"];
+    let words = [
+        "1950 N it breaks after some 4 days",
+        "--horizon is 365 days",
+        "stronger rope",
+    ];
+    refused(&[&rope[..], &hard].concat(), dir.path(), 1, &words);
+    told(
+        &[&rope[..], &hard, &["--horizon", "1d"]].concat(),
+        dir.path(),
     );
 }
 

@@ -110,7 +110,7 @@ fn find<'a>(tests: &'a [Test], name: &str) -> Result<&'a Test, PaperError> {
 /// # Errors
 /// [`PaperError`] when the catalogue lacks a rope of Table I or its law.
 pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
-    let shipped = Catalogue::shipped()?;
+    let shipped = Catalogue::paper()?;
     let tests = shipped
         .names()
         .iter()

@@ -15,7 +15,7 @@ use sinew_rope::{Catalogue, CatalogueRope};
 /// # Errors
 /// [`PaperError`].
 pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
-    let shipped = Catalogue::shipped()?;
+    let shipped = Catalogue::paper()?;
     let mut rows = Vec::new();
     let mut tests = Vec::new();
     for rope in shipped.ropes() {

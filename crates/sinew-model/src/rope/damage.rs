@@ -28,6 +28,22 @@ pub fn pass_weight(pulley: &super::routing::Pulley, rope_m: f64) -> f64 {
     (REFERENCE_DIAMETER_RATIO * rope_m / bend_diameter_m(pulley, rope_m)).min(1.0)
 }
 
+/// `N`: what the guiding pulleys that pass over a portion count for together. Without the rope's diameter
+/// each counts in full.
+#[must_use]
+pub fn passes(
+    portion: &super::routing::Portion,
+    pulleys: &[super::routing::Pulley],
+    stroke_m: f64,
+    rope_m: Option<f64>,
+) -> f64 {
+    let over = pulleys
+        .iter()
+        .filter(|p| p.touches(portion.middle_m, stroke_m));
+    over.map(|p| rope_m.map_or(1.0, |d| pass_weight(p, d)))
+        .sum()
+}
+
 /// Passes over a pulley that the rope survives:
 /// `N = N_ref ((D/d)/20)^m_D (λ/0.1)^(−m_λ)`.
 ///

@@ -5,7 +5,8 @@
 //! strength          S(θ) = 1 − s (θ − T_ref)                       share of the breaking load
 //! creep rupture     Ḋ = ḟ(λ/η, θ)/ε_r                              flow until a permanent strain
 //! static fatigue    Ḋ = 10^(−(1 − λ/(η S))/m)/60 s                 m: strength lost per decade
-//! broken            D = 1 (Palmgren–Miner), or λ > η S
+//! bent              η_b = 1 − β √(d/D)                             over a pulley, D at least d
+//! broken            D = 1 (Palmgren–Miner), or λ > η S, or λ > η_b S
 //! ```
 //!
 //! `η` is what an end leaves of the rope's strength; 1 along the rope.
@@ -75,6 +76,8 @@ endurance! {
     load_share_most LoadShare 0.001, 1.0;
     /// Pulley over rope diameter that makers advise at least.
     bend_ratio_least BendRatio 0.1, 1000.0;
+    /// `β`: share of the strength lost where the rope is bent to its own diameter.
+    bend_loss_share BendLoss 0.0, 0.9;
 }
 
 impl Endurance {
@@ -83,6 +86,12 @@ impl Endurance {
     pub fn strength_share(&self, temperature_k: f64) -> f64 {
         let share = 1.0 - self.strength_per_k * (temperature_k - REFERENCE_K);
         share.clamp(STRENGTH.0, STRENGTH.1)
+    }
+
+    /// `η_b`: share of the strength that is left where a rope is bent to `bend_ratio` times its diameter.
+    #[must_use]
+    pub fn bent_share(&self, bend_ratio: f64) -> f64 {
+        1.0 - self.bend_loss_share / libm::sqrt(bend_ratio.max(1.0))
     }
 
     /// Share of its life that a rope loses per second under a load, 1/s; infinite where it breaks at
@@ -131,5 +140,10 @@ mod tests {
         let mut set = e;
         set.set(EnduranceKey::Splice, 1.4);
         assert_eq!(set.splice_share, 1.0);
+        set.bend_loss_share = 0.5;
+        assert_eq!(
+            [0.5, 1.0, 4.0, f64::INFINITY].map(|r| set.bent_share(r)),
+            [0.5, 0.5, 0.75, 1.0]
+        );
     }
 }

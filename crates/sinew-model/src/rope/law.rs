@@ -70,6 +70,8 @@ pub struct Law {
     guides: f64,
     /// `B'`, %.
     bedding_percent: f64,
+    /// `ρ`: share of a heat retraction that comes back.
+    retraction_return: f64,
     inverse: Inverse,
 }
 
@@ -96,6 +98,7 @@ impl Law {
             p: parameters,
             guides: 0.0,
             bedding_percent: parameters.bedding_percent,
+            retraction_return: 1.0,
             inverse: Inverse {
                 breaking_load_per_n: 1.0 / parameters.breaking_load_n,
                 bedding_load_ratio: 1.0 / parameters.bedding_load_ratio,
@@ -124,6 +127,21 @@ impl Law {
         };
         self.bedding_percent = self.p.bedding_percent * (1.0 + gain);
         self
+    }
+
+    /// The same rope of which a share `ρ` of every heat retraction comes back when it cools or is pulled
+    /// harder; the rest stays. 1 where nothing is said. Nobody has published it: 0 and 1 bound it. What
+    /// lies outside counts as the nearer bound.
+    #[must_use]
+    pub fn giving_back(mut self, share: f64) -> Self {
+        self.retraction_return = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        self
+    }
+
+    /// `ρ`: share of a heat retraction that comes back.
+    #[must_use]
+    pub fn retraction_return(&self) -> f64 {
+        self.retraction_return
     }
 
     /// The parameters.
@@ -257,7 +275,7 @@ impl Law {
             bedding_percent: state.bedding_percent,
             delayed_percent: state.delayed_percent.iter().sum(),
             flow_percent: state.flow_percent,
-            retraction_percent: state.retraction_percent,
+            retraction_percent: state.retraction_percent + state.retraction_kept_percent,
             thermal_percent: 100.0 * self.p.expansion_per_k * (load.temperature_k - REFERENCE_K),
         })
     }
@@ -357,9 +375,7 @@ impl Law {
         if temperature_k <= RETRACTION_START_K {
             return 0.0;
         }
-        const PER_K: f64 = 1.0 / (RETRACTION_FULL_K - RETRACTION_START_K);
-        let g = (temperature_k - RETRACTION_START_K) * PER_K;
-        self.p.retraction_percent * g.min(1.0)
+        self.p.retraction_percent * retraction_share(temperature_k)
     }
 
     pub(super) fn bed_in(&self, state: &mut State, target: f64, per_s: f64, duration_s: f64) {
@@ -383,11 +399,24 @@ impl Law {
     }
 
     fn retract(&self, state: &mut State, target: f64, duration_s: f64) {
-        let gap = target - state.retraction_percent;
-        if gap != 0.0 {
-            state.retraction_percent += gap * closed(duration_s * self.inverse.retraction_per_s);
+        let gap = self.retraction_return * target - state.retraction_percent;
+        let kept = (1.0 - self.retraction_return) * target - state.retraction_kept_percent;
+        if gap != 0.0 || kept > 0.0 {
+            let closed = closed(duration_s * self.inverse.retraction_per_s);
+            state.retraction_percent += gap * closed;
+            state.retraction_kept_percent += kept.max(0.0) * closed;
         }
     }
+}
+
+/// `g(θ)`: share of the full heat retraction that a temperature drives to: 0 below 35 °C, 1 from 60 °C on.
+///
+/// # Realtime
+/// No allocation, lock, panic or clock.
+#[must_use]
+pub fn retraction_share(temperature_k: f64) -> f64 {
+    const PER_K: f64 = 1.0 / (RETRACTION_FULL_K - RETRACTION_START_K);
+    ((temperature_k - RETRACTION_START_K) * PER_K).clamp(0.0, 1.0)
 }
 
 pub(super) fn check_duration(duration_s: f64) -> Result<(), LoadError> {

@@ -58,7 +58,7 @@ pub mod strung;
 pub mod validity;
 
 pub use error::{LoadError, ParameterError};
-pub use law::{Law, Rates, RopeLoad};
+pub use law::{Law, Rates, RopeLoad, retraction_share};
 pub use parameters::{Parameter, Parameters, Polymer};
 pub use ramp::{RAMP_TOLERANCE_PERCENT, ramp};
 pub use state::{DELAY_TIMES_S, State, Strain};

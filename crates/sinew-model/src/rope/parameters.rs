@@ -2,7 +2,7 @@
 
 use super::ParameterError;
 
-/// What the load-bearing fibre is made of.
+/// What the load-bearing fibres or wires are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Polymer {
@@ -12,6 +12,11 @@ pub enum Polymer {
     Aramid,
     /// Liquid-crystal polymer (Vectran).
     Lcp,
+    /// Steel wires. Of the law elastic strain, permanent stretch of the construction, friction and bending
+    /// apply; delayed elasticity, flow and heat retraction are none.
+    Steel,
+    /// Tungsten wires; as steel.
+    Tungsten,
     /// Anything else.
     Other,
 }
@@ -24,6 +29,8 @@ impl Polymer {
             Polymer::Hmpe => "HMPE",
             Polymer::Aramid => "aramid",
             Polymer::Lcp => "LCP",
+            Polymer::Steel => "steel",
+            Polymer::Tungsten => "tungsten",
             Polymer::Other => "other",
         }
     }

@@ -134,6 +134,20 @@ impl Course<'_> {
                 let rate = self.bedding_per_s_max(at, h);
                 error = error.max(gap * (rate * h * self.duration_s).min(1.0));
             }
+            // The same where the target of the retraction that stays comes down and meets it.
+            let stays = 1.0 - self.law.retraction_return();
+            let kept = |x: f64| {
+                stays
+                    * self
+                        .law
+                        .retraction_target(self.lambda(x), self.temperature(x))
+            };
+            let gap = kept(at) - state.retraction_kept_percent;
+            if gap > 0.0 && kept(at + h) <= fine.retraction_kept_percent {
+                best.retraction_kept_percent = fine.retraction_kept_percent;
+                let share = h * self.duration_s / self.law.p.retraction_time_s;
+                error = error.max(gap * share.min(1.0));
+            }
             let allowed = RAMP_TOLERANCE_PERCENT * h.max(SHARE_MIN);
             if error <= allowed || h <= SHORTEST {
                 *state = best;
@@ -177,13 +191,29 @@ impl Course<'_> {
             *v = lag(*v, u0, u1, fraction, left_over(fraction, x / tau));
         }
         state.flow_percent += rates.flow_percent_per_s * dt;
-        let (u0, u1) = (law.retraction_target(l0, k0), law.retraction_target(l1, k1));
-        if u0 != 0.0 || u1 != 0.0 || state.retraction_percent != 0.0 {
+        let targets = (law.retraction_target(l0, k0), law.retraction_target(l1, k1));
+        if targets != (0.0, 0.0) || state.retraction_percent != 0.0 {
             let x = dt / law.p.retraction_time_s;
             let closed = closed(x);
-            let mean = left_over(closed, x);
-            state.retraction_percent = lag(state.retraction_percent, u0, u1, closed, mean);
+            retract(law, state, targets, (closed, left_over(closed, x)));
         }
+    }
+}
+
+/// Heat retraction over a step whose target goes linearly: what comes back follows it, what stays only
+/// grows. `(closed, mean)` as of [`lag`].
+pub(super) fn retract(
+    law: &Law,
+    state: &mut State,
+    (u0, u1): (f64, f64),
+    (closed, mean): (f64, f64),
+) {
+    let back = law.retraction_return();
+    state.retraction_percent = lag(state.retraction_percent, back * u0, back * u1, closed, mean);
+    if back < 1.0 {
+        let kept = state.retraction_kept_percent;
+        let stays = 1.0 - back;
+        state.retraction_kept_percent = lag(kept, stays * u0, stays * u1, closed, mean).max(kept);
     }
 }
 
@@ -239,5 +269,11 @@ pub(super) fn extrapolate(
         middle.retraction_percent,
         fine.retraction_percent,
     );
+    out.retraction_kept_percent = best(
+        coarse.retraction_kept_percent,
+        middle.retraction_kept_percent,
+        fine.retraction_kept_percent,
+    )
+    .max(start.retraction_kept_percent);
     (out, error)
 }

@@ -15,15 +15,18 @@ pub struct State {
     pub delayed_percent: [f64; 5],
     /// Fibre flow `f`, %, at least 0; never falls.
     pub flow_percent: f64,
-    /// Heat retraction `s`, %, positive when the rope is shorter.
+    /// Heat retraction `s` that comes back, %, positive when the rope is shorter.
     pub retraction_percent: f64,
+    /// Heat retraction that stays, %, at least 0; never falls.
+    pub retraction_kept_percent: f64,
     /// Sum of passes over pulleys, each over the number it would survive (Palmgren–Miner); the
     /// rope is spent at 1. Never falls.
     pub bending_damage: f64,
 }
 
 impl State {
-    /// What stays when the rope is unloaded and left at `T_ref` for good, %.
+    /// What stays of the elongation when the rope is unloaded and left at `T_ref` for good, %; what heat
+    /// has shortened for good is not taken off.
     #[must_use]
     pub fn irreversible_percent(&self) -> f64 {
         self.bedding_percent + self.flow_percent
@@ -37,6 +40,7 @@ impl State {
             self.bedding_percent,
             self.flow_percent,
             self.retraction_percent,
+            self.retraction_kept_percent,
             self.bending_damage,
             d[0],
             d[1],

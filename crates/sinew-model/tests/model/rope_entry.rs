@@ -81,11 +81,7 @@ fn nonsense_is_refused_with_file_and_line() {
             "origin = \"invented\"",
             "\"measured\"",
         ),
-        (
-            "material = \"HMPE\"",
-            "material = \"steel\"",
-            "must be HMPE",
-        ),
+        ("material = \"HMPE\"", "material = \"silk\"", "must be HMPE"),
         ("name = \"liros", "name = \"Liros ", "lower case"),
         ("value = 1.50", "value = 0.0", "must be above 0"),
     ] {

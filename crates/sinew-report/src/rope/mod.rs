@@ -6,6 +6,7 @@ mod choice;
 mod life;
 mod planned;
 mod predicted;
+mod route_map;
 mod selected;
 mod series;
 mod words;
@@ -99,7 +100,7 @@ mod tests {
         let rope = catalogue.find("liros-dc000-0301").expect("there");
         let p = predict(rope, &request()).expect("a prediction");
         let more = Request {
-            times_s: curve_times(&TIMES_DEFAULT_S),
+            times_s: curve_times(&TIMES_DEFAULT_S, 10.0),
             ..request()
         };
         let curve = predict(rope, &more).expect("a prediction").readings;

@@ -1,7 +1,7 @@
 //! A prediction as a page.
 
 use super::words::guessed;
-use super::{bracketed, caution, life, notices, page, spoken};
+use super::{bracketed, caution, life, notices, page, route_map, spoken};
 use crate::text::{self, Told};
 use sinew_figure::plot::{Band, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
@@ -98,6 +98,10 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         ),
     ]))];
     let mut lasts = vec![Block::Paragraph(format!("It {}.", life::lasts(&p.life)))];
+    if route_map::is_told(p) {
+        let about = "The route, drawn as if its pulleys turned the rope to the left and to the right by turns. The wider the line, the more of that portion's life is used up.";
+        lasts.push(Block::Figure(Box::new(route_map::figure(p)), about.into()));
+    }
     if life::is_told(&p.life) {
         let about = "What is used up of each portion's life at the last time, or when it breaks; a star marks the weakest.";
         lasts.push(Block::Figure(Box::new(life::figure(&p.life)), about.into()));

@@ -12,7 +12,8 @@ use sinew_rope::select::{Constraints, Rejected, Selection};
 const LEGEND: &str = "Least in: share of the draws in which it stretches least of these. Safety \
     factor: published breaking load over the largest tension. Beaten by none: no rope of known \
     diameter is as thin, stretches as little and lasts as long, by the values before the brackets. \
-    Breaks after: – beyond 300 years. Ropes that break in more than 2.5 % of the draws come last.";
+    Breaks after: – beyond 300 years. Ropes that are loaded or bent more than makers advise come after \
+    the others; those that break within the time in more than 2.5 % of the draws come last.";
 
 fn asked(c: &Constraints) -> Vec<Vec<String>> {
     let row = |what: &str, limit: Option<f64>, unit: &str| {
@@ -188,8 +189,8 @@ pub fn selection_table(s: &Selection) -> String {
         out.say(
             "* no other rope of known diameter is as thin, stretches as little and lasts as long. least: in how \
              many of the draws it stretches least. N/mm: stiffness. load: breaking load over the largest \
-             tension. life: until it breaks, – beyond 300 years. Ropes that break within the time in more \
-             than 2.5 % of the draws come last.",
+             tension. life: until it breaks, – beyond 300 years. Ropes loaded or bent more than makers advise \
+             come after the others; those that break within the time in more than 2.5 % of the draws come last.",
         );
     }
     for c in &s.candidates {

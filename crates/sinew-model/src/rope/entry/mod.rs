@@ -8,7 +8,7 @@
 //! manufacturer = "Liros"
 //! product = "DC000-0301"
 //! fibre = "Dyneema SK99"
-//! material = "HMPE"                       # HMPE, aramid, LCP or other
+//! material = "HMPE"                       # HMPE, aramid, LCP, steel, tungsten or other
 //! plait = "12-plaited"                    # optional
 //! [sources]                               # keys are our own
 //! table1 = "Kirchhoff and von Stryk, IROS 2018, Table I"

@@ -69,7 +69,7 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
         published.unwrap_or_default();
     let law = s.read("law", |s| law(s, &sources))?.unwrap_or_default();
     let name = s.need_text("name", "what to call the rope by")?;
-    let material = s.need_text("material", "HMPE, aramid, LCP or other")?;
+    let material = s.need_text("material", "HMPE, aramid, LCP, steel, tungsten or other")?;
     let entry = CatalogueEntry {
         manufacturer: s.need_text("manufacturer", "who makes it")?,
         product: s.need_text("product", "what they call it")?,
@@ -85,8 +85,10 @@ fn root(s: &Section<'_>) -> Result<CatalogueEntry, Located> {
             "hmpe" => Polymer::Hmpe,
             "aramid" => Polymer::Aramid,
             "lcp" => Polymer::Lcp,
+            "steel" => Polymer::Steel,
+            "tungsten" => Polymer::Tungsten,
             "other" => Polymer::Other,
-            _ => return Err(s.refuse("material", "HMPE, aramid, LCP or other")),
+            _ => return Err(s.refuse("material", "HMPE, aramid, LCP, steel, tungsten or other")),
         },
         name,
         sources,

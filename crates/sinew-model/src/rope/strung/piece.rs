@@ -1,7 +1,7 @@
 //! One piece of rope over one step, its tension going linearly from one value to another.
 
 use super::super::factors::{Heat, closed, delayed_fractions, sinh};
-use super::super::ramp::{lag, left_over};
+use super::super::ramp::{lag, left_over, retract};
 use super::super::{DELAY_TIMES_S, Law, State};
 
 /// A piece of rope that the same guides pass over.
@@ -75,9 +75,7 @@ impl Piece {
             law.retraction_target(l1, kelvin),
         );
         if targets != (0.0, 0.0) || state.retraction_percent != 0.0 {
-            let (closed, mean) = lags.retraction;
-            let s = state.retraction_percent;
-            state.retraction_percent = lag(s, targets.0, targets.1, closed, mean);
+            retract(law, &mut state, targets, lags.retraction);
         }
         state
     }
@@ -88,7 +86,8 @@ impl Piece {
         let percent = self.law.elastic_percent(self.law.load_ratio(tension_n))
             + state.irreversible_percent()
             + delayed
-            - state.retraction_percent;
+            - state.retraction_percent
+            - state.retraction_kept_percent;
         0.01 * self.length_m * percent
     }
 

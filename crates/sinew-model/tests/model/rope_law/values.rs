@@ -67,6 +67,30 @@ fn thermal_expansion_alone() {
     assert_eq!(strain.total_percent(), 0.0);
 }
 
+/// A rope is softest where it is slackest: the toe is most of what a small pull sees there.
+#[test]
+fn compliance_is_the_slope_of_the_strain_with_its_toe() {
+    let law = law(sk99());
+    let state = State::default();
+    for tension_n in [0.0, 10.0, 60.0, 133.5, 890.0] {
+        let load = RopeLoad::at_reference(tension_n);
+        let found = law.compliance_percent_per_n(load).expect("load");
+        // 100/k + e_t/λ_t exp(−λ/λ_t), per N.
+        let lambda = tension_n / 4450.0;
+        let expected = (100.0 / 45.0 + 0.20 / 0.03 * (-lambda / 0.03f64).exp()) / 4450.0;
+        assert!((found / expected - 1.0).abs() < 1e-12, "{tension_n} N");
+        let strain = |n: f64| {
+            let load = RopeLoad::at_reference(n);
+            law.strain(&state, load).expect("load").elastic_percent
+        };
+        let slope = (strain(tension_n + 0.02) - strain(tension_n)) / 0.02;
+        assert!(
+            (slope / found - 1.0).abs() < 1e-4,
+            "{tension_n} N: {slope} {found}"
+        );
+    }
+}
+
 #[test]
 fn heat_retraction_starts_at_35_degrees_and_is_full_at_60() {
     let law = law(sk99());
@@ -82,6 +106,64 @@ fn heat_retraction_starts_at_35_degrees_and_is_full_at_60() {
     assert!((settled(80.0, 0.0) - 0.24).abs() < 1e-12);
     let held = 0.24 * (-0.1f64 / 0.15).exp();
     assert!((settled(60.0, 445.0) - held).abs() < 1e-12);
+}
+
+/// Nobody has published how much comes back when a rope cools: between nothing and all, and heating
+/// again adds nothing to what has stayed.
+#[test]
+fn a_rope_that_cools_gives_back_what_it_is_told() {
+    for back in [0.0, 0.3, 1.0] {
+        let law = law(sk99()).giving_back(back);
+        let mut s = State::default();
+        let at = |s: &mut State, celsius: f64| {
+            law.hold(s, RopeLoad::celsius(0.0, celsius), 1e5)
+                .expect("load");
+            law.strain(s, RopeLoad::at_reference(0.0))
+                .expect("load")
+                .retraction_percent
+        };
+        for _ in 0..2 {
+            assert!((at(&mut s, 60.0) - 0.24).abs() < 1e-12);
+            assert!((at(&mut s, 23.0) - (1.0 - back) * 0.24).abs() < 1e-12);
+        }
+        // Pulled harder, it gives back the same share.
+        let mut pulled = State::default();
+        at(&mut pulled, 60.0);
+        let load = RopeLoad::celsius(445.0, 60.0);
+        law.hold(&mut pulled, load, 1e5).expect("load");
+        let held = 0.24 * (-0.1f64 / 0.15).exp();
+        let expected = back * held + (1.0 - back) * 0.24;
+        let found = pulled.retraction_percent + pulled.retraction_kept_percent;
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{back}: {found} {expected}"
+        );
+        // A ramp ends where many short holds end.
+        let (hot, cold) = (RopeLoad::celsius(60.0, 58.0), RopeLoad::celsius(60.0, 30.0));
+        let mut ramped = State::default();
+        let mut stepped = State::default();
+        for (from, to) in [(cold, hot), (hot, cold)] {
+            ramp(&law, &mut ramped, from, to, 600.0).expect("load");
+            for k in 0..60_000 {
+                let x = (f64::from(k) + 0.5) / 60_000.0;
+                let kelvin = from.temperature_k + (to.temperature_k - from.temperature_k) * x;
+                let load = RopeLoad {
+                    tension_n: 60.0,
+                    temperature_k: kelvin,
+                };
+                law.hold(&mut stepped, load, 0.01).expect("load");
+            }
+            for (a, b) in [
+                (ramped.retraction_percent, stepped.retraction_percent),
+                (
+                    ramped.retraction_kept_percent,
+                    stepped.retraction_kept_percent,
+                ),
+            ] {
+                assert!((a - b).abs() < 1e-8, "{back}: {a} {b}");
+            }
+        }
+    }
 }
 
 #[test]

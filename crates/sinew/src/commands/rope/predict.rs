@@ -71,7 +71,8 @@ impl Predict {
         })?;
         drop(bar);
         if self.report.is_some() || self.series.is_some() {
-            resolved.request.times_s = curve_times(&resolved.request.times_s);
+            let cycle_s = resolved.request.duty.summary().duration_s;
+            resolved.request.times_s = curve_times(&resolved.request.times_s, cycle_s);
             let curve = predict::predict(rope, &resolved.request)?;
             write_table(self.series.as_deref(), || prediction_series(&curve))?;
             write_text(self.report.as_deref(), || {

@@ -1,0 +1,228 @@
+//! Where a rope wears out, drawn along its route.
+
+use sinew_figure::plot::{Colour, Figure, Line, Panel};
+use sinew_figure::rounded;
+use sinew_rope::predict::{Prediction, PulleyPlace};
+use sinew_rope::{Place, Spot};
+
+/// Width of the drawing and what axes leave of it, CSS px.
+const WIDTH_PX: f64 = 820.0;
+const AXES_PX: [f64; 2] = [80.0, 90.0];
+/// Least and most height, CSS px.
+const HEIGHT_PX: (f64, f64) = (190.0, 520.0);
+/// Shares of the most worn portion's wear that classes begin at, with their words and looks.
+const CLASSES: [(f64, &str, Colour, f64); 4] = [
+    (0.0, "hardly worn", Colour::Grey, 2.5),
+    (0.1, "less than a third of the worst", Colour::Sky, 3.5),
+    (1.0 / 3.0, "a third to four fifths", Colour::Amber, 5.0),
+    (0.8, "the worst", Colour::Orange, 7.0),
+];
+
+/// A point of the path and where it heads, mm and rad.
+#[derive(Clone, Copy)]
+struct Pose {
+    x: f64,
+    y: f64,
+    heading: f64,
+}
+
+impl Pose {
+    fn along(self, length: f64) -> Self {
+        Self {
+            x: self.x + length * self.heading.cos(),
+            y: self.y + length * self.heading.sin(),
+            ..self
+        }
+    }
+
+    /// Along an arc of a circle that lies to the left (`side` 1) or to the right (−1).
+    fn around(self, radius: f64, angle: f64, side: f64) -> Self {
+        let centre = self.centre(radius, side);
+        let heading = self.heading + side * angle;
+        Self {
+            x: centre[0] + side * radius * heading.sin(),
+            y: centre[1] - side * radius * heading.cos(),
+            heading,
+        }
+    }
+
+    fn centre(self, radius: f64, side: f64) -> [f64; 2] {
+        [
+            self.x - side * radius * self.heading.sin(),
+            self.y + side * radius * self.heading.cos(),
+        ]
+    }
+}
+
+/// The route as it can be drawn: pulleys turn the rope to the left and to the right by turns, as nobody
+/// says which way they do.
+struct Route<'a> {
+    pulleys: &'a [PulleyPlace],
+}
+
+fn side(i: usize) -> f64 {
+    if i.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+impl Route<'_> {
+    /// Where the rope is `at_mm` from the drive.
+    fn at(&self, at_mm: f64) -> Pose {
+        let mut pose = Pose {
+            x: 0.0,
+            y: 0.0,
+            heading: 0.0,
+        };
+        let mut passed = 0.0;
+        for (i, p) in self.pulleys.iter().enumerate() {
+            let (from, contact) = (1e3 * p.at_m, 1e3 * p.radius_m * p.wrap_rad);
+            if at_mm <= from {
+                break;
+            }
+            pose = pose.along((from - passed).max(0.0));
+            let on = (at_mm - from).min(contact);
+            pose = pose.around(1e3 * p.radius_m, on / (1e3 * p.radius_m), side(i));
+            passed = from + on;
+            if on < contact {
+                return pose;
+            }
+        }
+        pose.along((at_mm - passed).max(0.0))
+    }
+
+    /// Points of a stretch, mm.
+    fn stretch(&self, from_mm: f64, to_mm: f64) -> (Vec<f64>, Vec<f64>) {
+        let parts = (((to_mm - from_mm) / 1.5).ceil() as usize).clamp(2, 400);
+        let at = |k: usize| self.at(from_mm + (to_mm - from_mm) * k as f64 / parts as f64);
+        (0..=parts).map(at).map(|p| (p.x, p.y)).unzip()
+    }
+
+    /// Outline of a pulley, mm.
+    fn outline(&self, i: usize) -> (Vec<f64>, Vec<f64>) {
+        let p = &self.pulleys[i];
+        let radius = 1e3 * p.radius_m;
+        let [x, y] = self.at(1e3 * p.at_m).centre(radius, side(i));
+        let angle = |k: i32| std::f64::consts::TAU * f64::from(k) / 48.0;
+        (0..=48)
+            .map(|k| (x + radius * angle(k).cos(), y + radius * angle(k).sin()))
+            .unzip()
+    }
+}
+
+/// Whether there is a route to draw.
+pub(super) fn is_told(p: &Prediction) -> bool {
+    !p.pulleys.is_empty() && super::life::is_told(&p.life)
+}
+
+/// The rope along its pulleys, the wider and warmer in colour the more of its life is used up.
+pub(super) fn figure(p: &Prediction) -> Figure {
+    let route = Route {
+        pulleys: &p.pulleys,
+    };
+    let spots = p.life.spots.iter().filter(|s| s.place == Place::Rope);
+    let spots: Vec<&Spot> = spots.collect();
+    let most = spots.iter().map(|s| s.damage()).fold(0.0, f64::max);
+    let class_of = |s: &Spot| {
+        let share = s.damage() / most;
+        CLASSES.iter().rposition(|c| share >= c.0).unwrap_or(0)
+    };
+    let mut panel = Panel::new("", "along the machine (mm)", "across (mm)");
+    let (mut xs, mut ys) = (Vec::new(), Vec::new());
+    let (mut round_x, mut round_y) = (Vec::new(), Vec::new());
+    for i in 0..p.pulleys.len() {
+        let (x, y) = route.outline(i);
+        round_x.extend(x.iter().copied().chain([f64::NAN]));
+        round_y.extend(y.iter().copied().chain([f64::NAN]));
+        xs.extend(x);
+        ys.extend(y);
+    }
+    panel = panel.line(
+        Line::new("pulleys", round_x, round_y)
+            .colour(Colour::Black)
+            .width(1.0),
+    );
+    for (k, (_, name, colour, width)) in CLASSES.iter().enumerate() {
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        for s in spots.iter().filter(|s| class_of(s) == k) {
+            let (px, py) = route.stretch(1e3 * s.from_m, 1e3 * s.to_m);
+            x.extend(px.iter().copied().chain([f64::NAN]));
+            y.extend(py.iter().copied().chain([f64::NAN]));
+            xs.extend(px);
+            ys.extend(py);
+        }
+        if !x.is_empty() {
+            panel = panel.line(Line::new(*name, x, y).colour(*colour).width(*width));
+        }
+    }
+    let (x, y) = (bounds(&xs), bounds(&ys));
+    // The same scale both ways.
+    let scale = (x.1 - x.0) / (WIDTH_PX - AXES_PX[0]);
+    let height = ((y.1 - y.0) / scale + AXES_PX[1]).clamp(HEIGHT_PX.0, HEIGHT_PX.1);
+    let scale = f64::max(scale, (y.1 - y.0) / (height - AXES_PX[1]));
+    let around = |(low, high): (f64, f64), px: f64| {
+        let (middle, half) = (0.5 * (low + high), 0.5 * px * scale);
+        (middle - half, middle + half)
+    };
+    let x = around(x, WIDTH_PX - AXES_PX[0]);
+    let y = around(y, height - AXES_PX[1]);
+    let worst = spots
+        .iter()
+        .max_by(|a, b| a.damage().total_cmp(&b.damage()));
+    let said = worst.map_or_else(String::new, |s| {
+        format!(
+            "The portion from {} to {} mm wears out first; {} pass over it.",
+            rounded(1e3 * s.from_m, 4),
+            rounded(1e3 * s.to_m, 4),
+            match s.guides {
+                1 => "one pulley".to_owned(),
+                n => format!("{n} pulleys"),
+            }
+        )
+    });
+    Figure::new("")
+        .size(WIDTH_PX, height)
+        .seen(said)
+        .panel(panel.x_range(x.0, x.1).y_range(y.0, y.1))
+}
+
+/// Least and most with a margin of a twentieth.
+fn bounds(values: &[f64]) -> (f64, f64) {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let margin = 0.05 * (high - low).max(1.0);
+    (low - margin, high + margin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Straight, a quarter turn to the left, straight, a quarter to the right, straight.
+    #[test]
+    fn the_path_keeps_the_ropes_length_and_turns_by_the_wraps() {
+        let pulley = |at_m| PulleyPlace {
+            at_m,
+            radius_m: 0.01,
+            wrap_rad: std::f64::consts::FRAC_PI_2,
+            bend_ratio: None,
+        };
+        let pulleys = [pulley(0.1), pulley(0.2)];
+        let route = Route { pulleys: &pulleys };
+        let end = route.at(300.0);
+        let arc = 10.0 * std::f64::consts::FRAC_PI_2;
+        assert!(end.heading.abs() < 1e-12);
+        assert!(
+            (end.x - (100.0 + 20.0 + (300.0 - 200.0 - arc))).abs() < 1e-9,
+            "{}",
+            end.x
+        );
+        assert!((end.y - (20.0 + (100.0 - arc))).abs() < 1e-9, "{}", end.y);
+        // Steps along the path are as long as the rope.
+        for at in [50.0, 105.0, 150.0, 207.0, 290.0] {
+            let (a, b) = (route.at(at), route.at(at + 0.01));
+            assert!(
+                ((a.x - b.x).hypot(a.y - b.y) / 0.01 - 1.0).abs() < 1e-6,
+                "{at}"
+            );
+        }
+    }
+}
