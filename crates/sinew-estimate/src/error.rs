@@ -15,6 +15,9 @@ pub enum EstimateError {
     /// The robot can't be loaded.
     #[error(transparent)]
     Robot(#[from] RobotDirError),
+    /// The catalogue of ropes can't be read.
+    #[error(transparent)]
+    Ropes(#[from] sinew_rope::CatalogueError),
     /// The settings don't make an estimator.
     #[error(transparent)]
     Config(#[from] OffsetConfigError),

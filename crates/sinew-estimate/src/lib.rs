@@ -25,6 +25,7 @@ pub mod robot_toml;
 pub mod session;
 pub mod strand_duty;
 pub mod trend;
+pub mod warmth;
 mod warning;
 
 pub use answer::{Plan, estimate};

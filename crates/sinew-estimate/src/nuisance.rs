@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
+use sinew_model::arm::JointKind;
 use sinew_model::offset::StateEntry;
+use sinew_model::robot::Robot;
 
 /// A nuisance parameter before and after.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,16 +26,21 @@ pub struct NuisanceChange {
 }
 
 impl NuisanceChange {
-    /// Of an entry of the state, whose `joints` have names.
+    /// Of an entry of the state of a robot.
     pub(crate) fn new(
         entry: &StateEntry,
-        joints: &[String],
+        robot: &Robot,
         [prior, posterior]: [Gaussian; 2],
     ) -> Self {
+        let slides = |i| robot.arm.joint_kind(i) == Some(JointKind::Prismatic);
+        let unit = match entry.joint.is_some_and(slides) {
+            true => entry.unit.replace("N·m", "N").replace("rad", "m"),
+            false => entry.unit.into(),
+        };
         Self {
-            joint: entry.joint.map(|i| joints[i].clone()),
+            joint: entry.joint.map(|i| robot.joint_names()[i].clone()),
             name: entry.name.into(),
-            unit: entry.unit.into(),
+            unit,
             prior,
             posterior,
             moved: posterior.deviation < 0.8 * prior.deviation

@@ -4,6 +4,7 @@ use crate::error::EstimateError;
 use crate::request::{Progress, Request};
 use crate::robot_dir;
 use crate::robot_dir::LoadedRobot;
+use crate::warmth;
 use crate::warning::RecordingWarning;
 use sinew_files::names::nearest;
 use sinew_log::{Frame, Quantity, Recording};
@@ -25,7 +26,8 @@ impl Opened {
             Some(place) => place.clone(),
             None => robot_dir::find(&request.log)?,
         };
-        let loaded = robot_dir::load(&place, recording.robot_description())?;
+        let mut loaded = robot_dir::load(&place, recording.robot_description())?;
+        warmth::look_up(&mut loaded.robot, &loaded.file)?;
         let words = loaded.robot.warnings.iter().cloned();
         let mut warnings: Vec<_> = words.map(|text| RecordingWarning::Robot { text }).collect();
         let names = loaded.robot.joint_names();

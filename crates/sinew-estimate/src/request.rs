@@ -1,6 +1,7 @@
 //! What is asked of an estimate.
 
 use crate::feeder::Injection;
+use crate::session::Touch;
 use sinew_log::OpenOptions;
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
 use std::path::PathBuf;
@@ -24,6 +25,8 @@ pub struct Request {
     pub use_tau_ext: bool,
     /// Offsets to add to the measured motor positions.
     pub injections: Vec<Injection>,
+    /// Marks that joints or motors pass.
+    pub touches: Vec<Touch>,
     /// Recording to compare with, made with the same robot and settings.
     pub reference: Option<PathBuf>,
     /// How recordings are read.
@@ -45,6 +48,7 @@ impl Request {
             velocity_filter: defaults.velocity,
             use_tau_ext: false,
             injections: Vec::new(),
+            touches: Vec::new(),
             reference: None,
             open: OpenOptions::default(),
             csv: None,

@@ -2,6 +2,7 @@
 
 mod absolute;
 mod absolute_events;
+mod anchor;
 mod bad_input;
 mod baseline_merge;
 mod feeder;
@@ -20,3 +21,4 @@ mod slips;
 mod support;
 mod trend;
 mod trend_records;
+mod warmth;

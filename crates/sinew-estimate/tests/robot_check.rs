@@ -101,7 +101,7 @@ fn each_slip_in_robot_toml_is_named_with_its_line_and_the_unit_it_looks_like() {
         ("urdf", "[joints.", "gravity_m_s2 = [0, 0, -9810]\n[joints.", K::Gravity, Impossible, Some("mm/s²")),
         ("urdf", "[joints.", "gravity_m_s2 = [0, 0, 9.81]\n[joints.", K::GravityUp, Odd, None),
         ("urdf", "[joints.", "base_rpy_rad = [180, 0, 0]\n[joints.", K::Range, Odd, Some("°")),
-        ("urdf", "[joints.", "tolerances = { stiffness_percent = 1200 }\n[joints.", K::Range, Odd, None),
+        ("[tolerances]", "drift_mrad_per_k", "stiffness_percent = 1200\ndrift_mrad_per_k", K::Range, Odd, None),
     ];
     for (after, from, to, kind, severity, unit) in cases {
         let text = slip(&toml, after, from, to);

@@ -51,6 +51,8 @@ fn csv_says_line_and_cure() {
 /// A session that saw the elbow longer and could not tell of the wrist.
 fn session() -> SessionEstimate {
     let tendon = |name: &str, [offset, half]: [f64; 2], verdict| TendonEstimate {
+        slides: false,
+        anchored: None,
         name: name.into(),
         offset_rad: Gaussian::new(1e-3 * offset, 1e-3 * half / Z95),
         elongation_m: None,

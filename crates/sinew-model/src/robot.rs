@@ -15,6 +15,11 @@
 //! length_mm = 700.0
 //! joint_pulley_radius_mm = 25.0
 //! antagonistic = true                  # optional: a second rope pulls the other way
+//! frame_expansion_per_k = 23e-6        # optional, or once for all at the top: aluminium
+//! [[joints.shoulder.anchors]]          # optional: where the joint is known to stand
+//! kind = "stop"                        # an end stop; or joint-mark, motor-mark
+//! position_rad = 1.92
+//! deviation_rad = 0.0003
 //! [joints.gripper]
 //! locked_at_rad = 0.0                  # welded: needs no column in a recording
 //! [joints.track]
@@ -26,7 +31,7 @@
 use crate::arm::urdf::{self, JointLimits, UrdfArm};
 use crate::arm::{Arm, GRAVITY_M_S2};
 use crate::tolerances::Tolerances;
-use crate::transmission::{Friction, Guide, Tendon, Transmission};
+use crate::transmission::{Anchor, AnchorKind, Friction, Guide, Tendon, Transmission};
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::String;
@@ -65,6 +70,7 @@ pub struct RobotFile {
     gravity_m_s2: Option<[f64; 3]>,
     base_rpy_rad: Option<[f64; 3]>,
     joints: Vec<JointEntry>,
+    frame_expansion_per_k: Option<f64>,
     tolerances: Tolerances,
 }
 
@@ -105,6 +111,7 @@ impl RobotFile {
                 gravity_m_s2: root.vec3("gravity_m_s2")?,
                 base_rpy_rad: root.vec3("base_rpy_rad")?,
                 joints: joints.unwrap_or_default(),
+                frame_expansion_per_k: root.number("frame_expansion_per_k", EXPANSION)?,
                 tolerances: root.read("tolerances", tolerances)?.unwrap_or_default(),
             })
         })
@@ -178,12 +185,17 @@ impl RobotFile {
                 gaps.push(gap);
                 None
             });
-            transmissions.push(drive.map(|drive| Transmission {
-                joint_friction: drive.joint_friction.unwrap_or(Friction {
+            transmissions.push(drive.map(|drive| {
+                let mut transmission = drive.transmission;
+                transmission.joint_friction = drive.joint_friction.unwrap_or(Friction {
                     coulomb_nm: coulomb_nm[i],
                     viscous_nm_s_per_rad: viscous_nm_s_per_rad[i],
-                }),
-                ..drive.transmission
+                });
+                if let Some(tendon) = &mut transmission.tendon {
+                    let own = tendon.frame_expansion_per_k;
+                    tendon.frame_expansion_per_k = own.or(self.frame_expansion_per_k);
+                }
+                transmission
             }));
         }
         let robot = Robot {
@@ -233,6 +245,7 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
     let joint_friction = s.read("joint_friction", friction)?;
     let motor_friction = s.read("motor_friction", friction)?.unwrap_or_default();
     let motor_inertia_kg_m2 = s.number("motor_inertia_kg_m2", Bound::NotNegative)?;
+    let anchors = s.each("anchors", anchor)?;
     let wrong =
         |fault, problem: &str, cure: &str| Err(s.here(fault, problem).line(line).cure(cure));
     let drive = match (stiffness, rigid) {
@@ -259,6 +272,8 @@ fn joint(s: &Section<'_>, name: &str, line: u64) -> Result<JointEntry, Located> 
                 joint_friction: Friction::default(),
                 motor_friction,
                 tendon,
+                warmth: None,
+                anchors,
             },
             joint_friction,
         })),
@@ -279,6 +294,8 @@ fn friction(s: &Section<'_>) -> Result<Friction, Located> {
 }
 
 const M_PER_MM: f64 = 1e-3;
+/// Solids expand by 0 to 200 millionths per kelvin; carbon fibre may shrink a little.
+const EXPANSION: Bound = Bound::Within(-1e-4, 1e-3);
 
 fn tendon(s: &Section<'_>) -> Result<Tendon, Located> {
     let length =
@@ -294,6 +311,28 @@ fn tendon(s: &Section<'_>) -> Result<Tendon, Located> {
         guides: s.each("guides", guide)?,
         retension_at_m: retension_at_mm.map(|v| v * M_PER_MM),
         replace_at_strain: replace_at_percent.map(|v| v / 100.0),
+        frame_expansion_per_k: s.number("frame_expansion_per_k", EXPANSION)?,
+    })
+}
+
+fn anchor(s: &Section<'_>) -> Result<Anchor, Located> {
+    const KINDS: [(&str, AnchorKind); 3] = [
+        ("stop", AnchorKind::Stop),
+        ("joint-mark", AnchorKind::JointMark),
+        ("motor-mark", AnchorKind::MotorMark),
+    ];
+    Ok(Anchor {
+        kind: s.one_of("kind", &KINDS)?.unwrap_or(AnchorKind::Stop),
+        position_rad: s.need(
+            "position_rad",
+            Bound::Any,
+            "where joint or motor stands there",
+        )?,
+        deviation_rad: s.need(
+            "deviation_rad",
+            Bound::Positive,
+            "how well it comes back there",
+        )?,
     })
 }
 

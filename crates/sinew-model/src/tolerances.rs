@@ -27,8 +27,8 @@ pub struct Tolerances {
     pub stiffening_per_rad2: Gaussian,
     /// Encoder error, once and twice per turn, rad per component.
     pub encoder_rad: f64,
-    /// Drift of the zero with temperature, rad/K.
-    pub drift_rad_per_k: f64,
+    /// Drift of the zero with temperature beside what rope and frame do, rad/K; `None`: not stated.
+    pub drift_rad_per_k: Option<f64>,
     /// Compliance change with temperature, 1/K.
     pub stiffness_per_k: Gaussian,
     /// Payload mass, kg.
@@ -63,7 +63,7 @@ impl Default for Tolerances {
             drive_load_friction: Gaussian::new(0.1, 0.05),
             stiffening_per_rad2: Gaussian::new(1.0, 0.7),
             encoder_rad: 0.25e-3,
-            drift_rad_per_k: 0.1e-3,
+            drift_rad_per_k: None,
             stiffness_per_k: Gaussian::new(0.002, 0.001),
             payload_kg: Gaussian::new(0.25, 0.25),
             payload_reach_m: 0.05,
@@ -78,6 +78,15 @@ impl Default for Tolerances {
 }
 
 impl Tolerances {
+    /// Drift of the zero with temperature where none is stated, rad/K.
+    pub const DRIFT_RAD_PER_K: f64 = 0.1e-3;
+
+    /// Drift of the zero with temperature beside what rope and frame do, rad/K.
+    #[must_use]
+    pub fn drift_rad_per_k(&self) -> f64 {
+        self.drift_rad_per_k.unwrap_or(Self::DRIFT_RAD_PER_K)
+    }
+
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
     pub const KEYS: [&'static str; 23] = [
         "stiffness_percent",
@@ -124,7 +133,7 @@ impl Tolerances {
             "stiffening_mean_per_rad2" => (&mut self.stiffening_per_rad2.mean, 1.0),
             "stiffening_per_rad2" => (&mut self.stiffening_per_rad2.deviation, 1.0),
             "encoder_mrad" => (&mut self.encoder_rad, MILLI),
-            "drift_mrad_per_k" => (&mut self.drift_rad_per_k, MILLI),
+            "drift_mrad_per_k" => (self.drift_rad_per_k.get_or_insert_default(), MILLI),
             "payload_mean_kg" => (&mut self.payload_kg.mean, 1.0),
             "payload_kg" => (&mut self.payload_kg.deviation, 1.0),
             "payload_reach_mm" => (&mut self.payload_reach_m, MILLI),

@@ -1,5 +1,6 @@
 //! What stands between a motor and its joint: spring, reflected inertia, friction, tendon.
 
+use crate::Gaussian;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -87,6 +88,17 @@ pub struct Tendon {
     pub retension_at_m: Option<f64>,
     /// Strain at which the owner wants to replace the rope, as a fraction.
     pub replace_at_strain: Option<f64>,
+    /// Thermal expansion of the frame along the rope's path, 1/K, where it is stated.
+    pub frame_expansion_per_k: Option<f64>,
+}
+
+/// What warmth does to the offset of a tendon, by its rope, its frame and its routing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TendonWarmth {
+    /// `α_T`: offset per kelvin, rad/K: `(α_rope − α_frame) L/r`.
+    pub drift_rad_per_k: Gaussian,
+    /// By how much the rope's full heat retraction shortens the offset, rad; 0 without one.
+    pub retraction_rad: Gaussian,
 }
 
 impl Tendon {
@@ -114,6 +126,35 @@ pub struct Transmission {
     pub motor_friction: Friction,
     /// The rope, where the file describes it.
     pub tendon: Option<Tendon>,
+    /// What warmth does to the offset, where somebody has looked it up; `None`: 0 ± the tolerance.
+    pub warmth: Option<TendonWarmth>,
+    /// Where joint or motor is known to stand: end stops and marks.
+    pub anchors: Vec<Anchor>,
+}
+
+/// What an anchor is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum AnchorKind {
+    /// An end stop that the joint is pushed against.
+    Stop,
+    /// A mark that the joint passes.
+    JointMark,
+    /// A mark that the motor passes.
+    MotorMark,
+}
+
+/// A place where a joint or its motor is known to stand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// What it is.
+    pub kind: AnchorKind,
+    /// Where it is: joint position, or motor position as seen from the joint, rad (m).
+    pub position_rad: f64,
+    /// How well it comes back there, one standard deviation, rad (m).
+    pub deviation_rad: f64,
 }
 
 impl Transmission {
@@ -125,6 +166,8 @@ impl Transmission {
             joint_friction: Friction::default(),
             motor_friction: Friction::default(),
             tendon: None,
+            warmth: None,
+            anchors: Vec::new(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::estimate_table::per_rad;
 use crate::sentences::headline;
 use crate::tables::verdict;
+use crate::units::Moves;
 use sinew_estimate::replay::{Estimate, JointEstimate, JointRefusal};
 use sinew_estimate::session::{LimitState, TendonEstimate, Verdict};
 use sinew_figure::rounded;
@@ -32,9 +33,10 @@ pub(crate) fn of_tendon(
             rounded(1e3 * m.half_width_95(), 2)
         ),
         None => format!(
-            "{} ± {} mrad",
+            "{} ± {} {}",
             rounded(1e3 * offset_rad.mean, 2),
-            rounded(1e3 * offset_rad.half_width_95(), 2)
+            rounded(1e3 * offset_rad.half_width_95(), 2),
+            joint.units().offset
         ),
     };
     // What withholds the answer in the end withholds it before.

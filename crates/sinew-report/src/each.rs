@@ -3,6 +3,7 @@
 use crate::session_sentences::change_kind;
 use crate::tables::verdict;
 use crate::text::{paragraph, plain, table};
+use crate::units::{Moves, TURNS, name_in_table};
 use crate::warnings::document_warnings;
 use crate::words::{joint_refusal, nothing_estimated};
 use sinew_estimate::replay::JointEstimate;
@@ -16,6 +17,8 @@ use std::path::Path;
 /// What a row says besides its recording.
 struct Row<'a> {
     joint: &'a str,
+    /// As the table has it, with its units where they aren't those of the heads.
+    name: String,
     offset_rad: Option<f64>,
     half_width_rad: Option<f64>,
     elongation_m: Option<f64>,
@@ -29,6 +32,7 @@ impl<'a> Row<'a> {
     fn of_tendon(joint: &'a TendonEstimate) -> Self {
         Self {
             joint: &joint.name,
+            name: name_in_table(joint, TURNS),
             offset_rad: Some(joint.offset_rad.mean),
             half_width_rad: Some(joint.offset_rad.half_width_95()),
             elongation_m: joint.elongation_m.map(|m| m.mean),
@@ -42,6 +46,7 @@ impl<'a> Row<'a> {
     fn of_reading(joint: &'a JointEstimate) -> Self {
         Self {
             joint: &joint.name,
+            name: name_in_table(joint, TURNS),
             offset_rad: joint.offset_rad,
             half_width_rad: None,
             elongation_m: joint.elongation_m,
@@ -66,11 +71,12 @@ impl<'a> Row<'a> {
 fn reason(joint: &TendonEstimate) -> String {
     let mut out = Vec::new();
     if joint.verdict == Verdict::CannotTell {
+        let unit = joint.units().offset;
         let mrad = |rad: f64| rounded(1e3 * rad, 2);
         out.push(match joint.misfit_rad > 0.0 {
-            true => format!("{} mrad fit nothing", mrad(joint.misfit_rad)),
+            true => format!("{} {unit} fit nothing", mrad(joint.misfit_rad)),
             false => format!(
-                "± {} mrad is too wide",
+                "± {} {unit} is too wide",
                 mrad(joint.offset_rad.half_width_95())
             ),
         });
@@ -192,7 +198,7 @@ pub fn each_summary(each: &EachDocument) -> String {
             rows.push(vec![
                 // The name once: its rows stand below it.
                 if k == 0 { name.clone() } else { String::new() },
-                plain(row.joint),
+                plain(&row.name),
                 shown(row.offset_rad.map(|x| 1e3 * x), 3),
                 shown(row.half_width_rad.map(|x| 1e3 * x), 2),
                 shown(row.elongation_m.map(|x| 1e3 * x), 2),

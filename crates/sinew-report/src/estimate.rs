@@ -3,7 +3,8 @@
 use super::figures;
 use super::sentences::{doubt, headline};
 use super::shown::{MRAD_PER_PERCENT, or_nan};
-use super::warnings::{of_reading, recording_warning};
+use super::units::{Moves, TURNS, in_units, name_in_table, of_heads};
+use super::warnings::reading_warnings;
 use super::words::{basis_row, joint_refusal, loss_reason};
 use crate::log::format_name;
 use sinew_estimate::EstimateDocument;
@@ -66,7 +67,7 @@ pub fn html(document: &EstimateDocument) -> String {
     }
     page = page.section("Numbers", numbers);
 
-    let warnings: Vec<String> = of_reading(document).map(recording_warning).collect();
+    let warnings: Vec<String> = reading_warnings(document);
     if !warnings.is_empty() {
         page = page.section("Warnings", vec![Block::List(warnings)]);
     }
@@ -116,6 +117,12 @@ fn how_sure(estimate: &Estimate) -> String {
     }
 }
 
+/// Unit of an offset at a joint.
+fn unit_of(estimate: &Estimate, joint: &str) -> &'static str {
+    let found = estimate.joints.iter().find(|j| j.name == joint);
+    found.map_or(TURNS, Moves::units).offset
+}
+
 fn offsets(estimate: &Estimate) -> Table {
     let head = [
         "joint",
@@ -127,9 +134,10 @@ fn offsets(estimate: &Estimate) -> Table {
         "frames used",
         "1 % too much stiffness adds, mrad",
     ];
+    let heads = of_heads(&estimate.joints);
     Table {
         caption: String::new(),
-        head: head.map(String::from).to_vec(),
+        head: head.map(|h| in_units(h, heads)).to_vec(),
         rows: estimate
             .joints
             .iter()
@@ -138,7 +146,7 @@ fn offsets(estimate: &Estimate) -> Table {
                 let optional = |v: Option<f64>| v.map_or_else(none, |v| rounded(v, 3));
                 let error_mm = 1e3 * or_nan(j.elongation_standard_error_m);
                 vec![
-                    j.name.clone(),
+                    name_in_table(j, heads),
                     rounded(1e3 * or_nan(j.offset_rad), 4),
                     rounded(1e3 * or_nan(j.scatter_rad), 2),
                     rounded(1e3 * or_nan(j.standard_error_rad), 2),
@@ -164,6 +172,7 @@ fn differences(estimate: &Estimate) -> Table {
         "difference, mm",
         "1 % too much stiffness adds, mrad",
     ];
+    let heads = of_heads(&estimate.joints);
     Table {
         caption: format!(
             "Difference to {}",
@@ -173,14 +182,14 @@ fn differences(estimate: &Estimate) -> Table {
                 .as_deref()
                 .unwrap_or("the reference")
         ),
-        head: head.map(String::from).to_vec(),
+        head: head.map(|h| in_units(h, heads)).to_vec(),
         rows: estimate
             .joints
             .iter()
             .filter_map(|j| j.difference.as_ref().map(|d| (j, d)))
             .map(|(j, d)| {
                 vec![
-                    j.name.clone(),
+                    name_in_table(j, heads),
                     rounded(1e3 * d.reference_rad, 4),
                     with_interval(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
                     d.elongation_m.map_or("–".into(), |m| rounded(1e3 * m, 3)),
@@ -198,6 +207,7 @@ fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
     }
     let (figure, caption) = figures::joint(estimate, joint);
     let tau_el = joint.tau_el_nm;
+    let torque = joint.units().torque;
     let shown = |t: Option<f64>| rounded(or_nan(t), 3);
     let low = shown(tau_el.map(|t| t.min));
     let mean = shown(tau_el.map(|t| t.mean));
@@ -205,8 +215,9 @@ fn of_joint(estimate: &Estimate, joint: &JointEstimate) -> Vec<Block> {
     let mut blocks = vec![
         Block::Figure(Box::new(figure), caption),
         Block::Paragraph(format!(
-            "Stiffness {} N·m/rad; elastic torque from {low} to {high} N·m, {mean} N·m on average; {} of {} frames used ({}).",
+            "Stiffness {} {}; elastic torque from {low} to {high} {torque}, {mean} {torque} on average; {} of {} frames used ({}).",
             given(or_nan(joint.stiffness_nm_per_rad)),
+            joint.units().stiffness,
             count(joint.usable_frames),
             count(estimate.recording.frames),
             share(joint.usable_share)
@@ -324,8 +335,9 @@ fn circumstances(estimate: &Estimate) -> Table {
         add(
             "added by hand",
             format!(
-                "{} mrad at {}{from}",
+                "{} {} at {}{from}",
                 given(1e3 * injection.offset_rad),
+                unit_of(estimate, &injection.joint),
                 injection.joint
             ),
         );

@@ -2,6 +2,7 @@
 
 use super::sentences::headline;
 use super::shown::or_nan;
+use super::units::{Moves, in_units};
 use sinew_estimate::replay::{Estimate, JointEstimate, Series};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{duration, given, rounded};
@@ -29,19 +30,25 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
     let label = format!("time ({unit})");
 
     let (range, outside) = offset_range(series, joint);
-    let mut offset = framed(Panel::new("Offset", "", "offset δ_{e} (mrad)"))
-        .weight(1.35)
-        .band(Band::new(
-            "smallest to largest",
-            time.clone(),
-            mrad(&series.offset_min_rad),
-            mrad(&series.offset_max_rad),
-        ))
-        .line(Line::new(
-            "estimate",
-            time.clone(),
-            mrad(&series.offset_rad),
-        ));
+    let units = joint.units();
+    let unit = units.offset;
+    let mut offset = framed(Panel::new(
+        "Offset",
+        "",
+        in_units("offset δ_{e} (mrad)", units),
+    ))
+    .weight(1.35)
+    .band(Band::new(
+        "smallest to largest",
+        time.clone(),
+        mrad(&series.offset_min_rad),
+        mrad(&series.offset_max_rad),
+    ))
+    .line(Line::new(
+        "estimate",
+        time.clone(),
+        mrad(&series.offset_rad),
+    ));
     if let Some((low, high)) = range {
         offset = offset.y_range(low, high);
     }
@@ -53,15 +60,15 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
             && let Some(from) = injection.from_s
         {
             let size = given(1e3 * injection.offset_rad);
-            offset = offset.event(from / seconds, format!("{size} mrad injected"));
+            offset = offset.event(from / seconds, format!("{size} {unit} injected"));
         }
     }
     if let Some(mean_mrad) = joint.offset_rad.map(|x| 1e3 * x) {
-        let mean = format!("mean {} mrad", rounded(mean_mrad, 3));
+        let mean = format!("mean {} {unit}", rounded(mean_mrad, 3));
         offset = offset.reference(mean_mrad, mean);
     }
     if let Some(d) = &joint.difference {
-        let then = format!("reference {} mrad", rounded(1e3 * d.reference_rad, 3));
+        let then = format!("reference {} {unit}", rounded(1e3 * d.reference_rad, 3));
         offset = offset.reference(1e3 * d.reference_rad, then);
     }
     let per_mrad = or_nan(joint.elongation_m) / or_nan(joint.offset_rad);
@@ -74,7 +81,7 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
         TorqueSource::Motor => "τ_{el} from the motor",
         TorqueSource::Observer => "observed τ_{el}",
     };
-    let torque = framed(Panel::new("Torque", "", "torque (N·m)"))
+    let torque = framed(Panel::new("Torque", "", in_units("torque (N·m)", units)))
         .line(Line::new(source, time.clone(), series.tau_el_nm.clone()))
         .line(
             Line::new(
@@ -85,9 +92,13 @@ pub(super) fn joint(estimate: &Estimate, joint: &JointEstimate) -> (Figure, Stri
             .colour(Colour::Orange)
             .dash(Dash::Dashed),
         );
-    let motion = framed(Panel::new("Motion", label, "q (rad)"))
-        .weight(0.75)
-        .line(Line::new("", time, series.q_rad.clone()).colour(Colour::Black));
+    let motion = framed(Panel::new(
+        "Motion",
+        label,
+        format!("q ({})", units.position),
+    ))
+    .weight(0.75)
+    .line(Line::new("", time, series.q_rad.clone()).colour(Colour::Black));
     let figure = Figure::new("")
         .seen(headline(estimate, joint))
         .size(820.0, 560.0)
@@ -155,9 +166,10 @@ fn offset_range(series: &Series, joint: &JointEstimate) -> (Option<(f64, f64)>, 
     let far = 0.2 * (high - low);
     let outside = if least < low - far || most > high + far {
         format!(
-            " Single estimates reach from {} to {} mrad; the axis leaves the rarest 1 % out.",
+            " Single estimates reach from {} to {} {}; the axis leaves the rarest 1 % out.",
             rounded(least, 3),
-            rounded(most, 3)
+            rounded(most, 3),
+            joint.units().offset
         )
     } else {
         String::new()

@@ -28,6 +28,7 @@ mod tests;
 pub mod text;
 pub mod topics;
 pub mod trend;
+mod units;
 mod warnings;
 mod words;
 
@@ -36,5 +37,5 @@ pub use estimate::html;
 pub use estimate_table::estimate_series;
 pub use sentences::headline;
 pub use session_sentences::session_sentences;
-pub use warnings::{document_warnings, recording_warning, session_warning};
+pub use warnings::{document_warnings, recording_warning, session_warning, session_warnings};
 pub use words::{joint_refusal, loss_reason, nothing_estimated};

@@ -1,6 +1,7 @@
 //! An estimate in words.
 
 use super::shown::{MRAD_PER_PERCENT, or_nan};
+use super::units::Moves;
 use super::words::joint_refusal;
 use sinew_estimate::replay::{Difference, Estimate, JointEstimate};
 use sinew_figure::{rounded, with_interval};
@@ -22,7 +23,7 @@ pub fn headline(estimate: &Estimate, joint: &JointEstimate) -> String {
         return format!("{name}: no estimate; {}", joint_refusal(why));
     }
     match (&joint.difference, &estimate.settings.reference) {
-        (Some(d), Some(reference)) => difference(name, d, reference),
+        (Some(d), Some(reference)) => difference(name, d, reference, joint.units().offset),
         _ => reading(name, joint),
     }
 }
@@ -52,18 +53,19 @@ fn reading(name: &str, joint: &JointEstimate) -> String {
         false => " (the recording is too short for a ±)",
     };
     format!(
-        "{name}: the equation reads {} mrad{unknown}; {as_stretch}",
-        with_interval(value, error)
+        "{name}: the equation reads {} {}{unknown}; {as_stretch}",
+        with_interval(value, error),
+        joint.units().offset
     )
 }
 
 /// What changed since a reference.
-fn difference(name: &str, d: &Difference, reference: &str) -> String {
+fn difference(name: &str, d: &Difference, reference: &str, unit: &str) -> String {
     let (value, error) = (1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad));
     if !value.is_finite() {
         return format!("{name}: no estimate");
     }
-    let mut change = format!("change {} mrad", with_interval(value, error));
+    let mut change = format!("change {} {unit}", with_interval(value, error));
     change.push_str(match error.is_finite() && error > 0.0 {
         true => ", 95 %",
         false => "; the recording is too short for a ±",
@@ -78,7 +80,7 @@ fn difference(name: &str, d: &Difference, reference: &str) -> String {
             format!("{name}: the tendon is {mm} mm {word} than in {reference} ({change})")
         }
         None => format!(
-            "{name}: the motor stands {} mrad further than in {reference} ({change}); robot.toml has no tendon there, so no elongation",
+            "{name}: the motor stands {} {unit} further than in {reference} ({change}); robot.toml has no tendon there, so no elongation",
             rounded(value, 3)
         ),
     }

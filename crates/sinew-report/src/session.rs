@@ -1,7 +1,8 @@
 //! The session's estimate as sections of the report.
 
 use crate::session_sentences::{change_kind, session_sentences};
-use crate::warnings::session_warning;
+use crate::units::{Moves, in_units, name_in_table, of_heads};
+use crate::warnings::session_warnings;
 use sinew_estimate::NuisanceChange;
 use sinew_estimate::session::{
     BlockEstimate, LimitState, SessionEstimate, TendonChange, TendonChangeKind, TendonEstimate,
@@ -26,9 +27,7 @@ pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
     ];
     opening.push(Block::List(session_sentences(session)));
     if !session.warnings.is_empty() {
-        opening.push(Block::List(
-            session.warnings.iter().map(session_warning).collect(),
-        ));
+        opening.push(Block::List(session_warnings(session)));
     }
     let mut page = page.section(since, opening);
     for (i, joint) in session.joints.iter().enumerate() {
@@ -86,7 +85,7 @@ fn headline(joint: &TendonEstimate) -> Headline {
         None => {
             let offset = joint.offset_rad.scaled(1e3);
             let mrad = with_interval(offset.mean.abs(), offset.deviation);
-            format!("{mrad} mrad at the joint")
+            format!("{mrad} {} at the joint", joint.units().offset)
         }
     };
     let passed = joint.retension.filter(|r| r.state == LimitState::Passed);
@@ -100,7 +99,8 @@ fn headline(joint: &TendonEstimate) -> Headline {
         let size = c.size_rad?.scaled(1e3);
         let mrad = with_interval(size.mean, size.deviation);
         let kind = change_kind(c.kind);
-        Some(format!("; {kind} of {mrad} mrad at {:.1} s", c.time_s))
+        let unit = joint.units().offset;
+        Some(format!("; {kind} of {mrad} {unit} at {:.1} s", c.time_s))
     };
     let slip: String = joint.changes.iter().filter_map(slip).collect();
     let limit = limit + &slip;
@@ -126,15 +126,16 @@ fn offsets(session: &SessionEstimate) -> Table {
         "torque, N·m",
     ];
     let optional = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| rounded(1e3 * v, 3));
+    let heads = of_heads(&session.joints);
     Table {
         caption: String::new(),
-        head: head.map(String::from).to_vec(),
+        head: head.map(|h| in_units(h, heads)).to_vec(),
         rows: session
             .joints
             .iter()
             .map(|j| {
                 vec![
-                    j.name.clone(),
+                    name_in_table(j, heads),
                     rounded(1e3 * j.offset_rad.mean, 3),
                     rounded(1e3 * j.offset_rad.half_width_95(), 2),
                     optional(j.elongation_m.map(|m| m.mean)),
@@ -167,20 +168,25 @@ fn course(session: &SessionEstimate, i: usize) -> Figure {
     let estimate = of_blocks(&|b| b.offset_rad[i].mean);
     let low = of_blocks(&|b| b.offset_rad[i].interval_95().low);
     let high = of_blocks(&|b| b.offset_rad[i].interval_95().high);
-    let mut panel = Panel::new("", "time (s)", "offset δ_{e} (mrad)")
-        .band(Band::new("95 %", times.clone(), low, high))
-        .line(
-            Line::new("blocks", times.clone(), seen)
-                .colour(Colour::Black)
-                .width(0.7),
-        )
-        .line(Line::new("estimate", times, estimate).step());
+    let unit = joint.units().offset;
+    let mut panel = Panel::new(
+        "",
+        "time (s)",
+        in_units("offset δ_{e} (mrad)", joint.units()),
+    )
+    .band(Band::new("95 %", times.clone(), low, high))
+    .line(
+        Line::new("blocks", times.clone(), seen)
+            .colour(Colour::Black)
+            .width(0.7),
+    )
+    .line(Line::new("estimate", times, estimate).step());
     for left in &session.left_out {
         panel = panel.span(left.from_s, left.to_s, "left out");
     }
     for change in &joint.changes {
         let size = change.size_rad.map_or(0.0, |size| 1e3 * size.mean);
-        let label = format!("{} {} mrad", change_kind(change.kind), rounded(size, 2));
+        let label = format!("{} {} {unit}", change_kind(change.kind), rounded(size, 2));
         panel = panel.event(change.time_s, label);
     }
     for change in &session.payload_changes {

@@ -1,10 +1,13 @@
 //! What happened in a recording, in sentences.
 
+use crate::units::Moves;
 use sinew_estimate::session::{
-    LimitState, MotorTorque, SessionEstimate, TendonChange, TendonChangeKind, TendonEstimate,
+    AnchorReading, AnchoredOffset, LimitState, MotorTorque, SessionEstimate, TendonChange,
+    TendonChangeKind, TendonEstimate,
 };
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_figure::rounded;
+use sinew_model::transmission::AnchorKind;
 use sinew_model::{Gaussian, Interval95};
 
 /// What happened, a sentence each.
@@ -60,10 +63,12 @@ fn of_joint(joint: &TendonEstimate) -> Vec<String> {
             rounded(1e3 * limit.elongation_m, 2)
         )
     }));
-    out.extend(joint.changes.iter().map(of_change));
+    let unit = joint.units().offset;
+    out.extend(joint.changes.iter().map(|c| of_change(c, unit)));
+    out.extend(joint.anchored.iter().map(|a| of_anchors(a, unit)));
     if let Some(slack) = joint.slack_rad {
         out.push(format!(
-            "play of {} ± {} mrad to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
+            "play of {} ± {} {unit} to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
             rounded(1e3 * slack.mean, 2),
             rounded(1e3 * slack.half_width_95(), 2)
         ));
@@ -74,7 +79,7 @@ fn of_joint(joint: &TendonEstimate) -> Vec<String> {
     named.collect()
 }
 
-fn of_change(change: &TendonChange) -> String {
+fn of_change(change: &TendonChange, unit: &str) -> String {
     let stiffness = match change.stiffness_change_ratio {
         Some(ratio) => format!("stiffness {} %", with_95(ratio.scaled(100.0))),
         None => "no loss of stiffness seen".into(),
@@ -89,7 +94,7 @@ fn of_change(change: &TendonChange) -> String {
         (_, None) => format!("{kind} {when} without a slip: {stiffness}"),
         (_, Some(size)) => {
             let by = format!(
-                "by {} ± {} mrad {when}",
+                "by {} ± {} {unit} {when}",
                 rounded(1e3 * size.mean, 3),
                 rounded(1e3 * size.half_width_95(), 2)
             );
@@ -108,6 +113,33 @@ fn of_change(change: &TendonChange) -> String {
             }
         }
     }
+}
+
+/// What was touched, and what that did to the offset.
+fn of_anchors(anchored: &AnchoredOffset, unit: &str) -> String {
+    let what = |r: &AnchorReading| {
+        let kind = match r.kind {
+            AnchorKind::Stop => "pushed against its stop",
+            AnchorKind::JointMark => "passed its mark",
+            AnchorKind::MotorMark => "its motor passed its mark",
+        };
+        format!("{kind} at {:.1} s", r.time_s)
+    };
+    let touched: Vec<String> = anchored.readings.iter().map(what).collect();
+    let since = match anchored.since_baseline {
+        true => "since the baseline touched it",
+        false => "against where it is said to be",
+    };
+    let shown = |x: Gaussian| with_95(x.scaled(1e3));
+    let push = anchored.by_push_rad.map_or(String::new(), |push| {
+        format!("; the push alone shows {} {unit}", shown(push))
+    });
+    format!(
+        "{}: its encoders are off by {} {unit} {since}, which the offset is corrected for; by motion alone it was {} {unit}{push}",
+        touched.join(", "),
+        shown(anchored.correction_rad),
+        shown(anchored.by_motion_rad)
+    )
 }
 
 /// What slipped, by how much, and how that is known.
@@ -202,7 +234,7 @@ mod tests {
             ),
         ];
         for (change, text) in cases {
-            assert_eq!(of_change(&change), text);
+            assert_eq!(of_change(&change, "mrad"), text);
         }
         assert_eq!(when(3.04, None, None), "at 3.0 s");
     }

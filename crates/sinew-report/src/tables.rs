@@ -4,6 +4,7 @@ use super::sentences::headline;
 use super::session_sentences::session_sentences;
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::text::{paragraph, plain, table};
+use super::units::{Units, in_units, name_in_table, of_heads};
 use super::words::loss_reason;
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
@@ -73,9 +74,12 @@ fn reading(e: &Estimate) -> String {
         "used\n%",
         "1 % of K\nmrad",
     ];
-    out += &cells(&head, e.joints.iter().map(joint_row).collect(), 1);
+    let heads = of_heads(&e.joints);
+    let row = |j: &JointEstimate| joint_row(j, heads);
+    out += &in_units_of(&head, heads, e.joints.iter().map(row).collect());
     out.push('\n');
-    let changes: Vec<_> = e.joints.iter().filter_map(difference_row).collect();
+    let changed_row = |j: &JointEstimate| difference_row(j, heads);
+    let changes: Vec<_> = e.joints.iter().filter_map(changed_row).collect();
     let changed = !changes.is_empty();
     if changed {
         let head = [
@@ -85,7 +89,7 @@ fn reading(e: &Estimate) -> String {
             "change\nmm",
             "1 % of K\nmrad",
         ];
-        out += &cells(&head, changes, 1);
+        out += &in_units_of(&head, heads, changes);
         out.push('\n');
     }
     let headlines = e.joints.iter().map(|joint| words(&headline(e, joint)));
@@ -100,9 +104,16 @@ fn reading(e: &Estimate) -> String {
     out + &paragraph(rest, 0)
 }
 
-fn joint_row(j: &JointEstimate) -> Vec<String> {
+/// A table whose heads name the units of joints that turn, in those that the joints have.
+fn in_units_of(head: &[&str], units: Units, rows: Vec<Vec<String>>) -> String {
+    let head: Vec<String> = head.iter().map(|h| in_units(h, units)).collect();
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    cells(&head, rows, 1)
+}
+
+fn joint_row(j: &JointEstimate, heads: Units) -> Vec<String> {
     vec![
-        j.name.clone(),
+        name_in_table(j, heads),
         rounded(1e3 * or_nan(j.offset_rad), 4),
         rounded(1e3 * or_nan(j.standard_error_rad), 2),
         rounded(1e3 * or_nan(j.scatter_rad), 2),
@@ -117,10 +128,10 @@ fn joint_row(j: &JointEstimate) -> Vec<String> {
 }
 
 /// What changed since the reference; `None` without one.
-fn difference_row(j: &JointEstimate) -> Option<Vec<String>> {
+fn difference_row(j: &JointEstimate, heads: Units) -> Option<Vec<String>> {
     let d = j.difference.as_ref()?;
     Some(vec![
-        j.name.clone(),
+        name_in_table(j, heads),
         rounded(1e3 * d.reference_rad, 4),
         with_interval(1e3 * d.difference_rad, 1e3 * or_nan(d.standard_error_rad)),
         optional(d.elongation_m.map(|m| 1e3 * m), 3),
@@ -167,7 +178,9 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
         "strain\n%",
         "verdict",
     ];
-    out += &cells(&head, session.joints.iter().map(tendon_row).collect(), 1);
+    let heads = of_heads(&session.joints);
+    let row = |j: &TendonEstimate| tendon_row(j, heads);
+    out += &in_units_of(&head, heads, session.joints.iter().map(row).collect());
     out.push('\n');
     out.extend(session_sentences(session).iter().map(|line| words(line)));
     if nuisance {
@@ -189,10 +202,10 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
     out
 }
 
-fn tendon_row(j: &TendonEstimate) -> Vec<String> {
+fn tendon_row(j: &TendonEstimate, heads: Units) -> Vec<String> {
     let elongation_mm = j.elongation_m.map(|m| m.scaled(1e3));
     vec![
-        j.name.clone(),
+        name_in_table(j, heads),
         rounded(1e3 * j.offset_rad.mean, 3),
         rounded(1e3 * j.offset_rad.half_width_95(), 2),
         optional(elongation_mm.map(|mm| mm.mean), 2),

@@ -27,6 +27,7 @@ pub(super) fn made_up() -> Estimate {
             }
         };
         JointEstimate {
+            slides: false,
             name: name.into(),
             refused: None,
             offset_rad: Some(1e-3 * offset),

@@ -1,6 +1,7 @@
 //! Warnings in words.
 
-use sinew_estimate::session::{Warning, WitnessFault};
+use crate::units::{Moves, SLIDES, in_units};
+use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::rounded;
 use sinew_log::StreamRole;
@@ -9,11 +10,62 @@ use sinew_model::offset::misfit::misfit_rad;
 
 /// What the reader of an estimate should know, a sentence each.
 pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
-    let of_session = document.session.iter().flat_map(|s| &s.warnings);
-    of_reading(document)
-        .map(recording_warning)
-        .chain(of_session.map(session_warning))
+    let of_session = document.session.iter().flat_map(session_warnings);
+    reading_warnings(document)
+        .into_iter()
+        .chain(of_session)
         .collect()
+}
+
+/// Those of [`of_reading`] in words.
+pub(crate) fn reading_warnings(document: &EstimateDocument) -> Vec<String> {
+    let joints = &document.reading.joints;
+    let warnings = of_reading(document);
+    warnings
+        .map(|w| in_its_units(recording_warning(w), recording_joint(w), joints))
+        .collect()
+}
+
+/// What the reader of a session should know, a sentence each.
+pub fn session_warnings(session: &SessionEstimate) -> Vec<String> {
+    let joints = &session.joints;
+    let warnings = session.warnings.iter();
+    warnings
+        .map(|w| in_its_units(session_warning(w), session_joint(w), joints))
+        .collect()
+}
+
+/// A sentence about a joint in the units of that joint.
+fn in_its_units<M: Moves>(text: String, joint: Option<&str>, joints: &[M]) -> String {
+    let slides = joints.iter().any(|j| Some(j.name()) == joint && j.slides());
+    if slides {
+        in_units(&text, SLIDES)
+    } else {
+        text
+    }
+}
+
+/// The joint that a warning with a size is about.
+fn recording_joint(warning: &RecordingWarning) -> Option<&str> {
+    match warning {
+        RecordingWarning::ImplausibleOffset { joint, .. }
+        | RecordingWarning::TorqueHardlyChanges { joint, .. } => Some(joint),
+        _ => None,
+    }
+}
+
+/// The joint that a warning with a size is about.
+fn session_joint(warning: &Warning) -> Option<&str> {
+    match warning {
+        Warning::TorqueHardlyChanged { joint, .. }
+        | Warning::RopeCreeps { joint, .. }
+        | Warning::Unexplained { joint, .. }
+        | Warning::Stuck { joint, .. }
+        | Warning::TemperatureUnknown { joint, .. }
+        | Warning::DriftUnknown { joint, .. }
+        | Warning::AnchorDisagrees { joint, .. } => Some(joint),
+        _ => None,
+    }
 }
 
 /// Warnings of the recording; what only the paper's reading rests on is left out where the absolute method answers.
@@ -185,6 +237,33 @@ pub fn session_warning(warning: &Warning) -> String {
             "the temperature is not known here, in the baseline or in both: its change is taken as 0 ± {:.0} K (95 %), which is {} mrad of the interval at {joint}; record it, or state it with --temperature-c",
             Z95 * deviation_k,
             rounded(1e3 * half_width_95_rad, 2)
+        ),
+        Warning::DriftUnknown {
+            joint,
+            warmer_k,
+            half_width_95_rad,
+            frame_is_stated,
+        } => format!(
+            "{} K {} than the baseline: what that does to rope and frame is {} mrad of the interval at {joint}; {}",
+            rounded(warmer_k.abs(), 1),
+            if *warmer_k > 0.0 { "warmer" } else { "colder" },
+            rounded(1e3 * half_width_95_rad, 2),
+            if *frame_is_stated {
+                "compare at like temperatures, or learn a baseline at this one"
+            } else {
+                "state frame_expansion_per_k in robot.toml, or compare at like temperatures"
+            }
+        ),
+        Warning::AnchorDisagrees {
+            joint,
+            by_push_rad,
+            by_motion_rad,
+        } => format!(
+            "{joint}: pushed against its stop its tendon shows {} ± {} mrad, by its motion {} ± {} mrad: the stop has moved or gives, something else was in the way, or masses or payload are wrong; the interval holds both",
+            rounded(1e3 * by_push_rad.mean, 2),
+            rounded(1e3 * by_push_rad.half_width_95(), 2),
+            rounded(1e3 * by_motion_rad.mean, 2),
+            rounded(1e3 * by_motion_rad.half_width_95(), 2)
         ),
         Warning::SidesOutOfStep { motor_late_s } => format!(
             "the motor side looks {} ± {} ms {} against the joint side, or friction is that far from robot.toml: the interval holds it; stamp both sides where they are read",

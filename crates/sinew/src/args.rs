@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use sinew_estimate::feeder::Injection;
+use sinew_estimate::session::Touch;
 use sinew_log::{JointEffort, LogError, Mapping, OpenOptions};
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
 use std::path::{Path, PathBuf};
@@ -58,6 +59,22 @@ pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
     let cutoff_rad_per_s =
         positive("rad/s")(text).map_err(|e| format!("{e}; or the word 'recorded'"))?;
     Ok(VelocityFilter::StateVariable { cutoff_rad_per_s })
+}
+
+/// `JOINT@SECONDS`: when a joint or its motor passes its mark.
+pub(crate) fn touch(text: &str) -> Result<Touch, String> {
+    let form = "write JOINT@SECONDS, such as elbow@12.35";
+    let (joint, time) = text.rsplit_once('@').ok_or(form)?;
+    if joint.is_empty() {
+        return Err(form.into());
+    }
+    match number(time, "s")? {
+        time_s if time_s < 0.0 => Err(format!("{time_s} s is before the recording")),
+        time_s => Ok(Touch {
+            joint: joint.into(),
+            time_s,
+        }),
+    }
 }
 
 /// `JOINT=RAD` or `JOINT=RAD@TIME`.
@@ -240,6 +257,21 @@ mod tests {
             ("elbow=0.01@-3", "before the recording"),
         ] {
             let error = injection(bad).unwrap_err();
+            assert!(error.contains(word), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn touches_name_joint_and_time() {
+        let t = touch("left@elbow@20.5").unwrap();
+        assert_eq!((t.joint.as_str(), t.time_s), ("left@elbow", 20.5));
+        for (bad, word) in [
+            ("elbow", "JOINT@S"),
+            ("@3", "JOINT@S"),
+            ("elbow@x", "(s)"),
+            ("elbow@-1", "before"),
+        ] {
+            let error = touch(bad).unwrap_err();
             assert!(error.contains(word), "{bad}: {error}");
         }
     }

@@ -141,7 +141,11 @@ fn robot_toml() {
             ("joints.NAME.motor_friction", inline("motor_friction = { ")),
             ("joints.NAME.tendon", after("[joints.elbow.tendon]", "\n")),
             ("joints.NAME.tendon.guides[]", inline("guides = [{ ")),
-            ("tolerances", format!("{whole}\n[tolerances]\n{unknown}\n")),
+            (
+                "joints.NAME.anchors[]",
+                format!("{whole}\n[[joints.elbow.anchors]]\n{unknown}\n"),
+            ),
+            ("tolerances", after("[tolerances]", "\n")),
         ],
         |text| {
             let (folder, path) = file("robot.toml", text);
@@ -321,6 +325,10 @@ fn scenario_files() {
         (
             "jams[]",
             section("[[jams]]\njoint = \"elbow\"\ntorque_nm = 1"),
+        ),
+        (
+            "stops[]",
+            section("[[stops]]\njoint = \"elbow\"\nupper_rad = 1"),
         ),
         (
             "sessions[]",

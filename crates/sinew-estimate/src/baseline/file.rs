@@ -1,6 +1,7 @@
 //! The baseline file: what recordings have taught about a robot.
 
 use crate::error::SessionError;
+use crate::session::AnchorReading;
 use serde::{Deserialize, Serialize};
 use sinew_files::{OutputError, limits, read_text, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;
@@ -45,6 +46,9 @@ pub struct Baseline {
     /// goes on with it knows no more.
     #[serde(default)]
     pub change_deviation_k: f64,
+    /// End stops and marks that were touched right after tensioning.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub anchors: Vec<AnchorReading>,
     /// Means of the state.
     pub mean: Vec<f64>,
     /// Lower triangle of their covariance, row by row.
@@ -88,6 +92,7 @@ impl Baseline {
                 .then_some(belief.temperature_c),
             temperature_deviation_k: 0.0,
             change_deviation_k: 0.0,
+            anchors: Vec::new(),
             mean: belief.mean.clone(),
             covariance_lower: lower,
             noise_rad,

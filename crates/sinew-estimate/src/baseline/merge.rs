@@ -242,7 +242,6 @@ fn reference(
 fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Vec<NuisanceChange> {
     /// What is held fixed isn't estimated.
     const FIXED: f64 = 1e-8;
-    let names = robot.joint_names();
     let of_recording = [
         JointParameter::Offset,
         JointParameter::Slack,
@@ -258,7 +257,7 @@ fn nuisance(prior: &Prior, robot: &Robot, before: &Belief, after: &Belief) -> Ve
             {
                 return None;
             }
-            Some(NuisanceChange::new(&entry, names, [prior_, posterior]))
+            Some(NuisanceChange::new(&entry, robot, [prior_, posterior]))
         })
         .collect()
 }

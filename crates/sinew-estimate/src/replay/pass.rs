@@ -12,6 +12,7 @@ use crate::error::EstimateError;
 use crate::recording::Opened;
 use crate::request::Request;
 use sinew_log::Frame;
+use sinew_model::arm::JointKind;
 use sinew_model::offset::{OffsetConfig, OffsetObserver};
 use sinew_model::transmission::Transmission;
 
@@ -115,7 +116,7 @@ impl<'a> Pass<'a> {
         health_losses(health, info.frames, &mut losses);
         health_warnings(health, &mut warnings);
         let frames = info.frames;
-        let joints: Vec<JointEstimate> = replay
+        let mut joints: Vec<JointEstimate> = replay
             .finish()
             .into_iter()
             .zip(refused)
@@ -125,6 +126,9 @@ impl<'a> Pass<'a> {
                 joint_estimate(name, transmission.as_ref(), refused, summary, frames)
             })
             .collect();
+        for (i, joint) in joints.iter_mut().enumerate() {
+            joint.slides = loaded.robot.arm.joint_kind(i) == Some(JointKind::Prismatic);
+        }
         judge(&joints, &mut warnings);
         // Of nothing there is no file.
         if let Some(csv) = csv.filter(|_| joints.iter().any(|j| j.refused.is_none())) {
@@ -175,6 +179,7 @@ fn joint_estimate(
         .filter(|_| refused.is_none());
     JointEstimate {
         name: name.into(),
+        slides: false,
         offset_rad: finite(mean),
         scatter_rad: finite(delta_e.scatter()),
         standard_error_rad: finite(error),

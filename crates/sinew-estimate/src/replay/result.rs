@@ -164,6 +164,9 @@ pub enum JointRefusal {
 pub struct JointEstimate {
     /// Joint.
     pub name: String,
+    /// Whether it slides: rad is then m, and N·m is N.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub slides: bool,
     /// `None` where there is an estimate; else why there is none.
     pub refused: Option<JointRefusal>,
     /// Mean offset of the motor position, rad; `None` where refused.

@@ -12,8 +12,10 @@
 //!
 //! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
 //! believed), `segments` (blocks to posteriors), `changes`,
-//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `run`.
+//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `anchor` (stops and marks
+//! that were touched), `run`.
 
+mod anchor;
 mod changes;
 mod checks;
 mod inflation;
@@ -31,9 +33,10 @@ mod witness;
 
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
+pub use anchor::{AnchorReading, AnchoredOffset};
 pub use live::{live, live_saved, live_without_baseline};
 pub use poses::Poses;
-pub use recorder::{Recorded, Recorder, Window};
+pub use recorder::{Recorded, Recorder, Touch, TouchReading, Window};
 pub use result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
     SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,

@@ -52,6 +52,68 @@ pub struct Recorded {
     pub jumps: Jumps,
     /// Room for further blocks ([`Recorder::room`]).
     pub room: Vec<Block>,
+    /// Where joint and motor stood when marks were passed.
+    pub touches: Vec<TouchReading>,
+}
+
+/// A mark that a joint or its motor passes, as its owner says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touch {
+    /// Joint.
+    pub joint: String,
+    /// When, s since the recording began.
+    pub time_s: f64,
+}
+
+/// Where a joint and its motor stood at a touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TouchReading {
+    /// Joint.
+    pub joint: String,
+    /// When, s since the recording began.
+    pub time_s: f64,
+    /// Joint position, rad.
+    pub q: f64,
+    /// Motor position as measured, rad.
+    pub theta_measured: f64,
+}
+
+/// Touches that are still to come, and the frame before.
+#[derive(Debug, Clone, Default)]
+struct Touches {
+    ahead: Vec<(usize, Touch)>,
+    last: Option<(f64, Vec<f64>, Vec<f64>)>,
+}
+
+impl Touches {
+    /// Takes the frame at `time_s`: readings between it and the one before, on a straight line.
+    fn push(&mut self, time_s: f64, q: &[f64], theta: &[f64]) -> Vec<TouchReading> {
+        let mut out = Vec::new();
+        if self.ahead.is_empty() {
+            return out;
+        }
+        if let Some((before_s, q0, theta0)) = &self.last {
+            self.ahead.retain(|(i, touch)| {
+                let share = (touch.time_s - before_s) / (time_s - before_s);
+                let between =
+                    |a: &[f64], b: &[f64]| Some(a.get(*i)? + share * (b.get(*i)? - a.get(*i)?));
+                if !(0.0..=1.0).contains(&share) {
+                    return true;
+                }
+                if let (Some(q), Some(theta_measured)) = (between(q0, q), between(theta0, theta)) {
+                    out.push(TouchReading {
+                        joint: touch.joint.clone(),
+                        time_s: touch.time_s,
+                        q,
+                        theta_measured,
+                    });
+                }
+                false
+            });
+        }
+        self.last = Some((time_s, q.to_vec(), theta.to_vec()));
+        out
+    }
 }
 
 impl Recorded {
@@ -78,6 +140,7 @@ pub struct Recorder {
     feeder: Feeder<FeatureObserver>,
     block_s: f64,
     first_s: Option<f64>,
+    touches: Touches,
     out: Recorded,
 }
 
@@ -94,6 +157,7 @@ impl Recorder {
             feeder: Feeder::new(features, &robot.transmissions, options),
             block_s: config.block_s,
             first_s: None,
+            touches: Touches::default(),
             out: Recorded {
                 elastic: (0..robot.arm.dof())
                     .filter(|&i| robot.transmissions[i].is_some())
@@ -109,6 +173,14 @@ impl Recorder {
     #[must_use]
     pub fn with_injections(mut self, robot: &Robot, injections: &[Injection]) -> Self {
         self.feeder = self.feeder.with_injections(&robot.arm, injections);
+        self
+    }
+
+    /// Reads joint and motor where marks are passed; those of joints the robot doesn't have are left out.
+    #[must_use]
+    pub fn with_touches(mut self, robot: &Robot, touches: &[Touch]) -> Self {
+        let place = |t: &Touch| Some((robot.arm.joint_index(&t.joint)?, t.clone()));
+        self.touches.ahead = touches.iter().filter_map(place).collect();
         self
     }
 
@@ -131,6 +203,8 @@ impl Recorder {
             return fed;
         }
         self.out.jumps.push(time_s, self.feeder.theta(), &frame.q);
+        let touched = self.touches.push(time_s, &frame.q, self.feeder.theta());
+        self.out.touches.extend(touched);
         if fed.output() == Some(true) {
             let latest = self.feeder.observer().block();
             let mut block = match self.out.room.pop() {
@@ -242,7 +316,8 @@ impl<'a> Blocks<'a> {
             request,
             window,
             recorder: Recorder::new(robot, &FeatureConfig::default(), request.open.gap_s)
-                .with_injections(robot, &request.injections),
+                .with_injections(robot, &request.injections)
+                .with_touches(robot, &request.touches),
             start_ns: None,
         })
     }

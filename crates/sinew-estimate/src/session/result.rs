@@ -1,5 +1,6 @@
 //! What a session says of every tendon, as data.
 
+use super::anchor::AnchoredOffset;
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::cause::Cause;
@@ -74,6 +75,9 @@ pub enum TemperatureSource {
 pub struct TendonEstimate {
     /// Joint.
     pub name: String,
+    /// Whether it slides: rad is then m, and N·m is N.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub slides: bool,
     /// Offset at the end of the recording, rad.
     pub offset_rad: Gaussian,
     /// Elongation, m; `None` without tendon geometry.
@@ -98,6 +102,9 @@ pub struct TendonEstimate {
     pub noise_rad: f64,
     /// What of that is more than sensors leave, rad: it is in the interval.
     pub misfit_rad: f64,
+    /// What an end stop or a mark said, where one was touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub anchored: Option<AnchoredOffset>,
 }
 
 /// What an interval says of a tendon.

@@ -1,5 +1,6 @@
 //! Learning a baseline, and estimating a session with it.
 
+use super::anchor;
 use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
@@ -15,7 +16,8 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    MapEstimator, Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
+    JointParameter, MapEstimator, Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
+    beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -159,6 +161,10 @@ pub fn learn_recorded(
         None => {}
     }
     let mut estimate = session.summarise(&segments, name, None, &[], 0.0);
+    baseline.anchors = anchor::readings(robot, recorded, prior, &segments.belief);
+    if let Some((known, _)) = known.filter(|_| learning.continues) {
+        anchor::keep(&mut baseline.anchors, &known.anchors);
+    }
     if estimate.poses < POSES_OF_BASELINE {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
             poses: estimate.poses,
@@ -322,6 +328,8 @@ fn estimate_with_lag(
                     change_k = temperature::change_deviation_k(robot, baseline, source, options);
                     beliefs::age_by(prior, &mut belief, days);
                     added_rad = open(prior, &mut belief, options, change_k);
+                    let to_c = mean_temperature(&recorded.blocks);
+                    temperature::expect_retraction(robot, prior, &mut belief, to_c);
                 }
             }
             belief
@@ -355,8 +363,11 @@ fn estimate_with_lag(
         next.before.clone_from(&baseline.before);
         next.temperature_deviation_k = baseline.temperature_deviation_k;
         next.change_deviation_k = change_k;
+        next.anchors.clone_from(&baseline.anchors);
     }
     let mut estimate = session.summarise(&segments, name, first, &added_rad, lag_s);
+    let touched = anchor::readings(robot, recorded, prior, &segments.belief);
+    anchor::apply(robot, &touched, baseline.map(|(b, _)| b), &mut estimate);
     let unknown = session.temperature == TemperatureSource::Unknown
         || baseline.is_some_and(|(b, _)| b.temperature_c.is_none());
     let most = (added_rad.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1));
@@ -366,6 +377,20 @@ fn estimate_with_lag(
             joint: robot.joint_names()[joint].clone(),
             half_width_95_rad: Z95 * added_rad,
         });
+    }
+    if let (Some(now_c), Some(then_c)) = (estimate.temperature_c, estimate.reference_temperature_c)
+    {
+        let drift = |i: usize| {
+            let at = prior.place(i, JointParameter::Drift);
+            segments.belief.entry(at).deviation
+        };
+        let width = |i: usize| {
+            let name = &robot.joint_names()[i];
+            let joint = estimate.joints.iter().find(|j| j.name == *name);
+            joint.map_or(f64::INFINITY, |j| j.offset_rad.half_width_95())
+        };
+        let warning = temperature::unknown_drift(robot, drift, width, now_c - then_c);
+        estimate.warnings.extend(warning);
     }
     Ok((estimate, next))
 }

@@ -15,6 +15,7 @@ use super::warning::Warning;
 use crate::estimator::mean_temperature;
 use crate::nuisance::NuisanceChange;
 use sinew_model::Gaussian;
+use sinew_model::arm::JointKind;
 use sinew_model::offset::misfit::misfit_rad;
 use sinew_model::offset::{
     Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, lag_s,
@@ -135,6 +136,7 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
     let withheld = verdict == Verdict::CannotTell && misfit_rad > 0.0;
     let estimate = TendonEstimate {
         name: robot.joint_names()[joint].clone(),
+        slides: robot.arm.joint_kind(joint) == Some(JointKind::Prismatic),
         offset_rad,
         elongation_m: through(&Tendon::elongation_m),
         strain_ratio: through(&Tendon::strain),
@@ -150,6 +152,7 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
         torque_nm: range(torques),
         noise_rad,
         misfit_rad,
+        anchored: None,
     };
     (estimate, inflation)
 }
@@ -263,11 +266,7 @@ fn nuisance(prior: &Prior, robot: &Robot, segments: &Segments) -> Vec<NuisanceCh
         .filter_map(|(k, before)| {
             let after = segments.belief.entry(k);
             let entry = prior.describe(k)?;
-            Some(NuisanceChange::new(
-                &entry,
-                robot.joint_names(),
-                [before, after],
-            ))
+            Some(NuisanceChange::new(&entry, robot, [before, after]))
         })
         .collect()
 }

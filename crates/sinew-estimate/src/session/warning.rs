@@ -107,6 +107,26 @@ pub enum Warning {
         /// Half of the 95 % interval for that, rad.
         half_width_95_rad: f64,
     },
+    /// The temperature differs from the baseline's, and what that does to an offset is most of its interval.
+    DriftUnknown {
+        /// Joint of which it leaves most unknown.
+        joint: String,
+        /// Warmer than the baseline, K.
+        warmer_k: f64,
+        /// Half of the 95 % interval for that, rad.
+        half_width_95_rad: f64,
+        /// Whether robot.toml states the frame's expansion.
+        frame_is_stated: bool,
+    },
+    /// A push against an end stop shows another offset than motion does.
+    AnchorDisagrees {
+        /// Joint.
+        joint: String,
+        /// By the push, rad.
+        by_push_rad: Gaussian,
+        /// By motion, corrected for the encoders, rad.
+        by_motion_rad: Gaussian,
+    },
     /// One side is stamped late against the other.
     SidesOutOfStep {
         /// How late the motor side is, s; below 0 it is early.

@@ -191,6 +191,7 @@ impl<'r> Search<'r> {
                 temperature_c: None,
                 temperature_deviation_k: 0.0,
                 change_deviation_k: 0.0,
+                anchors: Vec::new(),
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
                 before: Vec::new(),

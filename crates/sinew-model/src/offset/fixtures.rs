@@ -57,6 +57,7 @@ pub(crate) fn turntable() -> EstimationModel {
         motor_coulomb_nm: 0.0,
         motor_viscous_nm_s_per_rad: 0.0,
         antagonistic: false,
+        drift_rad_per_k: None,
     });
     EstimationModel::new(prior, &FeatureConfig::default())
 }

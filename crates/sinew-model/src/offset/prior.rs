@@ -27,6 +27,8 @@ pub struct JointPrior {
     pub motor_viscous_nm_s_per_rad: f64,
     /// Whether two ropes pull against each other: one that stretched is a dead zone then.
     pub antagonistic: bool,
+    /// Drift of the zero with temperature by rope, frame and routing, rad/K; `None`: 0 ± the tolerance.
+    pub drift_rad_per_k: Option<Gaussian>,
 }
 
 impl JointPrior {
@@ -103,6 +105,7 @@ impl Prior {
                         motor_coulomb_nm: t.motor_friction.coulomb_nm,
                         motor_viscous_nm_s_per_rad: t.motor_friction.viscous_nm_s_per_rad,
                         antagonistic: t.tendon.as_ref().is_some_and(|t| t.antagonistic),
+                        drift_rad_per_k: t.warmth.map(|w| w.drift_rad_per_k),
                     })
                 })
                 .collect(),
@@ -210,7 +213,8 @@ impl Prior {
         let viscous = own.viscous_nm_s_per_rad;
         set(P::Viscous, Gaussian::new(viscous, off * viscous));
         set(P::LoadFriction, t.load_friction);
-        set(P::Drift, about_zero(t.drift_rad_per_k));
+        let drift = joint.drift_rad_per_k;
+        set(P::Drift, drift.unwrap_or(about_zero(t.drift_rad_per_k())));
         set(P::Thermal, t.stiffness_per_k);
         set(P::Stuck, about_zero(STUCK));
         set(P::Viscoelastic, about_zero(t.viscoelastic));

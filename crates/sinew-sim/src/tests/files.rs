@@ -1,6 +1,6 @@
 //! Recordings as files.
 
-use super::biorob_like;
+use super::{biorob_like, shipped_robot};
 use crate::scenario::Record;
 use crate::{Scenario, SimulateOptions, Simulation, run};
 use std::path::Path;
@@ -17,7 +17,7 @@ fn shipped(name: &str) -> Scenario {
 fn every_shipped_scenario_runs() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
     let mut seen = 0;
-    for entry in std::fs::read_dir(folder).expect("examples/scenarios") {
+    for entry in std::fs::read_dir(&folder).expect("examples/scenarios") {
         let name = entry
             .expect("readable")
             .file_name()
@@ -27,9 +27,12 @@ fn every_shipped_scenario_runs() {
             continue;
         }
         let scenario = shipped(&name);
-        assert!(scenario.robot.is_some(), "{name} names its robot");
-        let mut simulation =
-            Simulation::new(&biorob_like(), &scenario).unwrap_or_else(|e| panic!("{e}"));
+        let robot = scenario
+            .robot
+            .as_ref()
+            .unwrap_or_else(|| panic!("{name} names its robot"));
+        let robot = shipped_robot(&folder.join(robot));
+        let mut simulation = Simulation::new(&robot, &scenario).unwrap_or_else(|e| panic!("{e}"));
         // Through every session would take a while; the first seconds already move.
         for _ in 0..1000 {
             simulation

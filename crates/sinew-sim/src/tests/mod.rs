@@ -22,6 +22,22 @@ pub(super) fn biorob_like() -> Robot {
     .expect("the shipped robot is readable")
 }
 
+/// The robot of a folder, with the only URDF in it.
+pub(super) fn shipped_robot(folder: &std::path::Path) -> Robot {
+    let read = |path: &std::path::Path| {
+        std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    };
+    let is_urdf = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "urdf");
+    let urdf = std::fs::read_dir(folder)
+        .unwrap_or_else(|e| panic!("{}: {e}", folder.display()))
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .find(is_urdf)
+        .expect("a URDF beside robot.toml");
+    RobotFile::parse(&read(&folder.join("robot.toml")), "robot.toml")
+        .and_then(|f| f.build(&read(&urdf)))
+        .unwrap_or_else(|e| panic!("{}: {e}", folder.display()))
+}
+
 /// A pendulum of 0.5 kg at 0.3 m on a spring of 20 N·m/rad, motor inertia 0.05 kg·m², horizontal
 /// at `q = 90°`.
 pub(super) fn pendulum() -> Robot {

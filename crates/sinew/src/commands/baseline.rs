@@ -10,7 +10,7 @@ use sinew_estimate::{BaselineDocument, Request};
 use sinew_files::JsonDocument as _;
 use sinew_model::Gaussian;
 use sinew_report::text::{paragraph, plain};
-use sinew_report::{session_warning, tables};
+use sinew_report::{session_warnings, tables};
 use std::path::{Path, PathBuf};
 
 /// Learn a baseline from a recording taken right after tensioning
@@ -88,6 +88,7 @@ impl Baseline {
         let known = read_baseline(self.start.as_deref()).map_err(refused)?;
         let mut request = Request::new(log.to_path_buf());
         request.robot.clone_from(&self.robot);
+        request.touches.clone_from(&self.window.touches);
         request.open = self.opening.options()?;
         let bar = Bar::new("learning", self.quiet);
         let learning = Learning {
@@ -108,9 +109,10 @@ impl Baseline {
             return Ok(finish);
         }
         if !self.quiet {
-            let warnings = learned.warnings.iter();
-            for warning in warnings.filter(|w| **w != Warning::NoBaseline) {
-                complain(Word::Warning, &plain(&session_warning(warning)));
+            let mut learned = learned.clone();
+            learned.warnings.retain(|w| *w != Warning::NoBaseline);
+            for warning in session_warnings(&learned) {
+                complain(Word::Warning, &plain(&warning));
             }
         }
         let written = format!("baseline written to {}", out.display());

@@ -162,6 +162,7 @@ impl Estimate {
         }
         request.use_tau_ext = self.tau_ext;
         request.injections.clone_from(&self.inject);
+        request.touches = self.session.touches().to_vec();
         request.reference.clone_from(&self.reference);
         request.open = self.opening.options()?;
         request.csv.clone_from(&self.csv);

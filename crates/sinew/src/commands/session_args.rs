@@ -3,12 +3,12 @@
 use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
-use sinew_estimate::session::{Payload, SessionError, SessionOptions, Window};
+use sinew_estimate::session::{Payload, SessionError, SessionOptions, Touch, Window};
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
 /// Which part of the recording.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Part {
     /// Use the recording from here on, s
     #[arg(long = "from", value_name = "S", default_value_t = 0.0)]
@@ -16,11 +16,14 @@ pub(crate) struct Part {
     /// Use the recording up to here, s
     #[arg(long = "to", value_name = "S")]
     to_s: Option<f64>,
+    /// A mark of robot.toml's anchors is passed then, s (repeatable); end stops are found by themselves
+    #[arg(long = "touch", value_name = "JOINT@S", value_parser = crate::args::touch)]
+    pub(crate) touches: Vec<Touch>,
 }
 
 impl Part {
     /// The window, if it has a length.
-    pub(crate) fn window(self) -> Result<Window, Failure> {
+    pub(crate) fn window(&self) -> Result<Window, Failure> {
         let window = Window {
             from_s: self.from_s,
             to_s: self.to_s.unwrap_or(f64::INFINITY),
@@ -111,6 +114,7 @@ impl SessionArgs {
             ("--nuisance", self.nuisance),
             ("--from", self.part.from_s != 0.0),
             ("--to", self.part.to_s.is_some()),
+            ("--touch", !self.part.touches.is_empty()),
         ];
         match asked.into_iter().find(|(_, asked)| *asked) {
             None => Ok(()),
@@ -123,6 +127,11 @@ impl SessionArgs {
     /// The window, if it has a length.
     pub(crate) fn window(&self) -> Result<Window, Failure> {
         self.part.window()
+    }
+
+    /// Marks that are passed.
+    pub(crate) fn touches(&self) -> &[Touch] {
+        &self.part.touches
     }
 
     /// What is known of the session besides its recording.

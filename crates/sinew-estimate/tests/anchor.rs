@@ -1,0 +1,204 @@
+//! An end stop or a mark that is touched tells an encoder that slipped from a rope that got longer.
+//!
+//! `SINEW_SEEDS=24 cargo test --release -p sinew-estimate --test all anchor:: -- --nocapture` measures it.
+
+use crate::support;
+
+use sinew_estimate::session::{
+    self, Recorded, Recorder, SessionEstimate, SessionOptions, Touch, Verdict,
+};
+use sinew_model::offset::FeatureConfig;
+use sinew_model::robot::Robot;
+use sinew_model::transmission::{Anchor, AnchorKind};
+use sinew_sim::{Scenario, Simulation};
+use support::{biorob_like, repository, seeds};
+
+/// Where the elbow's stop is, rad.
+const STOP_RAD: f64 = 1.9;
+/// Each session is so long, s.
+const SESSION_S: f64 = 60.0;
+const ELBOW: usize = 2;
+
+/// Poses over the arm's range, then three slow pushes of the elbow against its stop, in and out.
+fn motion(seed: u64) -> String {
+    let mut out = String::from(
+        "[motion]\nkind = \"waypoints\"\nrepeat = true\nstart_rad = { elbow = 0.4 }\n",
+    );
+    let mut pose = |pose: [f64; 4], move_s: f64, pause_s: f64| {
+        let [a, b, c, d] = pose;
+        out += &format!(
+            "[[motion.waypoints]]\npose_rad = {{ shoulder_yaw = {a:.3}, shoulder_pitch = {b:.3}, elbow = {c:.3}, wrist = {d:.3} }}\nmove_s = {move_s}\npause_s = {pause_s}\n"
+        );
+    };
+    let part = |k: u64, n: u64| ((k * 7919 + seed * 104_729) % n) as f64 / n as f64;
+    for k in 0..24 {
+        let at = [
+            -1.2 + 2.4 * part(k, 101),
+            1.6 * part(k + 3, 97),
+            1.7 * part(k + 7, 89),
+            -1.0 + 2.0 * part(k + 11, 83),
+        ];
+        pose(at, 1.1, 0.6);
+    }
+    pose([0.0, 0.6, STOP_RAD - 0.05, 0.0], 1.5, 0.5);
+    for _ in 0..3 {
+        pose([0.0, 0.6, STOP_RAD + 0.2, 0.0], 1.6, 0.3);
+        pose([0.0, 0.6, STOP_RAD + 0.06, 0.0], 1.6, 0.3);
+    }
+    pose([0.0, 0.6, 1.2, 0.0], 1.5, 0.3);
+    out
+}
+
+/// Two sessions in one simulation: right after tensioning, and later with what `offsets` says.
+fn simulate(robot: &Robot, seed: u64, offsets: &str, touches: [&[Touch]; 2]) -> [Recorded; 2] {
+    let text = std::fs::read_to_string(repository().join("examples/scenarios/work-session.toml"));
+    let text = text.unwrap();
+    // The robot's truth and sensors of the shipped scenario; its motion and what happens are ours.
+    let from = text.find("[motion]").unwrap();
+    let to = text.find("[truth]").unwrap();
+    let end = text.find("[random_contacts]").unwrap();
+    let text = format!(
+        "{}{}\n{}\n[[stops]]\njoint = \"elbow\"\nupper_rad = {STOP_RAD}\n{offsets}",
+        &text[..from],
+        motion(seed),
+        &text[to..end]
+    );
+    let text = text.replace(
+        "duration_s = 180.0",
+        &format!("duration_s = {}", 2.0 * SESSION_S),
+    );
+    let mut scenario = Scenario::from_toml(&text, "anchor.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let recorder =
+        |touches| Recorder::new(robot, &FeatureConfig::default(), 0.5).with_touches(robot, touches);
+    let mut parts = touches.map(recorder);
+    let mut at_s = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        parts[usize::from(at_s >= SESSION_S)].push(frame, at_s);
+        at_s += 1.0 / scenario.sample_rate_hz;
+    }
+    parts.map(Recorder::finish)
+}
+
+fn with_anchor(kind: AnchorKind, position_rad: f64) -> Robot {
+    let mut robot = biorob_like();
+    let anchor = Anchor {
+        kind,
+        position_rad,
+        deviation_rad: 0.2e-3,
+    };
+    robot.transmissions[ELBOW]
+        .as_mut()
+        .unwrap()
+        .anchors
+        .push(anchor);
+    robot
+}
+
+fn estimate(robot: &Robot, [a, b]: &[Recorded; 2]) -> SessionEstimate {
+    let learning = session::Learning::default();
+    let (baseline, _) = session::learn_recorded(robot, a, "A", &learning).unwrap();
+    let options = SessionOptions::default();
+    let with = Some((&baseline, "A"));
+    session::estimate_recorded(robot, b, "B", with, &options)
+        .unwrap()
+        .0
+}
+
+/// The joint's encoder slips by 8 mrad between the sessions, and the rope is 5 mrad longer: motion sees 13.
+#[test]
+fn a_stop_tells_a_slipped_encoder_from_a_longer_rope() {
+    let offsets = "[[offsets]]\njoint = \"elbow\"\nkind = \"joint-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.008\n\
+        [[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.005\n";
+    let (mut hits, mut blind, mut squares) = (0, 0, 0.0);
+    let count = seeds(4);
+    for seed in 0..count {
+        let plain = biorob_like();
+        let recorded = simulate(&plain, 40 + seed, offsets, [&[], &[]]);
+        let robot = with_anchor(AnchorKind::Stop, STOP_RAD);
+        let said = estimate(&robot, &recorded);
+        let elbow = &said.joints[ELBOW];
+        let anchored = elbow.anchored.as_ref().expect("the stop was touched");
+        assert!(anchored.since_baseline && anchored.readings.len() == 1);
+        let off = |x: sinew_model::Gaussian, truth: f64| (x.mean - truth).abs();
+        // Motion alone is sure and wrong.
+        blind +=
+            u32::from(off(anchored.by_motion_rad, 5e-3) > anchored.by_motion_rad.half_width_95());
+        assert!(
+            off(anchored.correction_rad, -8e-3) < 1.5e-3,
+            "{:?}",
+            anchored.correction_rad
+        );
+        hits += u32::from(off(elbow.offset_rad, 5e-3) <= elbow.offset_rad.half_width_95());
+        squares += off(elbow.offset_rad, 5e-3).powi(2);
+        let push = anchored
+            .by_push_rad
+            .expect("the motor's torque is recorded");
+        println!(
+            "{seed}: motion {:.2} ± {:.2}, corrected {:.2} ± {:.2}, push {:.2} ± {:.2} mrad",
+            1e3 * anchored.by_motion_rad.mean,
+            1e3 * anchored.by_motion_rad.half_width_95(),
+            1e3 * elbow.offset_rad.mean,
+            1e3 * elbow.offset_rad.half_width_95(),
+            1e3 * push.mean,
+            1e3 * push.half_width_95(),
+        );
+        assert!(off(push, 5e-3) <= 1.5 * push.half_width_95(), "{push:?}");
+        // Other joints are as they were, and without the anchor nothing is corrected.
+        let free = estimate(&plain, &recorded);
+        assert_eq!(free.joints[ELBOW].offset_rad, anchored.by_motion_rad);
+        assert_eq!(free.joints[1].offset_rad, said.joints[1].offset_rad);
+    }
+    let rms = 1e3 * (squares / count as f64).sqrt();
+    println!("{hits} of {count} inside, RMS {rms:.2} mrad; by motion alone {blind} outside");
+    assert!(
+        u64::from(hits) * 10 >= count * 9 && rms < 1.0,
+        "{hits} of {count}, {rms} mrad"
+    );
+    assert_eq!(u64::from(blind), count);
+}
+
+/// A recording that doesn't reach the stop has no anchor, and neither has one that stands near it unpushed.
+#[test]
+fn what_is_not_pushed_is_not_touched() {
+    let mut robot = with_anchor(AnchorKind::Stop, 0.4);
+    let recorded = simulate(&biorob_like(), 60, "", [&[], &[]]);
+    assert!(estimate(&robot, &recorded).joints[ELBOW].anchored.is_none());
+    let anchors = &mut robot.transmissions[ELBOW].as_mut().unwrap().anchors;
+    anchors[0].position_rad = STOP_RAD - 0.2;
+    assert!(estimate(&robot, &recorded).joints[ELBOW].anchored.is_none());
+}
+
+/// The motor's encoder slips by 6 mrad: a mark that the motor passes tells; a mark of the joint doesn't move.
+#[test]
+fn marks_tell_which_encoder_slipped() {
+    let offsets = "[[offsets]]\njoint = \"elbow\"\nkind = \"motor-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.006\n";
+    let touch = |time_s| Touch {
+        joint: "elbow".into(),
+        time_s,
+    };
+    let plain = biorob_like();
+    // The simulated arm moves alike in both sessions: what it reads at a moment of the first is its mark.
+    let times = [20.0, 80.0].map(|t| [touch(t)]);
+    let recorded = simulate(&plain, 70, offsets, [&times[0], &times[1]]);
+    let mut robot = with_anchor(AnchorKind::MotorMark, 0.0);
+    // As if the mark had been passed at the same place of the motor, 6 mrad further by its own reading.
+    let mut recorded = recorded;
+    recorded[1].touches[0].theta_measured = recorded[0].touches[0].theta_measured + 6e-3;
+    let said = estimate(&robot, &recorded);
+    let elbow = &said.joints[ELBOW];
+    let anchored = elbow.anchored.as_ref().expect("the mark was passed");
+    assert!(
+        (anchored.correction_rad.mean + 6e-3).abs() < 1e-9,
+        "{anchored:?}"
+    );
+    assert!(anchored.by_motion_rad.mean > 4e-3, "{anchored:?}");
+    assert_eq!(elbow.verdict, Verdict::Unchanged, "{:?}", elbow.offset_rad);
+    robot.transmissions[ELBOW].as_mut().unwrap().anchors[0].kind = AnchorKind::JointMark;
+    recorded[1].touches[0].q = recorded[0].touches[0].q;
+    let said = estimate(&robot, &recorded);
+    let anchored = said.joints[ELBOW].anchored.as_ref().expect("passed");
+    assert!(anchored.correction_rad.mean.abs() < 1e-9);
+    assert_eq!(said.joints[ELBOW].verdict, Verdict::Longer);
+}
