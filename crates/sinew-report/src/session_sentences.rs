@@ -66,17 +66,29 @@ fn of_joint(joint: &TendonEstimate) -> Vec<String> {
     let unit = joint.units().offset;
     out.extend(joint.changes.iter().map(|c| of_change(c, unit)));
     out.extend(joint.anchored.iter().map(|a| of_anchors(a, unit)));
-    if let Some(slack) = joint.slack_rad {
-        out.push(format!(
-            "play of {} ± {} {unit} to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
-            rounded(1e3 * slack.mean, 2),
-            rounded(1e3 * slack.half_width_95(), 2)
-        ));
-    }
+    out.extend(joint.slack_rad.map(|slack| of_play(slack, unit)));
     let named = out
         .into_iter()
         .map(|text| format!("{}: {text}", joint.name));
     named.collect()
+}
+
+/// The play of a pair of ropes. One that may be none is no play that was seen.
+fn of_play(slack: Gaussian, unit: &str) -> String {
+    let at_most = slack.mean + slack.half_width_95();
+    if slack.mean > slack.half_width_95() {
+        format!(
+            "play of {} {unit} to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
+            with_95(slack.scaled(1e3))
+        )
+    } else if at_most > 0.0 {
+        let most = rounded(1e3 * at_most, 2);
+        format!(
+            "no play of the pair of ropes is seen; up to {most} {unit} to either side could not be told"
+        )
+    } else {
+        "no play of the pair of ropes is seen".into()
+    }
 }
 
 fn of_change(change: &TendonChange, unit: &str) -> String {
@@ -237,5 +249,20 @@ mod tests {
             assert_eq!(of_change(&change, "mrad"), text);
         }
         assert_eq!(when(3.04, None, None), "at 3.0 s");
+    }
+
+    #[test]
+    fn a_play_that_may_be_none_is_not_called_slack() {
+        let of =
+            |mrad: f64, deviation: f64| of_play(Gaussian::new(1e-3 * mrad, 1e-3 * deviation), "mm");
+        assert!(
+            of(5.0, 1.0)
+                .starts_with("play of 5.0 ± 2.0 mm to either side: the pair of ropes is slack")
+        );
+        assert_eq!(
+            of(-0.8, 1.7),
+            "no play of the pair of ropes is seen; up to 2.5 mm to either side could not be told"
+        );
+        assert_eq!(of(-3.0, 1.0), "no play of the pair of ropes is seen");
     }
 }

@@ -31,6 +31,11 @@ pub(crate) const SLIDES: Units = Units {
     stiffness: "N/m",
 };
 
+/// Units of a joint by how it moves.
+pub(crate) fn of_joint(slides: bool) -> Units {
+    if slides { SLIDES } else { TURNS }
+}
+
 /// A joint's estimate, whose units hang on how it moves.
 pub(crate) trait Moves {
     /// Its name.
@@ -39,7 +44,7 @@ pub(crate) trait Moves {
     fn slides(&self) -> bool;
     /// Its units.
     fn units(&self) -> Units {
-        if self.slides() { SLIDES } else { TURNS }
+        of_joint(self.slides())
     }
 }
 
@@ -81,7 +86,7 @@ pub(crate) fn name_in_table(joint: &impl Moves, heads: Units) -> String {
     match joint.units() == heads {
         true => joint.name().to_owned(),
         false => format!(
-            "{} (in {}, {})",
+            "{} ({}, {})",
             joint.name(),
             joint.units().offset,
             joint.units().torque

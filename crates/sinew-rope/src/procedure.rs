@@ -25,6 +25,9 @@ pub struct HeldJoint {
     pub radius_m: f64,
     /// Torque that the joint holds, N·m, at least 0.
     pub torque_nm: f64,
+    /// Whether it slides: its torque is a force then, N, and its pulley's radius the rope's travel per metre.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub slides: bool,
 }
 
 /// What gives beside the rope where a joint of stiffness `K` hangs on `strands` taut strands:

@@ -30,6 +30,7 @@ fn strung_tendons_relax_as_an_independent_solver_says() {
         };
         let guides = case["guides"].as_array().expect("a list");
         let joint = case["joint"].as_object().map(|j| HeldJoint {
+            slides: false,
             radius_m: j["radius_m"].as_f64().expect("m"),
             torque_nm: j["torque_nm"].as_f64().expect("N·m"),
         });

@@ -19,6 +19,7 @@ mod reference;
 mod rope;
 #[cfg(feature = "schema")]
 mod schemas;
+mod slides;
 mod terminal;
 mod trend;
 mod watch;

@@ -3,6 +3,7 @@
 use super::words::guessed;
 use super::{bracketed, caution, notices, page, spoken};
 use crate::text::{self, Told};
+use crate::units::of_joint;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_rope::pretension::{Plan, Schedule};
@@ -82,6 +83,11 @@ pub fn planned(p: &Plan) -> Page {
     )
 }
 
+/// Unit of the joint's sag.
+fn sag_unit(p: &Plan) -> &'static str {
+    of_joint(p.joint.is_some_and(|j| j.slides)).offset
+}
+
 /// What else there is at constant length.
 fn mounting(p: &Plan) -> String {
     let gives = match p.give_m_per_n {
@@ -94,9 +100,10 @@ fn mounting(p: &Plan) -> String {
     match p.joint {
         None => gives,
         Some(j) => format!(
-            "{gives}; a second rope pulls the other way over {} mm, and the joint holds {} N·m",
+            "{gives}; a second rope pulls the other way over {} mm, and the joint holds {} {}",
             rounded(1e3 * j.radius_m, 3),
-            rounded(j.torque_nm, 3)
+            rounded(j.torque_nm, 3),
+            of_joint(j.slides).torque
         ),
     }
 }
@@ -136,7 +143,7 @@ fn schedules(p: &Plan) -> Block {
                 bracketed(s.tension_at_end_n, 2)
             }),
             row("string it at, N, and none is needed", &start),
-            row("joint sags by, mrad", &|s| {
+            row(&format!("joint sags by, {}", sag_unit(p)), &|s| {
                 let sag = s.left_alone.sag_rad.last();
                 sag.map_or_else(|| "-".into(), |v| rounded(1e3 * v, 2))
             }),
@@ -283,7 +290,11 @@ fn schedule_text(word: &str, s: &Schedule, p: &Plan) -> String {
         bracketed(s.tension_at_end_n, 2),
     );
     if let Some(sag) = s.left_alone.sag_rad.last() {
-        text += &format!(", the joint {} mrad lower", rounded(1e3 * sag, 2));
+        text += &format!(
+            ", the joint {} {} lower",
+            rounded(1e3 * sag, 2),
+            sag_unit(p)
+        );
     }
     match s.start_n {
         Some(start) => {

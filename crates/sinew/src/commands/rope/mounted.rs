@@ -5,6 +5,7 @@ use crate::args::{not_negative, positive};
 use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::robot_dir;
+use sinew_model::arm::JointKind;
 use sinew_model::rope::RopeLoad;
 use sinew_model::transmission::Tendon;
 use sinew_rope::predict::{Guide, PredictError, Route};
@@ -33,7 +34,7 @@ pub(super) struct Mounted {
     /// [default: the tendon's, where it is antagonistic]
     #[arg(long, value_name = "MM", value_parser = positive("mm"))]
     joint_radius: Option<f64>,
-    /// Torque that the joint holds meanwhile, N·m; needs a second rope
+    /// Torque that the joint holds meanwhile, N·m, of a joint that slides N; needs a second rope
     #[arg(long, value_name = "N·M", default_value = "0", value_parser = not_negative("N·m"))]
     torque: f64,
     /// Robot's folder; needs --joint
@@ -44,15 +45,31 @@ pub(super) struct Mounted {
     joint: Option<String>,
 }
 
+/// What holds a joint.
+pub(super) struct Drive {
+    /// Stiffness of the joint, N·m/rad (N/m).
+    pub(super) stiffness_nm_per_rad: f64,
+    /// Its tendon.
+    pub(super) tendon: Tendon,
+    /// Whether it slides.
+    pub(super) slides: bool,
+}
+
 impl Mounted {
-    /// Stiffness of the joint, N·m/rad, and its tendon.
-    pub(super) fn tendon(&self) -> Result<Option<(f64, Tendon)>, Failure> {
+    /// The drive of the joint that was named.
+    pub(super) fn drive(&self) -> Result<Option<Drive>, Failure> {
         let (Some(place), Some(joint)) = (&self.robot, &self.joint) else {
             return Ok(None);
         };
         let loaded = robot_dir::load(place, None)?;
         let (transmission, tendon) = loaded.tendon_drive(joint)?;
-        Ok(Some((transmission.stiffness_nm_per_rad, tendon.clone())))
+        let arm = &loaded.robot.arm;
+        let kind = arm.joint_index(joint).and_then(|i| arm.joint_kind(i));
+        Ok(Some(Drive {
+            stiffness_nm_per_rad: transmission.stiffness_nm_per_rad,
+            tendon: tendon.clone(),
+            slides: kind == Some(JointKind::Prismatic),
+        }))
     }
 
     /// Length of the strand, m, and how the rope is mounted.
@@ -60,9 +77,9 @@ impl Mounted {
         &self,
         rope: &CatalogueRope,
         load: RopeLoad,
-        tendon: Option<(f64, &Tendon)>,
+        drive: Option<&Drive>,
     ) -> Result<(f64, Mount), Failure> {
-        let own = tendon.map(|(_, t)| t);
+        let own = drive.map(|d| &d.tendon);
         let length_m = self.length.map(|mm| M_PER_MM * mm);
         let length_m = length_m.or(own.map(|t| t.length_m)).unwrap_or(1.0);
         let guides = match (self.guide.as_slice(), own) {
@@ -75,15 +92,17 @@ impl Mounted {
         let joint = radius_m.map(|radius_m| HeldJoint {
             radius_m,
             torque_nm: self.torque,
+            slides: drive.is_some_and(|d| d.slides),
         });
         if self.torque > 0.0 && joint.is_none() {
             let why =
                 "--torque needs a second rope that pulls the other way; say --joint-radius MM";
             return Err(Failure::Refused(why.into()));
         }
-        let give_m_per_n = match (self.series_stiffness, tendon) {
+        let give_m_per_n = match (self.series_stiffness, drive) {
             (Some(n_per_mm), _) => M_PER_MM / n_per_mm,
-            (None, Some((stiffness, t))) => {
+            (None, Some(d)) => {
+                let (stiffness, t) = (d.stiffness_nm_per_rad, &d.tendon);
                 let law = Draws::new(rope, 0, 0).map_err(PredictError::from)?.nominal;
                 let strands = if joint.is_some() { 2.0 } else { 1.0 };
                 let radius_m = t.joint_pulley_radius_m;

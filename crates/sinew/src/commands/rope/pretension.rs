@@ -63,9 +63,8 @@ impl Pretension {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
         check_outputs(&[("--report", self.report.as_deref())], &[], false)?;
         let catalogue = self.ropes.catalogue(false)?;
-        let tendon = self.mounted.tendon()?;
-        let tendon = tendon.as_ref().map(|(k, t)| (*k, t));
-        let own = tendon.map(|(_, t)| t);
+        let drive = self.mounted.drive()?;
+        let own = drive.as_ref().map(|d| &d.tendon);
         let Some(name) = self.name.as_ref().or(own.and_then(|t| t.rope.as_ref())) else {
             let which = "which rope? name it; sinew rope list shows all";
             return Err(Failure::Refused(which.into()));
@@ -82,7 +81,7 @@ impl Pretension {
             )));
         }
         let load = RopeLoad::celsius(tension_n, self.temperature);
-        let (length_m, mount) = self.mounted.resolve(rope, load, tendon)?;
+        let (length_m, mount) = self.mounted.resolve(rope, load, drive.as_ref())?;
         let plan = pretension::plan(
             rope,
             &Request {
