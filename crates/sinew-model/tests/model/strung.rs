@@ -1,6 +1,7 @@
 //! Ropes at constant length against closed forms, against a quarter of the step, in their limits.
 
 use crate::rope_reference::sk99;
+use proptest::prelude::*;
 use sinew_model::rope::strung::{Piece, RELAXATION_TOLERANCE, Strand, Strung};
 use sinew_model::rope::{Law, LoadError, Parameters, REFERENCE_K, RopeLoad, State};
 
@@ -160,6 +161,51 @@ fn tension_never_rises_and_the_step_does_not_matter() {
             assert!(off.abs() < 1e-6, "{tension_n} N, {celsius} °C: {off}");
             assert!(all.len() < 1000, "{} steps", all.len());
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever the rope, what gives beside it, and whether a second one holds the joint with it.
+    #[test]
+    fn any_rope_from_new_only_loses_tension_and_the_step_does_not_matter(
+        scale in proptest::array::uniform8(0.5_f64..2.0),
+        share in 0.01_f64..0.25,
+        celsius in -10.0_f64..34.0,
+        give in 0.0_f64..1e-4,
+        partner in proptest::option::of(0.0_f64..1.5),
+    ) {
+        let base = sk99();
+        let p = Parameters {
+            elastic_k: scale[0] * base.elastic_k,
+            toe_percent: scale[1] * base.toe_percent,
+            bedding_percent: scale[2] * base.bedding_percent,
+            bedding_load_ratio: scale[3] * base.bedding_load_ratio,
+            bedding_time_s: scale[4] * base.bedding_time_s,
+            jamming: scale[5] * base.jamming,
+            delayed_percent: scale[6] * base.delayed_percent,
+            flow_rate_per_s: scale[7].powi(3) * base.flow_rate_per_s,
+            ..base
+        };
+        let tension_n = share * p.breaking_load_n;
+        let tied = || {
+            let mut strand = Strand::straight(law(p), L, State::default());
+            strand.give_m_per_n = give;
+            let loaded = partner.map(|torque| Strand { extra_n: torque * tension_n, ..strand.clone() });
+            let strands = loaded.into_iter().chain([strand]).collect();
+            Strung::new(strands, tension_n, celsius + 273.15, 60.0).expect("a load")
+        };
+        let mut s = tied();
+        let all = left(&mut s, YEAR_S);
+        for w in all.windows(2) {
+            prop_assert!(w[1] <= w[0] * (1.0 + 1e-12), "{} N after {} N", w[1], w[0]);
+        }
+        let mut finer = tied();
+        finer.leave(YEAR_S, None, RELAXATION_TOLERANCE / 32.0, |_, _| {}).expect("a load");
+        // Of the tension it began with: a partner that is all but slack has no share of its own.
+        let off = (s.tension_n() - finer.tension_n()) / tension_n;
+        prop_assert!(off.abs() < 1e-6, "{off}");
     }
 }
 
