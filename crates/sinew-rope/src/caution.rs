@@ -32,6 +32,15 @@ pub enum Caution {
         /// When, at the catalogue's values, s.
         time_s: f64,
     },
+    /// The rope stretches beyond the strain at which its maker says to replace it.
+    Replace {
+        /// That strain since it was new, m/m.
+        strain_ratio: f64,
+        /// The first time asked for at which the middle lies beyond it, s; `None`: only draws do.
+        time_s: Option<f64>,
+        /// Share of the draws that lie beyond it, or are broken, at the last time asked for, 0 to 1.
+        share: f64,
+    },
     /// A pulley bends the rope closer than makers advise.
     TightBend {
         /// Diameter that the rope is bent to, over its own.

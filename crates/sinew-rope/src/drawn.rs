@@ -10,6 +10,7 @@ use super::limits;
 use super::predict::{Prediction, PulleyPlace, Reading, TENSIONED_AFTER_S, cautions};
 use super::refusal::PredictError;
 use super::route::Request;
+use super::select::MAY_BREAK_SHARE;
 use super::strand::{Mean, StrandError, strand};
 use rayon::prelude::*;
 use sinew_model::Bounded;
@@ -227,6 +228,24 @@ impl Drawn {
         self.drawn.iter().map(of).collect()
     }
 
+    /// Whether it stretches beyond the strain at which its maker says to replace it, at the catalogue's values
+    /// or in more than [`MAY_BREAK_SHARE`] of the draws.
+    fn replaced(&self, rope: &CatalogueRope, request: &Request) -> Option<Caution> {
+        let strain_ratio = rope.entry.discard_strain()?;
+        let is_beyond = |m: &Mean| 0.01 * m.strain > strain_ratio;
+        let (times, readings) = (&request.times_s, self.nominal.iter().skip(1));
+        let first = times.iter().zip(readings).find(|(_, m)| is_beyond(m));
+        let time_s = first.map(|(time_s, _)| *time_s);
+        let beyond = |m: &&Vec<Mean>| m.get(times.len()).is_none_or(is_beyond);
+        let count = self.drawn.iter().filter(beyond).count();
+        let share = count as f64 / self.drawn.len().max(1) as f64;
+        (time_s.is_some() || share > MAY_BREAK_SHARE).then_some(Caution::Replace {
+            strain_ratio,
+            time_s,
+            share,
+        })
+    }
+
     /// What the draws say.
     pub(crate) fn prediction(&self, rope: &CatalogueRope, request: &Request) -> Prediction {
         let share = |broken: usize| broken as f64 / self.drawn.len().max(1) as f64;
@@ -260,6 +279,7 @@ impl Drawn {
             };
             cautions.insert(0, caution);
         }
+        cautions.extend(self.replaced(rope, request));
         let entry = &rope.entry;
         let rope_m = rope.diameter_m();
         let mut pulleys: Vec<PulleyPlace> = (request.route.pulleys.iter())

@@ -122,6 +122,23 @@ pub struct Prediction {
     pub cautions: Vec<Caution>,
 }
 
+impl Prediction {
+    /// Whether within the times asked for it breaks or is to be replaced, at the catalogue's values.
+    #[must_use]
+    pub fn ends(&self) -> bool {
+        let replaced = |c: &Caution| {
+            matches!(
+                c,
+                Caution::Replace {
+                    time_s: Some(_),
+                    ..
+                }
+            )
+        };
+        self.breaks_after_s.is_some() || self.cautions.iter().any(replaced)
+    }
+}
+
 impl JsonDocument for Prediction {
     const SCHEMA: &'static str = "sinew/rope-predict/1";
 }

@@ -78,7 +78,8 @@ pub enum Rank {
     Sound,
     /// It is loaded or bent more than makers advise.
     BeyondAdvice,
-    /// It breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws.
+    /// It breaks within the time in more than [`MAY_BREAK_SHARE`] of the draws, or its maker would have it
+    /// replaced.
     MayBreak,
 }
 
@@ -88,7 +89,8 @@ impl Candidate {
     pub fn rank(&self) -> Rank {
         let advice =
             |c: &Caution| matches!(c, Caution::TightBend { .. } | Caution::LoadShare { .. });
-        if self.broken_share > MAY_BREAK_SHARE {
+        let replaced = |c: &Caution| matches!(c, Caution::Replace { .. });
+        if self.broken_share > MAY_BREAK_SHARE || self.cautions.iter().any(replaced) {
             Rank::MayBreak
         } else if self.cautions.iter().any(advice) {
             Rank::BeyondAdvice

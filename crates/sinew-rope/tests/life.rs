@@ -137,6 +137,49 @@ fn heat_and_ends_break_what_the_rope_would_hold() {
     assert!(last.place == Place::Ends && last.damage() > knotted.spots[0].damage());
 }
 
+/// What the maker says of replacing is a limit of a prediction and of a choice.
+#[test]
+fn a_rope_is_replaced_at_the_strain_its_maker_states() {
+    let shipped = Catalogue::shipped().expect("shipped");
+    let rope = shipped.find("liros-dc000-0301").expect("there");
+    let asked = request(Duty::constant(300.0, 23.0), Route::straight(0.7));
+    let plain = predict(rope, &asked).expect("a prediction");
+    let replaced = |p: &Prediction| {
+        let found = |c: &Caution| match *c {
+            Caution::Replace { time_s, share, .. } => Some((time_s, share)),
+            _ => None,
+        };
+        p.cautions.iter().find_map(found)
+    };
+    assert!(replaced(&plain).is_none() && !plain.ends());
+    let strain = |i: usize| plain.readings[i].strain_ratio;
+    let stated = |ratio: f64| {
+        let mut rope = rope.clone();
+        let value = rope.entry.breaking_load_n.clone().expect("published");
+        let value = sinew_model::rope::entry::Value {
+            value: 100.0 * ratio,
+            ..value
+        };
+        rope.entry.discard_strain_percent = Some(value);
+        predict(&rope, &asked).expect("a prediction")
+    };
+    // Between the middles after an hour and a day.
+    let passed = stated(0.5 * (strain(0).value + strain(1).value));
+    let (time_s, share) = replaced(&passed).expect("passed");
+    assert!(
+        time_s == Some(DAY_S) && share > 0.5 && passed.ends(),
+        "{time_s:?} {share}"
+    );
+    // Between the last middle and the end of its interval.
+    let perhaps = stated(0.7 * strain(2).value + 0.3 * strain(2).high);
+    let (time_s, share) = replaced(&perhaps).expect("in some draws");
+    assert!(
+        time_s.is_none() && (0.025..0.5).contains(&share) && !perhaps.ends(),
+        "{share}"
+    );
+    assert!(replaced(&stated(10.0 * strain(2).high)).is_none());
+}
+
 /// Bent to its own diameter a rope keeps half of its strength; a gentle pulley takes little.
 #[test]
 fn a_tight_pulley_breaks_what_a_straight_rope_would_hold() {

@@ -37,6 +37,26 @@ pub fn caution(caution: Caution) -> String {
             "bending wears it out after some {}; there is no elongation from then on",
             spoken(time_s)
         ),
+        Caution::Replace {
+            strain_ratio,
+            time_s,
+            share,
+        } => {
+            let limit = format!(
+                "the {} % at which its maker says to replace it",
+                stated(100.0 * strain_ratio)
+            );
+            let share = rounded(100.0 * share, 2);
+            match time_s {
+                Some(time_s) => format!(
+                    "after {} its strain is above {limit}, and in {share} % of the draws at the last time",
+                    spoken(time_s)
+                ),
+                None => format!(
+                    "its strain is above {limit} in {share} % of the draws at the last time"
+                ),
+            }
+        }
         Caution::TightBend {
             bend_ratio,
             least_ratio,

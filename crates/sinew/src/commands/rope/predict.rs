@@ -80,6 +80,6 @@ impl Predict {
             })?;
         }
         answer_as(self.json, &found, prediction_table)?;
-        Ok(Finish::lossy(found.breaks_after_s.is_some()))
+        Ok(Finish::lossy(found.ends()))
     }
 }
