@@ -12,6 +12,17 @@ import { Tendon } from "./tendon.jsx";
 
 const place = () => location.pathname.split("/").filter(Boolean).map(decodeURIComponent);
 
+// Who hears the page is told where it is: its heading is focused, once what it waits for has come.
+function tell() {
+  const until = performance.now() + 10_000;
+  const look = () => {
+    const heading = document.querySelector("h1");
+    if (heading) heading.focus();
+    else if (performance.now() < until) requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+}
+
 // Links of the page change the address without loading it anew.
 function usePlace() {
   const [now, set] = useState(place);
@@ -27,8 +38,7 @@ function usePlace() {
         scrollTo(0, 0);
       }
       go();
-      // Who hears the page is told where it is.
-      requestAnimationFrame(() => document.querySelector("h1")?.focus());
+      tell();
     };
     addEventListener("popstate", go);
     document.addEventListener("click", click);
