@@ -242,6 +242,39 @@ fn records_are_there_as_json_csv_and_parquet() {
 }
 
 #[test]
+fn sessions_are_the_table_that_a_trend_is_made_of() {
+    let running = Running::shared();
+    let at = running.at;
+    let table = get(at, "/api/v1/robots/demo-1/sessions.csv");
+    assert_eq!(table.status, 200, "{}", table.text());
+    let rows = sinew_estimate::trend::records_from_csv(&table.text(), "sessions.csv").unwrap();
+    let records = get(at, "/api/v1/records?robot=demo-1&most=100000").json();
+    let records = records["records"].as_array().unwrap();
+    assert!(rows.len() > 100, "{}", rows.len());
+    // Each is one of the records, and no day of a tendon is there twice since it was tensioned.
+    let mut days = std::collections::BTreeSet::new();
+    for row in &rows {
+        let offset = row.offset_rad.unwrap();
+        let same = records.iter().any(|r| {
+            let near =
+                |name: &str, x: f64| (r[name].as_f64().unwrap_or(f64::NAN) - x).abs() < 1e-12;
+            r["joint"] == row.joint.as_str()
+                && (r["time_utc_s"].as_f64().unwrap() - row.time_utc_s).abs() < 1e-3
+                && near("offset_rad", offset.mean)
+                && near("offset_deviation_rad", offset.deviation)
+        });
+        assert!(same, "{row:?}");
+        assert_eq!(row.robot.as_deref(), Some("biorob-like"));
+        let day = (row.time_utc_s / 86_400.0).floor() as i64;
+        assert!(
+            days.insert((row.joint.clone(), row.baseline.clone(), day)),
+            "{row:?}"
+        );
+    }
+    assert_eq!(get(at, "/api/v1/robots/nobody/sessions.csv").status, 404);
+}
+
+#[test]
 fn metrics_are_those_of_the_list_each_with_its_kind_once() {
     let running = Running::shared();
     running.until(|r| {

@@ -86,8 +86,13 @@ impl History {
         std::mem::take(&mut self.last)
     }
 
+    /// Tendons that have rows.
+    pub fn joints(&self) -> impl Iterator<Item = &str> {
+        self.days.keys().map(String::as_str)
+    }
+
     /// The rows of a tendon's trend, in the order of time.
-    pub(super) fn rows(&self, joint: &str) -> Vec<SessionRecord> {
+    pub fn rows(&self, joint: &str) -> Vec<SessionRecord> {
         let days = self.days.get(joint).into_iter().flatten();
         let mut last_utc_s = f64::NEG_INFINITY;
         // A civil clock that stepped may have dated two alike.

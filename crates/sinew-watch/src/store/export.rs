@@ -1,11 +1,12 @@
-//! Records as files: CSV, or Parquet where the name ends so.
+//! Records as files: CSV, or Parquet where the name ends so; and as the table that `sinew trend` reads.
 
 use super::StoreError;
 use super::read::{Reader, RecordQuery};
 use super::row::{COLUMNS, Cell, cells, record};
 use rusqlite::params;
 use sinew_log::{Cell as TableCell, CellKind, Column, TableWriter};
-use sinew_watch_core::Record;
+use sinew_model::Z95;
+use sinew_watch_core::{History, Record};
 use std::path::Path;
 
 /// Records of a type and month that are in no file yet.
@@ -57,6 +58,63 @@ fn row(of: &Record) -> Vec<TableCell> {
 pub fn write_records(reader: &Reader, query: &RecordQuery, path: &Path) -> Result<u64, StoreError> {
     let mut writer = TableWriter::create(path, &columns())?;
     let count = reader.each_record(query, |record| Ok(writer.row(&row(&record))?))?;
+    writer.finish()?;
+    Ok(count)
+}
+
+/// Columns of a table of sessions: docs/src/reference/sessions.md.
+const SESSIONS: [(&str, CellKind); 10] = [
+    ("time", CellKind::Number),
+    ("joint", CellKind::Text),
+    ("offset_mrad", CellKind::Number),
+    ("interval_95_mrad", CellKind::Number),
+    ("temperature_c", CellKind::Number),
+    ("robot", CellKind::Text),
+    ("baseline", CellKind::Text),
+    ("duration_s", CellKind::Number),
+    ("stiffness_change_percent", CellKind::Number),
+    ("stiffness_interval_95_percent", CellKind::Number),
+];
+
+/// Writes a robot's records as the table that `sinew trend` reads: of each day and tendon the best one, which is what
+/// the monitor's own trend rests on; how many.
+///
+/// # Errors
+/// [`StoreError`]; no file is left.
+pub fn write_sessions(
+    reader: &Reader,
+    query: &RecordQuery,
+    path: &Path,
+) -> Result<u64, StoreError> {
+    let (mut history, mut robot_type) = (History::default(), String::new());
+    reader.each_record(query, |record| {
+        history.push(&record);
+        robot_type = record.robot_type;
+        Ok(())
+    })?;
+    let columns: Vec<Column> = SESSIONS.map(|(name, kind)| (name.to_owned(), kind)).into();
+    let mut writer = TableWriter::create(path, &columns)?;
+    let number = |x: Option<f64>| x.map_or(TableCell::Empty, TableCell::Number);
+    let text = |of: &str| TableCell::Text(of.to_owned());
+    let mut count = 0;
+    for joint in history.joints() {
+        for row in history.rows(joint) {
+            let (offset, stiffness) = (row.offset_rad, row.stiffness_ratio);
+            writer.row(&[
+                TableCell::Number(row.time_utc_s),
+                text(joint),
+                number(offset.map(|o| 1e3 * o.mean)),
+                number(offset.map(|o| 1e3 * o.half_width_95())),
+                number(row.temperature_c),
+                text(&robot_type),
+                row.baseline.as_deref().map_or(TableCell::Empty, text),
+                number(row.duration_s),
+                number(stiffness.map(|s| 1e2 * s.mean)),
+                number(stiffness.map(|s| 1e2 * Z95 * s.deviation)),
+            ])?;
+            count += 1;
+        }
+    }
     writer.finish()?;
     Ok(count)
 }

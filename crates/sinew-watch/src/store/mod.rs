@@ -11,7 +11,7 @@ mod row;
 mod schema;
 mod write;
 
-pub use export::{Pending, write_records};
+pub use export::{Pending, write_records, write_sessions};
 pub use read::{JournalEntry, JournalQuery, Reader, RecordQuery};
 pub use row::COLUMNS;
 pub use schema::VERSION;

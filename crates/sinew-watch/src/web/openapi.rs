@@ -61,6 +61,7 @@ impl Maker {
                 described.asked = self.take::<RecordsAsked>();
                 json!({ "text/csv": {} })
             }
+            "/api/v1/robots/{robot}/sessions.csv" => json!({ "text/csv": {} }),
             "/api/v1/records.parquet" => {
                 described.asked = self.take::<RecordsAsked>();
                 json!({ "application/vnd.apache.parquet": {} })

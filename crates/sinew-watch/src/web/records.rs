@@ -2,10 +2,10 @@
 
 use super::api::{Records, RecordsAsked};
 use super::{App, Refused};
-use crate::store::{Reader, RecordQuery, StoreError, write_records};
+use crate::store::{Reader, RecordQuery, StoreError, write_records, write_sessions};
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Query, State};
+use axum::extract::{Path as Named, Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use bytes::Bytes;
@@ -13,7 +13,7 @@ use futures_util::stream;
 use sinew_watch_core::Record;
 use std::fs::File;
 use std::io::Read as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tokio::sync::OwnedSemaphorePermit;
@@ -22,6 +22,29 @@ use tokio::sync::OwnedSemaphorePermit;
 const RECORDS: [u64; 2] = [1000, 100_000];
 /// Files are sent in pieces of so many bytes.
 const PIECE: usize = 64 << 10;
+
+/// A form of records as a file.
+struct Form {
+    name: &'static str,
+    kind: &'static str,
+    write: fn(&Reader, &RecordQuery, &Path) -> Result<u64, StoreError>,
+}
+
+const CSV: Form = Form {
+    name: "records.csv",
+    kind: "text/csv; charset=utf-8",
+    write: write_records,
+};
+const PARQUET: Form = Form {
+    name: "records.parquet",
+    kind: "application/vnd.apache.parquet",
+    write: write_records,
+};
+const SESSIONS: Form = Form {
+    name: "sessions.csv",
+    kind: "text/csv; charset=utf-8",
+    write: write_sessions,
+};
 
 fn query(asked: RecordsAsked) -> RecordQuery {
     RecordQuery {
@@ -51,40 +74,43 @@ pub(super) async fn csv(
     State(app): State<App>,
     Query(asked): Query<RecordsAsked>,
 ) -> Result<Response, Refused> {
-    file(app, query(asked), "csv", "text/csv; charset=utf-8").await
+    file(app, query(asked), &CSV).await
+}
+
+/// What `sinew trend` reads.
+pub(super) async fn sessions(
+    State(app): State<App>,
+    Named(robot): Named<String>,
+) -> Result<Response, Refused> {
+    if app.board.get(&robot).is_none() {
+        let why = format!("there is no robot '{robot}'");
+        return Err(Refused::new(StatusCode::NOT_FOUND, why));
+    }
+    let of_robot = RecordQuery {
+        robot: Some(robot),
+        ..RecordQuery::default()
+    };
+    file(app, of_robot, &SESSIONS).await
 }
 
 pub(super) async fn parquet(
     State(app): State<App>,
     Query(asked): Query<RecordsAsked>,
 ) -> Result<Response, Refused> {
-    file(
-        app,
-        query(asked),
-        "parquet",
-        "application/vnd.apache.parquet",
-    )
-    .await
+    file(app, query(asked), &PARQUET).await
 }
 
 /// A file of records: written as a whole first, so that a slow reader holds up nothing.
-async fn file(
-    app: App,
-    query: RecordQuery,
-    ending: &'static str,
-    kind: &'static str,
-) -> Result<Response, Refused> {
+async fn file(app: App, query: RecordQuery, form: &'static Form) -> Result<Response, Refused> {
     let busy = |_| {
         let why = "others are being written; ask again soon";
         Refused::new(StatusCode::SERVICE_UNAVAILABLE, why)
     };
     let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
-    let file = app
-        .read(move |reader| write(reader, &query, ending))
-        .await?;
-    let named = format!("attachment; filename=\"records.{ending}\"");
+    let file = app.read(move |reader| write(reader, &query, form)).await?;
+    let named = format!("attachment; filename=\"{}\"", form.name);
     let headers = [
-        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_TYPE, form.kind),
         (header::CONTENT_DISPOSITION, named.as_str()),
     ];
     let body = Body::from_stream(stream::try_unfold((file, permit), piece));
@@ -105,16 +131,16 @@ async fn piece((mut file, permit): Sending) -> std::io::Result<Option<(Bytes, Se
 }
 
 /// Writes a file that has no name any more when it is given back.
-fn write(reader: &Reader, query: &RecordQuery, ending: &str) -> Result<File, StoreError> {
+fn write(reader: &Reader, query: &RecordQuery, form: &Form) -> Result<File, StoreError> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-    let name = format!("sinew-watch-{}-{number}.{ending}", std::process::id());
+    let name = format!("sinew-watch-{}-{number}-{}", std::process::id(), form.name);
     let path: PathBuf = std::env::temp_dir().join(name);
     let refuse = |source| StoreError::Folder {
         folder: path.clone(),
         source,
     };
-    write_records(reader, query, &path)?;
+    (form.write)(reader, query, &path)?;
     let file = File::open(&path).map_err(refuse)?;
     std::fs::remove_file(&path).map_err(refuse)?;
     Ok(file)

@@ -42,6 +42,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/records" records::json, "Records of sessions, in the order of time";
     get "/api/v1/records.csv" records::csv, "The same as CSV";
     get "/api/v1/records.parquet" records::parquet, "The same as Parquet";
+    get "/api/v1/robots/{robot}/sessions.csv" records::sessions, "Of each day and tendon the best record, as `sinew trend` reads it";
     get "/api/v1/events" events::events, "Server-sent events: fleet, change and robot, once a second";
     get "/api/v1/openapi.json" handlers::openapi, "This description";
     get "/metrics" metrics::metrics, "Metrics for Prometheus";
