@@ -10,5 +10,6 @@ mod openapi;
 mod recording;
 #[cfg(feature = "schema")]
 mod reference;
+mod ship;
 mod store;
 mod web;
