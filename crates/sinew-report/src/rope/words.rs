@@ -93,7 +93,7 @@ pub fn caution(caution: Caution) -> String {
         } => {
             let percent = |share: [f64; 2]| range(share.map(|s| 100.0 * s), "%");
             format!(
-                "this rope was tested at {} of its breaking load, at {}, for {}; you ask for {}, {}, {}, so the \
+                "the data behind its values lie at {} of its breaking load, at {}, for {}; you ask for {}, {}, {}, so the \
                  intervals reach up to {} times as far",
                 percent(holds.load_share),
                 range(holds.temperature_c, "°C"),
