@@ -2,11 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Ambiguity;
-use crate::files::{Format, Recording};
+use crate::error::{Ambiguity, LogError};
+use crate::files::{Format, Progress, Recording, open_parts};
 use crate::frame::Quantity;
 use crate::health::Health;
-use crate::sources::{SignalSource, TopicInfo};
+use crate::options::OpenOptions;
+use crate::sources::{SignalSource, TopicInfo, TopicUse};
+use std::path::PathBuf;
 
 /// What a recording holds, and how well it could be read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,6 +67,61 @@ impl sinew_files::JsonDocument for RecordingInfo {
 }
 
 impl RecordingInfo {
+    /// Reads files that are one recording to their end. Where several topics could be a side, the first is
+    /// taken to look into the file, and the answer says so.
+    ///
+    /// # Errors
+    /// As [`open_parts`], and no frame at all.
+    pub fn of_files(
+        paths: &[PathBuf],
+        options: &OpenOptions,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Self, LogError> {
+        let mut options = options.clone();
+        let mut open = Vec::<Ambiguity>::new();
+        let mut recording = loop {
+            match open_parts(paths, &options) {
+                Err(LogError::Ambiguous(side)) if open.iter().all(|o| o.side != side.side) => {
+                    let first = side.candidates.first().cloned();
+                    match side.side {
+                        TopicUse::MotorSide => options.motor_topic = first,
+                        _ => options.joint_state_topic = first,
+                    }
+                    open.push(side);
+                }
+                opened => break opened?,
+            }
+        };
+        let names = paths.iter().map(|f| f.display().to_string());
+        let name = Vec::from_iter(names).join(", ");
+        Ok(Self::of(&mut recording, &name, progress)?.undecided(open))
+    }
+
+    /// Reads a recording to its end; `name` is what it is called.
+    ///
+    /// # Errors
+    /// As [`Recording::next_frame`], and no frame at all.
+    pub fn of(
+        recording: &mut Recording,
+        name: &str,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Self, LogError> {
+        /// So often is told how far it is.
+        const FRAMES: u64 = 8192;
+        let mut pace = Pace::default();
+        while let Some(frame) = recording.next_frame()? {
+            let (time_ns, segment) = (frame.time_ns, frame.segment);
+            pace.frame(time_ns, segment);
+            if pace.frames().is_multiple_of(FRAMES) {
+                progress(recording.progress());
+            }
+        }
+        match pace.frames() {
+            0 => Err(nothing(recording)),
+            _ => Ok(pace.info(recording, name)),
+        }
+    }
+
     /// The same of a recording in which topics had to be taken at will to look into it: what was read by
     /// them is not shown.
     #[must_use]
@@ -86,6 +143,17 @@ impl RecordingInfo {
         self.ambiguous = ambiguous;
         self
     }
+}
+
+/// Why a recording that could be opened has no frame.
+fn nothing(recording: &Recording) -> LogError {
+    let health = recording.health();
+    let why = match (health.rows_without_time, health.undecodable) {
+        (0, 0) => "it has no row and no message".to_owned(),
+        (0, messages) => format!("none of {messages} messages can be decoded"),
+        (rows, _) => format!("none of {rows} rows has a time"),
+    };
+    LogError::refused(recording.name(), format!("it holds no frame: {why}"))
 }
 
 /// Time stamps of a recording, counted frame by frame.

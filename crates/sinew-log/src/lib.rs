@@ -116,9 +116,9 @@ pub use creep_tests::{
 };
 pub use error::{Ambiguity, LogError};
 pub use files::{
-    Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter,
-    Packing, ParquetWriter, Progress, ReadSeek, Recording, Table, TableWriter, Topic, TopicWriter,
-    open, open_parts, recordings_of,
+    Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,
+    McapOptions, McapWriter, Packing, ParquetWriter, Progress, ReadSeek, Recording, Table,
+    TableWriter, Topic, TopicWriter, open, open_parts, recordings_of,
 };
 pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{

@@ -47,6 +47,19 @@ fn units_are_read_in_every_customary_place() {
     }
 }
 
+/// `sinew creep analyze --series` writes these columns.
+#[test]
+fn names_that_end_in_si_units_are_read() {
+    let text =
+        "specimen,time_s,strain_ratio,force_n,temperature_c\na,0,0,1.5,23\na,2,0.005,60,23\n";
+    let file = read(text).unwrap();
+    let s = &file.specimens[0];
+    assert_eq!(s.column(TestQuantity::Force), Some(&[1.5, 60.0][..]));
+    assert_eq!(s.column(TestQuantity::Strain), Some(&[0.0, 0.005][..]));
+    assert_eq!(s.column(TestQuantity::Temperature), Some(&[23.0, 23.0][..]));
+    assert!(file.notes.is_empty(), "{:?}", file.notes);
+}
+
 #[test]
 fn specimens_are_told_apart_by_name_and_by_a_clock_that_starts_anew() {
     let file = read(

@@ -1,12 +1,14 @@
 //! Every test of the reader, in one binary.
 
 mod ahead;
+mod arrays;
 mod creep_tests;
 mod creep_tests_of_others;
 mod damage;
 #[cfg(feature = "db3")]
 mod db3;
 mod encode;
+mod given;
 mod independent;
 mod joining;
 mod lerobot;

@@ -15,6 +15,8 @@ pub(crate) fn format_name(format: Format) -> &'static str {
         Format::Csv => "CSV",
         Format::Parquet => "Parquet",
         Format::Db3 => "SQLite",
+        Format::Arrays => "arrays",
+        Format::Messages => "messages",
     }
 }
 

@@ -15,10 +15,12 @@ mod spool;
 pub(crate) mod table;
 mod write;
 
+pub use mcap::GivenMessages;
 pub use parts::recordings_of;
 pub use read_seek::ReadSeek;
 pub use reader::{Format, Progress};
 pub use recording::{Recording, open, open_parts};
+pub use table::Arrays;
 pub use write::{
     Cell, CellKind, Column, Compression, CsvWriter, FrameWriter, McapOptions, McapWriter, Packing,
     ParquetWriter, Table, TableWriter, Topic, TopicWriter,

@@ -21,6 +21,10 @@ pub enum Format {
     Parquet,
     /// SQLite as ROS 2 writes it.
     Db3,
+    /// Arrays in memory.
+    Arrays,
+    /// Messages in memory.
+    Messages,
 }
 
 /// How far a recording has been read.

@@ -1,14 +1,17 @@
 //! Opening a recording of any format and reading it frame by frame.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::chain::Chain;
 use super::lerobot::ListNames;
+use super::mcap::{GivenMessages, GivenReader};
 use super::opener::{UNPACKED_LIMIT_BYTES, open_file, open_reader};
 use super::parts::files;
 use super::read_seek::ReadSeek;
 use super::reader::{Format, Progress, Reader};
 use super::spool::Spool;
+use super::table::{ArrayReader, Arrays};
 use crate::assemble::Joiner;
 
 use crate::error::LogError;
@@ -111,6 +114,34 @@ impl Recording {
             name,
             options,
         ))
+    }
+
+    /// Opens arrays in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// No joints, or one twice; what is wrong with the times is said when they are read.
+    pub fn from_arrays(
+        arrays: Box<dyn Arrays>,
+        name: &str,
+        options: &OpenOptions,
+    ) -> Result<Recording, LogError> {
+        check_options(options, name)?;
+        let reader = ArrayReader::open(arrays, name, options)?;
+        Ok(Self::new(Box::new(reader), name, options))
+    }
+
+    /// Opens messages in memory, topics chosen as in a file; `name` is used in messages.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn from_messages(
+        messages: Arc<GivenMessages>,
+        name: &str,
+        options: &OpenOptions,
+    ) -> Result<Recording, LogError> {
+        check_options(options, name)?;
+        let reader = GivenReader::open(messages, name, options)?;
+        Ok(Self::new(Box::new(reader), name, options))
     }
 
     fn new(reader: Box<dyn Reader>, name: &str, options: &OpenOptions) -> Self {

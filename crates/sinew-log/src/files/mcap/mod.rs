@@ -2,6 +2,7 @@
 
 mod chunk;
 mod container;
+mod given;
 pub(in crate::files) mod messages;
 mod scan;
 mod source;
@@ -23,6 +24,8 @@ use crate::mapping::Mapping;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo};
 use container::Container;
+pub use given::GivenMessages;
+pub(in crate::files) use given::GivenReader;
 use messages::{Item, Messages};
 use scan::topic_of;
 use source::Source;

@@ -1,5 +1,6 @@
 //! Tables: one row is one instant, columns are named signals.
 
+mod arrays;
 mod columns;
 mod csv_read;
 mod decimal;
@@ -8,6 +9,8 @@ mod parquet_cells;
 #[cfg(feature = "parquet")]
 mod parquet_read;
 
+pub(super) use arrays::ArrayReader;
+pub use arrays::Arrays;
 pub(super) use csv_read::CsvReader;
 #[cfg(feature = "parquet")]
 pub(super) use parquet_read::ParquetReader;
