@@ -68,10 +68,10 @@ pub use rope_base::{FixedParameter, RopeBase, WhyFixed};
 pub use rope_entry::{EntrySource, rope_entry};
 pub use scatter::{Scatter, scatter};
 pub use solver::{Ending, LeastSquares, Minimum, Residuals, Termination, TrustRegion};
-pub use source::{Conditions, Source, SourceColumn, read_specimens};
+pub use source::{Conditions, Source, SourceColumn, read_specimens, specimens_of};
 pub use span::Span;
 pub use superposition::{Arrhenius, Isotherm, Shift, Superposition, Wlf, superpose};
-pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, Tests, analyze_tests};
+pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, OutOfRange, Tests, analyze_tests};
 pub use tests_compared::{CompareReport, ShiftReport, compare, shift};
 pub use tests_fitted::{
     FitReport, FitRequest, FitSet, FitStep, Joint, WithheldReport, fit_tests, withhold_tests,

@@ -1,7 +1,7 @@
 //! Raw data files of creep tests, and what the laboratory states about them.
 
 use serde::{Deserialize, Serialize};
-use sinew_log::{LogError, Specimen, TestOptions, TestQuantity, read_test};
+use sinew_log::{LogError, Specimen, TestFile, TestOptions, TestQuantity, read_test};
 use std::path::PathBuf;
 
 /// What the file can't say, as the laboratory states it.
@@ -52,10 +52,18 @@ pub fn read_specimens(
     options: &TestOptions,
     note: &mut dyn FnMut(&str),
 ) -> Result<(Vec<Source>, Vec<Specimen>), LogError> {
+    let read = files.iter().map(|path| read_test(path, options));
+    Ok(specimens_of(read.collect::<Result<_, _>>()?, note))
+}
+
+/// What was read of each file, and all their specimens; `note` as for [`read_specimens`].
+pub fn specimens_of(
+    files: Vec<TestFile>,
+    note: &mut dyn FnMut(&str),
+) -> (Vec<Source>, Vec<Specimen>) {
     let mut sources = Vec::new();
     let mut specimens: Vec<Specimen> = Vec::new();
-    for path in files {
-        let file = read_test(path, options)?;
+    for file in files {
         for text in &file.notes {
             note(&format!("{}: {text}", file.file));
         }
@@ -78,5 +86,5 @@ pub fn read_specimens(
             specimens.push(specimen);
         }
     }
-    Ok((sources, specimens))
+    (sources, specimens)
 }

@@ -23,6 +23,47 @@ pub struct AnalyzeRequest {
     pub group_by: Vec<String>,
 }
 
+/// What can't be asked of creep tests.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{name} is {value}; it must lie between {low} and {high}")]
+pub struct OutOfRange {
+    /// What was asked, with its unit.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// It must lie above this.
+    pub low: f64,
+    /// And below this.
+    pub high: f64,
+}
+
+impl AnalyzeRequest {
+    /// Refuses what can't be.
+    ///
+    /// # Errors
+    /// [`OutOfRange`], the first there is.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        let PrepareOptions {
+            gauge_length_m,
+            area_m2,
+            ..
+        } = self.prepare;
+        let within = |name, value: Option<f64>, low: f64, high: f64| match value {
+            Some(value) if !(value > low && value < high) => Err(OutOfRange {
+                name,
+                value,
+                low,
+                high,
+            }),
+            _ => Ok(()),
+        };
+        within("level", Some(self.analyze.level), 0.5, 0.9999)?;
+        within("slope_from_s", Some(self.analyze.slope_from_s), -1e-9, 1e11)?;
+        within("gauge_length_m", gauge_length_m, 0.0, 1e6)?;
+        within("area_m2", area_m2, 0.0, 1e6)
+    }
+}
+
 /// Creep tests, read, prepared and analysed.
 #[derive(Debug, Clone)]
 pub struct Tests {

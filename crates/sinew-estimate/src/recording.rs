@@ -21,12 +21,16 @@ pub(crate) struct Opened {
 impl Opened {
     /// Opens what a request names.
     pub(crate) fn new(request: &Request) -> Result<Self, EstimateError> {
-        let mut recording = sinew_log::open(&request.log, &request.open)?;
-        let place = match &request.robot {
-            Some(place) => place.clone(),
-            None => robot_dir::find(&request.log)?,
+        let given = &request.given;
+        let mut recording = given.open(&request.log, &request.open)?;
+        let mut loaded = match (&given.robot, &request.robot) {
+            (Some(robot), _) => LoadedRobot::clone(robot),
+            (None, Some(place)) => robot_dir::load(place, recording.robot_description())?,
+            (None, None) => {
+                let place = robot_dir::find(&request.log)?;
+                robot_dir::load(&place, recording.robot_description())?
+            }
         };
-        let mut loaded = robot_dir::load(&place, recording.robot_description())?;
         warmth::look_up(&mut loaded.robot, &loaded.file)?;
         let words = loaded.robot.warnings.iter().cloned();
         let mut warnings: Vec<_> = words.map(|text| RecordingWarning::Robot { text }).collect();

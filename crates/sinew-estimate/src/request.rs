@@ -1,6 +1,7 @@
 //! What is asked of an estimate.
 
 use crate::feeder::Injection;
+use crate::given::Given;
 use crate::session::Touch;
 use sinew_log::OpenOptions;
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
@@ -33,6 +34,8 @@ pub struct Request {
     pub open: OpenOptions,
     /// Where every frame's estimate goes as CSV.
     pub csv: Option<PathBuf>,
+    /// What of it is in memory and no file.
+    pub given: Given,
 }
 
 impl Request {
@@ -52,6 +55,7 @@ impl Request {
             reference: None,
             open: OpenOptions::default(),
             csv: None,
+            given: Given::default(),
         }
     }
 

@@ -2,10 +2,14 @@
 
 use crate::support;
 
+use sinew_estimate::feeder::{Fed, Feeder, FeederOptions};
+use sinew_estimate::live::{LiveOffsets, Stepped};
 use sinew_estimate::session;
-use sinew_estimate::session::SessionOptions;
-use sinew_model::Gaussian;
-use support::{asked_seeds, biorob_like, block_by_block, seeds, work_session};
+use sinew_estimate::session::{Recorder, SessionOptions};
+use sinew_log::OpenOptions;
+use sinew_model::offset::{FeatureConfig, FeatureObserver};
+use sinew_model::{Gaussian, StepError};
+use support::{asked_seeds, biorob_like, block_by_block, repository, seeds, work_session};
 
 #[test]
 fn block_by_block_gives_what_all_at_once_gives() {
@@ -182,4 +186,75 @@ fn a_slip_is_doubted_and_then_followed() {
     assert!(10 * all[0] > 9 * all[1], "{all:?}");
     assert!(6 * ends[0] >= 5 * ends[1], "{ends:?}");
     assert!(3 * doubts <= seeds(3), "{doubts}");
+}
+
+/// Samples one by one are what frames of a recording are.
+#[test]
+fn live_offsets_are_those_of_the_feeder() {
+    let robot = biorob_like();
+    let options = SessionOptions::default();
+    let file = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let mut recording = sinew_log::open(&file, &OpenOptions::default()).unwrap();
+    let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), 0.5);
+    let mut simulated = Vec::new();
+    while let Some(frame) = recording.next_frame().unwrap() {
+        recorder.push(frame, 0.002 * simulated.len() as f64);
+        simulated.push(frame.clone());
+    }
+    let (baseline, _) = session::learn_recorded(
+        &robot,
+        &recorder.finish(),
+        "A",
+        &session::Learning::default(),
+    )
+    .unwrap();
+    let mut live = LiveOffsets::new(robot.clone(), (baseline.clone(), "A"), &options).unwrap();
+    let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
+    let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+    let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
+    let mut last_ns = simulated[0].time_ns;
+    let mut updates = 0;
+    for (i, frame) in simulated.iter().enumerate() {
+        let mut frame = frame.clone();
+        // A sample is lost now and then: the next step is longer for both.
+        if i % 500 == 7 {
+            frame.q[1] = f64::NAN;
+        }
+        let dt_s = (frame.time_ns - last_ns) as f64 * 1e-9;
+        last_ns = frame.time_ns;
+        let fed = feeder.frame(&frame);
+        if fed.output() == Some(true) {
+            filter.step(feeder.observer().block()).unwrap();
+        }
+        let (q, theta, tau_m) = (&frame.q, &frame.theta, &frame.tau_m);
+        let stepped = live
+            .step(dt_s, q, theta, tau_m, frame.temperature_c)
+            .unwrap();
+        updates += usize::from(stepped == Stepped::Updated);
+        let as_fed = match fed {
+            Fed::Refused(why) => Stepped::Refused(why),
+            Fed::Restarted(false) => Stepped::Restarted,
+            Fed::Taken(false) => Stepped::Taken,
+            Fed::Taken(true) | Fed::Restarted(true) => Stepped::Updated,
+        };
+        assert_eq!(stepped, as_fed, "frame {i}");
+    }
+    assert!(updates > 100, "{updates}");
+    for joint in 0..robot.arm.dof() {
+        assert_eq!(live.offset(joint), filter.offset(joint));
+    }
+    assert_eq!(live.is_provisional(), filter.is_provisional());
+    assert!(live.offset(9).mean.is_nan());
+    // What can't be a sample changes nothing.
+    let four = [0.1; 4];
+    let before = live.offset(2);
+    for (dt_s, q, tau_m) in [(0.002, &four[..3], &four[..]), (0.002, &four, &four[..2])] {
+        let refused = live.step(dt_s, q, &four, tau_m, f64::NAN);
+        assert_eq!(refused, Err(StepError::Length));
+    }
+    for dt_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = live.step(dt_s, &four, &four, &[], f64::NAN);
+        assert_eq!(refused, Err(StepError::TimeStep));
+    }
+    assert_eq!(live.offset(2), before);
 }

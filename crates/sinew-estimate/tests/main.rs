@@ -6,6 +6,7 @@ mod anchor;
 mod bad_input;
 mod baseline_merge;
 mod feeder;
+mod given;
 mod honest;
 mod live;
 mod motor_current;

@@ -1,7 +1,9 @@
 //! Plots, pages and numbers as Sinew shows them.
 
+mod glance;
 mod page;
 pub mod plot;
 
+pub use glance::glance;
 pub use page::{Block, Headline, Level, Page, Section, Sentence, Table};
 pub use sinew_files::number::{count, duration, given, rounded, share, with_interval};

@@ -52,7 +52,7 @@ pub enum Block {
 }
 
 /// How much an answer asks of its reader: a colour and, beside it, a sign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Level {
     /// Nothing: a fact.
     #[default]
@@ -145,6 +145,14 @@ impl Table {
             .into_iter()
             .map(|(name, value)| vec![name.to_owned(), value]);
         Self::new(&[], rows)
+    }
+
+    /// The table as a piece of HTML.
+    pub fn html(&self) -> String {
+        let mut out = String::new();
+        // Text takes everything.
+        let _ = write_table(&mut out, self);
+        out
     }
 
     /// Puts a line above.

@@ -1,4 +1,5 @@
 //! All tests of sinew-figure in one binary: one link, one start.
 
+mod glance;
 mod page;
 mod plot;

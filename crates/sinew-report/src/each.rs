@@ -101,56 +101,70 @@ fn failure(outcome: &RecordingOutcome) -> Option<String> {
     Some(why.strip_prefix(&prefix).unwrap_or(&why).to_owned())
 }
 
+/// Columns of a row per recording and joint.
+const COLUMNS: [(&str, CellKind); 13] = [
+    ("recording", CellKind::Text),
+    ("joint", CellKind::Text),
+    ("time_utc_s", CellKind::Number),
+    ("duration_s", CellKind::Number),
+    ("temperature_c", CellKind::Number),
+    ("offset_rad", CellKind::Number),
+    ("offset_interval_95_rad", CellKind::Number),
+    ("elongation_m", CellKind::Number),
+    ("elongation_interval_95_m", CellKind::Number),
+    ("strain_ratio", CellKind::Number),
+    ("verdict", CellKind::Text),
+    ("reason", CellKind::Text),
+    ("error", CellKind::Text),
+];
+
 /// A row per recording and joint, in SI; a recording that couldn't be estimated is one row with its `error`.
 ///
 /// Intervals are half a 95 % interval; the paper's reading has none, and no verdict.
 pub fn each_table(each: &EachDocument) -> Table {
-    let mut out = Table::new(&[
-        ("recording", CellKind::Text),
-        ("joint", CellKind::Text),
-        ("time_utc_s", CellKind::Number),
-        ("duration_s", CellKind::Number),
-        ("temperature_c", CellKind::Number),
-        ("offset_rad", CellKind::Number),
-        ("offset_interval_95_rad", CellKind::Number),
-        ("elongation_m", CellKind::Number),
-        ("elongation_interval_95_m", CellKind::Number),
-        ("strain_ratio", CellKind::Number),
-        ("verdict", CellKind::Text),
-        ("reason", CellKind::Text),
-        ("error", CellKind::Text),
-    ]);
-    let width = out.columns.len();
+    let mut out = Table::new(&COLUMNS);
     for outcome in &each.recordings {
         let failed = failure(outcome);
-        let Some(document) = outcome.estimate.as_ref().filter(|_| failed.is_none()) else {
-            let mut row: Vec<Cell> = vec![outcome.recording.as_str().into()];
-            row.resize(width - 1, Cell::Empty);
-            row.push(failed.into());
-            out.push(row);
-            continue;
-        };
-        let session = document.session.as_ref();
-        let duration_s = document.reading.recording.duration_s;
-        for row in Row::all(document) {
-            out.push(vec![
-                outcome.recording.as_str().into(),
-                row.joint.into(),
-                session.and_then(|s| s.start_time_utc_s).into(),
-                session.map_or(duration_s, |s| s.duration_s).into(),
-                session.and_then(|s| s.temperature_c).into(),
-                row.offset_rad.into(),
-                row.half_width_rad.into(),
-                row.elongation_m.into(),
-                row.half_width_m.into(),
-                row.strain_ratio.into(),
-                row.verdict.map(verdict).into(),
-                Some(row.reason).filter(|text| !text.is_empty()).into(),
-                Cell::Empty,
-            ]);
+        match outcome.estimate.as_ref().filter(|_| failed.is_none()) {
+            Some(document) => push_rows(&mut out, &outcome.recording, document),
+            None => {
+                let mut row: Vec<Cell> = vec![outcome.recording.as_str().into()];
+                row.resize(COLUMNS.len() - 1, Cell::Empty);
+                row.push(failed.into());
+                out.push(row);
+            }
         }
     }
     out
+}
+
+/// A row per joint of one recording, as in [`each_table`].
+pub fn estimate_rows(document: &EstimateDocument) -> Table {
+    let mut out = Table::new(&COLUMNS);
+    push_rows(&mut out, &document.reading.recording.path, document);
+    out
+}
+
+fn push_rows(out: &mut Table, recording: &str, document: &EstimateDocument) {
+    let session = document.session.as_ref();
+    let duration_s = document.reading.recording.duration_s;
+    for row in Row::all(document) {
+        out.push(vec![
+            recording.into(),
+            row.joint.into(),
+            session.and_then(|s| s.start_time_utc_s).into(),
+            session.map_or(duration_s, |s| s.duration_s).into(),
+            session.and_then(|s| s.temperature_c).into(),
+            row.offset_rad.into(),
+            row.half_width_rad.into(),
+            row.elongation_m.into(),
+            row.half_width_m.into(),
+            row.strain_ratio.into(),
+            row.verdict.map(verdict).into(),
+            Some(row.reason).filter(|text| !text.is_empty()).into(),
+            Cell::Empty,
+        ]);
+    }
 }
 
 /// The folder that all recordings lie in, where it is one: names are shown without it.

@@ -22,6 +22,11 @@ use sinew_model::offset::{Comparison, TorqueSource};
 /// table; for every joint its figure; what the paper's equation reads; recording, robot and settings;
 /// what each number rests on.
 pub fn html(document: &EstimateDocument) -> String {
+    page(document).html()
+}
+
+/// [`html`] before it is text.
+pub fn page(document: &EstimateDocument) -> Page {
     let (estimate, session) = (&document.reading, document.session.as_ref());
     let mut page = Page::new(format!("Tendon stretch of {}", estimate.robot.name));
     page.subtitle = format!(
@@ -95,7 +100,6 @@ pub fn html(document: &EstimateDocument) -> String {
             }),
         ],
     )
-    .html()
 }
 
 fn how_sure(estimate: &Estimate) -> String {

@@ -32,8 +32,8 @@ mod units;
 mod warnings;
 mod words;
 
-pub use each::{each_summary, each_table};
-pub use estimate::html;
+pub use each::{each_summary, each_table, estimate_rows};
+pub use estimate::{html, page};
 pub use estimate_table::estimate_series;
 pub use sentences::headline;
 pub use session_sentences::session_sentences;

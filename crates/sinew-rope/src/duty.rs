@@ -84,12 +84,11 @@ impl Duty {
             .all(|s| s.from == first && s.to == first)
     }
 
-    /// A duty, unless there are no blocks or too many.
-    pub(super) fn checked(
-        stretches: Vec<Stretch>,
-        repeat: bool,
-        file: &str,
-    ) -> Result<Self, Located> {
+    /// A duty of stretches, unless there are none or too many; `file` is what it is called.
+    ///
+    /// # Errors
+    /// With what it is called.
+    pub fn checked(stretches: Vec<Stretch>, repeat: bool, file: &str) -> Result<Self, Located> {
         if stretches.is_empty() || stretches.len() > STRETCHES_MAX {
             let blocks = stretches.len();
             let problem = format!("{blocks} blocks; a duty has 1 to {STRETCHES_MAX}");

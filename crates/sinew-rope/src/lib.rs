@@ -5,7 +5,7 @@
 //! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
 //!
 //! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
-//! [`endurance`], [`life`], [`select`], [`pretension`], [`warmth`].
+//! [`endurance`], [`life`], [`select`], [`pretension`], [`warmth`]; [`task`] puts requests together from what is stated.
 
 pub mod bench;
 mod blocks;
@@ -28,6 +28,7 @@ mod schedule;
 pub mod select;
 pub mod stored;
 mod strand;
+pub mod task;
 pub mod warmth;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};

@@ -4,3 +4,4 @@ mod coverage;
 mod life;
 mod relaxation;
 mod spoiled_text;
+mod task;

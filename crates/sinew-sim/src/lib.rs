@@ -25,7 +25,7 @@ mod tests;
 pub use error::SimulateError;
 pub use faults::FaultCounts;
 pub use faults::FaultyLine;
-pub use run::{Progress, SimulateOptions, Summary, run, truth_path};
+pub use run::{Progress, SimulateOptions, Summary, record, recorded_quantities, run, truth_path};
 pub use scenario::Scenario;
 pub use sensors::injected;
 pub use simulation::{Simulation, TrueState};

@@ -7,7 +7,8 @@ use super::simulation::Simulation;
 use super::truth::Truth;
 use sinew_files::AtomicFile;
 use sinew_log::{
-    Compression, CsvWriter, Format, FrameWriter, McapOptions, McapWriter, ParquetWriter, Quantities,
+    Compression, CsvWriter, Format, Frame, FrameWriter, LogError, McapOptions, McapWriter,
+    ParquetWriter, Quantities,
 };
 use sinew_model::robot::Robot;
 use std::fs::File;
@@ -89,27 +90,10 @@ pub fn run(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Summary, SimulateError> {
     let begun = Instant::now();
-    let mut simulation = Simulation::new(robot, scenario)?;
-    let mut writer = writer(robot, scenario, options)?;
-    let mut line = FaultyLine::new(&scenario.faults, scenario.seed, scenario.start_time_ns);
-    // Ten times a simulated second is smooth for an eye and costs nothing.
-    let every = (scenario.sample_rate_hz / 10.0).max(1.0) as u64;
+    let simulation = Simulation::new(robot, scenario)?;
     let total_s = simulation.duration_s();
-    let mut frames = 0;
-    while let Some(frame) = simulation.next_frame()? {
-        line.pass(frame, &mut |f| writer.write(f))?;
-        frames += 1;
-        if frames % every == 0 {
-            progress(Progress {
-                done_s: frames as f64 / scenario.sample_rate_hz,
-                total_s,
-                frames,
-            });
-        }
-    }
-    line.flush(&mut |f| writer.write(f))?;
-
-    let truth = Truth::of(&simulation, line.counts());
+    let mut writer = writer(robot, scenario, options)?;
+    let (truth, counts) = record(simulation, scenario, &mut |f| writer.write(f), progress)?;
     let truth_file = truth_path(&options.out);
     let text = serde_json::to_string_pretty(&truth).map_err(|e| SimulateError::Truth {
         file: truth_file.display().to_string(),
@@ -131,19 +115,47 @@ pub fn run(
         truth_file,
         truth,
         duration_s: total_s,
-        frames: line.counts(),
+        frames: counts,
         bytes,
         wall_s: begun.elapsed().as_secs_f64(),
     })
 }
 
-fn writer(
-    robot: &Robot,
+/// Runs a simulation of `scenario` to its end: every frame goes through the faults of the line to `take`.
+/// Returns the truth, and what became of the frames.
+///
+/// # Errors
+/// [`SimulateError`].
+pub fn record(
+    mut simulation: Simulation,
     scenario: &Scenario,
-    options: &SimulateOptions,
-) -> Result<Box<dyn FrameWriter>, SimulateError> {
+    take: &mut dyn FnMut(&Frame) -> Result<(), LogError>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Truth, FaultCounts), SimulateError> {
+    let mut line = FaultyLine::new(&scenario.faults, scenario.seed, scenario.start_time_ns);
+    // Ten times a simulated second is smooth for an eye and costs nothing.
+    let every = (scenario.sample_rate_hz / 10.0).max(1.0) as u64;
+    let total_s = simulation.duration_s();
+    let mut frames = 0;
+    while let Some(frame) = simulation.next_frame()? {
+        line.pass(frame, take)?;
+        frames += 1;
+        if frames % every == 0 {
+            progress(Progress {
+                done_s: frames as f64 / scenario.sample_rate_hz,
+                total_s,
+                frames,
+            });
+        }
+    }
+    line.flush(take)?;
+    Ok((Truth::of(&simulation, line.counts()), line.counts()))
+}
+
+/// Which quantities frames of `scenario` hold.
+pub fn recorded_quantities(scenario: &Scenario) -> Quantities {
     let record = scenario.record;
-    let quantities = Quantities {
+    Quantities {
         q: true,
         theta: true,
         dq: record.dq,
@@ -151,7 +163,15 @@ fn writer(
         tau_m: record.tau_m,
         tau_ext: record.tau_ext,
         temperature: record.temperature,
-    };
+    }
+}
+
+fn writer(
+    robot: &Robot,
+    scenario: &Scenario,
+    options: &SimulateOptions,
+) -> Result<Box<dyn FrameWriter>, SimulateError> {
+    let quantities = recorded_quantities(scenario);
     let joints = robot.joint_names().to_vec();
     let ending = options.out.extension().and_then(|e| e.to_str());
     let format = options.format.or(match ending {

@@ -38,11 +38,11 @@ pub(crate) fn reference(
     };
     let request = Request {
         log: log.clone(),
-        robot: Some(match &request.robot {
-            Some(robot) => robot.clone(),
+        robot: match (&request.robot, &request.given.robot) {
             // The robot is that of the recording asked for, wherever the reference lies.
-            None => robot_dir::find(&request.log)?,
-        }),
+            (None, None) => Some(robot_dir::find(&request.log)?),
+            (place, _) => place.clone(),
+        },
         injections: Vec::new(),
         reference: None,
         csv: None,

@@ -25,6 +25,7 @@ mod recorder;
 mod result;
 mod run;
 mod segments;
+pub mod stated;
 mod summary;
 mod temperature;
 mod torque_range;

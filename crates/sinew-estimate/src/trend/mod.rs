@@ -18,7 +18,7 @@ pub mod stored;
 pub use analyze::{TrendRequest, analyze};
 pub use clock::Stated;
 pub use error::AnalyzeError;
-pub use read::{read_records, read_sessions, records_from_csv, records_from_json};
+pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{RecordError, SessionRecord, Sorted, sort};
 pub use result::{
     ForecastPoint, JointTrend, JumpCause, Limit, LimitForecast, LimitState, MissingFromRobot,

@@ -35,6 +35,14 @@ pub fn read_sessions(files: &[PathBuf], robot: Option<&Robot>) -> Result<Sorted,
     for file in files {
         records.extend(read_records(file)?);
     }
+    sort_of(records, robot)
+}
+
+/// Puts records in order; joints must be elastic ones of the robot, where it is known.
+///
+/// # Errors
+/// [`RecordError`].
+pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sorted, RecordError> {
     let elastic: Vec<String> = robot.map_or(Vec::new(), |r| {
         (r.joint_names().iter().zip(&r.transmissions))
             .filter(|(_, t)| t.is_some())

@@ -155,9 +155,8 @@ fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, Sc
     let file = path.display().to_string();
     let text = sinew_files::read_text(path, &sinew_files::limits::SETTINGS)
         .map_err(SimulateError::from)?;
-    let mut scenario = Scenario::from_toml(&text, &file).map_err(SimulateError::from)?;
+    let scenario = Scenario::open(path)?;
     let beside = path.parent().unwrap_or(Path::new(""));
-    scenario.correction.read_estimate(beside)?;
     let robot = match (robot, &scenario.robot) {
         (Some(robot), _) => robot,
         (None, Some(folder)) => robot_dir::load(&beside.join(folder), None)?.robot,

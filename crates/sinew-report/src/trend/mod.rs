@@ -7,7 +7,7 @@ mod terminal;
 mod words;
 
 pub use csv::trend_table;
-pub use page::{figure, html};
+pub use page::{figure, html, page};
 pub use table::trend_series;
 pub use terminal::render_table;
 pub use words::format_note;

@@ -107,8 +107,13 @@ fn seen(joint: &JointTrend) -> String {
     )
 }
 
-/// The page.
+/// The page as one HTML file.
 pub fn html(report: &TrendReport) -> String {
+    page(report).html()
+}
+
+/// The page.
+pub fn page(report: &TrendReport) -> Page {
     let name = report.robot.as_deref().unwrap_or("robot");
     let mut page = Page::new(format!("Tendons of {name}: trend"));
     page.subtitle = report
@@ -165,7 +170,6 @@ pub fn html(report: &TrendReport) -> String {
     ];
     how.extend(report.notes.iter().map(format_note));
     page.section("How to read this", vec![Block::List(how)])
-        .html()
 }
 
 fn level(verdict: TrendVerdict) -> Level {

@@ -6,8 +6,10 @@ use super::events::{
     contact, faults, jam, offset, payload, random_contacts, record, session, stop,
 };
 use super::*;
-use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
+use crate::error::SimulateError;
+use sinew_files::{Bound, Fields as _, Located, Section, TomlFile, limits, read_text};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// No joint of an arm is asked to go further than ten turns: above that a degree was meant.
 const ANGLE: Bound = Bound::Within(-63.0, 63.0);
@@ -24,6 +26,18 @@ impl Scenario {
         let doc = TomlFile::parse(text, file)?;
         let scenario = doc.root().whole(|root| Self::of(root, file))?;
         scenario.check_rates(&doc.root())?;
+        Ok(scenario)
+    }
+
+    /// Reads a file, and the estimate its correction names beside it.
+    ///
+    /// # Errors
+    /// [`SimulateError`].
+    pub fn open(path: &Path) -> Result<Self, SimulateError> {
+        let text = read_text(path, &limits::SETTINGS)?;
+        let mut scenario = Self::from_toml(&text, &path.display().to_string())?;
+        let beside = path.parent().unwrap_or(Path::new(""));
+        scenario.correction.read_estimate(beside)?;
         Ok(scenario)
     }
 

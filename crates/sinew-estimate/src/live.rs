@@ -1,0 +1,149 @@
+//! Absolute offsets beside a running robot: samples in, offsets out, nothing allocated after construction.
+//!
+//! What a control loop, a Python session and the C interface step. `examples/live_offsets.rs` does the same with
+//! frames of a recording.
+
+use crate::baseline::Baseline;
+use crate::error::SessionError;
+use crate::feeder::{Fed, Feeder, FeederOptions, Refusal};
+use crate::session::{self, SessionOptions};
+use sinew_log::Frame;
+use sinew_model::offset::{FeatureConfig, FeatureObserver, RecursiveOffsets};
+use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, StepError};
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stepped {
+    /// It was taken.
+    Taken,
+    /// It was taken as the first one: at the start, or after a pause.
+    Restarted,
+    /// It was taken, and the offsets with it: a block of some 0.2 s is complete.
+    Updated,
+    /// It was not taken, and changed nothing. Its time has passed all the same: the next `dt_s` counts from it.
+    Refused(Refusal),
+}
+
+/// The absolute offsets of a robot since a baseline, sample by sample.
+///
+/// # Realtime
+/// [`LiveOffsets::step`] and what reads: no allocation, lock, panic or clock.
+#[derive(Debug, Clone)]
+pub struct LiveOffsets {
+    robot: Robot,
+    before: Baseline,
+    feeder: Feeder<FeatureObserver>,
+    filter: RecursiveOffsets,
+    frame: Frame,
+    started: bool,
+}
+
+impl LiveOffsets {
+    /// For `robot` since `baseline` (with the name of its file). All memory is allocated here.
+    ///
+    /// # Errors
+    /// [`SessionError`] when the baseline is of another robot.
+    pub fn new(
+        robot: Robot,
+        (baseline, file): (Baseline, &str),
+        options: &SessionOptions,
+    ) -> Result<Self, SessionError> {
+        let filter = session::live(&robot, (&baseline, file), options)?;
+        let features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
+        Ok(Self {
+            feeder: Feeder::new(features, &robot.transmissions, FeederOptions::default()),
+            frame: Frame::new(robot.arm.dof()),
+            filter,
+            before: baseline,
+            started: false,
+            robot,
+        })
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Takes a sample, `dt_s` after the one before; of the first that doesn't matter.
+    ///
+    /// * `q`, `theta`: `n` each, joint and motor positions, rad. A rigid joint's motor position doesn't matter.
+    /// * `tau_m`: `n` or empty, motor torque, N·m; NaN where it isn't known.
+    /// * `temperature_c`: °C; NaN where it isn't known.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::TimeStep`]; the state is then unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        q: &[f64],
+        theta: &[f64],
+        tau_m: &[f64],
+        temperature_c: f64,
+    ) -> Result<Stepped, StepError> {
+        const NS_PER_S: f64 = 1e9;
+        let n = self.frame.q.len();
+        let torque_fits = tau_m.is_empty() || tau_m.len() == n;
+        if q.len() != n || theta.len() != n || !torque_fits {
+            return Err(StepError::Length);
+        }
+        if self.started {
+            if !(dt_s > 0.0 && dt_s <= NS_PER_S) {
+                return Err(StepError::TimeStep);
+            }
+            let step_ns = ((dt_s * NS_PER_S).round() as i64).max(1);
+            self.frame.time_ns = self.frame.time_ns.saturating_add(step_ns);
+        }
+        self.started = true;
+        self.frame.q.copy_from_slice(q);
+        self.frame.theta.copy_from_slice(theta);
+        match tau_m {
+            [] => self.frame.tau_m.fill(f64::NAN),
+            stated => self.frame.tau_m.copy_from_slice(stated),
+        }
+        self.frame.temperature_c = temperature_c;
+        Ok(match self.feeder.frame(&self.frame) {
+            Fed::Taken(true) | Fed::Restarted(true) => {
+                self.filter.step(self.feeder.observer().block())?;
+                Stepped::Updated
+            }
+            Fed::Taken(false) => Stepped::Taken,
+            Fed::Restarted(false) => Stepped::Restarted,
+            Fed::Refused(why) => Stepped::Refused(why),
+        })
+    }
+
+    /// Samples that follow don't go on where the last one was: the filters start anew, what is known stays.
+    pub fn interrupt(&mut self) {
+        self.frame.segment = self.frame.segment.wrapping_add(1);
+    }
+
+    /// The offset of a joint since the baseline, rad; NaN for one there isn't.
+    pub fn offset(&self, joint: usize) -> Gaussian {
+        self.filter.offset(joint)
+    }
+
+    /// Whether the offsets are in doubt: the first half minute, a contact, a slip not settled yet.
+    pub fn is_provisional(&self) -> bool {
+        self.filter.is_provisional()
+    }
+
+    /// Probability that a joint's stiffness has changed since the baseline.
+    pub fn stiffness_changed(&self, joint: usize) -> f64 {
+        self.filter.stiffness_changed(joint)
+    }
+
+    /// What is known now as the baseline of the next session: `recording` names this one, which ended at
+    /// `end_time_ns`.
+    ///
+    /// # Errors
+    /// [`SessionError::Provisional`] while the offsets are in doubt.
+    pub fn save(&self, recording: &str, end_time_ns: i64) -> Result<Baseline, SessionError> {
+        let end = (recording, end_time_ns);
+        session::live_saved(&self.robot, &self.before, &self.filter, end)
+    }
+}

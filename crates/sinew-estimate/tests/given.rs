@@ -1,0 +1,123 @@
+//! What is in memory is estimated as what is in a file.
+
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::robot_dir;
+use sinew_estimate::session::SessionOptions;
+use sinew_estimate::{EstimateDocument, Given, Method, Opener, Plan, Request, estimate};
+use sinew_log::{Arrays, Frame, OpenOptions, Quantities, Quantity, Recording};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+struct Held {
+    joints: Vec<String>,
+    quantities: Quantities,
+    frames: Arc<Vec<Frame>>,
+}
+
+impl Arrays for Held {
+    fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    fn quantities(&self) -> Quantities {
+        self.quantities
+    }
+
+    fn rows(&self) -> u64 {
+        self.frames.len() as u64
+    }
+
+    fn times_ns(&mut self, from: u64, into: &mut [i64]) -> Result<(), String> {
+        let frames = self.frames[from as usize..].iter();
+        into.iter_mut()
+            .zip(frames)
+            .for_each(|(t, f)| *t = f.time_ns);
+        Ok(())
+    }
+
+    fn values(&mut self, quantity: Quantity, from: u64, into: &mut [f64]) -> Result<(), String> {
+        let frames = self.frames[from as usize..].iter();
+        let values = frames.flat_map(|frame| frame.get(quantity));
+        into.iter_mut().zip(values).for_each(|(v, x)| *v = *x);
+        Ok(())
+    }
+}
+
+/// The frames of a file, as something that opens them from memory.
+fn held(file: &Path) -> Opener {
+    let mut recording = sinew_log::open(file, &OpenOptions::default()).unwrap();
+    let joints = recording.joints().to_vec();
+    let quantities = recording.channels().union();
+    let mut frames = Vec::new();
+    while let Some(frame) = recording.next_frame().unwrap() {
+        frames.push(frame.clone());
+    }
+    let frames = Arc::new(frames);
+    Arc::new(move |options| {
+        let held = Held {
+            joints: joints.clone(),
+            quantities,
+            frames: frames.clone(),
+        };
+        Recording::from_arrays(Box::new(held), "memory", options)
+    })
+}
+
+fn answered(request: &Request, method: Method) -> (EstimateDocument, Option<Baseline>) {
+    let plan = Plan {
+        method,
+        window: Default::default(),
+        baseline: None,
+        options: SessionOptions::default(),
+    };
+    estimate(request, &plan, &mut |_| {}).unwrap()
+}
+
+#[test]
+fn a_recording_and_a_robot_in_memory_give_what_their_files_give() {
+    let file = root().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let mut request = Request::new(file.clone());
+    request.robot = Some(root().join("robots/biorob-like"));
+    let robot = robot_dir::load(request.robot.as_ref().unwrap(), None).unwrap();
+    let mut in_memory = Request::new("memory".into());
+    in_memory.given = Given::default().with_recording("memory", held(&file));
+    in_memory.given.robot = Some(Arc::new(robot));
+    // The recording is opened twice: once as the reference.
+    for method in [Method::Absolute, Method::Paper] {
+        request.reference = (method == Method::Paper).then(|| file.clone());
+        in_memory.reference = (method == Method::Paper).then(|| "memory".into());
+        let (of_file, _) = answered(&request, method);
+        let (of_memory, _) = answered(&in_memory, method);
+        // By their text, in which NaN is NaN: a stretch of the series without an estimate.
+        let joints = |d: &EstimateDocument| format!("{:?}", d.reading.joints);
+        assert!(joints(&of_memory) == joints(&of_file), "other numbers");
+        assert_eq!(of_memory.reading.recording.path, "memory");
+        let joints = |d: &EstimateDocument| d.session.as_ref().map(|s| s.joints.clone());
+        assert_eq!(joints(&of_memory), joints(&of_file));
+    }
+    let text = format!("{:?}", in_memory.given);
+    assert!(
+        text.contains("biorob-like") && text.contains("memory"),
+        "{text}"
+    );
+}
+
+/// Where no robot is named, it is looked for beside the recording, which is nowhere.
+#[test]
+fn a_recording_in_memory_needs_a_robot() {
+    let file = root().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let mut request = Request::new("memory/none".into());
+    request.given = Given::default().with_recording("memory/none", held(&file));
+    let plan = Plan {
+        method: Method::Paper,
+        window: Default::default(),
+        baseline: None,
+        options: SessionOptions::default(),
+    };
+    let error = estimate(&request, &plan, &mut |_| {}).unwrap_err();
+    assert!(error.to_string().contains("no robot.toml"), "{error}");
+}
