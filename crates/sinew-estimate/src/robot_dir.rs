@@ -1,8 +1,10 @@
 //! A robot's folder: `robot.toml` and the URDF it names.
 
 use sinew_files::{Located, limits, names, read_text};
+use sinew_model::arm::JointKind;
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_model::transmission::{Tendon, Transmission};
+use sinew_rope::task::Drive;
 use std::path::{Path, PathBuf};
 
 /// A robot and where it came from.
@@ -29,11 +31,23 @@ impl LoadedRobot {
         Ok(self.tendon_drive(joint)?.1)
     }
 
-    /// The transmission of a joint that has a tendon, and the tendon.
+    /// What holds a joint that has a tendon.
     ///
     /// # Errors
     /// [`RobotDirError::NoJoint`], [`RobotDirError::NoTendon`].
-    pub fn tendon_drive(&self, joint: &str) -> Result<(&Transmission, &Tendon), RobotDirError> {
+    pub fn drive(&self, joint: &str) -> Result<Drive, RobotDirError> {
+        let (transmission, tendon) = self.tendon_drive(joint)?;
+        let arm = &self.robot.arm;
+        let kind = arm.joint_index(joint).and_then(|i| arm.joint_kind(i));
+        Ok(Drive {
+            stiffness_nm_per_rad: transmission.stiffness_nm_per_rad,
+            tendon: tendon.clone(),
+            slides: kind == Some(JointKind::Prismatic),
+        })
+    }
+
+    /// The transmission of a joint that has a tendon, and the tendon.
+    fn tendon_drive(&self, joint: &str) -> Result<(&Transmission, &Tendon), RobotDirError> {
         let names = self.robot.joint_names();
         let Some(i) = names.iter().position(|n| n == joint) else {
             return Err(RobotDirError::NoJoint {

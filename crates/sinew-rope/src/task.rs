@@ -125,6 +125,17 @@ impl RopeTask {
     }
 }
 
+/// What holds a joint: its drive's stiffness and its tendon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Stiffness of the joint, N·m/rad (N/m of one that slides).
+    pub stiffness_nm_per_rad: f64,
+    /// Its tendon.
+    pub tendon: Tendon,
+    /// Whether it slides.
+    pub slides: bool,
+}
+
 /// What is asked of a plan to tension a rope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PretensionTask {
@@ -176,17 +187,16 @@ impl Default for PretensionTask {
 }
 
 impl PretensionTask {
-    /// What is asked of a plan for `rope`; `drive`: stiffness of the joint, N·m/rad, and its tendon, where there is
-    /// one.
+    /// What is asked of a plan for `rope`; `drive`: what holds the joint, where there is one.
     ///
     /// # Errors
     /// [`TaskError`].
     pub fn request(
         &self,
         rope: &CatalogueRope,
-        drive: Option<(f64, &Tendon)>,
+        drive: Option<&Drive>,
     ) -> Result<pretension::Request, TaskError> {
-        let tendon = drive.map(|(_, tendon)| tendon);
+        let tendon = drive.map(|d| &d.tendon);
         let stated = self.tension_n.or(tendon.and_then(|t| t.pretension_n));
         let tension_n = stated.ok_or(TaskError::NoTension)?;
         let lowest_n = self.lowest_n.unwrap_or(LOWEST_SHARE * tension_n);
@@ -203,6 +213,7 @@ impl PretensionTask {
         let joint = radius_m.map(|radius_m| HeldJoint {
             radius_m,
             torque_nm: self.torque_nm,
+            slides: drive.is_some_and(|d| d.slides),
         });
         if self.torque_nm > 0.0 && joint.is_none() {
             return Err(TaskError::TorqueAlone);
@@ -210,7 +221,8 @@ impl PretensionTask {
         let load = RopeLoad::celsius(tension_n, self.temperature_c);
         let give_m_per_n = match (self.give_m_per_n, drive) {
             (Some(stated), _) => stated,
-            (None, Some((stiffness, t))) => {
+            (None, Some(d)) => {
+                let (stiffness, t) = (d.stiffness_nm_per_rad, &d.tendon);
                 let law = Draws::new(rope, 0, 0).map_err(PredictError::from)?.nominal;
                 let strands = if joint.is_some() { 2.0 } else { 1.0 };
                 let radius_m = t.joint_pulley_radius_m;

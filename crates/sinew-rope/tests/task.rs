@@ -3,7 +3,7 @@
 use sinew_model::transmission::{Guide as TendonGuide, Tendon};
 use sinew_rope::duty::Duty;
 use sinew_rope::predict::{Guide, TIMES_DEFAULT_S};
-use sinew_rope::task::{PretensionTask, RopeTask, TaskError};
+use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};
 use sinew_rope::{Catalogue, Draws};
 
 fn tendon() -> Tendon {
@@ -75,7 +75,12 @@ fn a_plan_takes_what_the_joint_leaves_beside_its_rope() {
         Err(TaskError::NoTension)
     ));
     let stiffness = 60.0;
-    let asked = task.request(rope, Some((stiffness, &tendon))).unwrap();
+    let drive = Drive {
+        stiffness_nm_per_rad: stiffness,
+        tendon: tendon.clone(),
+        slides: false,
+    };
+    let asked = task.request(rope, Some(&drive)).unwrap();
     assert_eq!((asked.tension_n, asked.lowest_n), (40.0, 32.0));
     let joint = asked.mount.joint.unwrap();
     assert_eq!((joint.radius_m, joint.torque_nm), (0.025, 0.0));
@@ -85,6 +90,12 @@ fn a_plan_takes_what_the_joint_leaves_beside_its_rope() {
     let own = 0.65 * 0.01 * law.compliance_percent_per_n(load).unwrap();
     let give = (2.0 * 0.025 * 0.025 / stiffness - own).max(0.0);
     assert!((asked.mount.give_m_per_n - give).abs() < 1e-18);
+    let sliding = Drive {
+        slides: true,
+        ..drive
+    };
+    let slides = task.request(rope, Some(&sliding)).unwrap().mount.joint;
+    assert!(slides.unwrap().slides && !joint.slides);
     // One rope holds no torque, and nothing is tensioned again before it is tensioned.
     let alone = PretensionTask {
         tension_n: Some(60.0),

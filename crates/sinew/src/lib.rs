@@ -2,7 +2,7 @@
 //!
 //! No physics and no format lives here. Exit codes: 0 done, 1 input refused, 2 usage, 3 finished,
 //! but data was lost or a threshold was passed. The result goes to stdout, everything else to
-//! stderr.
+//! stderr. [`run`] is all there is: the program `sinew` and the command in the Python wheel call it.
 
 mod args;
 mod commands;
@@ -12,7 +12,7 @@ mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use sinew_report::text;
-use std::process::ExitCode;
+use std::ffi::OsString;
 use terminal::{Failure, Finish};
 
 /// How far the rope tendons of a robot have stretched, from its encoders alone
@@ -81,27 +81,35 @@ impl Command {
     }
 }
 
-fn main() -> ExitCode {
-    let result = match Cli::try_parse() {
+/// Runs the command line, the first argument being the program's name, and returns its exit code.
+///
+/// Once a process: what was asked for is kept for all of it.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = Vec::from_iter(arguments);
+    terminal::set_arguments(arguments.clone());
+    let result = match Cli::try_parse_from(arguments) {
         Ok(cli) => {
             cli.style.apply();
             cli.command.run()
         }
-        // Wrong usage.
-        Err(error) if error.use_stderr() => error.exit(),
+        // Wrong usage; nobody is left to tell where stderr is closed.
+        Err(error) if error.use_stderr() => {
+            let _ = error.print();
+            return 2;
+        }
         // What --help and --version ask for is an answer like any other.
         Err(error) => terminal::answer(&error.to_string()).map(|()| Finish::Complete),
     };
     terminal::end();
     match result {
-        Ok(Finish::Complete) => ExitCode::SUCCESS,
-        Ok(Finish::Lossy) => ExitCode::from(3),
-        Ok(Finish::Refused) => ExitCode::from(1),
+        Ok(Finish::Complete) => 0,
+        Ok(Finish::Lossy) => 3,
+        Ok(Finish::Refused) => 1,
         // The reader has gone (`sinew … | head`): nothing is left to say, and nobody to say it to.
-        Err(Failure::ReaderGone) => ExitCode::SUCCESS,
+        Err(Failure::ReaderGone) => 0,
         Err(Failure::Refused(message)) => {
             terminal::complain(terminal::Word::Error, &message);
-            ExitCode::from(1)
+            1
         }
     }
 }

@@ -6,10 +6,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sinew_files::JsonDocument;
 use sinew_report::text::{Look, Tone, WIDTH, painted, set_look};
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr, stdout};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 /// How every command speaks.
@@ -110,9 +111,18 @@ impl<E: Error> From<E> for Failure {
     }
 }
 
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// What the program was called with.
+pub(crate) fn set_arguments(arguments: Vec<OsString>) {
+    // The first call counts.
+    let _ = ARGUMENTS.set(arguments);
+}
+
 /// Whether an option was given, for what is the same in every command.
 pub(crate) fn asked(option: &str) -> bool {
-    std::env::args_os().any(|argument| argument == option)
+    let arguments = ARGUMENTS.get();
+    arguments.is_some_and(|all| all.iter().any(|argument| argument == option))
 }
 
 /// Writes the result to stdout, or to stderr where a file was asked for on stdout.

@@ -3,7 +3,7 @@
 use crate::terminal::Failure;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
-use sinew_estimate::session::{Payload, SessionError, SessionOptions, Touch, Window};
+use sinew_estimate::session::{Payload, SessionError, SessionOptions, Touch, Window, stated};
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
@@ -24,17 +24,13 @@ pub(crate) struct Part {
 impl Part {
     /// The window, if it has a length.
     pub(crate) fn window(&self) -> Result<Window, Failure> {
-        let window = Window {
-            from_s: self.from_s,
-            to_s: self.to_s.unwrap_or(f64::INFINITY),
-        };
-        if window.from_s >= 0.0 && window.from_s < window.to_s {
-            return Ok(window);
-        }
-        Err(Failure::Refused(format!(
-            "--from {} s --to {} s: the part must start at 0 s or later and end after its start",
-            window.from_s, window.to_s
-        )))
+        stated::window(self.from_s, self.to_s).map_err(|_| {
+            Failure::Refused(format!(
+                "--from {} s --to {} s: the part must start at 0 s or later and end after its start",
+                self.from_s,
+                self.to_s.unwrap_or(f64::INFINITY)
+            ))
+        })
     }
 }
 
@@ -72,34 +68,20 @@ fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
         read.ok_or_else(|| format!("'{text}' is no number, as in 0.5±0.02"))
     };
     match text.split_once('±').or_else(|| text.split_once("+-")) {
-        Some((mean, deviation)) => match (number(mean)?, number(deviation)?) {
-            (_, deviation) if deviation < 0.0 => Err(format!("± {deviation} is below 0")),
-            (mean, deviation) => Ok((mean, Some(deviation))),
-        },
+        Some((mean, deviation)) => Ok((number(mean)?, Some(number(deviation)?))),
         None => Ok((number(text)?, None)),
     }
 }
 
 fn known_payload(text: &str) -> Result<Payload, String> {
-    match with_deviation(text)? {
-        (mass_kg, _) if mass_kg < 0.0 => Err(format!("a payload of {mass_kg} kg is below 0")),
-        (mass_kg, deviation_kg) => Ok(Payload::Known {
-            mass_kg: Gaussian::new(mass_kg, deviation_kg.unwrap_or(0.02 * mass_kg)),
-        }),
-    }
+    let (mass_kg, deviation_kg) = with_deviation(text)?;
+    stated::payload(mass_kg, deviation_kg).map_err(|e| e.to_string())
 }
 
 /// A temperature as a room thermometer tells it.
 pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
-    const THERMOMETER_K: f64 = 2.0;
-    match with_deviation(text)? {
-        (c, deviation_k) if (-60.0..=150.0).contains(&c) => {
-            Ok(Gaussian::new(c, deviation_k.unwrap_or(THERMOMETER_K)))
-        }
-        (c, _) => Err(format!(
-            "{c} °C is no temperature a robot works at (-60 to 150 °C)"
-        )),
-    }
+    let (c, deviation_k) = with_deviation(text)?;
+    stated::temperature(c, deviation_k).map_err(|e| e.to_string())
 }
 
 impl SessionArgs {

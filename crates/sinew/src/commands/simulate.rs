@@ -7,7 +7,7 @@ use crate::text::plain;
 use clap::Args;
 use sinew_estimate::robot_dir;
 use sinew_eval::control::{self, Simulated};
-use sinew_files::{JsonDocument as _, limits, read_text};
+use sinew_files::JsonDocument as _;
 use sinew_log::Compression;
 use sinew_sim::{Scenario, SimulateOptions, truth_path};
 use std::path::{Path, PathBuf};
@@ -66,8 +66,7 @@ impl Simulate {
         ];
         check_outputs(&outputs, &inputs, self.quiet)?;
         let name = self.scenario.display().to_string();
-        let text = read_text(&self.scenario, &limits::SETTINGS)?;
-        let mut scenario = Scenario::from_toml(&text, &name)?;
+        let mut scenario = Scenario::open(&self.scenario)?;
         if let Some(seed) = self.seed {
             scenario.seed = seed;
         }
@@ -75,7 +74,6 @@ impl Simulate {
             scenario.duration_s = self.duration;
         }
         let beside = self.scenario.parent().unwrap_or(Path::new(""));
-        scenario.correction.read_estimate(beside)?;
         let folder = match (&self.robot, &scenario.robot) {
             (Some(folder), _) => folder.clone(),
             (None, Some(named)) => beside.join(named),

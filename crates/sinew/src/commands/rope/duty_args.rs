@@ -9,7 +9,8 @@ use sinew_estimate::{Progress, robot_dir};
 use sinew_model::transmission::Tendon;
 use sinew_rope::Ends;
 use sinew_rope::duty::Duty;
-use sinew_rope::predict::{Guide, Request, Route, TIMES_DEFAULT_S};
+use sinew_rope::predict::{Guide, Request};
+use sinew_rope::task::{RopeTask, TaskError};
 use std::path::PathBuf;
 
 /// Which strand of a recording.
@@ -101,23 +102,30 @@ pub(super) struct Resolved {
 
 impl DutyArgs {
     pub(super) fn resolve(&self, quiet: bool) -> Result<Resolved, Failure> {
+        const M_PER_MM: f64 = 1e-3;
         let tendon = self.tendon()?;
-        let duty = self.resolve_duty(tendon.as_ref(), quiet)?;
-        let mut times_s = if self.at.is_empty() {
-            TIMES_DEFAULT_S.to_vec()
-        } else {
-            self.at.clone()
+        let task = RopeTask {
+            duty: self.resolve_duty(tendon.as_ref(), quiet)?,
+            tension_n: self.tension,
+            temperature_c: self.temperature,
+            length_m: self.length.map(|mm| M_PER_MM * mm),
+            guides: self.guide.clone(),
+            stroke_m: M_PER_MM * self.stroke,
+            strokes_per_hour: self.strokes_per_hour,
+            ends: self.ends.unwrap_or_default(),
+            abrasion_factor: self.abrasion,
+            times_s: self.at.clone(),
+            draws: self.draws as usize,
+            seed: self.seed,
         };
-        times_s.sort_unstable_by(f64::total_cmp);
+        let request = task.request(tendon.as_ref()).map_err(|error| match error {
+            TaskError::NoDuty => Failure::Refused(
+                "what has the rope to do? give --tension N, --duty FILE or --recording LOG".into(),
+            ),
+            other => other.into(),
+        })?;
         Ok(Resolved {
-            request: Request {
-                duty,
-                route: self.route(tendon.as_ref()),
-                times_s,
-                read_at: None,
-                draws: self.draws as usize,
-                seed: self.seed,
-            },
+            request,
             rope: tendon.and_then(|t| t.rope),
         })
     }
@@ -139,21 +147,13 @@ impl DutyArgs {
         Ok(Some(loaded.tendon(joint)?.clone()))
     }
 
-    fn resolve_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Duty, Failure> {
-        if let Some(file) = &self.duty {
-            return Ok(Duty::open(file)?);
-        }
-        if let Some(log) = &self.recording {
-            let Some(tendon) = tendon else {
-                return Err(Failure::Refused("--recording needs --joint NAME".into()));
-            };
-            return self.recorded(log.clone(), tendon, quiet);
-        }
-        match self.tension.or(tendon.and_then(|t| t.pretension_n)) {
-            Some(tension_n) => Ok(Duty::constant(tension_n, self.temperature)),
-            None => Err(Failure::Refused(
-                "what has the rope to do? give --tension N, --duty FILE or --recording LOG".into(),
-            )),
+    /// The duty of a table or a recording.
+    fn resolve_duty(&self, tendon: Option<&Tendon>, quiet: bool) -> Result<Option<Duty>, Failure> {
+        match (&self.duty, &self.recording, tendon) {
+            (Some(file), ..) => Ok(Some(Duty::open(file)?)),
+            (None, Some(log), Some(tendon)) => self.recorded(log.clone(), tendon, quiet).map(Some),
+            (None, Some(_), None) => Err(Failure::Refused("--recording needs --joint NAME".into())),
+            (None, None, _) => Ok(None),
         }
     }
 
@@ -170,27 +170,6 @@ impl DutyArgs {
         let (celsius, strand) = (self.temperature, self.strand);
         let duty = strand_duty::recorded(&request, joint, tendon, celsius, strand, &mut progress)?;
         Ok(duty)
-    }
-
-    fn route(&self, tendon: Option<&Tendon>) -> Route {
-        const M_PER_MM: f64 = 1e-3;
-        let length_m = self
-            .length
-            .map(|mm| M_PER_MM * mm)
-            .or(tendon.map(|t| t.length_m))
-            .unwrap_or(1.0);
-        let own = tendon.map_or(&[][..], |t| &t.guides);
-        let guides = match self.guide.as_slice() {
-            [] => own.iter().map(Guide::from).collect(),
-            stated => stated.to_vec(),
-        };
-        Route {
-            stroke_m: M_PER_MM * self.stroke,
-            strokes_per_hour: self.strokes_per_hour,
-            ends: self.ends.unwrap_or_default(),
-            abrasion_factor: self.abrasion,
-            ..Route::straight(length_m).guided(&guides)
-        }
     }
 
     /// Temperature, °C.

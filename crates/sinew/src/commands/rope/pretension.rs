@@ -7,9 +7,9 @@ use crate::args::positive;
 use crate::files::{check_outputs, write_text};
 use crate::terminal::{Failure, Finish, answer_as};
 use clap::Args;
-use sinew_model::rope::RopeLoad;
 use sinew_report::rope::{plan_table, planned};
-use sinew_rope::pretension::{self, Request};
+use sinew_rope::pretension;
+use sinew_rope::task::{PretensionTask, TaskError};
 use std::path::PathBuf;
 
 /// How much pretension, how to bed a rope in, and when to tension it again
@@ -70,34 +70,38 @@ impl Pretension {
             return Err(Failure::Refused(which.into()));
         };
         let rope = find(&catalogue, name)?;
-        let Some(tension_n) = self.tension.or(own.and_then(|t| t.pretension_n)) else {
-            let which = "the joint's tendon states no pretension_n; say --tension N";
-            return Err(Failure::Refused(which.into()));
+        let mut task = PretensionTask {
+            tension_n: self.tension,
+            lowest_n: self.lowest,
+            temperature_c: self.temperature,
+            horizon_s: self.horizon,
+            remove: self.remove,
+            draws: self.draws as usize,
+            seed: self.seed,
+            ..PretensionTask::default()
         };
-        let lowest_n = self.lowest.unwrap_or(0.8 * tension_n);
-        if lowest_n >= tension_n {
-            return Err(Failure::Refused(format!(
-                "--lowest {lowest_n} N must be below --tension {tension_n} N"
-            )));
-        }
-        let load = RopeLoad::celsius(tension_n, self.temperature);
-        let (length_m, mount) = self.mounted.resolve(rope, load, drive.as_ref())?;
-        let plan = pretension::plan(
-            rope,
-            &Request {
-                tension_n,
-                temperature_c: self.temperature,
-                length_m,
-                mount,
-                horizon_s: self.horizon,
-                lowest_n,
-                remove: self.remove,
-                draws: self.draws as usize,
-                seed: self.seed,
-            },
-        )?;
+        self.mounted.state(&mut task);
+        let request = task.request(rope, drive.as_ref()).map_err(refused)?;
+        let plan = pretension::plan(rope, &request)?;
         write_text(self.report.as_deref(), || planned(&plan).html())?;
         answer_as(self.json, &plan, plan_table)?;
         Ok(Finish::Complete)
     }
+}
+
+/// What is missing, by the names of the options.
+fn refused(error: TaskError) -> Failure {
+    Failure::Refused(match error {
+        TaskError::NoTension => {
+            "the joint's tendon states no pretension_n; say --tension N".to_owned()
+        }
+        TaskError::Lowest {
+            lowest_n,
+            tension_n,
+        } => format!("--lowest {lowest_n} N must be below --tension {tension_n} N"),
+        TaskError::TorqueAlone => {
+            "--torque needs a second rope that pulls the other way; say --joint-radius MM".into()
+        }
+        other => other.to_string(),
+    })
 }
