@@ -114,9 +114,13 @@ impl Baseline {
     /// # Errors
     /// [`OutputError`] with the path.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        write_file(path, self.to_text().as_bytes())
+    }
+
+    /// The file's text.
+    pub fn to_text(&self) -> String {
         // Numbers and names always serialise.
-        let text = serde_json::to_string(self).unwrap_or_default();
-        write_file(path, text.as_bytes())
+        serde_json::to_string(self).unwrap_or_default()
     }
 
     /// Reads a file.
@@ -124,6 +128,19 @@ impl Baseline {
     /// # Errors
     /// [`SessionError::Baseline`] with the file and what doesn't fit.
     pub fn read(path: &Path) -> Result<Self, SessionError> {
+        let file = path.display().to_string();
+        let text = read_text(path, &limits::BASELINE).map_err(|e| SessionError::Baseline {
+            file: file.clone(),
+            why: e.problem.clone(),
+        })?;
+        Self::parse(&text, &file)
+    }
+
+    /// Reads a file's text; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// As [`Baseline::read`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, SessionError> {
         /// Read first: a file of another version has other fields.
         #[derive(Deserialize)]
         struct Head {
@@ -131,16 +148,15 @@ impl Baseline {
             version: u32,
         }
         let wrong = |why: String| SessionError::Baseline {
-            file: path.display().to_string(),
+            file: file.to_owned(),
             why,
         };
-        let text = read_text(path, &limits::BASELINE).map_err(|e| wrong(e.problem.clone()))?;
         let not = |e: serde_json::Error| {
             wrong(format!(
                 "not a baseline: {e}; make one with sinew baseline LOG --out FILE"
             ))
         };
-        let head: Head = serde_json::from_str(&text).map_err(not)?;
+        let head: Head = serde_json::from_str(text).map_err(not)?;
         if head.format != Self::FORMAT || head.version != Self::VERSION {
             return Err(wrong(format!(
                 "format '{}' version {}; this program reads '{}' version {}: make it again with sinew baseline LOG --out FILE",
@@ -150,7 +166,7 @@ impl Baseline {
                 Self::VERSION
             )));
         }
-        let read: Self = serde_json::from_str(&text).map_err(not)?;
+        let read: Self = serde_json::from_str(text).map_err(not)?;
         let d = read.mean.len();
         let noise = read.noise_rad.iter().chain(&read.motor_noise_nm);
         let numbers = read.mean.iter().chain(&read.covariance_lower).chain(noise);

@@ -1,0 +1,338 @@
+import os
+from typing import Any, Callable, Iterable, Literal, Mapping, Sequence, Union, final
+
+import numpy as np
+import numpy.typing as npt
+
+_Path = Union[str, os.PathLike[str]]
+_Progress = Callable[[float, str], object]
+_Stated = Union[float, tuple[float, float]]
+_Floats = npt.NDArray[np.float64]
+
+VERSION: str
+Z95: float
+__all__ = [
+    "Baseline",
+    "Catalogue",
+    "CreepTests",
+    "Document",
+    "LiveOffsets",
+    "OffsetObserver",
+    "Recording",
+    "Robot",
+    "RopeLaw",
+    "Table",
+    "VERSION",
+    "Z95",
+    "estimate",
+    "estimate_each",
+    "learn_baseline",
+    "merge_baselines",
+    "plan_pretension",
+    "predict_rope",
+    "propose_poses",
+    "run_command",
+    "run_scenarios",
+    "scenario_text",
+    "select_rope",
+    "simulate",
+    "simulate_to",
+    "trend",
+]
+
+@final
+class Document:
+    def json(self) -> str: ...
+    def words(self) -> str: ...
+    def html(self) -> str | None: ...
+    def glance(self) -> str | None: ...
+    def write_html(self, path: _Path) -> bool: ...
+    def table_names(self) -> list[str]: ...
+    def table(self, name: str | None = None) -> Table: ...
+    def warnings(self) -> list[str]: ...
+    def is_lossy(self) -> bool: ...
+
+@final
+class Table:
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> Any: ...
+    def __arrow_c_schema__(self) -> Any: ...
+    @property
+    def column_names(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, key: str, /) -> Any: ...
+    def write(self, path: _Path) -> None: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class Robot:
+    def __new__(cls, place: _Path) -> Robot: ...
+    @staticmethod
+    def from_text(robot_toml: str, urdf: str, *, file: str = "robot.toml") -> Robot: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def file(self) -> os.PathLike[str]: ...
+    @property
+    def robot_toml(self) -> str: ...
+    @property
+    def urdf(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def stiffness_nm_per_rad(self) -> _Floats: ...
+    def rope(self, joint: str) -> str | None: ...
+    def elongation_m(self, joint: str, delta_e: float) -> float: ...
+    def strain(self, joint: str, delta_e: float) -> float: ...
+    def momentum(self, q: npt.ArrayLike, dq: npt.ArrayLike) -> tuple[_Floats, _Floats, _Floats]: ...
+    def _check(self, *, mapping: _Path | None = None, ropes: Sequence[_Path] = ...) -> Document: ...
+
+@final
+class Recording:
+    def __new__(
+        cls,
+        path: _Path,
+        *,
+        mapping: _Path | None = None,
+        joint_topic: str | None = None,
+        motor_topic: str | None = None,
+        motor_interface: str | None = None,
+        joint_effort: Literal["tau-el", "tau-m", "ignore"] | None = None,
+        gap_s: float | None = None,
+    ) -> Recording: ...
+    @staticmethod
+    def from_arrays(
+        *,
+        joints: Sequence[str],
+        q: npt.ArrayLike,
+        theta: npt.ArrayLike,
+        time_ns: npt.ArrayLike | None = None,
+        time_s: npt.ArrayLike | None = None,
+        dq: npt.ArrayLike | None = None,
+        tau_el: npt.ArrayLike | None = None,
+        tau_m: npt.ArrayLike | None = None,
+        tau_ext: npt.ArrayLike | None = None,
+        temperature_c: npt.ArrayLike | None = None,
+        name: str = "arrays",
+        gap_s: float | None = None,
+    ) -> Recording: ...
+    @staticmethod
+    def from_messages(
+        messages: Iterable[tuple[Any, ...]],
+        *,
+        name: str = "messages",
+        mapping: _Path | None = None,
+        joint_topic: str | None = None,
+        motor_topic: str | None = None,
+        motor_interface: str | None = None,
+        joint_effort: Literal["tau-el", "tau-m", "ignore"] | None = None,
+        gap_s: float | None = None,
+    ) -> Recording: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def format(self) -> Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def channels(self) -> dict[str, list[str]]: ...
+    @property
+    def robot_description(self) -> str | None: ...
+    def _info(self, *, progress: _Progress | None = None) -> Document: ...
+    def arrays(
+        self, *, joints: Sequence[str] | None = None, progress: _Progress | None = None
+    ) -> dict[str, Any]: ...
+    def table(self, *, joints: Sequence[str] | None = None, progress: _Progress | None = None) -> Table: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> Any: ...
+
+@final
+class Baseline:
+    @staticmethod
+    def read(path: _Path) -> Baseline: ...
+    @staticmethod
+    def from_text(text: str, *, name: str = "baseline") -> Baseline: ...
+    def to_text(self) -> str: ...
+    def write(self, path: _Path) -> None: ...
+    @property
+    def robot(self) -> str: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def recordings(self) -> list[str]: ...
+
+@final
+class LiveOffsets:
+    def __new__(
+        cls,
+        robot: _Path | Robot,
+        baseline: _Path | Baseline,
+        *,
+        empty: bool = False,
+        payload_kg: _Stated | None = None,
+        temperature_c: _Stated | None = None,
+        motor_torque: bool = True,
+    ) -> LiveOffsets: ...
+    @property
+    def joints(self) -> list[str]: ...
+    def step(
+        self,
+        dt: float,
+        q: npt.ArrayLike,
+        theta: npt.ArrayLike,
+        tau_m: npt.ArrayLike | None = None,
+        celsius: float = ...,
+    ) -> str: ...
+    def interrupt(self) -> None: ...
+    def offset(self, joint: str) -> tuple[float, float]: ...
+    def offsets(self) -> tuple[_Floats, _Floats]: ...
+    @property
+    def in_doubt(self) -> bool: ...
+    def stiffness_changed(self, joint: str) -> float: ...
+    def save(self, recording: str, end_time_ns: int) -> Baseline: ...
+
+@final
+class OffsetObserver:
+    def __new__(
+        cls,
+        robot: _Path | Robot,
+        *,
+        gain_per_s: float | None = None,
+        cutoff_rad_per_s: float | None = None,
+        comparison: Literal["matched", "paper"] = "matched",
+    ) -> OffsetObserver: ...
+    def step(
+        self, dt: float, q: npt.ArrayLike, theta: npt.ArrayLike, tau_ext: npt.ArrayLike | None = None
+    ) -> None: ...
+    def reset(self) -> None: ...
+    @property
+    def delta_e(self) -> _Floats: ...
+    @property
+    def tau_el(self) -> _Floats: ...
+    @property
+    def dq(self) -> _Floats: ...
+    @property
+    def is_settled(self) -> bool: ...
+    @property
+    def settling_time_s(self) -> float: ...
+
+@final
+class Catalogue:
+    def __new__(cls, ropes: Sequence[_Path] = ...) -> Catalogue: ...
+    @property
+    def names(self) -> list[str]: ...
+    def _list(self) -> Document: ...
+    def _describe(self, name: str) -> Document: ...
+    def entry(self, name: str) -> str: ...
+
+@final
+class RopeLaw:
+    def __new__(cls, rope: str, *, ropes: Sequence[_Path] = ...) -> RopeLaw: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def breaking_load_n(self) -> float: ...
+    def hold(self, tension_n: float, duration_s: float, *, temperature_c: float = 23.0) -> None: ...
+    def strain(self, tension_n: float, *, temperature_c: float = 23.0) -> dict[str, float]: ...
+    def follow(
+        self, duration_s: npt.ArrayLike, tension_n: npt.ArrayLike, *, temperature_c: float = 23.0
+    ) -> _Floats: ...
+    def reset(self) -> None: ...
+
+@final
+class CreepTests:
+    def __new__(
+        cls, files: Sequence[Any], asked: Mapping[str, Any], progress: _Progress | None
+    ) -> CreepTests: ...
+    def analyze(self) -> Document: ...
+    def fit(
+        self, asked: Mapping[str, Any], rope_name: str | None, progress: _Progress | None
+    ) -> tuple[Document, str | None]: ...
+    def withhold(self, share: float, asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+    def compare(self, scatter: float | None = None) -> Document: ...
+    def shift(self, reference_c: float) -> Document: ...
+
+def estimate(
+    log: _Path | Recording, asked: Mapping[str, Any], progress: _Progress | None
+) -> tuple[Document, Baseline | None]: ...
+def estimate_each(
+    logs: Sequence[_Path | Recording], asked: Mapping[str, Any], progress: _Progress | None
+) -> Document: ...
+def learn_baseline(
+    log: _Path | Recording,
+    robot: _Path | Robot | None,
+    start: _Path | Baseline | None,
+    temperature_c: _Stated | None,
+    motor_torque: bool,
+    from_s: float,
+    to_s: float | None,
+    progress: _Progress | None,
+) -> tuple[Document, Baseline]: ...
+def merge_baselines(
+    baselines: Sequence[_Path | Baseline],
+    robot: _Path | Robot,
+    common: _Path | Baseline | None,
+    fleet: bool,
+    scatter: float,
+) -> tuple[Document, Baseline]: ...
+def trend(
+    records: Sequence[Any],
+    robot: _Path | Robot | None,
+    tensioned: Sequence[tuple[str | None, str]],
+    replaced: Sequence[tuple[str | None, str]],
+    duty: _Path | None,
+    ropes: Sequence[_Path],
+    horizon_days: float,
+    seed: int,
+    progress: _Progress | None,
+) -> Document: ...
+def predict_rope(
+    rope: str | None, read_at_n: float | None, asked: Mapping[str, Any], progress: _Progress | None
+) -> Document: ...
+def select_rope(limits: Mapping[str, Any], asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+def plan_pretension(rope: str | None, asked: Mapping[str, Any], progress: _Progress | None) -> Document: ...
+def simulate(
+    scenario: Any,
+    robot: _Path | Robot | None,
+    seed: int | None,
+    duration_s: float | None,
+    progress: _Progress | None,
+) -> tuple[dict[str, Any], Document]: ...
+def simulate_to(
+    scenario: Any,
+    out: _Path,
+    robot: _Path | Robot | None,
+    seed: int | None,
+    duration_s: float | None,
+    compression: str,
+    progress: _Progress | None,
+) -> Document: ...
+def scenario_text(name: str, robot: _Path | Robot | None = None) -> str:
+    """A scenario of the protocol (S5 to S8b, U1 …) as text, for a robot's joints where one is named.
+
+    Raises ``ValueError`` where there is no such scenario.
+    """
+
+def run_scenarios(
+    names: Sequence[str] | None,
+    robot: _Path | None,
+    n: int,
+    seed: int,
+    steps: bool,
+    motor_torque: bool,
+    jobs: int | None,
+    out: _Path | None,
+    progress: _Progress | None,
+) -> Document: ...
+def propose_poses(
+    robot: _Path | Robot,
+    baseline: _Path | Baseline | None,
+    poses: int,
+    pause_s: float,
+    payload: bool,
+    joint_bits: int,
+    candidates: int,
+    seed: int,
+    progress: _Progress | None,
+) -> tuple[Document, str]: ...
+def run_command(arguments: Sequence[str]) -> int: ...

@@ -1,0 +1,222 @@
+"""Creep tests to numbers somebody can design with."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any, Literal, Mapping, Sequence, Union
+
+from . import results
+from ._answer import Answer
+from ._core import CreepTests as _CreepTests
+from ._core import Document
+from ._types import PathLike, Progress
+
+LawName = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
+
+
+class CreepAnalysis(Answer, results.CreepAnalysisResult):
+    """Readings, moduli, slope, saturation, recovery and faults. Tables: ``specimens``, ``series``."""
+
+    __slots__ = ()
+
+
+class CreepFit(Answer, results.CreepFitResult):
+    """Laws fitted to creep tests, by rising AICc. Tables: ``parameters``, ``series`` (readings and forecasts)."""
+
+    __slots__ = ("rope_entry",)
+
+    rope_entry: str | None
+    """The fitted rope as a catalogue entry, where ``rope_name`` was given: write it to ``NAME.toml``."""
+
+    def __init__(self, document: Document, rope_entry: str | None) -> None:
+        super().__init__(document)
+        object.__setattr__(self, "rope_entry", rope_entry)
+
+
+class CreepWithheld(Answer, results.CreepWithheldResult):
+    """Forecasts held against the hidden end of each test. Table: ``coverage``."""
+
+    __slots__ = ()
+
+
+class CreepComparison(Answer, results.CreepComparisonResult):
+    """Ropes in the order of their strain, with intervals. Table: ``ranks``."""
+
+    __slots__ = ()
+
+
+class CreepShift(Answer, results.CreepShiftResult):
+    """Isotherms shifted along the logarithm of time. Table: ``shifts``."""
+
+    __slots__ = ()
+
+
+Columns = Mapping[str, Any]
+"""Columns by name; names end in their units: ``time_s``, ``force_n``, ``strain_percent``, ``elongation_mm``."""
+
+
+def _source(item: Any, name: str) -> Any:
+    """A file as it is; a table as a named CSV text."""
+    if isinstance(item, str) or hasattr(item, "__fspath__"):
+        return item
+    if hasattr(item, "to_csv"):
+        return name, item.to_csv(index=False)
+    if hasattr(item, "write_csv"):
+        return name, item.write_csv()
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(item)
+    columns = [list(column) for column in item.values()]
+    if len({len(column) for column in columns}) > 1:
+        sizes = ", ".join(f"{key}: {len(column)}" for key, column in zip(item, columns))
+        raise ValueError(f"{name}: columns have different lengths ({sizes})")
+    # The shortest text that reads back as the same number.
+    writer.writerows([[repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in zip(*columns)])
+    return name, out.getvalue()
+
+
+class CreepTests:
+    """Creep tests, read and analysed once; then fitted, withheld, compared or shifted.
+
+    * ``files``: a file (CSV, XLSX, Parquet) or several; or tables (data frames, columns by name) by the name of each
+      test, such as ``{"rope A": {"time_s": t, "force_n": f, "strain_percent": e}}``.
+    * ``columns``: what columns are where headers don't say, such as ``"force=Kraft:N"``; ``specimen_columns``: columns
+      that tell specimens apart; ``sheet`` of a workbook; ``group_by``: columns that name a group of repeats.
+    * ``gauge_length_m`` (m), ``area_m2`` (m²), ``temperature_c`` (°C): what files may not say.
+    * ``keep_faults``: leave grip slips and outliers in. ``slope_from_s``: start of the straight line of m_E, s.
+    * ``level`` of the intervals; ``seed`` of the draws behind them.
+    * ``standard``, ``preconditioning``, ``conditions``: what the report states.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+
+    def __init__(
+        self,
+        files: Union[PathLike, Sequence[PathLike], Mapping[str, Any]],
+        *,
+        columns: Sequence[str] = (),
+        specimen_columns: Sequence[str] = (),
+        sheet: str | None = None,
+        group_by: Sequence[str] = (),
+        gauge_length_m: float | None = None,
+        area_m2: float | None = None,
+        temperature_c: float | None = None,
+        keep_faults: bool = False,
+        slope_from_s: float = 1200.0,
+        level: float = 0.95,
+        seed: int = 1,
+        standard: str = "ISO 899-1 (tensile creep), evaluation",
+        preconditioning: str | None = None,
+        conditions: str | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        if isinstance(files, Mapping):
+            sources = [_source(table, name) for name, table in files.items()]
+        elif isinstance(files, (list, tuple)):
+            sources = [_source(item, f"table {i + 1}") for i, item in enumerate(files)]
+        else:
+            sources = [_source(files, "table")]
+        asked = {
+            "columns": list(columns),
+            "specimen_columns": list(specimen_columns),
+            "sheet": sheet,
+            "gauge_length_m": gauge_length_m,
+            "area_m2": area_m2,
+            "temperature_c": temperature_c,
+            "keep_faults": keep_faults,
+            "group_by": list(group_by),
+            "slope_from_s": slope_from_s,
+            "level": level,
+            "seed": seed,
+            "standard": standard,
+            "preconditioning": preconditioning,
+            "conditions": conditions,
+        }
+        self._tests = _CreepTests(sources, asked, progress)
+
+    def analyze(self) -> CreepAnalysis:
+        """Readings, moduli, slope, saturation, recovery and faults."""
+        return CreepAnalysis(self._tests.analyze())
+
+    def fit(
+        self,
+        laws: Sequence[LawName] = (),
+        *,
+        joint: Literal["none", "shape", "group"] = "none",
+        noise: Literal["correlated", "white"] = "correlated",
+        intervals: Literal["draws", "profile", "bootstrap"] = "draws",
+        rope: str | None = None,
+        rope_name: str | None = None,
+        ropes: Sequence[PathLike] = (),
+        forecast_s: float | None = None,
+        forecast_load_n: float | None = None,
+        forecast_temperature_c: float | None = None,
+        progress: Progress | None = None,
+    ) -> CreepFit:
+        """Fits laws, says which one the record supports and what it can't tell.
+
+        * ``laws``: without them, all that need nothing but the record, and the rope law where ``rope`` is given.
+        * ``joint``: what specimens of a group share. ``noise``: of the readings. ``intervals``: how they are made.
+        * ``rope``: catalogue rope that the rope law starts from; ``rope_name``: name of the fitted entry.
+        * ``forecast_s``: forecast to this time after the load, s; at ``forecast_load_n`` (N) and
+          ``forecast_temperature_c`` (°C) of a new specimen, else as the test was held.
+
+        Raises ``ValueError`` with the sentence of the command.
+        """
+        asked = self._asked(laws, joint, noise, intervals, rope, ropes)
+        asked["forecast_s"] = forecast_s
+        asked["forecast_load_n"] = forecast_load_n
+        asked["forecast_temperature_c"] = forecast_temperature_c
+        return CreepFit(*self._tests.fit(asked, rope_name, progress))
+
+    def withhold(
+        self,
+        share: float,
+        laws: Sequence[LawName] = (),
+        *,
+        joint: Literal["none", "shape", "group"] = "none",
+        noise: Literal["correlated", "white"] = "correlated",
+        intervals: Literal["draws", "profile", "bootstrap"] = "draws",
+        rope: str | None = None,
+        ropes: Sequence[PathLike] = (),
+        progress: Progress | None = None,
+    ) -> CreepWithheld:
+        """Hides the last share of every test and counts how often the forecast's interval holds it.
+
+        Raises ``ValueError`` where the share is not between 0.01 and 0.9.
+        """
+        asked = self._asked(laws, joint, noise, intervals, rope, ropes)
+        return CreepWithheld(self._tests.withhold(share, asked, progress))
+
+    def compare(self, *, scatter: float | None = None) -> CreepComparison:
+        """All ropes ranked by strain at the longest time that all reach, with intervals.
+
+        ``scatter``: standard deviation between specimens as a share, for ropes with one specimen.
+        """
+        return CreepComparison(self._tests.compare(scatter))
+
+    def shift(self, reference_c: float) -> CreepShift:
+        """Shift factors of isotherms to a temperature, °C. Raises ``ValueError`` with fewer than two temperatures."""
+        return CreepShift(self._tests.shift(reference_c))
+
+    @staticmethod
+    def _asked(
+        laws: Sequence[str],
+        joint: str,
+        noise: str,
+        intervals: str,
+        rope: str | None,
+        ropes: Sequence[PathLike],
+    ) -> dict[str, Any]:
+        return {
+            "laws": list(laws),
+            "joint": joint,
+            "noise": noise,
+            "intervals": intervals,
+            "rope": rope,
+            "ropes": list(ropes),
+            "forecast_s": None,
+            "forecast_load_n": None,
+            "forecast_temperature_c": None,
+        }

@@ -1,0 +1,303 @@
+"""Ropes: the catalogue, prediction, selection, pretension."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Sequence, Union
+
+from . import results
+from ._answer import Answer
+from ._core import Catalogue
+from ._core import plan_pretension as _plan_pretension
+from ._core import predict_rope as _predict_rope
+from ._core import select_rope as _select_rope
+from ._types import PathLike, Progress
+
+if TYPE_CHECKING:
+    from ._types import RecordingLike, RobotLike
+
+Block = Union["tuple[float, float]", "tuple[float, float, float]"]
+"""Duration in s, tension in N and, optionally, temperature in °C."""
+YEAR_S = 31_557_600.0
+
+
+class Guide(NamedTuple):
+    """A guiding pulley."""
+
+    wrap_rad: float
+    """Angle that the rope lies on it, rad."""
+    radius_m: float
+    """Radius, m."""
+    friction: float | None = None
+    """Coefficient of friction; ``None``: the rope's."""
+    at_m: float | None = None
+    """Where the rope meets it, m from the drive; ``None``: evenly among all."""
+
+
+class RopeList(Answer, results.RopeListResult):
+    """All ropes of a catalogue."""
+
+    __slots__ = ()
+
+
+class Rope(Answer, results.RopeResult):
+    """Everything known about a rope, with origin and uncertainty."""
+
+    __slots__ = ()
+
+
+class Prediction(Answer, results.PredictionResult):
+    """How far a rope will have stretched. Table: ``series``, the curve over time."""
+
+    __slots__ = ()
+
+
+class Selection(Answer, results.SelectionResult):
+    """Ropes that meet the constraints, ranked by elongation, and why the others don't."""
+
+    __slots__ = ()
+
+
+class Pretension(Answer, results.PretensionResult):
+    """How much pretension, how to bed the rope in, and when to tension it again."""
+
+    __slots__ = ()
+
+
+def list_ropes(*, ropes: Sequence[PathLike] = ()) -> RopeList:
+    """All ropes of the catalogue, and those of one's own folders."""
+    return RopeList(Catalogue(list(ropes))._list())
+
+
+def describe_rope(name: str, *, ropes: Sequence[PathLike] = ()) -> Rope:
+    """Everything known about a rope. Raises ``ValueError`` where there is no such rope."""
+    return Rope(Catalogue(list(ropes))._describe(name))
+
+
+def _blocks(duty: PathLike | Sequence[Block] | None, temperature_c: float) -> Any:
+    if duty is None or isinstance(duty, str) or hasattr(duty, "__fspath__"):
+        return duty
+    return [(*block, temperature_c) if len(block) == 2 else tuple(block) for block in duty]
+
+
+def _guides(guides: Sequence[Guide | Sequence[float]]) -> list[Guide]:
+    return [Guide(*guide) for guide in guides]
+
+
+def _task(
+    tension_n: float | None,
+    temperature_c: float,
+    duty: PathLike | Sequence[Block] | None,
+    recording: RecordingLike | None,
+    strand: str,
+    robot: RobotLike | None,
+    joint: str | None,
+    length_m: float | None,
+    guides: Sequence[Guide | Sequence[float]],
+    stroke_m: float,
+    strokes_per_hour: float,
+    ends: str | None,
+    abrasion_factor: float,
+    times_s: Sequence[float],
+    draws: int,
+    seed: int,
+    ropes: Sequence[PathLike],
+) -> dict[str, Any]:
+    return {
+        "tension_n": tension_n,
+        "temperature_c": temperature_c,
+        "duty": _blocks(duty, temperature_c),
+        "recording": recording,
+        "strand": strand,
+        "robot": robot,
+        "joint": joint,
+        "length_m": length_m,
+        "guides": _guides(guides),
+        "stroke_m": stroke_m,
+        "strokes_per_hour": strokes_per_hour,
+        "ends": ends,
+        "abrasion_factor": abrasion_factor,
+        "times_s": list(times_s),
+        "draws": draws,
+        "seed": seed,
+        "ropes": list(ropes),
+    }
+
+
+def predict_rope(
+    rope: str | None = None,
+    *,
+    tension_n: float | None = None,
+    temperature_c: float = 23.0,
+    duty: PathLike | Sequence[Block] | None = None,
+    recording: RecordingLike | None = None,
+    strand: Literal["positive", "negative"] = "positive",
+    robot: RobotLike | None = None,
+    joint: str | None = None,
+    length_m: float | None = None,
+    guides: Sequence[Guide | Sequence[float]] = (),
+    stroke_m: float = 0.0,
+    strokes_per_hour: float = 0.0,
+    ends: Literal["splice", "knot"] | None = None,
+    abrasion_factor: float = 1.0,
+    times_s: Sequence[float] = (),
+    read_at_n: float | None = None,
+    draws: int = 400,
+    seed: int = 1,
+    ropes: Sequence[PathLike] = (),
+    progress: Progress | None = None,
+) -> Prediction:
+    """How far a rope stretches under a duty: after an hour, a day, a month, a year.
+
+    * ``rope``: its name; without it, the one of the joint's tendon.
+    * What it has to do: constant ``tension_n`` (N); ``duty``, a file or blocks of duration (s), tension (N) and
+      temperature (°C), repeated; or the torques of a ``recording`` on one ``strand``. Without any, the tendon's
+      pretension.
+    * Where it lies: ``robot`` and ``joint``, or ``length_m`` and ``guides``; ``stroke_m`` back and forth over them.
+    * ``strokes_per_hour``, ``ends``, ``abrasion_factor``: for when it breaks.
+    * ``times_s``: when to read, s. ``read_at_n``: tension the readings refer to, N.
+    * ``draws``, ``seed``: of the rope's parameters, for the intervals. ``ropes``: folders with ropes of one's own.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    task = _task(
+        tension_n,
+        temperature_c,
+        duty,
+        recording,
+        strand,
+        robot,
+        joint,
+        length_m,
+        guides,
+        stroke_m,
+        strokes_per_hour,
+        ends,
+        abrasion_factor,
+        times_s,
+        draws,
+        seed,
+        ropes,
+    )
+    return Prediction(_predict_rope(rope, read_at_n, task, progress))
+
+
+def select_rope(
+    *,
+    tension_n: float | None = None,
+    temperature_c: float = 23.0,
+    duty: PathLike | Sequence[Block] | None = None,
+    recording: RecordingLike | None = None,
+    strand: Literal["positive", "negative"] = "positive",
+    robot: RobotLike | None = None,
+    joint: str | None = None,
+    length_m: float | None = None,
+    guides: Sequence[Guide | Sequence[float]] = (),
+    stroke_m: float = 0.0,
+    strokes_per_hour: float = 0.0,
+    ends: Literal["splice", "knot"] | None = None,
+    abrasion_factor: float = 1.0,
+    times_s: Sequence[float] = (),
+    diameter_max_mm: float | None = None,
+    diameter_min_mm: float | None = None,
+    pulley_diameter_mm: float | None = None,
+    bend_ratio_min: float | None = None,
+    safety_factor_min: float | None = None,
+    elongation_max_mm: float | None = None,
+    stiffness_min_n_per_mm: float | None = None,
+    weight_max_g_per_m: float | None = None,
+    draws: int = 400,
+    seed: int = 1,
+    ropes: Sequence[PathLike] = (),
+    progress: Progress | None = None,
+) -> Selection:
+    """Which ropes meet the constraints, ranked by elongation to the last of ``times_s``, and why the others don't.
+
+    The duty and the route are stated as for ``predict_rope``. A constraint on something a rope's maker doesn't publish
+    rejects it: it can't be shown to meet it.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    task = _task(
+        tension_n,
+        temperature_c,
+        duty,
+        recording,
+        strand,
+        robot,
+        joint,
+        length_m,
+        guides,
+        stroke_m,
+        strokes_per_hour,
+        ends,
+        abrasion_factor,
+        times_s,
+        draws,
+        seed,
+        ropes,
+    )
+    limits = {
+        "diameter_max_mm": diameter_max_mm,
+        "diameter_min_mm": diameter_min_mm,
+        "bend_ratio_min": bend_ratio_min,
+        "pulley_diameter_mm": pulley_diameter_mm,
+        "safety_factor_min": safety_factor_min,
+        "elongation_max_mm": elongation_max_mm,
+        "stiffness_min_n_per_mm": stiffness_min_n_per_mm,
+        "weight_max_g_per_m": weight_max_g_per_m,
+    }
+    return Selection(_select_rope(limits, task, progress))
+
+
+def plan_pretension(
+    rope: str | None = None,
+    *,
+    tension_n: float | None = None,
+    lowest_n: float | None = None,
+    temperature_c: float = 23.0,
+    robot: RobotLike | None = None,
+    joint: str | None = None,
+    length_m: float | None = None,
+    guides: Sequence[Guide | Sequence[float]] = (),
+    give_m_per_n: float | None = None,
+    joint_radius_m: float | None = None,
+    torque_nm: float = 0.0,
+    horizon_s: float = YEAR_S,
+    remove: float = 0.8,
+    draws: int = 200,
+    seed: int = 1,
+    ropes: Sequence[PathLike] = (),
+    progress: Progress | None = None,
+) -> Pretension:
+    """How much pretension, how to bed a rope in, and when to tension it again.
+
+    * ``tension_n``: working tension, N (of two strands their mean); without it, the tendon's pretension.
+    * ``lowest_n``: tension below which it is tensioned again, N; without it, 80 % of the working tension.
+    * ``give_m_per_n``: what gives in series with each strand, m/N; without it, what the joint's stiffness leaves beside
+      the rope, else nothing.
+    * ``joint_radius_m``: a second, equal rope pulls the other way over a pulley of this radius, m; ``torque_nm`` that the
+      joint holds meanwhile, N·m.
+    * ``horizon_s``: how long it must hold, s. ``remove``: share of the later elongation to take away, 0 to 1.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    if not 0.0 < remove < 1.0:
+        raise ValueError(f"remove is {remove}; it must lie between 0 and 1")
+    asked = {
+        "tension_n": tension_n,
+        "lowest_n": lowest_n,
+        "temperature_c": temperature_c,
+        "robot": robot,
+        "joint": joint,
+        "length_m": length_m,
+        "guides": _guides(guides),
+        "give_m_per_n": give_m_per_n,
+        "joint_radius_m": joint_radius_m,
+        "torque_nm": torque_nm,
+        "horizon_s": horizon_s,
+        "remove": remove,
+        "draws": draws,
+        "seed": seed,
+        "ropes": list(ropes),
+    }
+    return Pretension(_plan_pretension(rope, asked, progress))

@@ -1,0 +1,141 @@
+"""Simulated recordings with a known truth, the scenario bench, poses that tell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, Sequence, Union
+
+from . import results
+from ._answer import Answer
+from ._core import Document, Recording, Robot
+from ._core import propose_poses as _propose_poses
+from ._core import run_scenarios as _run_scenarios
+from ._core import scenario_text as scenario_text
+from ._core import simulate as _simulate
+from ._core import simulate_to as _simulate_to
+from ._types import PathLike, Progress
+
+if TYPE_CHECKING:
+    from ._types import AnyArray, BaselineLike, RobotLike
+
+ScenarioLike = Union[PathLike, "tuple[str, str]"]
+"""The file of a scenario, or its text and a name for messages."""
+
+
+class Simulated(Answer, results.SimulatedResult):
+    """A simulated recording and its truth."""
+
+    __slots__ = ("arrays", "recording")
+
+    arrays: dict[str, AnyArray]
+    """The recording: ``time_ns`` ``(rows,)``, ``q``, ``theta`` and what else there is ``(rows, joints)``; ``joints``."""
+    recording: Recording
+    """The same, ready for ``estimate``."""
+
+    def __init__(self, document: Document, arrays: dict[str, Any], recording: Recording) -> None:
+        super().__init__(document)
+        object.__setattr__(self, "arrays", arrays)
+        object.__setattr__(self, "recording", recording)
+
+
+class Scenarios(Answer, results.ScenariosResult):
+    """How good the absolute offset is, over many simulated recordings. Table: ``recordings``."""
+
+    __slots__ = ()
+
+
+class Poses(Answer, results.PosesResult):
+    """Poses to visit, and what to expect from it."""
+
+    __slots__ = ("motion_toml",)
+
+    motion_toml: str
+    """The poses as a motion for ``simulate``."""
+
+    def __init__(self, document: Document, motion_toml: str) -> None:
+        super().__init__(document)
+        object.__setattr__(self, "motion_toml", motion_toml)
+
+
+def simulate(
+    scenario: ScenarioLike,
+    robot: RobotLike | None = None,
+    *,
+    out: PathLike | None = None,
+    seed: int | None = None,
+    duration_s: float | None = None,
+    compression: Literal["zstd", "lz4", "none"] = "zstd",
+    progress: Progress | None = None,
+) -> Simulated:
+    """Makes a recording of a joint-elastic arm whose tendons stretch, with its truth.
+
+    Same robot, scenario and seed: the same numbers.
+
+    * ``scenario``: a file, or ``(text, name)``.
+    * ``robot``: its folder or a ``Robot``; without it, the one the scenario names.
+    * ``out``: write it (``.mcap``, ``.parquet``, ``.csv``), its truth beside it; without it, it stays in memory.
+    * ``seed``, ``duration_s``: instead of the scenario's.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    if out is not None:
+        document = _simulate_to(scenario, out, robot, seed, duration_s, compression, progress)
+        recording = Recording(out)
+        return Simulated(document, {}, recording)
+    arrays, document = _simulate(scenario, robot, seed, duration_s, progress)
+    columns = {name: values for name, values in arrays.items() if name != "segment"}
+    recording = Recording.from_arrays(name="simulated", **columns)
+    return Simulated(document, columns, recording)
+
+
+def run_scenarios(
+    names: Sequence[str] | Literal["unmodelled"] | None = None,
+    robot: RobotLike | None = None,
+    *,
+    n: int = 20,
+    seed: int = 1,
+    steps: bool = True,
+    motor_torque: bool = True,
+    jobs: int | None = None,
+    out: PathLike | None = None,
+    progress: Progress | None = None,
+) -> Scenarios:
+    """Judges the absolute offset on many simulated recordings with known truth.
+
+    * ``names``: scenarios (``S5`` to ``S8b``) or files of one's own; ``"unmodelled"``: errors the estimator doesn't know
+      of; without them, S5 to S8.
+    * ``robot``: its folder: the scenarios with its joints, masses, stiffness and friction.
+    * ``n`` recordings a scenario, from ``seed`` on; ``steps``: with slips; ``out``: a line of JSON per recording, where a
+      stopped run is taken up again.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    if not 1 <= n <= 1_000_000:
+        raise ValueError(f"n is {n}; it must be 1 to 1000000")
+    place = robot.file if isinstance(robot, Robot) else robot
+    wanted = [names] if isinstance(names, str) else names if names is None else list(names)
+    return Scenarios(_run_scenarios(wanted, place, n, seed, steps, motor_torque, jobs, out, progress))
+
+
+def propose_poses(
+    robot: RobotLike,
+    *,
+    baseline: BaselineLike | None = None,
+    poses: int = 6,
+    pause_s: float = 1.0,
+    payload: bool = True,
+    joint_bits: int = 13,
+    candidates: int = 6,
+    seed: int = 1,
+    progress: Progress | None = None,
+) -> Poses:
+    """Proposes a short list of poses that makes the offsets identifiable. Collisions are not checked.
+
+    * ``baseline`` to build on; without it, what 25 random poses would teach.
+    * ``poses`` in the list, ``pause_s`` rest at each, s. ``payload``: whether the gripper may hold something.
+    * ``joint_bits``: of a turn of the joint encoders. ``candidates``: poses tried in the place of each.
+
+    Raises ``ValueError`` with the sentence of the command.
+    """
+    return Poses(
+        *_propose_poses(robot, baseline, poses, pause_s, payload, joint_bits, candidates, seed, progress)
+    )

@@ -1,0 +1,342 @@
+//! Creep tests: read and analysed once, then fitted, withheld, compared, shifted.
+
+use crate::document::{Document, Shown};
+use crate::failure::Failure;
+use crate::recording::one_of;
+use crate::work::work;
+use pyo3::prelude::*;
+use sinew_creep::{
+    AnalyzeOptions, AnalyzeRequest, Conditions, FitOptions, FitRequest, FitStep, ForecastRequest,
+    IntervalKind, Joint, Law, NoiseKind, PrepareOptions, RopeBase, Source, Tests,
+};
+use sinew_log::{ColumnChoice, LogError, Specimen, TestOptions, read_test, read_test_bytes};
+use sinew_report::creep;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where tests come from: files, or texts with a name.
+#[derive(FromPyObject)]
+enum TestArg {
+    #[pyo3(annotation = "(name, text)")]
+    Text(String, String),
+    #[pyo3(annotation = "path")]
+    File(PathBuf),
+}
+
+/// What files may not say, and how to analyse.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Asked {
+    columns: Vec<String>,
+    specimen_columns: Vec<String>,
+    sheet: Option<String>,
+    gauge_length_m: Option<f64>,
+    area_m2: Option<f64>,
+    temperature_c: Option<f64>,
+    keep_faults: bool,
+    group_by: Vec<String>,
+    slope_from_s: f64,
+    level: f64,
+    seed: u64,
+    standard: String,
+    preconditioning: Option<String>,
+    conditions: Option<String>,
+}
+
+/// What is read and analysed.
+struct Held {
+    tests: Tests,
+    specimens: Vec<Specimen>,
+    sources: Vec<Source>,
+    conditions: Conditions,
+    has_groups: bool,
+    level: f64,
+    seed: u64,
+    notes: Vec<String>,
+}
+
+impl Held {
+    /// What could not be analysed, and what the reader noted.
+    fn warnings(&self, failures: &[sinew_creep::Failure]) -> Vec<String> {
+        let failed = failures.iter().map(ToString::to_string);
+        self.notes.iter().cloned().chain(failed).collect()
+    }
+}
+
+/// Creep tests, read and analysed.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct CreepTests(Arc<Held>);
+
+const JOINTS: [(&str, Joint); 3] = [
+    ("none", Joint::None),
+    ("shape", Joint::Shape),
+    ("group", Joint::Group),
+];
+
+const NOISES: [(&str, NoiseKind); 2] = [
+    ("correlated", NoiseKind::Correlated),
+    ("white", NoiseKind::White),
+];
+
+const INTERVALS: [(&str, IntervalKind); 3] = [
+    ("draws", IntervalKind::Draws),
+    ("profile", IntervalKind::Profile),
+    ("bootstrap", IntervalKind::Bootstrap),
+];
+
+/// What is asked of a fit.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct FitAsked {
+    laws: Vec<String>,
+    joint: String,
+    noise: String,
+    intervals: String,
+    rope: Option<String>,
+    ropes: Vec<PathBuf>,
+    forecast_s: Option<f64>,
+    forecast_load_n: Option<f64>,
+    forecast_temperature_c: Option<f64>,
+}
+
+impl FitAsked {
+    fn request(&self, held: &Held) -> Result<FitRequest, Failure> {
+        let law = |name: &String| name.parse::<Law>().map_err(|e| Failure::new(e.to_string()));
+        let laws = self.laws.iter().map(law).collect::<Result<Vec<_>, _>>()?;
+        let base = match &self.rope {
+            None if laws.contains(&Law::Rope) => {
+                return Err(Failure::new(
+                    "the law 'rope' needs rope: a catalogue rope with the breaking load, and for what the records can't tell",
+                ));
+            }
+            None => None,
+            Some(name) => {
+                let catalogue = crate::rope::with_folders(&self.ropes)?;
+                let entry = catalogue.find(name)?.entry.clone();
+                Some(Arc::new(RopeBase::new(entry)?))
+            }
+        };
+        if self.forecast_s.is_some_and(|s| !(s > 0.0)) {
+            return Err(Failure::new("forecast_s must be above 0 s"));
+        }
+        Ok(FitRequest {
+            laws,
+            joint: one_of("joint", &self.joint, &JOINTS)?,
+            options: FitOptions {
+                noise: one_of("noise", &self.noise, &NOISES)?,
+                level: held.level,
+                kind: one_of("intervals", &self.intervals, &INTERVALS)?,
+                seed: held.seed,
+                rope: base,
+                ..FitOptions::default()
+            },
+            forecast: self.forecast_s.map(|until_s| ForecastRequest {
+                until_s,
+                load_n: self.forecast_load_n,
+                temperature_c: self.forecast_temperature_c,
+            }),
+        })
+    }
+}
+
+#[pymethods]
+impl CreepTests {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        files: Vec<TestArg>,
+        asked: Asked,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        if files.is_empty() {
+            return Err(Failure::new("no test is named").into());
+        }
+        let column = |text: &String| text.parse::<ColumnChoice>().map_err(Failure::new);
+        let options = TestOptions {
+            columns: (asked.columns.iter().map(column)).collect::<Result<_, _>>()?,
+            specimen_columns: asked.specimen_columns,
+            sheet: asked.sheet,
+        };
+        let request = AnalyzeRequest {
+            prepare: PrepareOptions {
+                gauge_length_m: asked.gauge_length_m,
+                area_m2: asked.area_m2,
+                temperature_c: asked.temperature_c,
+                keep_faults: asked.keep_faults,
+            },
+            analyze: AnalyzeOptions {
+                slope_from_s: asked.slope_from_s,
+                level: asked.level,
+                seed: asked.seed,
+            },
+            group_by: asked.group_by,
+        };
+        request.check().map_err(Failure::from)?;
+        let conditions = Conditions {
+            standard: asked.standard,
+            preconditioning: asked.preconditioning,
+            conditions: asked.conditions,
+        };
+        let held = work(py, "analysing", progress.as_ref(), move |pace| {
+            let read = |source: TestArg| match source {
+                TestArg::File(path) => read_test(&path, &options),
+                TestArg::Text(name, text) => read_test_bytes(text.into_bytes(), &name, &options),
+            };
+            let files = files.into_iter().map(read);
+            let files = files.collect::<Result<Vec<_>, LogError>>()?;
+            let mut notes = Vec::new();
+            let mut note = |text: &str| notes.push(text.to_owned());
+            let (sources, specimens) = sinew_creep::specimens_of(files, &mut note);
+            let told = |done: usize, of: usize| pace.at(done as f64, of as f64);
+            let tests = sinew_creep::analyze_tests(sources.clone(), &specimens, &request, told)?;
+            Ok(Held {
+                tests,
+                specimens,
+                sources,
+                conditions,
+                has_groups: !request.group_by.is_empty(),
+                level: request.analyze.level,
+                seed: request.analyze.seed,
+                notes,
+            })
+        })?;
+        Ok(Self(Arc::new(held)))
+    }
+
+    /// Readings, moduli, slope, saturation, recovery and faults.
+    fn analyze(&self) -> Document {
+        let held = self.0.clone();
+        let report = held.tests.report(held.conditions.clone());
+        let warnings = held.warnings(&report.failures);
+        let is_lossy = !report.failures.is_empty();
+        let (of_page, of_series) = (held.clone(), held);
+        Shown::new(report, creep::analyze_table)
+            .page(move |report| creep::analyze_page(report, &of_page.tests))
+            .table("specimens", creep::analyze_csv)
+            .table("series", move |_| creep::readings_series(&of_series.tests))
+            .warnings(warnings)
+            .lossy(is_lossy)
+            .into()
+    }
+
+    /// Laws fitted; with `rope_name` also the fitted rope as a catalogue entry.
+    fn fit(
+        &self,
+        py: Python<'_>,
+        asked: FitAsked,
+        rope_name: Option<String>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(Document, Option<String>)> {
+        let request = asked.request(&self.0)?;
+        let (held, fitted) = (self.0.clone(), request.clone());
+        let report = work(py, "fitting", progress.as_ref(), move |pace| {
+            Ok(sinew_creep::fit_tests(
+                &held.tests,
+                &fitted,
+                |step, done, of| {
+                    if step == FitStep::Forecasting {
+                        pace.say("forecasting");
+                    }
+                    pace.at(done as f64, of as f64);
+                },
+            ))
+        })?;
+        let entry = match (rope_name, &request.options.rope) {
+            (None, _) => None,
+            (Some(name), Some(base)) => {
+                let today = sinew_files::date::today();
+                let entry = report.rope_entry(request.joint, base, name, today);
+                Some(entry.map_err(Failure::from)?.to_toml())
+            }
+            (Some(_), None) => {
+                return Err(Failure::new("rope_name needs rope, the rope it starts from").into());
+            }
+        };
+        let held = self.0.clone();
+        let warnings = held.warnings(&report.failures);
+        let is_lossy = !report.failures.is_empty();
+        let laws = request.laws();
+        let alone = held.has_groups && request.joint == Joint::None;
+        let (of_page, of_series) = (held.clone(), held.clone());
+        let document = Shown::new(report, move |report| {
+            let groups = || creep::group_table(&held.tests.analyses, &report.fits, &laws);
+            let own = creep::fit_table(report);
+            if alone { own + &groups() } else { own }
+        })
+        .page(move |r| creep::fit_page(r, &of_page.tests, request.joint, &of_page.conditions))
+        .table("parameters", creep::fit_csv)
+        .table("series", move |report| {
+            creep::fit_series(report, &of_series.tests)
+        })
+        .warnings(warnings)
+        .lossy(is_lossy);
+        Ok((document.into(), entry))
+    }
+
+    /// Hides the last share of every test and counts how often the forecast's interval holds it.
+    fn withhold(
+        &self,
+        py: Python<'_>,
+        share: f64,
+        asked: FitAsked,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Document> {
+        if !(0.01..=0.9).contains(&share) {
+            let why = format!("share is {share}; it must lie between 0.01 and 0.9");
+            return Err(Failure::new(why).into());
+        }
+        let request = asked.request(&self.0)?;
+        let held = self.0.clone();
+        let report = work(py, "forecasting", progress.as_ref(), move |pace| {
+            let told = |done: usize, of: usize| pace.at(done as f64, of as f64);
+            Ok(sinew_creep::withhold_tests(
+                &held.tests,
+                share,
+                &request,
+                told,
+            ))
+        })?;
+        let warnings = self.0.warnings(&report.failures);
+        let is_lossy = !report.failures.is_empty() || !report.forecasts_any();
+        let held = self.0.clone();
+        Ok(Shown::new(report, creep::withhold_table)
+            .page(move |report| creep::withhold_page(report, &held.tests, &held.conditions))
+            .table("coverage", creep::withhold_csv)
+            .warnings(warnings)
+            .lossy(is_lossy)
+            .into())
+    }
+
+    /// All ropes ranked, with intervals.
+    #[pyo3(signature = (scatter=None))]
+    fn compare(&self, scatter: Option<f64>) -> PyResult<Document> {
+        if scatter.is_some_and(|share| !(share > 0.0 && share < 10.0)) {
+            let why = "scatter is a share of the value, above 0 and below 10";
+            return Err(Failure::new(why).into());
+        }
+        let report = sinew_creep::compare(&self.0.tests, scatter);
+        let warnings = self.0.warnings(&report.failures);
+        let is_lossy = !report.failures.is_empty();
+        let held = self.0.clone();
+        Ok(Shown::new(report, creep::compare_table)
+            .page(move |report| creep::compare_page(report, &held.tests, &held.conditions))
+            .table("ranks", creep::compare_csv)
+            .warnings(warnings)
+            .lossy(is_lossy)
+            .into())
+    }
+
+    /// Shift factors of isotherms to a temperature, °C.
+    fn shift(&self, reference_c: f64) -> PyResult<Document> {
+        let sources = self.0.sources.clone();
+        let report = sinew_creep::shift(sources, &self.0.specimens, reference_c);
+        let report = report.map_err(Failure::from)?;
+        let warnings = self.0.warnings(&report.failures);
+        let is_lossy = !report.failures.is_empty();
+        Ok(Shown::new(report, creep::shift_table)
+            .table("shifts", creep::shift_csv)
+            .warnings(warnings)
+            .lossy(is_lossy)
+            .into())
+    }
+}

@@ -1,0 +1,481 @@
+//! Estimates of recordings, and baselines.
+
+use crate::document::{Document, Shown};
+use crate::failure::Failure;
+use crate::recording::{LogArg, one_of};
+use crate::robot::RobotArg;
+use crate::work::{Pace, work};
+use pyo3::prelude::*;
+use sinew_estimate::baseline::{self, MergeOptions};
+use sinew_estimate::feeder::Injection;
+use sinew_estimate::session::{self, Learning, Payload, SessionOptions, Window, stated};
+use sinew_estimate::{
+    BaselineDocument, EstimateDocument, Given, Method, Plan, Progress, Request,
+    estimate_each as each,
+};
+use sinew_model::Gaussian;
+use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
+use sinew_report::{document_warnings, each_summary, each_table, estimate_series, tables};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What right after tensioning was learned, and what sessions since have added.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct Baseline {
+    pub(crate) baseline: Arc<baseline::Baseline>,
+    /// What it is called in answers and messages.
+    pub(crate) name: String,
+}
+
+/// A baseline, or the file of one.
+#[derive(FromPyObject)]
+pub(crate) enum BaselineArg<'py> {
+    #[pyo3(annotation = "Baseline")]
+    Held(Bound<'py, Baseline>),
+    #[pyo3(annotation = "path")]
+    File(PathBuf),
+}
+
+/// A baseline and its name.
+pub(crate) type Named = (Arc<baseline::Baseline>, String);
+
+impl BaselineArg<'_> {
+    /// Read, where it is a file.
+    pub(crate) fn read(&self) -> Result<Named, Failure> {
+        Ok(match self {
+            Self::Held(held) => (held.get().baseline.clone(), held.get().name.clone()),
+            Self::File(path) => {
+                let read = baseline::Baseline::read(path)?;
+                (Arc::new(read), path.display().to_string())
+            }
+        })
+    }
+}
+
+#[pymethods]
+impl Baseline {
+    /// Reads a file.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        let (baseline, name) = BaselineArg::File(path).read()?;
+        Ok(Self { baseline, name })
+    }
+
+    /// Reads a file's text; `name` stands in messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name="baseline"))]
+    fn from_text(text: &str, name: &str) -> PyResult<Self> {
+        let parsed = baseline::Baseline::parse(text, name).map_err(Failure::from)?;
+        Ok(Self {
+            baseline: Arc::new(parsed),
+            name: name.to_owned(),
+        })
+    }
+
+    /// The file's text: what the C interface is made from.
+    fn to_text(&self) -> String {
+        self.baseline.to_text()
+    }
+
+    /// Writes a file: the `--baseline` of the command.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        Ok(self.baseline.write(&path).map_err(Failure::from)?)
+    }
+
+    /// The robot's name.
+    #[getter]
+    fn robot(&self) -> &str {
+        &self.baseline.robot
+    }
+
+    /// Names of its joints.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.baseline.joints.clone()
+    }
+
+    /// Recordings it was learned from.
+    #[getter]
+    fn recordings(&self) -> Vec<String> {
+        self.baseline.recordings.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        let (robot, from) = (&self.baseline.robot, self.baseline.recordings.join(", "));
+        format!("<pysinew.Baseline of '{robot}' from {from}>")
+    }
+}
+
+const SOURCES: [(&str, TorqueSource); 3] = [
+    ("observer", TorqueSource::Observer),
+    ("torque-sensor", TorqueSource::TorqueSensor),
+    ("motor", TorqueSource::Motor),
+];
+
+const COMPARISONS: [(&str, Comparison); 2] = [
+    ("matched", Comparison::Matched),
+    ("paper", Comparison::Paper),
+];
+
+const METHODS: [(&str, Method); 2] = [("absolute", Method::Absolute), ("paper", Method::Paper)];
+
+/// A number, or its mean and standard deviation.
+#[derive(FromPyObject, Clone, Copy)]
+pub(crate) enum Stated {
+    #[pyo3(transparent, annotation = "float")]
+    Mean(f64),
+    #[pyo3(annotation = "(mean, deviation)")]
+    Both(f64, f64),
+}
+
+impl Stated {
+    fn parts(self) -> (f64, Option<f64>) {
+        match self {
+            Self::Mean(mean) => (mean, None),
+            Self::Both(mean, deviation) => (mean, Some(deviation)),
+        }
+    }
+}
+
+/// Temperature of a session, °C.
+pub(crate) fn temperature(stated_c: Option<Stated>) -> Result<Option<Gaussian>, Failure> {
+    let parts = stated_c.map(Stated::parts);
+    let read = parts.map(|(c, deviation_k)| stated::temperature(c, deviation_k));
+    Ok(read.transpose()?)
+}
+
+/// Payload of a session; `None`: unknown.
+pub(crate) fn payload(empty: bool, stated_kg: Option<Stated>) -> Result<Payload, Failure> {
+    match (empty, stated_kg) {
+        (true, Some(_)) => Err(Failure::new("empty and payload_kg exclude each other")),
+        (true, None) => Ok(Payload::Empty),
+        (false, None) => Ok(Payload::Unknown),
+        (false, Some(stated_kg)) => {
+            let (mass_kg, deviation_kg) = stated_kg.parts();
+            Ok(stated::payload(mass_kg, deviation_kg)?)
+        }
+    }
+}
+
+/// A cut-off, rad/s, or the word `recorded`.
+#[derive(FromPyObject)]
+enum FilterArg {
+    #[pyo3(transparent, annotation = "float")]
+    Cutoff(f64),
+    #[pyo3(transparent, annotation = "'recorded'")]
+    Word(String),
+}
+
+/// What is asked of an estimate beside its recordings.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked<'py> {
+    robot: Option<RobotArg<'py>>,
+    baseline: Option<BaselineArg<'py>>,
+    reference: Option<LogArg<'py>>,
+    method: Option<String>,
+    inject: Vec<(String, f64, Option<f64>)>,
+    source: Option<String>,
+    comparison: Option<String>,
+    gain_per_s: Option<f64>,
+    velocity_filter: Option<FilterArg>,
+    tau_ext: bool,
+    empty: bool,
+    payload_kg: Option<Stated>,
+    temperature_c: Option<Stated>,
+    motor_torque: bool,
+    from_s: f64,
+    to_s: Option<f64>,
+}
+
+impl Asked<'_> {
+    /// Who answers: who is asked to, else whose settings are given.
+    fn method(&self) -> Result<Method, Failure> {
+        let paper = self.reference.is_some()
+            || self.source.is_some()
+            || self.comparison.is_some()
+            || self.gain_per_s.is_some()
+            || self.velocity_filter.is_some()
+            || self.tau_ext;
+        match &self.method {
+            Some(word) => one_of("method", word, &METHODS),
+            None if paper && self.baseline.is_none() => Ok(Method::Paper),
+            None => Ok(Method::Absolute),
+        }
+    }
+
+    /// All of it is for the absolute estimate alone; nothing asked for is ignored.
+    fn refuse_for_paper(&self) -> Result<(), Failure> {
+        let asked = [
+            ("empty", self.empty),
+            ("payload_kg", self.payload_kg.is_some()),
+            ("temperature_c", self.temperature_c.is_some()),
+            ("motor_torque", !self.motor_torque),
+            ("from_s", self.from_s != 0.0),
+            ("to_s", self.to_s.is_some()),
+        ];
+        match asked.into_iter().find(|(_, asked)| *asked) {
+            None => Ok(()),
+            Some((option, _)) => Err(Failure::new(format!(
+                "{option} is for the absolute estimate, and the paper's knows nothing of it: add method='absolute', or leave {option} out"
+            ))),
+        }
+    }
+
+    fn request(&self, log: &LogArg<'_>) -> Result<Request, Failure> {
+        let mut request = Request::new(log.name());
+        let mut given = log.give(Given::default());
+        match &self.robot {
+            Some(RobotArg::Loaded(robot)) => given.robot = Some(robot.get().loaded().clone()),
+            Some(RobotArg::Place(place)) => request.robot = Some(place.clone()),
+            None => {}
+        }
+        if let Some(reference) = &self.reference {
+            request.reference = Some(reference.name());
+            given = reference.give(given);
+        }
+        request.given = given;
+        request.open = log.options();
+        if let Some(word) = &self.source {
+            request.source = one_of("source", word, &SOURCES)?;
+        }
+        if let Some(word) = &self.comparison {
+            request.comparison = one_of("comparison", word, &COMPARISONS)?;
+        }
+        request.gain_per_s = self.gain_per_s;
+        request.velocity_filter = match &self.velocity_filter {
+            None => request.velocity_filter,
+            Some(FilterArg::Word(word)) => one_of(
+                "velocity_filter",
+                word,
+                &[("recorded", VelocityFilter::Recorded)],
+            )?,
+            Some(FilterArg::Cutoff(cutoff_rad_per_s)) => VelocityFilter::StateVariable {
+                cutoff_rad_per_s: *cutoff_rad_per_s,
+            },
+        };
+        request.use_tau_ext = self.tau_ext;
+        let inject = self.inject.iter().cloned();
+        request.injections = inject
+            .map(|(joint, offset_rad, from_s)| Injection {
+                joint,
+                offset_rad,
+                from_s,
+            })
+            .collect();
+        Ok(request)
+    }
+
+    fn plan(&self) -> Result<Planned, Failure> {
+        let method = self.method()?;
+        if method == Method::Paper {
+            self.refuse_for_paper()?;
+        }
+        Ok(Planned {
+            method,
+            window: stated::window(self.from_s, self.to_s)?,
+            baseline: self.baseline.as_ref().map(BaselineArg::read).transpose()?,
+            options: SessionOptions {
+                payload: payload(self.empty, self.payload_kg)?,
+                motor_torque: self.motor_torque,
+                temperature_c: temperature(self.temperature_c)?,
+                ..SessionOptions::default()
+            },
+        })
+    }
+}
+
+/// A plan that owns its baseline.
+struct Planned {
+    method: Method,
+    window: Window,
+    baseline: Option<Named>,
+    options: SessionOptions,
+}
+
+impl Planned {
+    fn plan(&self) -> Plan<'_> {
+        let baseline = self.baseline.as_ref();
+        Plan {
+            method: self.method,
+            window: self.window,
+            baseline: baseline.map(|(baseline, name)| (&**baseline, name.as_str())),
+            options: self.options,
+        }
+    }
+}
+
+/// Hands on how far an estimate is.
+fn told(pace: &Pace) -> impl FnMut(Progress) + '_ {
+    |at| {
+        pace.say(match at.reference {
+            true => "reference",
+            false => "estimating",
+        });
+        pace.at(at.bytes_done as f64, at.bytes_total as f64);
+    }
+}
+
+/// An estimate with all its ways to be shown.
+fn shown(document: EstimateDocument) -> Document {
+    let warnings = document_warnings(&document);
+    let is_lossy = document.is_damaged() || document.passes_limit();
+    Shown::new(document, |d| tables::document(d, false))
+        .page(sinew_report::page)
+        .table("joints", sinew_report::estimate_rows)
+        .table("series", estimate_series)
+        .warnings(warnings)
+        .lossy(is_lossy)
+        .into()
+}
+
+/// Estimates a recording: the answer, and what is known afterwards.
+#[pyfunction]
+pub(crate) fn estimate(
+    py: Python<'_>,
+    log: LogArg<'_>,
+    asked: Asked<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Document, Option<Baseline>)> {
+    let planned = asked.plan()?;
+    let request = asked.request(&log)?;
+    let name = request.log.display().to_string();
+    let (document, next) = work(py, "estimating", progress.as_ref(), move |pace| {
+        let found = sinew_estimate::estimate(&request, &planned.plan(), &mut told(pace));
+        let (document, next) = found?;
+        let nothing = sinew_report::nothing_estimated(&document.reading);
+        match nothing.filter(|_| next.is_none()) {
+            Some(why) => Err(Failure::new(why)),
+            None => Ok((document, next)),
+        }
+    })?;
+    let next = next.map(|baseline| Baseline {
+        baseline: Arc::new(baseline),
+        name,
+    });
+    Ok((shown(document), next))
+}
+
+/// Estimates many recordings, each on its own.
+#[pyfunction]
+pub(crate) fn estimate_each(
+    py: Python<'_>,
+    logs: Vec<LogArg<'_>>,
+    asked: Asked<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let planned = asked.plan()?;
+    let mut requests = Vec::new();
+    for log in &logs {
+        match log {
+            LogArg::Opened(_) => requests.push(asked.request(log)?),
+            LogArg::Place(place) => {
+                for file in sinew_log::recordings_of(place).map_err(Failure::from)? {
+                    requests.push(asked.request(&LogArg::Place(file))?);
+                }
+            }
+        }
+    }
+    let document = work(py, "estimating", progress.as_ref(), move |pace| {
+        let finished = AtomicUsize::new(0);
+        Ok(each(&requests, &planned.plan(), |_| {
+            let done = 1 + finished.fetch_add(1, Ordering::Relaxed);
+            pace.at(done as f64, requests.len() as f64);
+        }))
+    })?;
+    let is_lossy = document.failed() > 0;
+    Ok(Shown::new(document, each_summary)
+        .table("joints", each_table)
+        .lossy(is_lossy)
+        .into())
+}
+
+/// Learns a baseline from a recording right after tensioning.
+#[pyfunction]
+#[pyo3(signature = (log, robot, start, temperature_c, motor_torque, from_s, to_s, progress))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub(crate) fn learn_baseline(
+    py: Python<'_>,
+    log: LogArg<'_>,
+    robot: Option<RobotArg<'_>>,
+    start: Option<BaselineArg<'_>>,
+    temperature_c: Option<Stated>,
+    motor_torque: bool,
+    from_s: f64,
+    to_s: Option<f64>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Document, Baseline)> {
+    let mut request = Request::new(log.name());
+    request.given = log.give(Given::default());
+    request.open = log.options();
+    match robot {
+        Some(RobotArg::Loaded(robot)) => {
+            request.given.robot = Some(robot.get().loaded().clone());
+        }
+        Some(RobotArg::Place(place)) => request.robot = Some(place),
+        None => {}
+    }
+    let window = stated::window(from_s, to_s).map_err(Failure::from)?;
+    let start = start.as_ref().map(BaselineArg::read).transpose()?;
+    let temperature_c = temperature(temperature_c)?;
+    let name = request.log.display().to_string();
+    let (baseline, learned) = work(py, "learning", progress.as_ref(), move |pace| {
+        let learning = Learning {
+            known: start.as_ref().map(|(b, file)| (&**b, file.as_str())),
+            motor_torque,
+            temperature_c,
+            ..Learning::default()
+        };
+        Ok(session::learn(
+            &request,
+            window,
+            &learning,
+            &mut told(pace),
+        )?)
+    })?;
+    let warnings = learned.warnings.iter();
+    let warnings = warnings
+        .filter(|w| **w != session::Warning::NoBaseline)
+        .map(sinew_report::session_warning)
+        .collect();
+    let is_lossy = learned.damaged;
+    let document = Shown::new(BaselineDocument { learned }, |d| {
+        tables::baseline(&d.learned)
+    })
+    .warnings(warnings)
+    .lossy(is_lossy);
+    let baseline = Baseline {
+        baseline: Arc::new(baseline),
+        name,
+    };
+    Ok((document.into(), baseline))
+}
+
+/// Puts together what several baselines learned.
+#[pyfunction]
+#[pyo3(signature = (baselines, robot, common, fleet, scatter))]
+pub(crate) fn merge_baselines(
+    baselines: Vec<BaselineArg<'_>>,
+    robot: RobotArg<'_>,
+    common: Option<BaselineArg<'_>>,
+    fleet: bool,
+    scatter: f64,
+) -> PyResult<(Document, Baseline)> {
+    let loaded = robot.load()?;
+    let read = baselines.iter().map(BaselineArg::read);
+    let parts: Vec<Named> = read.collect::<Result<_, _>>()?;
+    let common = common.as_ref().map(BaselineArg::read).transpose()?;
+    let borrowed: Vec<_> = parts.iter().map(|(b, f)| (&**b, f.as_str())).collect();
+    let common = common.as_ref().map(|(b, f)| (&**b, f.as_str()));
+    let options = MergeOptions { fleet, scatter };
+    let (merged, summary) =
+        baseline::merge(&loaded.robot, &borrowed, common, &options).map_err(Failure::from)?;
+    let count = parts.len();
+    let document = Shown::new(summary, move |s| tables::merged(s, count));
+    let baseline = Baseline {
+        baseline: Arc::new(merged),
+        name: "merged".into(),
+    };
+    Ok((document.into(), baseline))
+}

@@ -1,0 +1,563 @@
+//! Recordings: files, arrays, messages.
+
+use crate::arrays::{Held, Reader};
+use crate::document::{Document, Shown};
+use crate::failure::Failure;
+use crate::table::Table;
+use crate::work::work;
+use arrow_array::{ArrayRef, Float64Array, Int64Array};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyIterator, PyTuple};
+use sinew_estimate::{Given, Opener};
+use sinew_log::{
+    Channels, Format, Frame, GivenMessages, JointEffort, LogError, Mapping, OpenOptions,
+    Quantities, Quantity, RecordingInfo,
+};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where the samples are.
+#[derive(Clone)]
+enum Source {
+    Files(PathBuf),
+    Arrays(Arc<Held>),
+    Messages(Arc<GivenMessages>),
+}
+
+impl Source {
+    fn open(&self, name: &str, options: &OpenOptions) -> Result<sinew_log::Recording, LogError> {
+        match self {
+            Self::Files(path) => sinew_log::open(path, options),
+            Self::Arrays(held) => {
+                let reader = Box::new(Reader(held.clone()));
+                sinew_log::Recording::from_arrays(reader, name, options)
+            }
+            Self::Messages(given) => {
+                sinew_log::Recording::from_messages(given.clone(), name, options)
+            }
+        }
+    }
+}
+
+/// A recording: joint and motor positions over time.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct Recording {
+    name: String,
+    source: Source,
+    options: OpenOptions,
+    joints: Vec<String>,
+    channels: Channels,
+    format: Format,
+    description: Option<String>,
+}
+
+/// A recording, or the place of one.
+#[derive(FromPyObject)]
+pub(crate) enum LogArg<'py> {
+    #[pyo3(annotation = "Recording")]
+    Opened(Bound<'py, Recording>),
+    #[pyo3(annotation = "path")]
+    Place(PathBuf),
+}
+
+impl LogArg<'_> {
+    /// What a request calls it.
+    pub(crate) fn name(&self) -> PathBuf {
+        match self {
+            Self::Opened(recording) => PathBuf::from(&recording.get().name),
+            Self::Place(path) => path.clone(),
+        }
+    }
+
+    /// How it is read.
+    pub(crate) fn options(&self) -> OpenOptions {
+        match self {
+            Self::Opened(recording) => recording.get().options.clone(),
+            Self::Place(_) => OpenOptions::default(),
+        }
+    }
+
+    /// Adds it to what is in memory, where it is no file.
+    pub(crate) fn give(&self, given: Given) -> Given {
+        match self {
+            Self::Opened(recording) => {
+                let recording = recording.get();
+                given.with_recording(&recording.name, recording.opener())
+            }
+            Self::Place(_) => given,
+        }
+    }
+}
+
+const EFFORTS: [(&str, JointEffort); 3] = [
+    ("tau-el", JointEffort::TauEl),
+    ("tau-m", JointEffort::TauM),
+    ("ignore", JointEffort::Ignore),
+];
+
+/// One of several words.
+pub(crate) fn one_of<T: Clone>(
+    what: &str,
+    word: &str,
+    words: &[(&'static str, T)],
+) -> Result<T, Failure> {
+    let found = words.iter().find(|(known, _)| *known == word);
+    found.map(|(_, value)| value.clone()).ok_or_else(|| {
+        let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+        let known = known.join("', '");
+        Failure::new(format!("{what} is '{word}'; it can be '{known}'"))
+    })
+}
+
+impl Recording {
+    fn of(name: String, source: Source, options: OpenOptions) -> Result<Self, Failure> {
+        let opened = source.open(&name, &options)?;
+        Ok(Self {
+            joints: opened.joints().to_vec(),
+            channels: opened.channels().clone(),
+            format: opened.format(),
+            description: opened.robot_description().map(str::to_owned),
+            name,
+            source,
+            options,
+        })
+    }
+
+    /// Opens it from its start, whenever asked.
+    fn opener(&self) -> Opener {
+        let (name, source) = (self.name.clone(), self.source.clone());
+        Arc::new(move |options| source.open(&name, options))
+    }
+
+    /// Reads all frames into columns.
+    fn columns(
+        &self,
+        py: Python<'_>,
+        joints: Option<Vec<String>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Vec<String>, Columns)> {
+        let joints = joints.unwrap_or_else(|| self.joints.clone());
+        let (opener, options, selected) = (self.opener(), self.options.clone(), joints.clone());
+        let columns = work(py, "reading", progress, move |pace| {
+            let mut recording = opener(&options)?;
+            let names: Vec<&str> = selected.iter().map(String::as_str).collect();
+            recording.select(&names)?;
+            let mut columns = Columns::new(recording.channels().union());
+            while let Some(frame) = recording.next_frame()? {
+                columns.push(frame);
+                if columns.time_ns.len().is_multiple_of(8192) {
+                    let at = recording.progress();
+                    pace.at(at.bytes_done as f64, at.bytes_total as f64);
+                }
+            }
+            Ok(columns)
+        })?;
+        Ok((joints, columns))
+    }
+}
+
+/// Frames as columns.
+pub(crate) struct Columns {
+    pub(crate) time_ns: Vec<i64>,
+    segment: Vec<u32>,
+    /// Row by row.
+    pub(crate) by_joint: Vec<(Quantity, Vec<f64>)>,
+    pub(crate) temperature_c: Option<Vec<f64>>,
+}
+
+impl Columns {
+    pub(crate) fn new(quantities: Quantities) -> Self {
+        let joints = quantities.iter().filter(|q| *q != Quantity::Temperature);
+        Self {
+            time_ns: Vec::new(),
+            segment: Vec::new(),
+            by_joint: joints.map(|quantity| (quantity, Vec::new())).collect(),
+            temperature_c: quantities.temperature.then(Vec::new),
+        }
+    }
+
+    pub(crate) fn push(&mut self, frame: &Frame) {
+        self.time_ns.push(frame.time_ns);
+        self.segment.push(frame.segment);
+        for (quantity, values) in &mut self.by_joint {
+            values.extend_from_slice(frame.get(*quantity));
+        }
+        if let Some(values) = &mut self.temperature_c {
+            values.push(frame.temperature_c);
+        }
+    }
+
+    /// NumPy arrays by name; the memory is handed over.
+    pub(crate) fn arrays<'py>(
+        self,
+        py: Python<'py>,
+        joints: &[String],
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let rows = self.time_ns.len();
+        let out = PyDict::new(py);
+        out.set_item("joints", joints)?;
+        out.set_item("time_ns", PyArray1::from_vec(py, self.time_ns))?;
+        for (quantity, values) in self.by_joint {
+            let array = PyArray1::from_vec(py, values).reshape([rows, joints.len()])?;
+            out.set_item(quantity.symbol(), array)?;
+        }
+        if let Some(values) = self.temperature_c {
+            out.set_item("temperature_c", PyArray1::from_vec(py, values))?;
+        }
+        out.set_item("segment", PyArray1::from_vec(py, self.segment))?;
+        Ok(out)
+    }
+}
+
+/// A message as `rosbags` hands it out, or four values: topic, type, time and bytes.
+fn message(item: &Bound<'_, PyAny>) -> PyResult<(String, String, u64, Vec<u8>)> {
+    let odd = "messages are (connection, timestamp, rawdata) as rosbags hands them out, or (topic, type, time_ns, data)";
+    let parts = item
+        .cast::<PyTuple>()
+        .map_err(|_| PyTypeError::new_err(odd))?;
+    let bytes = |part: &Bound<'_, PyAny>| -> PyResult<Vec<u8>> {
+        match part.cast::<PyBytes>() {
+            Ok(bytes) => Ok(bytes.as_bytes().to_vec()),
+            // memoryview, bytearray
+            Err(_) => part
+                .call_method0("tobytes")
+                .or_else(|_| part.call_method0("__bytes__"))?
+                .extract(),
+        }
+    };
+    match parts.len() {
+        3 => {
+            let connection = parts.get_item(0)?;
+            let topic = connection.getattr("topic")?.extract()?;
+            let kind = connection.getattr("msgtype")?.extract()?;
+            let time = parts.get_item(1)?.extract()?;
+            Ok((topic, kind, time, bytes(&parts.get_item(2)?)?))
+        }
+        4 => Ok((
+            parts.get_item(0)?.extract()?,
+            parts.get_item(1)?.extract()?,
+            parts.get_item(2)?.extract()?,
+            bytes(&parts.get_item(3)?)?,
+        )),
+        _ => Err(PyTypeError::new_err(odd)),
+    }
+}
+
+/// How recordings are opened.
+#[derive(Default)]
+struct Opening {
+    mapping: Option<PathBuf>,
+    joint_topic: Option<String>,
+    motor_topic: Option<String>,
+    motor_interface: Option<String>,
+    joint_effort: Option<String>,
+    gap_s: Option<f64>,
+}
+
+impl Opening {
+    fn options(self) -> Result<OpenOptions, Failure> {
+        let mut options = OpenOptions {
+            mapping: self.mapping.as_deref().map(Mapping::read).transpose()?,
+            joint_state_topic: self.joint_topic,
+            motor_topic: self.motor_topic,
+            ..OpenOptions::default()
+        };
+        if let Some(name) = self.motor_interface {
+            options.motor_interface = name;
+        }
+        if let Some(word) = self.joint_effort {
+            options.joint_effort = one_of("joint_effort", &word, &EFFORTS)?;
+        }
+        options.gap_s = self.gap_s.unwrap_or(options.gap_s);
+        Ok(options)
+    }
+}
+
+/// An array of floats as NumPy has it: the same one where it is one already.
+fn floats<'py>(
+    numpy: &Bound<'py, PyAny>,
+    array: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    numpy.call_method1("asarray", (array, numpy.getattr("float64")?))
+}
+
+/// Times in whole nanoseconds, from those or from seconds.
+fn times<'py>(
+    numpy: &Bound<'py, PyAny>,
+    time_ns: Option<Bound<'py, PyAny>>,
+    time_s: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let whole = |array: Bound<'py, PyAny>| -> PyResult<Bound<'py, PyAny>> {
+        array.call_method1("astype", (numpy.getattr("int64")?,))
+    };
+    let array = match (time_ns, time_s) {
+        (Some(time_ns), None) => {
+            let array = numpy.call_method1("asarray", (time_ns,))?;
+            let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+            match kind.as_str() {
+                // Dates of any unit.
+                "M" => whole(array.call_method1("astype", ("datetime64[ns]",))?)?,
+                "i" | "u" => numpy.call_method1("asarray", (array, numpy.getattr("int64")?))?,
+                _ => {
+                    let why =
+                        "time_ns must hold whole numbers or datetime64; give seconds as time_s";
+                    return Err(PyTypeError::new_err(why));
+                }
+            }
+        }
+        (None, Some(time_s)) => {
+            let ns = floats(numpy, &time_s)?.mul(1e9)?;
+            whole(numpy.call_method1("rint", (ns,))?)?
+        }
+        _ => return Err(PyTypeError::new_err("give time_ns or time_s, one of them")),
+    };
+    let array = array.cast_into::<PyArray1<i64>>();
+    array.map_err(|_| Failure::new("times must be one row of numbers, one per instant").into())
+}
+
+#[pymethods]
+impl Recording {
+    #[new]
+    #[pyo3(signature = (path, *, mapping=None, joint_topic=None, motor_topic=None, motor_interface=None, joint_effort=None, gap_s=None))]
+    fn new(
+        path: PathBuf,
+        mapping: Option<PathBuf>,
+        joint_topic: Option<String>,
+        motor_topic: Option<String>,
+        motor_interface: Option<String>,
+        joint_effort: Option<String>,
+        gap_s: Option<f64>,
+    ) -> PyResult<Self> {
+        let opening = Opening {
+            mapping,
+            joint_topic,
+            motor_topic,
+            motor_interface,
+            joint_effort,
+            gap_s,
+        };
+        let name = path.display().to_string();
+        Ok(Self::of(name, Source::Files(path), opening.options()?)?)
+    }
+
+    /// A recording from arrays, one row an instant: read block by block, never copied whole.
+    ///
+    /// `time_ns` (whole numbers or `datetime64`) or `time_s`: `(rows,)`. `q`, `theta`: `(rows, joints)`, rad; `dq`: rad/s;
+    /// `tau_el`, `tau_m`, `tau_ext`: N·m; `temperature_c`: `(rows,)`, °C. NaN means "not recorded". `float64` is taken as
+    /// it is, whatever its strides; other types are converted.
+    #[staticmethod]
+    #[pyo3(signature = (*, joints, q, theta, time_ns=None, time_s=None, dq=None, tau_el=None, tau_m=None, tau_ext=None, temperature_c=None, name="arrays", gap_s=None))]
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+    fn from_arrays<'py>(
+        py: Python<'py>,
+        joints: Vec<String>,
+        q: Bound<'py, PyAny>,
+        theta: Bound<'py, PyAny>,
+        time_ns: Option<Bound<'py, PyAny>>,
+        time_s: Option<Bound<'py, PyAny>>,
+        dq: Option<Bound<'py, PyAny>>,
+        tau_el: Option<Bound<'py, PyAny>>,
+        tau_m: Option<Bound<'py, PyAny>>,
+        tau_ext: Option<Bound<'py, PyAny>>,
+        temperature_c: Option<Bound<'py, PyAny>>,
+        name: &str,
+        gap_s: Option<f64>,
+    ) -> PyResult<Self> {
+        let numpy = py.import("numpy")?.into_any();
+        let time_ns = times(&numpy, time_ns, time_s)?;
+        let given = [Some(q), Some(theta), dq, tau_el, tau_m, tau_ext];
+        let mut by_joint = Vec::new();
+        for (quantity, array) in Quantity::PER_JOINT.into_iter().zip(given) {
+            let Some(array) = array else { continue };
+            let array = floats(&numpy, &array)?.cast_into::<PyArray2<f64>>();
+            let array = array.map_err(|_| {
+                let symbol = quantity.symbol();
+                Failure::new(format!(
+                    "{symbol} must have rows and columns: (instants, joints)"
+                ))
+            })?;
+            by_joint.push((quantity, array));
+        }
+        let temperature_c = match temperature_c {
+            None => None,
+            Some(array) => {
+                let array = floats(&numpy, &array)?.cast_into::<PyArray1<f64>>();
+                let why = "temperature_c must be one row of numbers, one per instant";
+                Some(array.map_err(|_| Failure::new(why))?)
+            }
+        };
+        let held = Held::new(joints, &time_ns, by_joint, temperature_c)?;
+        let opening = Opening {
+            gap_s,
+            ..Opening::default()
+        };
+        let source = Source::Arrays(Arc::new(held));
+        Ok(Self::of(name.to_owned(), source, opening.options()?)?)
+    }
+
+    /// A recording from messages of ROS 2: what `reader.messages()` of the package `rosbags` hands out, or tuples of topic,
+    /// type, time (ns) and bytes. The iterator is read to its end; only messages of joints are kept.
+    #[staticmethod]
+    #[pyo3(signature = (messages, *, name="messages", mapping=None, joint_topic=None, motor_topic=None, motor_interface=None, joint_effort=None, gap_s=None))]
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+    fn from_messages(
+        py: Python<'_>,
+        messages: &Bound<'_, PyAny>,
+        name: &str,
+        mapping: Option<PathBuf>,
+        joint_topic: Option<String>,
+        motor_topic: Option<String>,
+        motor_interface: Option<String>,
+        joint_effort: Option<String>,
+        gap_s: Option<f64>,
+    ) -> PyResult<Self> {
+        let opening = Opening {
+            mapping,
+            joint_topic,
+            motor_topic,
+            motor_interface,
+            joint_effort,
+            gap_s,
+        };
+        let options = opening.options()?;
+        let mut given = GivenMessages::default();
+        for (i, item) in PyIterator::from_object(messages)?.enumerate() {
+            let (topic, kind, time_ns, data) = message(&item?)?;
+            given
+                .push(&topic, &kind, time_ns, &data)
+                .map_err(Failure::from)?;
+            // A long bag may be interrupted.
+            if i.is_multiple_of(4096) {
+                py.check_signals()?;
+            }
+        }
+        let source = Source::Messages(Arc::new(given));
+        Ok(Self::of(name.to_owned(), source, options)?)
+    }
+
+    /// What it is called.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its format: `mcap`, `csv`, `parquet`, `db3`, `arrays` or `messages`.
+    #[getter]
+    fn format(&self) -> PyResult<String> {
+        let json = serde_json::to_value(self.format).map_err(Failure::from)?;
+        Ok(json.as_str().unwrap_or_default().to_owned())
+    }
+
+    /// Names of the joints, in the recording's order.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.joints.clone()
+    }
+
+    /// Quantities recorded of every joint.
+    #[getter]
+    fn channels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        for (joint, has) in self.joints.iter().zip(&self.channels.joints) {
+            let symbols: Vec<&str> = has.iter().map(Quantity::symbol).collect();
+            out.set_item(joint, symbols)?;
+        }
+        Ok(out)
+    }
+
+    /// The robot's URDF, where it is recorded.
+    #[getter]
+    fn robot_description(&self) -> Option<&str> {
+        self.description.as_deref()
+    }
+
+    /// Reads it to its end and says what it holds and what was lost.
+    #[pyo3(name = "_info", signature = (*, progress=None))]
+    fn info(&self, py: Python<'_>, progress: Option<Bound<'_, PyAny>>) -> PyResult<Document> {
+        let (opener, options, name) = (self.opener(), self.options.clone(), self.name.clone());
+        let files = match &self.source {
+            Source::Files(path) => Some(path.clone()),
+            _ => None,
+        };
+        let info = work(py, "reading", progress.as_ref(), move |pace| {
+            let mut at = |at: sinew_log::Progress| {
+                pace.at(at.bytes_done as f64, at.bytes_total as f64);
+            };
+            Ok(match files {
+                Some(path) => RecordingInfo::of_files(&[path], &options, &mut at)?,
+                None => RecordingInfo::of(&mut opener(&options)?, &name, &mut at)?,
+            })
+        })?;
+        let is_lossy = info.lossy;
+        Ok(Shown::new(info, sinew_report::log::render)
+            .lossy(is_lossy)
+            .into())
+    }
+
+    /// All frames as NumPy arrays by name: `time_ns` `(rows,)`, `q`, `theta` and what else there is `(rows, joints)`.
+    #[pyo3(signature = (*, joints=None, progress=None))]
+    fn arrays<'py>(
+        &self,
+        py: Python<'py>,
+        joints: Option<Vec<String>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (joints, columns) = self.columns(py, joints, progress.as_ref())?;
+        columns.arrays(py, &joints)
+    }
+
+    /// All frames as a table; columns as in a CSV recording.
+    #[pyo3(signature = (*, joints=None, progress=None))]
+    fn table(
+        &self,
+        py: Python<'_>,
+        joints: Option<Vec<String>>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Table> {
+        let (joints, columns) = self.columns(py, joints, progress.as_ref())?;
+        let mut out: Vec<(String, ArrayRef)> = vec![
+            (
+                "time_ns".into(),
+                Arc::new(Int64Array::from(columns.time_ns)),
+            ),
+            (
+                "segment".into(),
+                Arc::new(Int64Array::from_iter_values(
+                    columns.segment.into_iter().map(i64::from),
+                )),
+            ),
+        ];
+        for (quantity, values) in &columns.by_joint {
+            for (i, joint) in joints.iter().enumerate() {
+                let column = values.iter().skip(i).step_by(joints.len().max(1)).copied();
+                let name = format!("{}.{joint}{}", quantity.symbol(), quantity.suffix());
+                out.push((name, Arc::new(Float64Array::from_iter_values(column))));
+            }
+        }
+        if let Some(values) = columns.temperature_c {
+            out.push(("temperature_c".into(), Arc::new(Float64Array::from(values))));
+        }
+        Ok(Table::new(out)?)
+    }
+
+    /// The frames as an Arrow C stream.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let table = Bound::new(py, self.table(py, None, None)?)?;
+        table.call_method1("__arrow_c_stream__", (requested_schema,))
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let (name, format) = (&self.name, self.format()?);
+        Ok(format!(
+            "<pysinew.Recording '{name}' ({format}): {}>",
+            self.joints.join(", ")
+        ))
+    }
+}

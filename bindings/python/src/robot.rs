@@ -1,0 +1,207 @@
+//! A robot: its folder or its texts, what it says of itself, its dynamics.
+
+use crate::document::{Document, Shown};
+use crate::failure::Failure;
+use numpy::{
+    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+use sinew_estimate::robot_check::RobotCheck;
+use sinew_estimate::robot_dir::{self, LoadedRobot};
+use sinew_files::{limits, read_text};
+use sinew_log::Mapping;
+use sinew_model::arm::ArmWorkspace;
+use sinew_model::robot::RobotFile;
+use sinew_model::transmission::Tendon;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Floats of any shape; lists and other numbers are converted.
+pub(crate) type Floats<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
+
+/// A robot: joints, masses, stiffness, tendons.
+///
+/// `place` is its folder, or `robot.toml` itself.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct Robot(Arc<LoadedRobot>);
+
+/// A robot, or the place of one.
+#[derive(FromPyObject)]
+pub(crate) enum RobotArg<'py> {
+    #[pyo3(annotation = "Robot")]
+    Loaded(Bound<'py, Robot>),
+    #[pyo3(annotation = "path")]
+    Place(PathBuf),
+}
+
+impl RobotArg<'_> {
+    /// Loaded, and kept.
+    pub(crate) fn load(&self) -> Result<Arc<LoadedRobot>, Failure> {
+        Ok(match self {
+            Self::Loaded(robot) => robot.get().loaded().clone(),
+            Self::Place(place) => Arc::new(robot_dir::load(place, None)?),
+        })
+    }
+}
+
+impl Robot {
+    pub(crate) fn loaded(&self) -> &Arc<LoadedRobot> {
+        &self.0
+    }
+
+    fn tendon(&self, joint: &str) -> Result<&Tendon, Failure> {
+        Ok(self.0.tendon(joint)?)
+    }
+}
+
+/// Three arrays of the shape of `q`.
+type Terms<'py> = (
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
+);
+
+#[pymethods]
+impl Robot {
+    #[new]
+    fn new(place: PathBuf) -> PyResult<Self> {
+        let loaded = robot_dir::load(&place, None).map_err(Failure::from)?;
+        Ok(Self(Arc::new(loaded)))
+    }
+
+    /// From texts: `robot_toml`, and the URDF it belongs to. `file` is the name for messages.
+    #[staticmethod]
+    #[pyo3(signature = (robot_toml, urdf, *, file="robot.toml"))]
+    fn from_text(robot_toml: &str, urdf: &str, file: &str) -> PyResult<Self> {
+        let parsed = RobotFile::parse(robot_toml, file).map_err(Failure::from)?;
+        let robot = parsed.build(urdf).map_err(Failure::from)?;
+        Ok(Self(Arc::new(LoadedRobot {
+            robot,
+            file: file.into(),
+            file_text: robot_toml.into(),
+            urdf: parsed.urdf().unwrap_or("given as text").into(),
+            urdf_text: urdf.into(),
+        })))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.robot.name
+    }
+
+    /// Names of the joints, in the order of `q`.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.0.robot.joint_names().to_vec()
+    }
+
+    /// `robot.toml` as it was opened.
+    #[getter]
+    fn file(&self) -> PathBuf {
+        self.0.file.clone()
+    }
+
+    /// Text of `robot.toml`.
+    #[getter]
+    fn robot_toml(&self) -> &str {
+        &self.0.file_text
+    }
+
+    /// Text of the URDF.
+    #[getter]
+    // What Python calls `urdf` is the text.
+    #[allow(clippy::misnamed_getters)]
+    fn urdf(&self) -> &str {
+        &self.0.urdf_text
+    }
+
+    /// What was odd in the description, in sentences.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.robot.warnings.clone()
+    }
+
+    /// Stiffness of every joint, `(n,)`, N·m/rad; NaN of a rigid one.
+    #[getter]
+    fn stiffness_nm_per_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let all = self.0.robot.transmissions.iter();
+        let stiffness = all.map(|t| t.as_ref().map_or(f64::NAN, |t| t.stiffness_nm_per_rad));
+        PyArray1::from_iter(py, stiffness)
+    }
+
+    /// Name of the rope of a joint's tendon, if `robot.toml` names one.
+    fn rope(&self, joint: &str) -> PyResult<Option<String>> {
+        Ok(self.tendon(joint)?.rope.clone())
+    }
+
+    /// Elongation of a joint's tendon, m, for an offset `delta_e`, rad: `ΔL = r · delta_e`.
+    fn elongation_m(&self, joint: &str, delta_e: f64) -> PyResult<f64> {
+        Ok(self.tendon(joint)?.elongation_m(delta_e))
+    }
+
+    /// Strain of a joint's tendon, m/m, for an offset `delta_e`, rad: `ε = ΔL / L`.
+    fn strain(&self, joint: &str, delta_e: f64) -> PyResult<f64> {
+        Ok(self.tendon(joint)?.strain(delta_e))
+    }
+
+    /// Momentum terms of the arm: `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`.
+    ///
+    /// `q`, `dq`: `(n,)` or `(..., n)`, rad and rad/s. Returns three arrays of that shape: kg·m²/s, N·m, N·m.
+    fn momentum<'py>(
+        &self,
+        py: Python<'py>,
+        q: Floats<'py>,
+        dq: Floats<'py>,
+    ) -> PyResult<Terms<'py>> {
+        let arm = &self.0.robot.arm;
+        let shape = q.shape().to_vec();
+        let n = arm.dof();
+        if shape.last() != Some(&n) || shape != dq.shape() {
+            let (q, dq) = (&shape, dq.shape());
+            return Err(Failure::new(format!(
+                "q has the shape {q:?} and dq {dq:?}; both must be alike and end in {n}, the number of joints"
+            ))
+            .into());
+        }
+        let (q, dq) = (q.as_array(), dq.as_array());
+        let q: Vec<f64> = q.iter().copied().collect();
+        let dq: Vec<f64> = dq.iter().copied().collect();
+        let (mut p, mut ct_dq, mut g) = (Vec::new(), Vec::new(), Vec::new());
+        let mut workspace = ArmWorkspace::new(arm);
+        for (q, dq) in q.chunks_exact(n.max(1)).zip(dq.chunks_exact(n.max(1))) {
+            let terms = arm.momentum(&mut workspace, q, dq).map_err(Failure::from)?;
+            p.extend_from_slice(terms.p);
+            ct_dq.extend_from_slice(terms.ct_dq);
+            g.extend_from_slice(terms.g);
+        }
+        let shaped = |values: Vec<f64>| PyArray1::from_vec(py, values).reshape(&shape[..]);
+        Ok((shaped(p)?, shaped(ct_dq)?, shaped(g)?))
+    }
+
+    /// What looks odd in the description; `ropes`: folders with ropes of one's own.
+    #[pyo3(name = "_check", signature = (*, mapping=None, ropes=Vec::new()))]
+    fn check(&self, mapping: Option<PathBuf>, ropes: Vec<PathBuf>) -> PyResult<Document> {
+        let catalogue = crate::rope::with_folders(&ropes)?;
+        let check = RobotCheck::of(&self.0, &[], &catalogue);
+        let mut check = check.map_err(Failure::from)?;
+        if let Some(file) = mapping {
+            Mapping::read(&file).map_err(Failure::from)?;
+            let text = read_text(&file, &limits::SETTINGS).map_err(Failure::from)?;
+            let name = file.display().to_string();
+            check.add_mapping(&text, &name).map_err(Failure::from)?;
+        }
+        let is_lossy = check.worst().is_some();
+        Ok(Shown::new(check, sinew_report::robot::render)
+            .lossy(is_lossy)
+            .into())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<pysinew.Robot '{}': {}>",
+            self.name(),
+            self.joints().join(", ")
+        )
+    }
+}

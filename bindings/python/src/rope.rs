@@ -1,0 +1,504 @@
+//! Ropes: the catalogue, the law, prediction, selection, pretension.
+
+use crate::document::{Document, Shown};
+use crate::failure::Failure;
+use crate::recording::{LogArg, one_of};
+use crate::robot::RobotArg;
+use crate::work::{Pace, work};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sinew_estimate::strand_duty::{self, Strand};
+use sinew_estimate::{Given, Progress, Request as EstimateRequest};
+use sinew_model::rope::{Law, RopeLoad, State};
+use sinew_model::transmission::Tendon;
+use sinew_report::rope::{
+    catalogue_table, curve_times, plan_table, planned, predicted, prediction_series,
+    prediction_table, rope_table, selected, selection_table,
+};
+use sinew_rope::duty::{Duty, Stretch};
+use sinew_rope::predict::{self, Guide};
+use sinew_rope::select::{self, Constraints};
+use sinew_rope::task::{PretensionTask, RopeTask, TaskError};
+use sinew_rope::{Draws, Ends, pretension};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Shipped ropes, and those of one's own folders.
+pub(crate) fn with_folders(folders: &[PathBuf]) -> Result<sinew_rope::Catalogue, Failure> {
+    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
+    Ok(sinew_rope::Catalogue::with_folders(&folders)?)
+}
+
+fn find<'a>(
+    catalogue: &'a sinew_rope::Catalogue,
+    name: &str,
+) -> Result<&'a sinew_rope::CatalogueRope, Failure> {
+    catalogue.find(name).map_err(|error| {
+        let hint = sinew_files::names::did_you_mean(name, &catalogue.names());
+        Failure::new(format!("{error}{hint}"))
+    })
+}
+
+/// Ropes by name.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct Catalogue(Arc<sinew_rope::Catalogue>);
+
+#[pymethods]
+impl Catalogue {
+    #[new]
+    #[pyo3(signature = (ropes=Vec::new()))]
+    fn new(ropes: Vec<PathBuf>) -> PyResult<Self> {
+        Ok(Self(Arc::new(with_folders(&ropes)?)))
+    }
+
+    /// Names of all ropes.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.0.names()
+    }
+
+    /// All ropes.
+    #[pyo3(name = "_list")]
+    fn list(&self) -> Document {
+        let catalogue = self.0.clone();
+        Shown::new(self.0.list(), move |_| catalogue_table(&catalogue)).into()
+    }
+
+    /// Everything known about a rope.
+    #[pyo3(name = "_describe")]
+    fn describe(&self, name: &str) -> PyResult<Document> {
+        let rope = find(&self.0, name)?.clone();
+        Ok(Shown::new(rope.describe(), move |_| rope_table(&rope)).into())
+    }
+
+    /// A rope's catalogue entry as text, to start one's own from.
+    fn entry(&self, name: &str) -> PyResult<String> {
+        Ok(find(&self.0, name)?.entry.to_toml())
+    }
+}
+
+/// The law of a rope at its catalogue values: strain under a history of loads.
+#[pyclass(module = "pysinew._core")]
+pub(crate) struct RopeLaw {
+    name: String,
+    law: Law,
+    state: State,
+}
+
+#[pymethods]
+impl RopeLaw {
+    #[new]
+    #[pyo3(signature = (rope, *, ropes=Vec::new()))]
+    fn new(rope: &str, ropes: Vec<PathBuf>) -> PyResult<Self> {
+        let catalogue = with_folders(&ropes)?;
+        let law = Draws::new(find(&catalogue, rope)?, 0, 0);
+        Ok(Self {
+            name: rope.to_owned(),
+            law: law.map_err(Failure::from)?.nominal,
+            state: State::default(),
+        })
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Load at which it breaks, N.
+    #[getter]
+    fn breaking_load_n(&self) -> f64 {
+        self.law.parameters().breaking_load_n
+    }
+
+    /// Holds a tension, N, for a time, s, at a temperature, °C. However a time is cut, the state at its end is the
+    /// same.
+    #[pyo3(signature = (tension_n, duration_s, *, temperature_c=23.0))]
+    fn hold(&mut self, tension_n: f64, duration_s: f64, temperature_c: f64) -> PyResult<()> {
+        let load = RopeLoad::celsius(tension_n, temperature_c);
+        let held = self.law.hold(&mut self.state, load, duration_s);
+        Ok(held.map_err(Failure::from)?)
+    }
+
+    /// Strain now under a tension, N, at a temperature, °C, and what it is made of, % of the new, unloaded rope.
+    #[pyo3(signature = (tension_n, *, temperature_c=23.0))]
+    fn strain<'py>(
+        &self,
+        py: Python<'py>,
+        tension_n: f64,
+        temperature_c: f64,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let load = RopeLoad::celsius(tension_n, temperature_c);
+        let strain = self.law.strain(&self.state, load).map_err(Failure::from)?;
+        let out = PyDict::new(py);
+        out.set_item("total_percent", strain.total_percent())?;
+        out.set_item("irreversible_percent", strain.irreversible_percent())?;
+        out.set_item("elastic_percent", strain.elastic_percent)?;
+        out.set_item("bedding_percent", strain.bedding_percent)?;
+        out.set_item("delayed_percent", strain.delayed_percent)?;
+        out.set_item("flow_percent", strain.flow_percent)?;
+        out.set_item("retraction_percent", strain.retraction_percent)?;
+        out.set_item("thermal_percent", strain.thermal_percent)?;
+        Ok(out)
+    }
+
+    /// Goes through a history: holds `tension_n[i]` for `duration_s[i]`, `(k,)` each, and returns the strain at the end
+    /// of every step under its tension, `(k,)`, %.
+    #[pyo3(signature = (duration_s, tension_n, *, temperature_c=23.0))]
+    fn follow<'py>(
+        &mut self,
+        py: Python<'py>,
+        duration_s: PyArrayLike1<'py, f64, AllowTypeChange>,
+        tension_n: PyArrayLike1<'py, f64, AllowTypeChange>,
+        temperature_c: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (durations, tensions) = (duration_s.as_array(), tension_n.as_array());
+        if durations.len() != tensions.len() {
+            let (a, b) = (durations.len(), tensions.len());
+            let why =
+                format!("duration_s has {a} values and tension_n {b}; both need one per step");
+            return Err(Failure::new(why).into());
+        }
+        let mut state = self.state;
+        let mut strains = Vec::with_capacity(durations.len());
+        for (duration_s, tension_n) in durations.iter().zip(&tensions) {
+            let load = RopeLoad::celsius(*tension_n, temperature_c);
+            self.law
+                .hold(&mut state, load, *duration_s)
+                .map_err(Failure::from)?;
+            let strain = self.law.strain(&state, load).map_err(Failure::from)?;
+            strains.push(strain.total_percent());
+        }
+        self.state = state;
+        Ok(PyArray1::from_vec(py, strains))
+    }
+
+    /// A new rope again.
+    fn reset(&mut self) {
+        self.state = State::default();
+    }
+}
+
+/// A guiding pulley: wrap, radius, friction, place.
+type GuideArg = (f64, f64, Option<f64>, Option<f64>);
+
+fn guides(all: &[GuideArg]) -> Vec<Guide> {
+    let guide = |(wrap_rad, radius_m, friction, at_m): &GuideArg| Guide {
+        wrap_rad: *wrap_rad,
+        radius_m: *radius_m,
+        friction: *friction,
+        at_m: *at_m,
+    };
+    all.iter().map(guide).collect()
+}
+
+const STRANDS: [(&str, Strand); 2] = [
+    ("positive", Strand::Positive),
+    ("negative", Strand::Negative),
+];
+
+const ENDS: [(&str, Ends); 2] = [("splice", Ends::Spliced), ("knot", Ends::Knotted)];
+
+/// A duty: the file of one, or blocks of duration, tension and temperature.
+#[derive(FromPyObject)]
+enum DutyArg {
+    #[pyo3(annotation = "blocks")]
+    Blocks(Vec<(f64, f64, f64)>),
+    #[pyo3(annotation = "path")]
+    File(PathBuf),
+}
+
+impl DutyArg {
+    fn read(&self) -> Result<Duty, Failure> {
+        match self {
+            Self::File(path) => Ok(Duty::open(path)?),
+            Self::Blocks(blocks) => {
+                let mut stretches = Vec::with_capacity(blocks.len());
+                for (i, (duration_s, tension_n, temperature_c)) in blocks.iter().enumerate() {
+                    let possible = *duration_s > 0.0
+                        && duration_s.is_finite()
+                        && *tension_n >= 0.0
+                        && tension_n.is_finite()
+                        && (-100.0..=200.0).contains(temperature_c);
+                    if !possible {
+                        return Err(Failure::new(format!(
+                            "duty, block {i}: {duration_s} s at {tension_n} N and {temperature_c} °C can't be; a time is above 0 s, a tension at least 0 N, a temperature -100 to 200 °C"
+                        )));
+                    }
+                    let load = RopeLoad::celsius(*tension_n, *temperature_c);
+                    stretches.push(Stretch::hold(load, *duration_s));
+                }
+                Ok(Duty::checked(stretches, true, "duty")?)
+            }
+        }
+    }
+}
+
+/// What a rope has to do.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked<'py> {
+    tension_n: Option<f64>,
+    temperature_c: f64,
+    duty: Option<DutyArg>,
+    recording: Option<LogArg<'py>>,
+    strand: String,
+    robot: Option<RobotArg<'py>>,
+    joint: Option<String>,
+    length_m: Option<f64>,
+    guides: Vec<GuideArg>,
+    stroke_m: f64,
+    strokes_per_hour: f64,
+    ends: Option<String>,
+    abrasion_factor: f64,
+    times_s: Vec<f64>,
+    draws: usize,
+    seed: u64,
+    ropes: Vec<PathBuf>,
+}
+
+/// The joint's stiffness and tendon, where both a robot and a joint are named.
+fn drive(
+    robot: Option<&RobotArg<'_>>,
+    joint: Option<&str>,
+) -> Result<Option<(f64, Tendon)>, Failure> {
+    match (robot, joint) {
+        (None, None) => Ok(None),
+        (Some(robot), Some(joint)) => {
+            let loaded = robot.load()?;
+            let (transmission, tendon) = loaded.tendon_drive(joint)?;
+            Ok(Some((transmission.stiffness_nm_per_rad, tendon.clone())))
+        }
+        (Some(_), None) => Err(Failure::new("robot needs joint, whose tendon is meant")),
+        (None, Some(_)) => Err(Failure::new(
+            "joint needs robot, which has the joint's tendon",
+        )),
+    }
+}
+
+/// What a recording's torques do to a strand of a joint.
+struct Recorded {
+    request: EstimateRequest,
+    joint: String,
+    tendon: Tendon,
+    strand: Strand,
+    temperature_c: f64,
+}
+
+impl Recorded {
+    fn duty(&self, pace: &Pace) -> Result<Duty, Failure> {
+        let mut told = |at: Progress| pace.at(at.bytes_done as f64, at.bytes_total as f64);
+        Ok(strand_duty::recorded(
+            &self.request,
+            &self.joint,
+            &self.tendon,
+            self.temperature_c,
+            self.strand,
+            &mut told,
+        )?)
+    }
+}
+
+impl Asked<'_> {
+    /// What is stated, and the tendon.
+    fn task(&self) -> Result<(RopeTask, Option<Tendon>, Option<Recorded>), Failure> {
+        let tendon = drive(self.robot.as_ref(), self.joint.as_deref())?.map(|(_, t)| t);
+        let ends = self.ends.as_deref();
+        let task = RopeTask {
+            duty: self.duty.as_ref().map(DutyArg::read).transpose()?,
+            tension_n: self.tension_n,
+            temperature_c: self.temperature_c,
+            length_m: self.length_m,
+            guides: guides(&self.guides),
+            stroke_m: self.stroke_m,
+            strokes_per_hour: self.strokes_per_hour,
+            ends: ends.map_or(Ok(Ends::NotStated), |word| one_of("ends", word, &ENDS))?,
+            abrasion_factor: self.abrasion_factor,
+            times_s: self.times_s.clone(),
+            draws: self.draws,
+            seed: self.seed,
+        };
+        let recorded = match (&self.recording, &self.joint, &tendon) {
+            (None, ..) => None,
+            (Some(log), Some(joint), Some(tendon)) => {
+                let mut request = EstimateRequest::new(log.name());
+                request.given = log.give(Given::default());
+                request.given.robot = (self.robot.as_ref()).map(RobotArg::load).transpose()?;
+                request.open = log.options();
+                Some(Recorded {
+                    request,
+                    joint: joint.clone(),
+                    tendon: tendon.clone(),
+                    strand: one_of("strand", &self.strand, &STRANDS)?,
+                    temperature_c: self.temperature_c,
+                })
+            }
+            _ => return Err(Failure::new("recording needs robot and joint")),
+        };
+        Ok((task, tendon, recorded))
+    }
+}
+
+/// The rope that is meant.
+fn named(rope: Option<String>, tendon: Option<&Tendon>) -> Result<String, Failure> {
+    let own = tendon.and_then(|t| t.rope.clone());
+    let which = "which rope? name it; pysinew.Catalogue().names has all";
+    rope.or(own).ok_or_else(|| Failure::new(which))
+}
+
+/// How far a rope stretches under a duty.
+#[pyfunction]
+pub(crate) fn predict_rope(
+    py: Python<'_>,
+    rope: Option<String>,
+    read_at_n: Option<f64>,
+    asked: Asked<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let (mut task, tendon, recorded) = asked.task()?;
+    let catalogue = with_folders(&asked.ropes)?;
+    let rope = find(&catalogue, &named(rope, tendon.as_ref())?)?.clone();
+    let read_at = read_at_n.map(|n| RopeLoad::celsius(n, asked.temperature_c));
+    let (found, rope, request) = work(py, "draws", progress.as_ref(), move |pace| {
+        if let Some(recorded) = recorded {
+            pace.say("torques");
+            task.duty = Some(recorded.duty(pace)?);
+            pace.say("draws");
+        }
+        let mut request = task.request(tendon.as_ref())?;
+        request.read_at = read_at;
+        let draws = request.draws as f64;
+        let told = |done: usize| pace.at(done as f64, draws);
+        let found = predict::predict_with_progress(&rope, &request, &told)?;
+        Ok((found, rope, request))
+    })?;
+    let is_lossy = found.breaks_after_s.is_some();
+    // The curve between the readings is drawn when somebody looks.
+    let curve = Arc::new(move |found: &predict::Prediction| {
+        let more = predict::Request {
+            times_s: curve_times(&request.times_s),
+            ..request.clone()
+        };
+        predict::predict(&rope, &more).unwrap_or_else(|_| found.clone())
+    });
+    let drawn = curve.clone();
+    Ok(Shown::new(found, prediction_table)
+        .page(move |p| predicted(p, &curve(p).readings))
+        .table("series", move |p| prediction_series(&drawn(p)))
+        .lossy(is_lossy)
+        .into())
+}
+
+/// What a rope must be.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Limits {
+    diameter_max_mm: Option<f64>,
+    diameter_min_mm: Option<f64>,
+    bend_ratio_min: Option<f64>,
+    pulley_diameter_mm: Option<f64>,
+    safety_factor_min: Option<f64>,
+    elongation_max_mm: Option<f64>,
+    stiffness_min_n_per_mm: Option<f64>,
+    weight_max_g_per_m: Option<f64>,
+}
+
+/// Which ropes meet the constraints, ranked.
+#[pyfunction]
+pub(crate) fn select_rope(
+    py: Python<'_>,
+    limits: Limits,
+    asked: Asked<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let (mut task, tendon, recorded) = asked.task()?;
+    let catalogue = with_folders(&asked.ropes)?;
+    if limits.bend_ratio_min.is_some() && limits.pulley_diameter_mm.is_none() {
+        return Err(Failure::new("bend_ratio_min needs pulley_diameter_mm").into());
+    }
+    let constraints = Constraints {
+        diameter_max_mm: limits.diameter_max_mm,
+        diameter_min_mm: limits.diameter_min_mm,
+        bend_ratio_min: limits.bend_ratio_min,
+        pulley_diameter_mm: limits.pulley_diameter_mm,
+        safety_factor_min: limits.safety_factor_min,
+        elongation_max_mm: limits.elongation_max_mm,
+        stiffness_min_n_per_mm: limits.stiffness_min_n_per_mm,
+        weight_max_g_per_m: limits.weight_max_g_per_m,
+    };
+    let found = work(py, "draws", progress.as_ref(), move |pace| {
+        if let Some(recorded) = recorded {
+            task.duty = Some(recorded.duty(pace)?);
+        }
+        let request = task.request(tendon.as_ref())?;
+        Ok(select::select(&catalogue, &request, &constraints)?)
+    })?;
+    let is_lossy = found.candidates.is_empty();
+    Ok(Shown::new(found, selection_table)
+        .page(move |found| selected(found, &constraints))
+        .lossy(is_lossy)
+        .into())
+}
+
+/// What is asked of a plan.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct PlanAsked<'py> {
+    tension_n: Option<f64>,
+    lowest_n: Option<f64>,
+    temperature_c: f64,
+    robot: Option<RobotArg<'py>>,
+    joint: Option<String>,
+    length_m: Option<f64>,
+    guides: Vec<GuideArg>,
+    give_m_per_n: Option<f64>,
+    joint_radius_m: Option<f64>,
+    torque_nm: f64,
+    horizon_s: f64,
+    remove: f64,
+    draws: usize,
+    seed: u64,
+    ropes: Vec<PathBuf>,
+}
+
+/// How much pretension, how to bed a rope in, when to tension it again.
+#[pyfunction]
+pub(crate) fn plan_pretension(
+    py: Python<'_>,
+    rope: Option<String>,
+    asked: PlanAsked<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let drive = drive(asked.robot.as_ref(), asked.joint.as_deref())?;
+    let catalogue = with_folders(&asked.ropes)?;
+    let rope = named(rope, drive.as_ref().map(|(_, t)| t))?;
+    let rope = find(&catalogue, &rope)?.clone();
+    let task = PretensionTask {
+        tension_n: asked.tension_n,
+        lowest_n: asked.lowest_n,
+        temperature_c: asked.temperature_c,
+        length_m: asked.length_m,
+        guides: guides(&asked.guides),
+        give_m_per_n: asked.give_m_per_n,
+        joint_radius_m: asked.joint_radius_m,
+        torque_nm: asked.torque_nm,
+        horizon_s: asked.horizon_s,
+        remove: asked.remove,
+        draws: asked.draws,
+        seed: asked.seed,
+    };
+    let plan = work(py, "procedures", progress.as_ref(), move |_| {
+        let drive = drive
+            .as_ref()
+            .map(|(stiffness, tendon)| (*stiffness, tendon));
+        let request = task.request(&rope, drive).map_err(|error| match error {
+            TaskError::NoTension => {
+                Failure::new("state tension_n: the tendon states no pretension_n")
+            }
+            other => other.into(),
+        })?;
+        Ok(pretension::plan(&rope, &request)?)
+    })?;
+    Ok(Shown::new(plan, plan_table).page(planned).into())
+}

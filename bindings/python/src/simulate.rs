@@ -1,0 +1,253 @@
+//! Simulated recordings with a known truth, the scenario bench, poses that tell.
+
+use crate::document::{Document, Shown};
+use crate::estimate::BaselineArg;
+use crate::failure::Failure;
+use crate::recording::{Columns, one_of};
+use crate::robot::RobotArg;
+use crate::work::work;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sinew_estimate::robot_dir::{self, LoadedRobot};
+use sinew_eval::control::Simulated;
+use sinew_eval::excitation::{self, Sensors};
+use sinew_eval::scenarios::{self, DEFAULT, Plan, UNMODELLED};
+use sinew_log::Compression;
+use sinew_sim::{Scenario, SimulateOptions, Simulation};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scenario: the file of one, or its text.
+#[derive(FromPyObject)]
+pub(crate) enum ScenarioArg {
+    #[pyo3(annotation = "(text, name)")]
+    Text(String, String),
+    #[pyo3(annotation = "path")]
+    File(PathBuf),
+}
+
+/// What is simulated, on which robot.
+struct Task {
+    scenario: Scenario,
+    loaded: Arc<LoadedRobot>,
+}
+
+impl Task {
+    fn new(
+        scenario: &ScenarioArg,
+        robot: Option<&RobotArg<'_>>,
+        seed: Option<u64>,
+        duration_s: Option<f64>,
+    ) -> Result<Self, Failure> {
+        let (mut scenario, beside) = match scenario {
+            ScenarioArg::File(path) => {
+                let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
+                (Scenario::open(path)?, beside)
+            }
+            ScenarioArg::Text(text, name) => {
+                let mut scenario = Scenario::from_toml(text, name)?;
+                scenario.correction.read_estimate(Path::new(""))?;
+                (scenario, PathBuf::new())
+            }
+        };
+        let loaded = match (robot, &scenario.robot) {
+            (Some(robot), _) => robot.load()?,
+            (None, Some(named)) => Arc::new(robot_dir::load(&beside.join(named), None)?),
+            (None, None) => {
+                let file = &scenario.file;
+                let why = format!("{file} names no robot; name one with robot");
+                return Err(Failure::new(why));
+            }
+        };
+        scenario.seed = seed.unwrap_or(scenario.seed);
+        if let Some(duration_s) = duration_s {
+            if !(duration_s > 0.0 && duration_s.is_finite()) {
+                let why = format!("duration_s is {duration_s}; it must be above 0 s");
+                return Err(Failure::new(why));
+            }
+            scenario.duration_s = Some(duration_s);
+        }
+        Ok(Self { scenario, loaded })
+    }
+}
+
+/// The truth as the command prints it.
+fn shown(truth: sinew_sim::Truth, warnings: Vec<String>) -> Document {
+    let document = Simulated {
+        truth,
+        control: None,
+    };
+    Shown::new(document, |_| "a simulated recording's truth".into())
+        .warnings(warnings)
+        .into()
+}
+
+/// Simulates into arrays: those of the recording, and the truth.
+#[pyfunction]
+#[pyo3(signature = (scenario, robot, seed, duration_s, progress))]
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
+    scenario: ScenarioArg,
+    robot: Option<RobotArg<'py>>,
+    seed: Option<u64>,
+    duration_s: Option<f64>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(Bound<'py, PyDict>, Document)> {
+    let Task { scenario, loaded } = Task::new(&scenario, robot.as_ref(), seed, duration_s)?;
+    let warnings = loaded.robot.warnings.clone();
+    let joints = loaded.robot.joint_names().to_vec();
+    let (columns, truth) = work(py, "simulating", progress.as_ref(), move |pace| {
+        let simulation = Simulation::new(&loaded.robot, &scenario)?;
+        let mut columns = Columns::new(sinew_sim::recorded_quantities(&scenario));
+        let mut keep = |frame: &sinew_log::Frame| {
+            columns.push(frame);
+            Ok(())
+        };
+        let mut told = |at: sinew_sim::Progress| pace.at(at.done_s, at.total_s);
+        let (truth, _) = sinew_sim::record(simulation, &scenario, &mut keep, &mut told)?;
+        Ok((columns, truth))
+    })?;
+    Ok((columns.arrays(py, &joints)?, shown(truth, warnings)))
+}
+
+const PACKINGS: [(&str, Compression); 3] = [
+    ("zstd", Compression::Zstd),
+    ("lz4", Compression::Lz4),
+    ("none", Compression::None),
+];
+
+/// Simulates into a file, with its truth beside it.
+#[pyfunction]
+#[pyo3(signature = (scenario, out, robot, seed, duration_s, compression, progress))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub(crate) fn simulate_to(
+    py: Python<'_>,
+    scenario: ScenarioArg,
+    out: PathBuf,
+    robot: Option<RobotArg<'_>>,
+    seed: Option<u64>,
+    duration_s: Option<f64>,
+    compression: &str,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let Task { scenario, loaded } = Task::new(&scenario, robot.as_ref(), seed, duration_s)?;
+    let warnings = loaded.robot.warnings.clone();
+    let mut options = SimulateOptions::new(&out);
+    options.robot_description = Some(loaded.urdf_text.clone());
+    options.compression = one_of("compression", compression, &PACKINGS)?;
+    let summary = work(py, "simulating", progress.as_ref(), move |pace| {
+        let mut told = |at: sinew_sim::Progress| pace.at(at.done_s, at.total_s);
+        Ok(sinew_sim::run(
+            &loaded.robot,
+            &scenario,
+            &options,
+            &mut told,
+        )?)
+    })?;
+    Ok(shown(summary.truth, warnings))
+}
+
+/// A scenario of the protocol as text, for the robot of a folder where one is named.
+#[pyfunction]
+#[pyo3(signature = (name, robot=None))]
+pub(crate) fn scenario_text(name: &str, robot: Option<RobotArg<'_>>) -> PyResult<String> {
+    let plan = match robot {
+        Some(robot) => Plan::adapted(name, &robot.load()?.robot).map_err(Failure::from)?,
+        None => Plan::named(name).map_err(Failure::from)?,
+    };
+    Ok(plan.text)
+}
+
+/// Judges the absolute offset on many simulated recordings.
+#[pyfunction]
+#[pyo3(signature = (names, robot, n, seed, steps, motor_torque, jobs, out, progress))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub(crate) fn run_scenarios(
+    py: Python<'_>,
+    names: Option<Vec<String>>,
+    robot: Option<PathBuf>,
+    n: u64,
+    seed: u64,
+    steps: bool,
+    motor_torque: bool,
+    jobs: Option<usize>,
+    out: Option<PathBuf>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Document> {
+    let listed = |list: &[&str]| list.iter().map(ToString::to_string).collect();
+    let wanted = match names.as_deref() {
+        None => listed(&DEFAULT),
+        Some([one]) if one == "unmodelled" => listed(&UNMODELLED),
+        Some(names) => names.to_vec(),
+    };
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let options = scenarios::Options {
+        scenarios: wanted,
+        robot,
+        n,
+        first_seed: seed,
+        steps,
+        motor_torque,
+        jobs: jobs.unwrap_or(cores).max(1),
+        out,
+    };
+    let (report, recordings) = work(py, "recordings", progress.as_ref(), move |pace| {
+        let mut told = |done: usize, all: usize| pace.at(done as f64, all as f64);
+        Ok(scenarios::run_recordings(&options, &mut told)?)
+    })?;
+    Ok(Shown::new(report, scenarios::render_table)
+        .table("recordings", move |_| scenarios::rows(&recordings))
+        .into())
+}
+
+/// Poses that make the offsets show; with a format also the text of a file of them.
+#[pyfunction]
+#[pyo3(signature = (robot, baseline, poses, pause_s, payload, joint_bits, candidates, seed, progress))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub(crate) fn propose_poses(
+    py: Python<'_>,
+    robot: RobotArg<'_>,
+    baseline: Option<BaselineArg<'_>>,
+    poses: usize,
+    pause_s: f64,
+    payload: bool,
+    joint_bits: u32,
+    candidates: usize,
+    seed: u64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Document, String)> {
+    let loaded = robot.load()?;
+    let baseline = baseline.as_ref().map(BaselineArg::read).transpose()?;
+    if !(2..=100).contains(&poses) || !(1..=1000).contains(&candidates) {
+        let why = "poses must be 2 to 100, candidates 1 to 1000";
+        return Err(Failure::new(why).into());
+    }
+    if !(pause_s > 0.0 && pause_s.is_finite() && (4..=40).contains(&joint_bits)) {
+        let why = "pause_s must be above 0 s, joint_bits 4 to 40";
+        return Err(Failure::new(why).into());
+    }
+    let options = excitation::Options {
+        poses,
+        pause_s,
+        candidates,
+        payload,
+        sensors: Sensors {
+            joint_bits,
+            ..Sensors::default()
+        },
+        seed,
+        ..excitation::Options::default()
+    };
+    let proposal = work(py, "trying poses", progress.as_ref(), move |pace| {
+        let known = baseline.as_ref().map(|(b, file)| (&**b, file.as_str()));
+        let mut told = |done: usize, all: usize| pace.at(done as f64, all as f64);
+        Ok(excitation::propose(
+            &loaded.robot,
+            known,
+            &options,
+            &mut told,
+        )?)
+    })?;
+    let motion = proposal.to_toml();
+    Ok((Shown::new(proposal, excitation::render).into(), motion))
+}

@@ -1,0 +1,221 @@
+//! Tables on their way out, as an Arrow C stream: columns are handed over, not copied.
+
+use crate::failure::Failure;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator,
+    StringArray,
+};
+use arrow_schema::ffi::FFI_ArrowSchema;
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+use numpy::PyArray1;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyList};
+use sinew_log::{Cell, CellKind, Table as Rows};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A table of named columns.
+#[pyclass(frozen, module = "pysinew._core")]
+pub(crate) struct Table(RecordBatch);
+
+fn refuse(error: ArrowError) -> Failure {
+    Failure::new(error.to_string())
+}
+
+impl Table {
+    /// Columns of one length; numbers that are NaN are null.
+    pub(crate) fn new(columns: Vec<(String, ArrayRef)>) -> Result<Self, Failure> {
+        let field = |(name, column): &(String, ArrayRef)| {
+            Field::new(name, column.data_type().clone(), true)
+        };
+        let schema = Schema::new(Vec::from_iter(columns.iter().map(field)));
+        let columns = columns.into_iter().map(|(_, column)| column).collect();
+        let batch = RecordBatch::try_new(Arc::new(schema), columns);
+        batch.map(Self).map_err(refuse)
+    }
+
+    /// A table of the library, column by column.
+    pub(crate) fn of(rows: &Rows) -> Result<Self, Failure> {
+        let columns = rows.columns.iter().enumerate();
+        let columns = columns.map(|(i, (name, kind))| {
+            let cells = rows.rows.iter().map(|row| row.get(i));
+            (name.clone(), column(*kind, cells))
+        });
+        Self::new(columns.collect())
+    }
+
+    fn column(&self, name: &str) -> PyResult<&ArrayRef> {
+        self.0.column_by_name(name).ok_or_else(|| {
+            let names = self.column_names();
+            let hint = sinew_files::names::hint(name, &names);
+            let known = sinew_files::names::list(&names);
+            PyKeyError::new_err(format!("no column '{name}'{hint} columns are {known}"))
+        })
+    }
+}
+
+fn column<'a>(kind: CellKind, cells: impl Iterator<Item = Option<&'a Cell>>) -> ArrayRef {
+    match kind {
+        CellKind::Number => Arc::new(Float64Array::from_iter(cells.map(|cell| match cell {
+            Some(Cell::Number(value)) if value.is_finite() => Some(*value),
+            _ => None,
+        }))),
+        CellKind::Integer => Arc::new(Int64Array::from_iter(cells.map(|cell| match cell {
+            Some(Cell::Integer(value)) => Some(*value),
+            _ => None,
+        }))),
+        CellKind::Text => Arc::new(StringArray::from_iter(cells.map(|cell| match cell {
+            Some(Cell::Text(text)) => Some(text.as_str()),
+            _ => None,
+        }))),
+        CellKind::Flag => Arc::new(BooleanArray::from_iter(cells.map(|cell| match cell {
+            Some(Cell::Flag(flag)) => Some(*flag),
+            _ => None,
+        }))),
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// The Arrow C stream interface. The stream reads the memory of this table; a schema asked for is not looked at.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // A producer may answer with its own types.
+        drop(requested_schema);
+        let schema = self.0.schema();
+        let batches = RecordBatchIterator::new([Ok(self.0.clone())], schema);
+        let stream = FFI_ArrowArrayStream::new(Box::new(batches));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
+    /// The Arrow C schema interface.
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        let schema = FFI_ArrowSchema::try_from(&*self.0.schema()).map_err(refuse)?;
+        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    }
+
+    /// Names of the columns, in order.
+    #[getter]
+    fn column_names(&self) -> Vec<String> {
+        let schema = self.0.schema();
+        schema.fields().iter().map(|f| f.name().clone()).collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.num_rows()
+    }
+
+    /// A column: a NumPy array of numbers or flags (null: NaN), a list of texts (null: `None`).
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let column = self.column(name)?;
+        let any = column.as_any();
+        let valid = |i: usize| column.is_valid(i);
+        if let Some(numbers) = any.downcast_ref::<Float64Array>() {
+            let all = (0..numbers.len()).map(|i| match valid(i) {
+                true => numbers.value(i),
+                false => f64::NAN,
+            });
+            return Ok(PyArray1::from_iter(py, all).into_any());
+        }
+        if let Some(numbers) = any.downcast_ref::<Int64Array>() {
+            if numbers.null_count() == 0 {
+                return Ok(PyArray1::from_slice(py, numbers.values()).into_any());
+            }
+            let all = (0..numbers.len()).map(|i| match valid(i) {
+                true => numbers.value(i) as f64,
+                false => f64::NAN,
+            });
+            return Ok(PyArray1::from_iter(py, all).into_any());
+        }
+        if let Some(flags) = any.downcast_ref::<BooleanArray>() {
+            if flags.null_count() == 0 {
+                let all = (0..flags.len()).map(|i| flags.value(i));
+                return Ok(PyArray1::from_iter(py, all).into_any());
+            }
+            let all = flags.iter().collect::<Vec<_>>();
+            return Ok(PyList::new(py, all)?.into_any());
+        }
+        match any.downcast_ref::<StringArray>() {
+            Some(texts) => Ok(PyList::new(py, texts.iter())?.into_any()),
+            None => Err(PyKeyError::new_err(format!("column '{name}' has no kind"))),
+        }
+    }
+
+    /// Writes a file; `.parquet`, else CSV.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        Ok(rows_of(&self.0).write(&path).map_err(Failure::from)?)
+    }
+
+    fn __repr__(&self) -> String {
+        let (rows, columns) = (self.0.num_rows(), self.0.num_columns());
+        format!("<pysinew.Table: {rows} rows, {columns} columns>")
+    }
+
+    /// The first rows as HTML.
+    fn _repr_html_(&self) -> String {
+        const SHOWN: usize = 12;
+        let rows = rows_of(&self.0.slice(0, self.0.num_rows().min(SHOWN)));
+        let text = |cell: &Cell| match cell {
+            Cell::Empty => "–".to_owned(),
+            Cell::Number(value) => sinew_figure::rounded(*value, 6),
+            Cell::Integer(value) => value.to_string(),
+            Cell::Text(text) => text.clone(),
+            Cell::Flag(flag) => flag.to_string(),
+        };
+        let body = rows.rows.iter().map(|row| row.iter().map(text).collect());
+        let head: Vec<&str> = rows.columns.iter().map(|(n, _)| n.as_str()).collect();
+        let more = self.0.num_rows().saturating_sub(SHOWN);
+        let caption = match more {
+            0 => String::new(),
+            more => format!("the first {SHOWN} of {} rows", SHOWN + more),
+        };
+        sinew_figure::Table::new(&head, body)
+            .captioned(caption)
+            .html()
+    }
+}
+
+/// Back to rows, for what writes and shows those.
+fn rows_of(batch: &RecordBatch) -> Rows {
+    let schema = batch.schema();
+    let columns = schema.fields().iter().map(|field| {
+        let kind = match field.data_type() {
+            DataType::Int64 => CellKind::Integer,
+            DataType::Utf8 => CellKind::Text,
+            DataType::Boolean => CellKind::Flag,
+            _ => CellKind::Number,
+        };
+        (field.name().clone(), kind)
+    });
+    let mut rows = Rows {
+        columns: columns.collect(),
+        rows: Vec::new(),
+    };
+    for row in 0..batch.num_rows() {
+        let cell = |column: &ArrayRef| {
+            let any = column.as_any();
+            if column.is_null(row) {
+                return Cell::Empty;
+            }
+            if let Some(numbers) = any.downcast_ref::<Float64Array>() {
+                return Cell::Number(numbers.value(row));
+            }
+            if let Some(numbers) = any.downcast_ref::<Int64Array>() {
+                return Cell::Integer(numbers.value(row));
+            }
+            if let Some(texts) = any.downcast_ref::<StringArray>() {
+                return Cell::Text(texts.value(row).to_owned());
+            }
+            let flags = any.downcast_ref::<BooleanArray>();
+            flags.map_or(Cell::Empty, |flags| Cell::Flag(flags.value(row)))
+        };
+        rows.push(batch.columns().iter().map(cell).collect());
+    }
+    rows
+}

@@ -1,0 +1,43 @@
+"""The blocks of the manual's page run as they stand."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+
+PAGE = ROOT / "docs/src/manual/python.md"
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("number", range(len(BLOCKS)))
+def test_a_block_of_the_page_runs(number: int, tmp_path: Path) -> None:
+    # Where a reader would stand, but what is written goes elsewhere.
+    for name in ("examples", "robots"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    done = subprocess.run(
+        [sys.executable, "-c", BLOCKS[number]],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "agg"},
+        check=False,
+    )
+    assert done.returncode == 0, BLOCKS[number] + done.stderr
+
+
+def test_the_page_names_what_there_is() -> None:
+    import pysinew as sn
+
+    text = PAGE.read_text("utf-8")
+    doors = text[text.index("## Every door") : text.index("`help(")]
+    for name in re.findall(r"`([A-Za-z_]+)`", doors):
+        assert hasattr(sn, name) or hasattr(sn.CreepTests, name), name
+    first = text.split("```python\n")[1].split("```")[0].strip().splitlines()
+    assert len(first) <= 10

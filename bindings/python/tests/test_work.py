@@ -1,0 +1,115 @@
+"""While Rust works Python goes on, is told how far it is, and may interrupt."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import pysinew as sn
+
+from conftest import ROBOT, ROOT, SHIPPED
+
+# Long enough to be interrupted: minutes of simulation.
+LONG = 'sn.run_scenarios(["S7"], n=200, jobs=1)'
+
+
+def test_other_threads_go_on() -> None:
+    counted = 0
+    stop = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not stop.is_set():
+            counted += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before = counted
+    sn.run_scenarios(["S5"], n=1, steps=False)
+    went_on = counted - before
+    stop.set()
+    thread.join()
+    # Holding the lock would leave it at a handful.
+    assert went_on > 10_000, went_on
+
+
+def test_progress_is_told() -> None:
+    heard: list[tuple[float, str]] = []
+    sn.run_scenarios(["S5"], n=2, steps=False, progress=lambda share, word: heard.append((share, word)))
+    shares = [share for share, _ in heard]
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    assert {word for _, word in heard} == {"recordings"}
+
+
+def test_an_exception_of_the_callback_stops_the_work(tmp_path: Path) -> None:
+    def enough(share: float, word: str) -> None:
+        raise RuntimeError("enough")
+
+    out = tmp_path / "long.mcap"
+    with pytest.raises(RuntimeError, match="enough"):
+        sn.simulate("examples/scenarios/work-session.toml", ROBOT, out=out, progress=enough)
+    time.sleep(0.5)
+    # Nothing half-written is left.
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("work", [LONG, 'sn.simulate("examples/scenarios/work-session.toml", robot, out=sys.argv[1])'])
+def test_ctrl_c_is_a_keyboard_interrupt(work: str, tmp_path: Path) -> None:
+    code = f"""
+    import sys, time, pysinew as sn
+    robot = "{ROBOT}"
+    print("begun", flush=True)
+    try:
+        {work}
+    except KeyboardInterrupt:
+        # Python is itself again, and can work on.
+        sn.estimate("{SHIPPED}", robot)
+        print("interrupted", flush=True)
+    """
+    out = tmp_path / "out.mcap"
+    process = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code), str(out)], stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    rest, _ = process.communicate(timeout=120)
+    assert rest == "interrupted\n" and process.returncode == 0
+    assert not out.exists()
+
+
+def test_several_threads_work_at_once() -> None:
+    answers: list[str] = []
+
+    def one() -> None:
+        answers.append(sn.estimate(SHIPPED, ROBOT).to_json())
+
+    threads = [threading.Thread(target=one) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(answers) == 3 and len(set(answers)) == 1
+
+
+def test_import_costs_next_to_nothing() -> None:
+    code = """
+import sys
+before = set(sys.modules)
+import pysinew
+loaded = {m.partition(".")[0] for m in set(sys.modules) - before}
+assert "numpy" not in loaded, loaded
+assert "json" not in loaded, loaded
+pysinew.Robot("robots/biorob-like")
+print(sorted(loaded))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
