@@ -19,7 +19,7 @@ use sinew_report::rope::{
 use sinew_rope::duty::{Duty, Stretch};
 use sinew_rope::predict::{self, Guide};
 use sinew_rope::select::{self, Constraints};
-use sinew_rope::task::{PretensionTask, RopeTask, TaskError};
+use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};
 use sinew_rope::{Draws, Ends, pretension};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -258,18 +258,11 @@ pub(crate) struct Asked<'py> {
     ropes: Vec<PathBuf>,
 }
 
-/// The joint's stiffness and tendon, where both a robot and a joint are named.
-fn drive(
-    robot: Option<&RobotArg<'_>>,
-    joint: Option<&str>,
-) -> Result<Option<(f64, Tendon)>, Failure> {
+/// What holds the joint, where both a robot and a joint are named.
+fn drive(robot: Option<&RobotArg<'_>>, joint: Option<&str>) -> Result<Option<Drive>, Failure> {
     match (robot, joint) {
         (None, None) => Ok(None),
-        (Some(robot), Some(joint)) => {
-            let loaded = robot.load()?;
-            let (transmission, tendon) = loaded.tendon_drive(joint)?;
-            Ok(Some((transmission.stiffness_nm_per_rad, tendon.clone())))
-        }
+        (Some(robot), Some(joint)) => Ok(Some(robot.load()?.drive(joint)?)),
         (Some(_), None) => Err(Failure::new("robot needs joint, whose tendon is meant")),
         (None, Some(_)) => Err(Failure::new(
             "joint needs robot, which has the joint's tendon",
@@ -303,7 +296,7 @@ impl Recorded {
 impl Asked<'_> {
     /// What is stated, and the tendon.
     fn task(&self) -> Result<(RopeTask, Option<Tendon>, Option<Recorded>), Failure> {
-        let tendon = drive(self.robot.as_ref(), self.joint.as_deref())?.map(|(_, t)| t);
+        let tendon = drive(self.robot.as_ref(), self.joint.as_deref())?.map(|d| d.tendon);
         let ends = self.ends.as_deref();
         let task = RopeTask {
             duty: self.duty.as_ref().map(DutyArg::read).transpose()?,
@@ -472,7 +465,7 @@ pub(crate) fn plan_pretension(
 ) -> PyResult<Document> {
     let drive = drive(asked.robot.as_ref(), asked.joint.as_deref())?;
     let catalogue = with_folders(&asked.ropes)?;
-    let rope = named(rope, drive.as_ref().map(|(_, t)| t))?;
+    let rope = named(rope, drive.as_ref().map(|d| &d.tendon))?;
     let rope = find(&catalogue, &rope)?.clone();
     let task = PretensionTask {
         tension_n: asked.tension_n,
@@ -489,15 +482,14 @@ pub(crate) fn plan_pretension(
         seed: asked.seed,
     };
     let plan = work(py, "procedures", progress.as_ref(), move |_| {
-        let drive = drive
-            .as_ref()
-            .map(|(stiffness, tendon)| (*stiffness, tendon));
-        let request = task.request(&rope, drive).map_err(|error| match error {
-            TaskError::NoTension => {
-                Failure::new("state tension_n: the tendon states no pretension_n")
-            }
-            other => other.into(),
-        })?;
+        let request = task
+            .request(&rope, drive.as_ref())
+            .map_err(|error| match error {
+                TaskError::NoTension => {
+                    Failure::new("state tension_n: the tendon states no pretension_n")
+                }
+                other => other.into(),
+            })?;
         Ok(pretension::plan(&rope, &request)?)
     })?;
     Ok(Shown::new(plan, plan_table).page(planned).into())

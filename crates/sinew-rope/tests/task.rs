@@ -20,6 +20,7 @@ fn tendon() -> Tendon {
         }],
         retension_at_m: None,
         replace_at_strain: None,
+        frame_expansion_per_k: None,
     }
 }
 
