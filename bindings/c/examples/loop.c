@@ -1,0 +1,120 @@
+/* Offsets beside a running robot, in C:
+ *
+ *     loop ROBOT_DIR BASELINE [SAVE] < samples
+ *
+ * Standard input stands in for the robot: a line per sample with its time, s, the joint positions and the motor
+ * positions, rad, in the robot's order; `nan` is a motor position that isn't measured. SAVE is the next baseline.
+ *
+ * Nothing between "Sample" and "Output" allocates, locks or prints: it may stand in a control thread. */
+#include <sinew.h>
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define MOST_JOINTS 64
+/* Between two lines, s. */
+static const double SAY_S = 10.0;
+
+/* A whole file as a text to be freed; null where that fails. */
+static char *text_of(const char *path) {
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) return NULL;
+    char *text = NULL;
+    if (fseek(file, 0, SEEK_END) == 0) {
+        const long length = ftell(file);
+        rewind(file);
+        if (length >= 0) text = malloc((size_t)length + 1);
+        if (text != NULL) text[fread(text, 1, (size_t)length, file)] = '\0';
+    }
+    fclose(file);
+    return text;
+}
+
+/* The next sample; whether there was one. */
+static bool sample_of(FILE *robot, size_t joints, double *t_s, double *q, double *theta) {
+    if (fscanf(robot, "%lf", t_s) != 1) return false;
+    for (size_t i = 0; i < joints; i++)
+        if (fscanf(robot, "%lf", &q[i]) != 1) return false;
+    for (size_t i = 0; i < joints; i++)
+        if (fscanf(robot, "%lf", &theta[i]) != 1) return false;
+    return true;
+}
+
+static void say(const sinew_robot *robot, const sinew_offsets *offsets, double since_s) {
+    bool in_doubt = true;
+    printf("%6.1f s", since_s);
+    for (size_t i = 0; i < sinew_robot_joints(robot); i++) {
+        double offset_rad = NAN, deviation_rad = NAN;
+        sinew_offsets_read(offsets, i, &offset_rad, &deviation_rad, &in_doubt);
+        printf("  %s %+.2f ± %.2f", sinew_robot_joint_name(robot, i), 1e3 * offset_rad, 1.96e3 * deviation_rad);
+    }
+    printf(" mrad%s\n", in_doubt ? ", in doubt" : "");
+}
+
+/* Writes what is known now: the baseline of the next session. */
+static int save(const sinew_offsets *offsets, double end_s, const char *path) {
+    const int64_t end_ns = (int64_t)(end_s * 1e9);
+    size_t length = 0;
+    sinew_status status = sinew_offsets_save(offsets, "loop", end_ns, NULL, 0, &length);
+    char *text = status == SINEW_STATUS_SHORT ? malloc(length) : NULL;
+    if (text != NULL) status = sinew_offsets_save(offsets, "loop", end_ns, text, length, NULL);
+    FILE *file = status == SINEW_STATUS_OK ? fopen(path, "wb") : NULL;
+    const bool written = file != NULL && fputs(text, file) >= 0;
+    const bool closed = file != NULL && fclose(file) == 0;
+    free(text);
+    if (written && closed) return EXIT_SUCCESS;
+    fprintf(stderr, "%s isn't written: %s\n", path, sinew_status_text(status));
+    return EXIT_FAILURE;
+}
+
+int main(int count, char **arguments) {
+    if (count < 3) return fprintf(stderr, "usage: loop ROBOT_DIR BASELINE [SAVE] < samples\n"), 2;
+    if (sinew_abi_version() != SINEW_ABI_VERSION) return fprintf(stderr, "another libsinew\n"), 2;
+
+    /* Construction. */
+    char why[1024] = "";
+    sinew_robot *robot = NULL;
+    sinew_offsets *offsets = NULL;
+    sinew_status status = sinew_robot_open(arguments[1], &robot, why, sizeof why);
+    if (status != SINEW_STATUS_OK) return fprintf(stderr, "%s\n", why), EXIT_FAILURE;
+    char *baseline = text_of(arguments[2]);
+    if (baseline == NULL) {
+        sinew_robot_free(robot);
+        return perror(arguments[2]), EXIT_FAILURE;
+    }
+    status = sinew_offsets_new(robot, baseline, NULL, &offsets, why, sizeof why);
+    free(baseline);
+    const size_t joints = sinew_robot_joints(robot);
+    if (status != SINEW_STATUS_OK || joints > MOST_JOINTS) {
+        fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? why : "too many joints");
+        sinew_offsets_free(offsets);
+        sinew_robot_free(robot);
+        return EXIT_FAILURE;
+    }
+
+    double q[MOST_JOINTS], theta[MOST_JOINTS];
+    double t_s = 0.0, first_s = NAN, before_s = NAN, say_s = SAY_S;
+    while (sample_of(stdin, joints, &t_s, q, theta)) {
+        if (isnan(first_s)) first_s = before_s = t_s;
+
+        /* Sample. What can't be used is refused, with a reason, and changes nothing. */
+        const sinew_status stepped = sinew_offsets_step(offsets, t_s - before_s, q, theta, NULL, NAN, joints, NULL);
+
+        /* Output. */
+        if (stepped != SINEW_STATUS_REFUSED && stepped != SINEW_STATUS_OK) {
+            fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text(stepped));
+            break;
+        }
+        before_s = t_s;
+        if (t_s - first_s >= say_s) {
+            say_s += SAY_S;
+            say(robot, offsets, t_s - first_s);
+        }
+    }
+    const int answer = count > 3 ? save(offsets, t_s, arguments[3]) : EXIT_SUCCESS;
+    sinew_offsets_free(offsets);
+    sinew_robot_free(robot);
+    return answer;
+}

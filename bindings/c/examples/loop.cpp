@@ -1,0 +1,81 @@
+// Offsets and elongations beside a running robot, in C++:
+//
+//     loop_cpp ROBOT_DIR BASELINE < samples
+//
+// Standard input as loop.c reads it. What is refused at construction throws with the sentence.
+#include <sinew.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr double SAY_S = 10.0;
+
+std::string text_of(const char *path) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(std::string(path) + " can't be read");
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+bool read(std::istream &robot, std::vector<double> &values) {
+    std::string word;
+    for (double &value : values) {
+        if (!(robot >> word)) return false;
+        value = std::stod(word);
+    }
+    return true;
+}
+
+void run(const char *folder, const char *baseline) {
+    sinew::require_version();
+    const auto robot = sinew::robot::open(folder);
+    sinew::offsets offsets(robot, text_of(baseline));
+    sinew::observer observer(robot);
+    const std::size_t n = robot.joints();
+    std::vector<double> t_s(1), q_rad(n), theta_rad(n), delta_e_rad(n);
+    constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+    double first_s = absent, before_s = absent, say_s = SAY_S;
+    while (read(std::cin, t_s) && read(std::cin, q_rad) && read(std::cin, theta_rad)) {
+        if (!(first_s <= t_s[0])) first_s = before_s = t_s[0];
+        const double dt_s = t_s[0] - before_s;
+        before_s = t_s[0];
+
+        // Realtime from here …
+        sinew_stepped stepped = SINEW_STEPPED_TAKEN;
+        offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent, &stepped);
+        observer.step(dt_s, q_rad.data(), theta_rad.data());
+        observer.delta_e(delta_e_rad.data());
+        // … to here.
+
+        if (t_s[0] - first_s < say_s) continue;
+        say_s += SAY_S;
+        std::printf("%6.1f s", t_s[0] - first_s);
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto offset = offsets.read(i);
+            std::printf("  %s %+.3f mm", robot.joint_name(i).c_str(), 1e3 * robot.elongation_m(i, offset.mean_rad));
+        }
+        std::printf("%s\n", offsets.read(0).in_doubt ? ", in doubt" : "");
+    }
+}
+
+}  // namespace
+
+int main(int count, char **arguments) {
+    if (count != 3) {
+        std::cerr << "usage: loop_cpp ROBOT_DIR BASELINE < samples\n";
+        return 2;
+    }
+    try {
+        run(arguments[1], arguments[2]);
+    } catch (const std::exception &error) {
+        std::cerr << "error: " << error.what() << '\n';
+        return 1;
+    }
+}

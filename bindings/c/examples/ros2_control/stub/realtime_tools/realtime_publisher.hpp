@@ -1,0 +1,24 @@
+// A stand-in for realtime_tools where ROS is not installed: no thread, the message is heard at once.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+namespace realtime_tools
+{
+template <class MessageT>
+class RealtimePublisher
+{
+public:
+  explicit RealtimePublisher(std::shared_ptr<rclcpp::Publisher<MessageT>> publisher)
+  : publisher_(std::move(publisher)) {}
+  bool try_publish(const MessageT & message)
+  {
+    publisher_->publish(message);
+    return true;
+  }
+
+private:
+  std::shared_ptr<rclcpp::Publisher<MessageT>> publisher_;
+};
+}  // namespace realtime_tools

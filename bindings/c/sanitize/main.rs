@@ -1,0 +1,77 @@
+//! A million steps through the C interface, where RealtimeSanitizer ends the program at the first allocation or lock:
+//! `sinew-c-sanitize ROBOT_DIR BASELINE`, and with `--allocate` behind, to see it end.
+
+#![feature(sanitize)]
+
+use sinew_c::observer::{SinewObserver, sinew_observer_new, sinew_observer_step};
+use sinew_c::offsets::{SinewOffsets, sinew_offsets_new, sinew_offsets_read, sinew_offsets_step};
+use sinew_c::robot::{sinew_robot_joints, sinew_robot_open};
+use sinew_c::status::Status;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+use std::time::{Duration, Instant};
+
+const STEPS: u32 = 1_000_000;
+const DT_S: f64 = 1e-3;
+
+struct Loop {
+    offsets: *mut SinewOffsets,
+    observer: *mut SinewObserver,
+    q: Vec<f64>,
+    theta: Vec<f64>,
+}
+
+/// One cycle at `t`: what a control loop would do.
+#[sanitize(realtime = "nonblocking")]
+fn cycle(state: &mut Loop, t: f64, allocate: bool) -> f64 {
+    for (i, (q, theta)) in state.q.iter_mut().zip(&mut state.theta).enumerate() {
+        *q = 0.5 * (0.7 * t + i as f64).sin();
+        *theta = *q + 0.01 * (0.3 * t).sin();
+    }
+    let (q, theta, n) = (state.q.as_ptr(), state.theta.as_ptr(), state.q.len());
+    let mut mean = 0.0;
+    // SAFETY: handles that are there, arrays of `n` numbers.
+    unsafe {
+        sinew_offsets_step(state.offsets, DT_S, q, theta, null(), f64::NAN, n, null_mut());
+        sinew_observer_step(state.observer, DT_S, q, theta, null(), n);
+        sinew_offsets_read(state.offsets, 0, &mut mean, null_mut(), null_mut());
+    }
+    if allocate {
+        mean += std::hint::black_box(vec![t; 100])[3];
+    }
+    mean
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, folder, baseline, rest @ ..] = arguments.as_slice() else {
+        panic!("usage: sinew-c-sanitize ROBOT_DIR BASELINE [--allocate]");
+    };
+    let folder = CString::new(folder.as_str()).unwrap();
+    let baseline = CString::new(std::fs::read(baseline).unwrap()).unwrap();
+    let mut state = Loop {
+        offsets: null_mut(),
+        observer: null_mut(),
+        q: Vec::new(),
+        theta: Vec::new(),
+    };
+    let mut robot = null_mut();
+    // SAFETY: texts and places.
+    unsafe {
+        let no = (null_mut(), 0);
+        assert_eq!(sinew_robot_open(folder.as_ptr(), &mut robot, no.0, no.1), Status::Ok);
+        let made = sinew_offsets_new(robot, baseline.as_ptr(), null(), &mut state.offsets, no.0, no.1);
+        assert_eq!(made, Status::Ok);
+        let made = sinew_observer_new(robot, 20.0, 40.0, &mut state.observer, no.0, no.1);
+        assert_eq!(made, Status::Ok);
+        state.q = vec![0.0; sinew_robot_joints(robot)];
+        state.theta = state.q.clone();
+    }
+    let (mut sum, mut longest) = (0.0, Duration::ZERO);
+    for step in 0..STEPS {
+        let start = Instant::now();
+        sum += cycle(&mut state, DT_S * f64::from(step), rest.len() == 1 && step == 999);
+        longest = longest.max(start.elapsed());
+    }
+    println!("{STEPS} cycles, none allocated or locked; the longest took {longest:?}; sum {sum:.3}");
+}

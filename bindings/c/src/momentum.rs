@@ -1,0 +1,77 @@
+//! The momentum pass of an arm.
+
+use crate::borrow::{Refusal, array, explained, fill, give, guarded, shared, take, unique};
+use crate::robot::SinewRobot;
+use crate::status::Status;
+use sinew_model::arm::{Arm, ArmWorkspace};
+use std::ffi::c_char;
+
+/// An arm with the memory its pass needs. One thread at a time.
+pub struct SinewArm {
+    arm: Arm,
+    workspace: ArmWorkspace,
+}
+
+/// Makes an arm with its workspace. Free it with `sinew_arm_free`; the robot may be freed before.
+///
+/// Realtime: no, it allocates.
+///
+/// # Safety
+/// `robot` is a robot; `out` may be written; `why` is null or has room for `why_len` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_arm_new(
+    robot: *const SinewRobot,
+    out: *mut *mut SinewArm,
+    why: *mut c_char,
+    why_len: usize,
+) -> Status {
+    // SAFETY: the caller's promises, handed on.
+    unsafe {
+        explained(why, why_len, || {
+            give(out, || {
+                let arm = shared(robot)?.robot.arm.clone();
+                let workspace = ArmWorkspace::new(&arm);
+                Ok::<_, Refusal>(SinewArm { arm, workspace })
+            })
+        })
+    }
+}
+
+/// Frees an arm; null is nothing.
+///
+/// Realtime: no.
+///
+/// # Safety
+/// `arm` is null or was made here and not freed before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_arm_free(arm: *mut SinewArm) {
+    // SAFETY: the caller's promise.
+    unsafe { take(arm) }
+}
+
+/// Momentum terms: `p = M(q) dq`, `C(q, dq)ᵀ dq` and `g(q)`, `joints` each.
+///
+/// Realtime: yes. One pass over the joints.
+///
+/// # Safety
+/// `arm` is used by nobody else meanwhile; arrays have `joints` numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_arm_momentum(
+    arm: *mut SinewArm,
+    q_rad: *const f64,
+    dq_rad_s: *const f64,
+    p: *mut f64,
+    ct_dq: *mut f64,
+    g: *mut f64,
+    joints: usize,
+) -> Status {
+    // SAFETY: the caller's promises, handed on; as many results as joints.
+    guarded(|| unsafe {
+        let SinewArm { arm, workspace } = unique(arm)?;
+        let (q, dq) = (array(q_rad, joints)?, array(dq_rad_s, joints)?);
+        let terms = arm.momentum(workspace, q, dq)?;
+        fill(p, terms.p)?;
+        fill(ct_dq, terms.ct_dq)?;
+        fill(g, terms.g)
+    })
+}

@@ -1,0 +1,92 @@
+//! Steps allocate nothing: calls of the allocator are counted by thread.
+
+use crate::support::{N, Opened, biorob_like, recorded, text};
+use sinew_c::observer::{sinew_observer_free, sinew_observer_new, sinew_observer_step};
+use sinew_c::offsets::{
+    sinew_offsets_free, sinew_offsets_new, sinew_offsets_read, sinew_offsets_step,
+};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ptr::{null, null_mut};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count_one() {
+    // Threads that are going away have no counter any more; nobody asks for theirs.
+    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count_one();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        count_one();
+        // SAFETY: as above.
+        unsafe { System.dealloc(at, layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count_one();
+        // SAFETY: as above.
+        unsafe { System.realloc(at, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn steps_allocate_nothing_and_handles_give_their_memory_back() {
+    let (frames, baseline) = recorded(&biorob_like());
+    let baseline = text(&baseline.to_text());
+    let robot = Opened::biorob_like();
+    let (mut offsets, mut observer) = (null_mut(), null_mut());
+    let before = COUNT.get();
+    // SAFETY: handles that are there, arrays of four numbers.
+    unsafe {
+        sinew_offsets_new(
+            robot.0,
+            baseline.as_ptr(),
+            null(),
+            &mut offsets,
+            null_mut(),
+            0,
+        );
+        sinew_observer_new(robot.0, 20.0, 40.0, &mut observer, null_mut(), 0);
+        assert!(!offsets.is_null() && !observer.is_null());
+        let made = COUNT.get();
+        assert!(made > before, "the counter counts");
+        let (mut mean, mut in_doubt) = (0.0, false);
+        for (i, frame) in frames.iter().enumerate() {
+            let (q, theta) = (frame.q.as_ptr(), frame.theta.as_ptr());
+            // Now and then one that is refused.
+            let joints = if i % 999 == 7 { N - 1 } else { N };
+            sinew_offsets_step(
+                offsets,
+                0.004,
+                q,
+                theta,
+                null(),
+                f64::NAN,
+                joints,
+                null_mut(),
+            );
+            sinew_observer_step(observer, 0.004, q, theta, null(), joints);
+            sinew_offsets_read(offsets, i % N, &mut mean, null_mut(), &mut in_doubt);
+        }
+        assert!(mean.is_finite());
+        assert_eq!(COUNT.get(), made, "{} samples", frames.len());
+        sinew_offsets_free(offsets);
+        sinew_observer_free(observer);
+        assert!(COUNT.get() > made);
+    }
+}
