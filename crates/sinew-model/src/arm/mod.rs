@@ -208,6 +208,16 @@ impl Arm {
         self.joints.get(i)?.parent_slot.checked_sub(1)
     }
 
+    /// Pose of joint `i` at `q = 0` in the frame of the joint that carries it, or of the base; its axis is z. `None` past
+    /// the last.
+    pub fn placement(&self, i: usize) -> Option<Pose> {
+        let joint = self.joints.get(i)?;
+        Some(Pose {
+            rotation: joint.rotation,
+            translation: joint.translation,
+        })
+    }
+
     /// Gravitational acceleration in the base frame, m/s².
     pub fn gravity(&self) -> Vec3 {
         self.gravity

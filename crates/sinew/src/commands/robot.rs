@@ -1,18 +1,22 @@
-//! `sinew robot`: what a robot's folder says.
+//! `sinew robot`: what a robot's folder says, and code for that robot alone.
 
 use super::rope::Ropes;
-use crate::terminal::{Failure, Finish, answer_as};
-use clap::{Args, Subcommand};
+use crate::args;
+use crate::terminal::{Failure, Finish, answer, answer_as};
+use clap::{Args, Subcommand, ValueEnum};
 use sinew_estimate::robot_check::{RobotCheck, Severity};
 use sinew_estimate::robot_dir;
-use sinew_files::{limits, read_text};
+use sinew_files::{limits, read_text, write_file};
+use sinew_generate::{Language, generate};
 use sinew_log::Mapping;
+use sinew_model::offset::{OffsetConfig, VelocityFilter};
 use std::path::PathBuf;
 
-/// Check a robot's description
+/// Check a robot's description, or write code for it
 #[derive(Debug, Subcommand)]
 pub(crate) enum Robot {
     Check(Check),
+    Generate(Generate),
 }
 
 impl Robot {
@@ -20,6 +24,7 @@ impl Robot {
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         match self {
             Self::Check(check) => check.run(),
+            Self::Generate(generate) => generate.run(),
         }
     }
 }
@@ -60,5 +65,82 @@ impl Check {
             Some(Severity::Odd | Severity::Missing) => Finish::Lossy,
             Some(Severity::Impossible) => Finish::Refused,
         })
+    }
+}
+
+/// The language code is written in
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Lang {
+    /// C99 that needs math.h alone: a header and a source
+    C,
+    /// Rust without the standard library that needs the crate libm: one module
+    Rust,
+}
+
+/// Write code for this robot alone: its momentum pass and observer without loops
+///
+/// The arm's structure, masses, stiffness and friction stand in the code as numbers, and what they make zero is gone.
+/// It allocates nothing and gives what `sinew` gives, to rounding. Write it anew when robot.toml or the URDF change.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  sinew robot generate robots/biorob-like --lang c --out out/code"
+)]
+pub(crate) struct Generate {
+    /// Robot's folder, or robot.toml itself
+    dir: PathBuf,
+    /// Language
+    #[arg(long, value_name = "LANGUAGE")]
+    lang: Lang,
+    /// Folder to write to, made where it isn't there
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    out: PathBuf,
+    /// Gain of the observer, 1/s
+    #[arg(long, value_name = "PER_S", value_parser = args::positive("1/s"), allow_negative_numbers = true, default_value = "20")]
+    gain: f64,
+    /// Cut-off of the velocity filter, rad/s
+    #[arg(long, value_name = "RAD_PER_S", value_parser = args::positive("rad/s"), allow_negative_numbers = true, default_value = "40")]
+    velocity_filter: f64,
+    /// Replace files that are there already
+    #[arg(long)]
+    force: bool,
+}
+
+impl Generate {
+    fn run(&self) -> Result<Finish, Failure> {
+        let robot = robot_dir::load(&self.dir, None)?.robot;
+        let language = match self.lang {
+            Lang::C => Language::C,
+            Lang::Rust => Language::Rust,
+        };
+        let config = OffsetConfig {
+            gain_per_s: self.gain,
+            velocity: VelocityFilter::StateVariable {
+                cutoff_rad_per_s: self.velocity_filter,
+            },
+            ..OffsetConfig::default()
+        };
+        let written = generate(&robot, &config, language)?;
+        let planned = written.files.iter();
+        let planned: Vec<_> = planned.map(|f| (self.out.join(&f.name), &f.text)).collect();
+        if let (false, Some((file, _))) = (self.force, planned.iter().find(|(p, _)| p.exists())) {
+            return Err(Failure::Refused(format!(
+                "{} is there already; --force replaces it, --out FOLDER writes elsewhere",
+                file.display()
+            )));
+        }
+        std::fs::create_dir_all(&self.out)
+            .map_err(|e| Failure::Refused(format!("{}: can't make it: {e}", self.out.display())))?;
+        let mut said = String::new();
+        for (path, text) in planned {
+            write_file(&path, text.as_bytes())?;
+            said += &format!("wrote {}\n", path.display());
+        }
+        let count = written.operations;
+        said += &format!(
+            "A momentum pass takes {} sums, {} products and {} sines with their cosines.\n",
+            count.sums, count.products, count.turns
+        );
+        answer(&said)?;
+        Ok(Finish::Complete)
     }
 }

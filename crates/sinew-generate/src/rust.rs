@@ -1,0 +1,364 @@
+//! Rust without the standard library: one module that needs the crate `libm` alone.
+
+use crate::write::{Body, momentum, number};
+use crate::{File, Language, Subject};
+use sinew_model::transmission::Friction;
+use std::fmt::Write as _;
+
+pub(crate) fn files(subject: &Subject<'_>) -> Vec<File> {
+    vec![File {
+        name: format!("{}.rs", subject.name),
+        text: source(subject),
+    }]
+}
+
+fn filled(text: &str, subject: &Subject<'_>) -> String {
+    text.replace("@robot@", &subject.robot.name)
+        .replace("@version@", env!("CARGO_PKG_VERSION"))
+        .replace("@gain@", &number(subject.gain_per_s))
+        .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
+        .replace("@settling@", &number(subject.settling_s()))
+}
+
+fn source(subject: &Subject<'_>) -> String {
+    let n = subject.joints();
+    let Body { lines, p, ct_dq, g } = momentum(&subject.pass, Language::Rust);
+    let elastic = |i: usize| subject.stiffness(i);
+    let each = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
+    let names = subject.robot.joint_names().iter();
+    let names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
+    let list = each(&|i| {
+        let drive = elastic(i).map_or("rigid: no offset".to_owned(), |k| format!("{k} N·m/rad"));
+        format!("//! * {i}: {}, {drive}\n", subject.robot.joint_names()[i])
+    });
+    let checked = each(&|i| match elastic(i) {
+        Some(_) => {
+            format!("        sum += q[{i}].abs() + theta[{i}].abs() + external[{i}].abs();\n")
+        }
+        None => format!("        sum += q[{i}].abs() + external[{i}].abs();\n"),
+    });
+    let filters = |call: &str| {
+        each(&|i| {
+            let mut out = format!("            self.q[{i}].{call}q[{i}]);\n");
+            if elastic(i).is_some() {
+                let _ = writeln!(out, "            self.theta[{i}].{call}theta[{i}]);");
+            }
+            let _ = writeln!(out, "            self.tau_ext[{i}].{call}external[{i}]);");
+            out
+        })
+    };
+    let drives = each(&|i| {
+        let friction = friction(subject.friction(i), i);
+        let external = format!("if known {{ self.tau_ext[{i}].x }} else {{ 0.0 }}");
+        format!("            ct_dq[{i}] - g[{i}]{friction} + {external},\n")
+    });
+    let observes = each(&|i| {
+        format!(
+            "            self.tau_el[{i}] = w.a * self.tau_el[{i}] + (1.0 - w.a) * (p[{i}] - self.p[{i}]) * w.per_step\n                - w.w0 * self.drive[{i}] - w.w1 * drive[{i}];\n"
+        )
+    });
+    let rests = each(&|i| format!("            self.tau_el[{i}] = -drive[{i}];\n"));
+    let compares = each(&|i| match elastic(i) {
+        None => String::new(),
+        Some(k) => format!(
+            "        let twist = self.theta[{i}].x - self.q[{i}].x;\n        self.delta_e[{i}] = self.deflection[{i}].lag(&w, started, twist) - self.tau_el[{i}] * {};\n",
+            number(1.0 / k)
+        ),
+    });
+    let of_filters = |part: &str| {
+        let all: Vec<String> = (0..n).map(|i| format!("self.q[{i}].{part}")).collect();
+        all.join(", ")
+    };
+    filled(SOURCE, subject)
+        .replace("@LIST@\n", &list)
+        .replace("@N@", &n.to_string())
+        .replace("@NAMES@", &names.join(", "))
+        .replace("@PASS@\n", &lines)
+        .replace("@P@", &p.join(", "))
+        .replace("@CT_DQ@", &ct_dq.join(", "))
+        .replace("@G@", &g.join(", "))
+        .replace("@CHECKED@\n", &checked)
+        .replace("@FILTERS@\n", &filters("smooth(&w, "))
+        .replace("@STARTS@\n", &filters("start("))
+        .replace("@Q@", &of_filters("x"))
+        .replace("@DQ@", &of_filters("dx"))
+        .replace("@DRIVES@\n", &drives)
+        .replace("@OBSERVES@\n", &observes)
+        .replace("@RESTS@\n", &rests)
+        .replace("@COMPARES@\n", &compares)
+}
+
+/// ` - friction`, or nothing.
+fn friction(friction: Friction, i: usize) -> String {
+    let mut out = String::new();
+    if friction.coulomb_nm != 0.0 {
+        let per_speed = 1.0 / Friction::SMOOTHING_RAD_PER_S;
+        let _ = write!(
+            out,
+            " - {} * (self.dq[{i}] * {}).clamp(-1.0, 1.0)",
+            number(friction.coulomb_nm),
+            number(per_speed)
+        );
+    }
+    if friction.viscous_nm_s_per_rad != 0.0 {
+        let viscous = number(friction.viscous_nm_s_per_rad);
+        let _ = write!(out, " - {viscous} * self.dq[{i}]");
+    }
+    out
+}
+
+const SOURCE: &str = r#"//! @robot@: momentum pass and offset observer, written by Sinew @version@ (`sinew robot generate`).
+//!
+//! Masses, geometry, stiffness and friction are those of its `robot.toml` and URDF when this was written: write it anew
+//! when they change. Positions are rad (m of a sliding joint), torques N·m (N), time s. Needs the crate `libm`, no
+//! standard library. Nothing here allocates, locks, panics, loops or reads a clock.
+//!
+@LIST@
+
+/// Joints.
+pub const JOINTS: usize = @N@;
+
+/// Their names, in the order of `q`.
+pub const JOINT_NAMES: [&str; JOINTS] = [@NAMES@];
+
+/// Momentum terms of the arm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Momentum {
+    /// `p = M(q) dq`.
+    pub p: [f64; JOINTS],
+    /// `C(q, dq)ᵀ dq`.
+    pub ct_dq: [f64; JOINTS],
+    /// `g(q)`.
+    pub g: [f64; JOINTS],
+}
+
+/// The momentum pass.
+#[allow(unused_variables)]
+#[rustfmt::skip]
+pub fn momentum(q: &[f64; JOINTS], dq: &[f64; JOINTS]) -> Momentum {
+@PASS@
+    Momentum {
+        p: [@P@],
+        ct_dq: [@CT_DQ@],
+        g: [@G@],
+    }
+}
+
+/// Why a sample was refused; nothing has changed then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// An input is NaN, infinite or larger than any robot.
+    NotFinite,
+    /// The time step is not between 1e-9 s and 1e9 s.
+    TimeStep,
+}
+
+/// A smoothed signal and its derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Filter {
+    input: f64,
+    x: f64,
+    dx: f64,
+}
+
+/// What a time step of one length comes to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Weights {
+    dt_s: f64,
+    per_step: f64,
+    x_e: f64,
+    x_f: f64,
+    dx_e: f64,
+    dx_f: f64,
+    a: f64,
+    w0: f64,
+    w1: f64,
+}
+
+impl Weights {
+    const NONE: Self = Self {
+        dt_s: 0.0,
+        per_step: 0.0,
+        x_e: 0.0,
+        x_f: 0.0,
+        dx_e: 0.0,
+        dx_f: 0.0,
+        a: 1.0,
+        w0: 0.0,
+        w1: 0.0,
+    };
+
+    /// State-variable filter (critically damped) and first-order lag, both solved exactly for an input that is linear
+    /// between samples.
+    fn new(dt_s: f64) -> Self {
+        let wt = @cutoff@ * dt_s;
+        let decay = libm::exp(-wt);
+        let x = @gain@ * dt_s;
+        let fall = libm::expm1(-x);
+        let a = 1.0 + fall;
+        let mean = if x > 1e-12 { -fall / x } else { 1.0 };
+        Self {
+            dt_s,
+            per_step: 1.0 / dt_s,
+            x_e: decay * (1.0 + wt),
+            x_f: decay * dt_s,
+            dx_e: decay * @cutoff@ * wt,
+            dx_f: decay * (1.0 - wt),
+            a,
+            w0: (mean - a).max(0.0),
+            w1: (1.0 - mean).max(0.0),
+        }
+    }
+}
+
+impl Filter {
+    const NONE: Self = Self {
+        input: 0.0,
+        x: 0.0,
+        dx: 0.0,
+    };
+
+    fn start(&mut self, u: f64) {
+        *self = Self {
+            input: u,
+            x: u,
+            dx: 0.0,
+        };
+    }
+
+    fn smooth(&mut self, w: &Weights, u: f64) {
+        let slope = (u - self.input) * w.per_step;
+        let lag = slope * (2.0 / @cutoff@);
+        let e = self.x - (self.input - lag);
+        let v = self.dx - slope;
+        self.x = u - lag + w.x_e * e + w.x_f * v;
+        self.dx = slope + w.dx_f * v - w.dx_e * e;
+        self.input = u;
+    }
+
+    /// Lags like the observed torque.
+    fn lag(&mut self, w: &Weights, started: bool, u: f64) -> f64 {
+        self.x = if started { w.a * self.x + w.w0 * self.input + w.w1 * u } else { u };
+        self.input = u;
+        self.x
+    }
+}
+
+/// The observer of gain @gain@ 1/s and filter @cutoff@ rad/s.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observer {
+    delta_e: [f64; JOINTS],
+    tau_el: [f64; JOINTS],
+    dq: [f64; JOINTS],
+    since_start_s: f64,
+    started: bool,
+    weights: Weights,
+    q: [Filter; JOINTS],
+    theta: [Filter; JOINTS],
+    tau_ext: [Filter; JOINTS],
+    deflection: [Filter; JOINTS],
+    p: [f64; JOINTS],
+    drive: [f64; JOINTS],
+}
+
+impl Default for Observer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Observer {
+    /// Before its first sample.
+    pub const fn new() -> Self {
+        Self {
+            delta_e: [f64::NAN; JOINTS],
+            tau_el: [0.0; JOINTS],
+            dq: [0.0; JOINTS],
+            since_start_s: 0.0,
+            started: false,
+            weights: Weights::NONE,
+            q: [Filter::NONE; JOINTS],
+            theta: [Filter::NONE; JOINTS],
+            tau_ext: [Filter::NONE; JOINTS],
+            deflection: [Filter::NONE; JOINTS],
+            p: [0.0; JOINTS],
+            drive: [0.0; JOINTS],
+        }
+    }
+
+    /// After a gap: the next sample is a start.
+    pub fn reset(&mut self) {
+        self.started = false;
+        self.since_start_s = 0.0;
+    }
+
+    /// Steps by `dt_s` to a sample; the first one only starts the filters and doesn't look at `dt_s`. `theta` of a rigid
+    /// joint is not looked at. `tau_ext`: the known external torque.
+    #[rustfmt::skip]
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        q: &[f64; JOINTS],
+        theta: &[f64; JOINTS],
+        tau_ext: Option<&[f64; JOINTS]>,
+    ) -> Result<(), Refused> {
+        let started = self.started;
+        let known = tau_ext.is_some();
+        let external = tau_ext.unwrap_or(&[0.0; JOINTS]);
+        let mut sum = 0.0;
+@CHECKED@
+        if !(sum < 1e60) {
+            return Err(Refused::NotFinite);
+        }
+        if started && !(1e-9..=1e9).contains(&dt_s) {
+            return Err(Refused::TimeStep);
+        }
+        if started {
+            if dt_s != self.weights.dt_s {
+                self.weights = Weights::new(dt_s);
+            }
+            let w = self.weights;
+@FILTERS@
+            self.since_start_s += dt_s;
+        } else {
+@STARTS@
+        }
+        let w = self.weights;
+        self.dq = [@DQ@];
+        let Momentum { p, ct_dq, g } = momentum(&[@Q@], &self.dq);
+        let drive = [
+@DRIVES@
+        ];
+        if started {
+@OBSERVES@
+        } else {
+@RESTS@
+        }
+        self.p = p;
+        self.drive = drive;
+@COMPARES@
+        self.started = true;
+        Ok(())
+    }
+
+    /// Offset `(theta_measured − q) − tau_el / K` of every joint, rad; NaN of a rigid one.
+    pub fn delta_e(&self) -> &[f64; JOINTS] {
+        &self.delta_e
+    }
+
+    /// Elastic torque of every joint, N·m.
+    pub fn tau_el(&self) -> &[f64; JOINTS] {
+        &self.tau_el
+    }
+
+    /// Velocity of every joint as filtered, rad/s.
+    pub fn dq(&self) -> &[f64; JOINTS] {
+        &self.dq
+    }
+
+    /// Whether the start has faded to a thousandth: @settling@ s after it.
+    pub fn is_settled(&self) -> bool {
+        self.started && self.since_start_s >= @settling@
+    }
+}
+"#;

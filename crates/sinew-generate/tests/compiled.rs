@@ -1,0 +1,296 @@
+//! Compiled code beside the generic code, over one motion.
+
+use crate::robots::{Sample, biorob_like, models, motion};
+use sinew_generate::{File, Language, generate};
+use sinew_model::arm::ArmWorkspace;
+use sinew_model::offset::{self, OffsetConfig, OffsetObserver, VelocityFilter};
+use sinew_model::robot::Robot;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Over the largest value of its kind: rounding of some hundred operations in another order, carried through 400
+/// steps of a stable observer.
+const ROUNDING: f64 = 1e-12;
+
+fn config() -> OffsetConfig {
+    let velocity = VelocityFilter::StateVariable {
+        cutoff_rad_per_s: 40.0,
+    };
+    OffsetConfig {
+        gain_per_s: 20.0,
+        velocity,
+        ..OffsetConfig::default()
+    }
+}
+
+/// What a sample gives: status and whether settled; offset, torque, momentum terms.
+struct Answer {
+    taken: bool,
+    settled: bool,
+    values: [Vec<f64>; 5],
+}
+
+/// The generic code over a motion.
+fn expected(robot: &Robot, samples: &[Sample]) -> Vec<Answer> {
+    let mut observer = OffsetObserver::new(&robot.arm, &robot.transmissions, config()).unwrap();
+    let mut workspace = ArmWorkspace::new(&robot.arm);
+    (samples.iter())
+        .map(|s| {
+            let sample = offset::Sample {
+                q: &s.q,
+                theta_measured: &s.theta,
+                tau_ext: s.known.then_some(&s.tau_ext[..]),
+                ..offset::Sample::default()
+            };
+            let taken = observer.step(s.dt_s, &sample).is_ok();
+            let n = robot.arm.dof();
+            let [p, ct_dq, g] = match robot.arm.momentum(&mut workspace, &s.q, &s.dq) {
+                Ok(terms) => [terms.p, terms.ct_dq, terms.g].map(<[f64]>::to_vec),
+                Err(_) => [(); 3].map(|()| vec![f64::NAN; n]),
+            };
+            Answer {
+                taken,
+                settled: observer.is_settled(),
+                values: [
+                    observer.delta_e().to_vec(),
+                    observer.tau_el().to_vec(),
+                    p,
+                    ct_dq,
+                    g,
+                ],
+            }
+        })
+        .collect()
+}
+
+/// Runs a compiled driver over a motion and compares line by line.
+fn compare(program: &mut Command, robot: &Robot, samples: &[Sample], what: &str) {
+    let mut input = String::new();
+    for s in samples {
+        let _ = write!(input, "{:?} {}", s.dt_s, u8::from(s.known));
+        for values in [&s.q, &s.theta, &s.tau_ext, &s.dq] {
+            values.iter().for_each(|v| {
+                let _ = write!(input, " {v:?}");
+            });
+        }
+        input.push('\n');
+    }
+    let mut child = program
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()));
+    let said = child.wait_with_output().unwrap();
+    writer.join().unwrap().unwrap();
+    assert!(said.status.success(), "{what}: {}", said.status);
+    let said = String::from_utf8(said.stdout).unwrap();
+    let answers = expected(robot, samples);
+    assert_eq!(said.lines().count(), answers.len(), "{what}");
+    // The size of each kind over the motion.
+    let size: Vec<f64> = (0..5)
+        .map(|kind| {
+            let all = answers
+                .iter()
+                .flat_map(|a| &a.values[kind])
+                .filter(|v| v.is_finite());
+            all.fold(1e-3, |m: f64, v| m.max(v.abs()))
+        })
+        .collect();
+    let (mut refused, mut settled) = (0, 0);
+    for (k, (line, answer)) in said.lines().zip(&answers).enumerate() {
+        let mut words = line.split_whitespace();
+        let mut flag = || words.next().unwrap().parse::<i32>().unwrap();
+        let (status, is_settled) = (flag(), flag() != 0);
+        assert_eq!(
+            status == 0,
+            answer.taken,
+            "{what}, sample {k}: status {status}"
+        );
+        assert_eq!(is_settled, answer.settled, "{what}, sample {k}");
+        refused += i32::from(status != 0);
+        settled += i32::from(is_settled);
+        let numbers: Vec<f64> = words.map(|w| w.parse().unwrap()).collect();
+        let theirs = answer.values.iter().flatten();
+        assert_eq!(numbers.len(), theirs.clone().count(), "{what}");
+        // The pass refuses nothing: what comes of a position that can't be is not compared.
+        let compared = if answer.taken {
+            numbers.len()
+        } else {
+            2 * robot.arm.dof()
+        };
+        for (i, (ours, theirs)) in numbers.iter().zip(theirs).take(compared).enumerate() {
+            let kind = i / robot.arm.dof();
+            let same =
+                ours.is_nan() && theirs.is_nan() || (ours - theirs).abs() <= ROUNDING * size[kind];
+            assert!(
+                same,
+                "{what}, sample {k}, value {i}: {ours:e} and {theirs:e}"
+            );
+        }
+    }
+    assert_eq!(refused, 3, "{what}");
+    assert!(settled > 0, "{what}: never settled");
+}
+
+fn write_all(folder: &Path, files: &[File]) {
+    for file in files {
+        std::fs::write(folder.join(&file.name), &file.text).unwrap();
+    }
+}
+
+const C_DRIVER: &str = r#"
+#include "@name@.h"
+#include <stdio.h>
+enum { N = @upper@_JOINTS };
+static int row(double *v) {
+    for (int i = 0; i < N; i++) if (scanf("%lf", &v[i]) != 1) return 0;
+    return 1;
+}
+static void say(const double *v) {
+    for (int i = 0; i < N; i++) printf(" %.17g", v[i]);
+}
+int main(void) {
+    static @name@_observer o;
+    double dt, q[N], theta[N], ext[N], dq[N], p[N], ct_dq[N], g[N];
+    int known;
+    @name@_reset(&o);
+    while (scanf("%lf %d", &dt, &known) == 2 && row(q) && row(theta) && row(ext) && row(dq)) {
+        const int status = @name@_step(&o, dt, q, theta, known ? ext : NULL);
+        printf("%d %d", status, @name@_is_settled(&o));
+        @name@_momentum(q, dq, p, ct_dq, g);
+        say(o.delta_e), say(o.tau_el), say(p), say(ct_dq), say(g);
+        printf("\n");
+    }
+    return 0;
+}
+"#;
+
+#[test]
+fn c_gives_what_the_generic_code_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut found = 0;
+    for compiler in ["gcc", "clang"] {
+        if Command::new(compiler).arg("--version").output().is_err() {
+            println!("SKIPPED: {compiler} is not there");
+            continue;
+        }
+        found += 1;
+        for robot in std::iter::once(biorob_like()).chain(models()) {
+            let written = generate(&robot, &config(), Language::C).unwrap();
+            write_all(folder.path(), &written.files);
+            let header = &written.files[0].name;
+            let name = header.trim_end_matches(".h");
+            let driver = C_DRIVER
+                .replace("@name@", name)
+                .replace("@upper@", &name.to_uppercase());
+            std::fs::write(folder.path().join("driver.c"), driver).unwrap();
+            let program = folder.path().join(format!("{name}-{compiler}"));
+            let done = Command::new(compiler)
+                .args([
+                    "-std=c99",
+                    "-O2",
+                    "-Wall",
+                    "-Wextra",
+                    "-Wpedantic",
+                    "-Wshadow",
+                ])
+                .args(["-Wconversion", "-Werror", "driver.c", &format!("{name}.c")])
+                .arg("-o")
+                .arg(&program)
+                .arg("-lm")
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            assert!(
+                done.status.success(),
+                "{name}: {}",
+                String::from_utf8_lossy(&done.stderr)
+            );
+            for known in [false, true] {
+                let samples = motion(robot.arm.dof(), known);
+                let what = format!("{name}, {compiler}, external torque {known}");
+                compare(&mut Command::new(&program), &robot, &samples, &what);
+            }
+        }
+    }
+    if found == 0 {
+        println!("SKIPPED: there is no C compiler; generated C is not compiled");
+    }
+}
+
+/// The driver of one robot, in Rust.
+const RUST_DRIVER: &str = r#"
+fn @name@() {
+    use drivers::@name@::*;
+    let mut o = Observer::new();
+    for line in std::io::stdin().lines() {
+        let line = line.unwrap();
+        let v: Vec<f64> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
+        let row = |k: usize| <[f64; JOINTS]>::try_from(&v[2 + k * JOINTS..][..JOINTS]).unwrap();
+        let (q, theta, ext, dq) = (row(0), row(1), row(2), row(3));
+        let stepped = o.step(v[0], &q, &theta, (v[1] != 0.0).then_some(&ext));
+        let m = momentum(&q, &dq);
+        print!("{} {}", i32::from(stepped.is_err()), i32::from(o.is_settled()));
+        for values in [o.delta_e(), o.tau_el(), &m.p, &m.ct_dq, &m.g] {
+            values.iter().for_each(|v| print!(" {v:?}"));
+        }
+        println!();
+    }
+}
+"#;
+
+#[test]
+fn rust_without_the_standard_library_gives_what_the_generic_code_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("src");
+    std::fs::create_dir(&source).unwrap();
+    // libm as the workspace has it, from its lock file; nothing is fetched.
+    let manifest = "[package]\nname = \"drivers\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[dependencies]\nlibm = \"0.2\"\n[workspace]\n[profile.dev]\nopt-level = 1\n";
+    std::fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
+    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
+    std::fs::copy(lock, folder.path().join("Cargo.lock")).unwrap();
+    let mut modules = "#![no_std]\n#![deny(warnings)]\n".to_owned();
+    let (mut main, mut arms) = (String::new(), String::new());
+    let robots: Vec<Robot> = std::iter::once(biorob_like()).chain(models()).collect();
+    let mut names = Vec::new();
+    for robot in &robots {
+        let written = generate(robot, &config(), Language::Rust).unwrap();
+        write_all(&source, &written.files);
+        let name = written.files[0].name.trim_end_matches(".rs").to_owned();
+        let _ = writeln!(modules, "pub mod {name};");
+        let _ = writeln!(arms, "        {name:?} => {name}(),");
+        main += &RUST_DRIVER.replace("@name@", &name);
+        names.push(name);
+    }
+    let _ = write!(
+        main,
+        "fn main() {{\n    match std::env::args().nth(1).unwrap().as_str() {{\n{arms}        other => panic!(\"{{other}}\"),\n    }}\n}}\n"
+    );
+    std::fs::write(source.join("lib.rs"), modules).unwrap();
+    std::fs::write(source.join("main.rs"), main).unwrap();
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("drivers");
+    let done = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--offline"])
+        .env("CARGO_TARGET_DIR", &target)
+        .env_remove("RUSTFLAGS")
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    for (robot, name) in robots.iter().zip(&names) {
+        for known in [false, true] {
+            let samples = motion(robot.arm.dof(), known);
+            let what = format!("{name}, rustc, external torque {known}");
+            let mut program = Command::new(target.join("debug/drivers"));
+            compare(program.arg(name), robot, &samples, &what);
+        }
+    }
+}
