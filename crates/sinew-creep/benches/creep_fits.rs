@@ -1,9 +1,9 @@
-//! The search behind `sinew creep fit`, alone: five laws on every test of a file, one thread.
+//! What `sinew creep fit` costs: five laws on every test of a file, one thread.
 //!
 //! `cargo bench -p sinew-creep --bench creep_fits -- FILE [OUT.json]` prints how long the searches
 //! take (no draws for intervals, independent errors) and writes the curves as they were fitted with
 //! the sum of squares each law reached. `benches/peers/creep_fits.py` gives the same curves to
-//! SciPy.
+//! SciPy. Then it prints what the command itself does: searches with slow errors, and the draws behind the intervals.
 
 use sinew_creep::{Curve, FitOptions, Law, NoiseKind, PrepareOptions};
 use sinew_log::{TestOptions, read_test};
@@ -49,6 +49,23 @@ fn main() {
     println!(
         "{} curves, {done} fits, {seconds:.3} s of processor (least of {rounds} rounds)",
         curves.len()
+    );
+    let with_draws = |intervals: bool| {
+        let options = FitOptions {
+            intervals,
+            ..FitOptions::default()
+        };
+        let start = clock_s();
+        let fits = curves.iter().flat_map(|c| {
+            Law::ALL.map(|law| sinew_creep::fit(law, std::slice::from_ref(c), &options))
+        });
+        let done = fits.filter(Result::is_ok).count();
+        (clock_s() - start, done)
+    };
+    let ((search, _), (both, done)) = (with_draws(false), with_draws(true));
+    println!(
+        "as the command does: {done} fits, searches {search:.3} s, intervals {:.3} s",
+        both - search
     );
     if let Some(out) = paths.next() {
         let curves: Vec<serde_json::Value> = curves

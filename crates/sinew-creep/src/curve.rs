@@ -16,12 +16,25 @@ pub struct Curve {
     pub count: Vec<f64>,
     /// Load from a time on, as a multiple of the reference load.
     pub steps: Vec<(f64, f64)>,
+    /// Steps that came between two readings, nobody knows when.
+    pub windows: Vec<StepWindow>,
     /// Temperature, °C, where known.
     pub temperature_c: Option<f64>,
     /// What the steps are in newtons, where the force is recorded.
     pub tension: Option<Tension>,
     /// Readings before the load whose mean is strain zero; 0: the zero is unknown.
     pub zero_count: f64,
+}
+
+/// The readings between which a step of a [`Curve`] came.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepWindow {
+    /// Index of the step.
+    pub step: usize,
+    /// Last reading before it, s.
+    pub from_s: f64,
+    /// First reading after it, s.
+    pub to_s: f64,
 }
 
 /// Newtons behind the steps of a [`Curve`].
@@ -51,6 +64,7 @@ impl Curve {
             time_s,
             strain,
             steps: vec![(0.0, 1.0)],
+            windows: Vec::new(),
             temperature_c: None,
             tension: None,
             zero_count: 0.0,
@@ -117,6 +131,7 @@ impl Curve {
         held.strain.truncate(at);
         held.count.truncate(at);
         held.steps.retain(|step| step.0 < end);
+        held.windows.retain(|window| window.step < held.steps.len());
         held
     }
 
@@ -130,6 +145,7 @@ impl Curve {
             strain: Vec::new(),
             count: Vec::new(),
             steps: vec![(start, level)],
+            windows: Vec::new(),
             temperature_c,
             ..self.clone()
         }
@@ -151,6 +167,49 @@ impl Curve {
             }
         };
         (part(0..at), part(at..self.time_s.len()))
+    }
+
+    /// How many standard deviations of the readings the unknown moment of a step moves them by, all together: the creep since
+    /// goes with the logarithm of time.
+    pub(super) fn moved_by(&self, window: &StepWindow) -> f64 {
+        let middle = 0.5 * (window.from_s + window.to_s);
+        let steps = self.steps.get(window.step + 1);
+        let end = steps.map_or(f64::INFINITY, |step| step.0);
+        let after: Vec<usize> = (0..self.time_s.len())
+            .filter(|&i| self.time_s[i] >= window.to_s && self.time_s[i] < end)
+            .collect();
+        let (Some(&first), Some(&last)) = (after.first(), after.last()) else {
+            return 0.0;
+        };
+        let age = |i: usize| self.time_s[i] - middle;
+        let folds = (age(last) / age(first)).ln();
+        if !(folds > 0.0) {
+            return 0.0;
+        }
+        let per_fold = (self.strain[last] - self.strain[first]) / folds;
+        // A reading between two others, by the logarithm of time: what is left scatters by √1.5 of a reading.
+        let place: Vec<f64> = after.iter().map(|&i| age(i).ln()).collect();
+        let left: Vec<f64> = (1..after.len().saturating_sub(1))
+            .map(|k| {
+                let share = (place[k] - place[k - 1]) / (place[k + 1] - place[k - 1]);
+                let [before, here, next] = [k - 1, k, k + 1].map(|k| self.strain[after[k]]);
+                let scale = self.count[after[k]].sqrt() / 1.5_f64.sqrt();
+                scale * (here - before - share * (next - before)).abs()
+            })
+            .filter(|apart| apart.is_finite())
+            .collect();
+        if left.is_empty() {
+            return 0.0;
+        }
+        // 1.4826 makes the median deviation that of a normal distribution.
+        let sigma = 1.482_6 * super::scan::median(&left);
+        // Anywhere in the window: a deviation of its length over √12.
+        let moment = (window.to_s - window.from_s) / 12.0_f64.sqrt();
+        let squares: f64 = after
+            .iter()
+            .map(|&i| self.count[i] * (moment * per_fold / age(i)).powi(2))
+            .sum();
+        squares.sqrt() / sigma.max(f64::MIN_POSITIVE)
     }
 
     /// The same curve with at most a few hundred points: means over bins that are even in the

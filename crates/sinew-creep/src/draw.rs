@@ -29,9 +29,9 @@ impl Draw {
         }
     }
 
-    /// Values of the parameters in their order and units: shapes, then coefficients by block.
+    /// Values of the parameters in their order and units: shapes of the law, then coefficients by block.
     pub(super) fn numbers(&self, model: &Model) -> Vec<f64> {
-        let mut numbers = self.values.clone();
+        let mut numbers = self.values[..model.law_numbers()].to_vec();
         for beta in &self.beta {
             for (j, b) in beta.iter().enumerate() {
                 numbers.push(model.number(j, *b));
@@ -62,7 +62,7 @@ impl Draw {
         };
         let beta = &self.beta[block];
         let shared = beta.len() - model.blocks[block].members.len();
-        let (rows, offset) = model.rows(&self.values, member, time_s, shared);
+        let (rows, offset) = model.rows(&self.values, curve, member, time_s, shared);
         (0..time_s.len())
             .map(|i| {
                 let row = &rows[i * shared..(i + 1) * shared];

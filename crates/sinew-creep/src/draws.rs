@@ -5,8 +5,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
 use super::draw::Draw;
+use super::held::HeldDraws;
+use super::importance;
 use super::model::Model;
-use super::sample::{Around, Plan, ensemble};
+use super::sample::Around;
 
 /// Draws by an ensemble that starts around `centre`; coefficients and the size of the noise from
 /// their own distributions given the rest.
@@ -16,10 +18,9 @@ pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
     /// Draws of a law without nonlinear parameters.
     const ALL_LINEAR: usize = 2000;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let points = ensemble(
+    let points = importance::draws(
         &|x| model.log_restricted(x),
         &around(model, centre),
-        Plan::of(centre.len()),
         &mut random,
     );
     let per_point = if centre.is_empty() {
@@ -32,13 +33,22 @@ pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
         return Vec::new();
     };
     let mut draws = Vec::with_capacity(points.len() * per_point);
+    let held = HeldDraws::of(model, centre);
+    let mut placed = model.clone();
     for unit in points {
-        let point = model.solve(&unit, false);
+        let unit = if model.held_z.is_empty() {
+            unit
+        } else {
+            let (unit, z) = held.draw(model, &unit, &mut random);
+            placed.held_z = z;
+            unit
+        };
+        let point = placed.solve(&unit, false);
         for _ in 0..per_point {
             let spread: f64 = chi.sample(&mut random);
             let sigma = (point.squares / spread.max(f64::MIN_POSITIVE)).sqrt();
             draws.push(Draw {
-                values: model.values(&unit),
+                values: placed.values(&unit),
                 unit: unit.clone(),
                 noise: point.noise,
                 sigma,

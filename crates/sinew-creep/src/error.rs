@@ -19,6 +19,12 @@ pub enum CreepError {
         /// Readings needed.
         needed: usize,
     },
+    /// No test can be planned.
+    #[error("no plan: {reason}")]
+    NoPlan {
+        /// Why.
+        reason: String,
+    },
     /// The strain doesn't change.
     #[error("{specimen}: the strain doesn't change: not connected, or the wrong column?")]
     Flat {

@@ -14,6 +14,8 @@ mod draws;
 mod error;
 mod fit;
 mod forecast;
+mod held;
+mod importance;
 mod isochronous;
 mod law;
 mod linear;
@@ -23,6 +25,7 @@ mod options;
 mod outlook;
 mod parallel;
 mod parameter;
+mod plan;
 mod profile;
 mod rank;
 mod record;
@@ -50,7 +53,7 @@ pub use analyze::{
     Analysis, AnalyzeOptions, ISO_READINGS_S, NoSlope, PERCENT_PER_H, Reading, Recovery,
     SLOPE_FROM_S, analyze,
 };
-pub use curve::{Curve, Tension};
+pub use curve::{Curve, StepWindow, Tension};
 pub use error::{CreepError, Failure, NoEntry, NoForecast, Unusable};
 pub use fit::{Fit, fit};
 pub use forecast::{Forecast, akaike_weights, combined_forecast};
@@ -62,6 +65,9 @@ pub use options::{FitOptions, IntervalKind, NoiseKind, Share};
 pub use outlook::{Outlook, PRIOR_FREEDOM};
 pub use parallel::each;
 pub use parameter::{NotIdentifiable, Parameter};
+pub use plan::{
+    BenchTest, Candidate, Plan, PlanCheck, PlanRequest, PlannedTest, check as check_plan, plan,
+};
 pub use rank::{Rank, SCATTER_GUESS, ScatterSource, rank};
 pub use record::{Fault, PrepareOptions, Prepared, Stage, StrainZero, prepare};
 pub use rope_base::{FixedParameter, RopeBase, WhyFixed};

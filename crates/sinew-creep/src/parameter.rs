@@ -74,7 +74,8 @@ fn labels(model: &Model) -> Vec<Label> {
             positive,
         });
     };
-    for s in &model.shapes {
+    let law = &model.shapes[..model.law_numbers()];
+    for s in law {
         label(s.name, s.unit, &None, false);
     }
     for block in &model.blocks {
@@ -133,7 +134,7 @@ pub(super) fn parameters(
             let (low, high) = ends(drawn.iter().map(|d| d[i]).collect());
             let not_identifiable = if drawn.is_empty() {
                 None
-            } else if let Some(shape) = model.shapes.get(i) {
+            } else if let Some(shape) = model.shapes[..model.law_numbers()].get(i) {
                 let (low, high) = ends(draws.iter().map(|d| d.unit[i]).collect());
                 undecided_shape(shape, low, high)
             } else {

@@ -127,7 +127,7 @@ pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw
     let t = student_quantile(model.freedom(), level);
     let threshold = n * (t * t / model.freedom()).ln_1p();
     let mut ends = Vec::new();
-    for index in 0..model.shapes.len() {
+    for index in 0..model.law_numbers() {
         let mut start = best.unit.clone();
         let centre = start.remove(index);
         let profile = Profile {

@@ -27,6 +27,11 @@ impl RopeBase {
             })?;
         Ok(Self { entry, parameters })
     }
+
+    /// Breaking load, N.
+    pub fn breaking_load_n(&self) -> f64 {
+        self.parameters.breaking_load_n
+    }
 }
 
 /// A parameter that a fit takes from the base rope.

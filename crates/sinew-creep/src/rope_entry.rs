@@ -4,6 +4,7 @@ use sinew_model::rope::Parameter;
 use sinew_model::rope::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
 use sinew_model::rope::holds::Holds;
 
+use super::curve::Curve;
 use super::error::{CreepError, NoEntry};
 use super::fit::Fit;
 use super::law::Law;
@@ -79,15 +80,27 @@ pub fn rope_entry(
         );
         fitted.push(parameter);
     }
+    // What is held moves what is fitted: without this a prediction for the tests' own load would count it twice.
+    let shapes = fit.model.shapes.len();
+    for (k, (parameter, _)) in fit
+        .model
+        .rope
+        .iter()
+        .flat_map(|plan| &plan.held)
+        .enumerate()
+    {
+        let z: Vec<f64> = fit.draws.iter().map(|d| d.values[shapes + k]).collect();
+        scores.push(normal_scores(&z));
+        fitted.push(*parameter);
+    }
     entry.correlation = Correlation::new(fitted, correlations(&scores));
     entry.note = Some(note(fit, base));
-    entry.holds = Some(holds(fit, base));
+    entry.holds = Some(holds_of(&fit.model.curves, base));
     Ok(entry)
 }
 
-/// Loads, temperatures and times of the records that were fitted.
-fn holds(fit: &Fit, base: &RopeBase) -> Holds {
-    let curves = &fit.model.curves;
+/// Loads, temperatures and times of records.
+pub(super) fn holds_of(curves: &[Curve], base: &RopeBase) -> Holds {
     let tensions = curves.iter().flat_map(|curve| {
         let tension = curve.tension;
         let steps = curve
@@ -138,9 +151,10 @@ fn uncertainty(parameter: Parameter, value: f64, low: f64, high: f64) -> Uncerta
 }
 
 /// Correlations of the ranks' normal scores: those of the parameters on whatever scale.
+/// Correlations are written so much smaller: rounding to four digits must not make the matrix indefinite.
+pub(super) const SHRINK: f64 = 0.999;
+
 fn correlations(scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    /// Rounding to four digits must not make the matrix indefinite.
-    const SHRINK: f64 = 0.999;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let sizes: Vec<f64> = scores.iter().map(|s| dot(s, s).sqrt()).collect();
     (0..scores.len())

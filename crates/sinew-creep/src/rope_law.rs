@@ -6,7 +6,7 @@
 //! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
 //! closed form), and only the rest is searched.
 
-use sinew_model::rope::entry::Uncertainty;
+use sinew_model::rope::entry::{Uncertainty, Value};
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
 
 use super::curve::Curve;
@@ -22,6 +22,8 @@ pub(super) struct RopePlan {
     pub(super) shapes: Vec<Parameter>,
     pub(super) terms: Vec<Parameter>,
     pub(super) fixed: Vec<FixedParameter>,
+    /// Those of [`Self::fixed`] that the base rope knows within an interval only.
+    pub(super) held: Vec<(Parameter, Value)>,
 }
 
 /// Heat retraction begins here, °C.
@@ -29,7 +31,7 @@ const WARM_C: f64 = 35.0;
 
 /// What the records vary.
 struct Design {
-    /// Distinct load ratios above a twentieth of the largest.
+    /// Distinct loads under which a rope beds in: higher than all that the same specimen felt before.
     loaded: usize,
     /// Changes of elastic strain that readings stand on both sides of.
     jumps: usize,
@@ -56,14 +58,19 @@ impl Design {
                 let preload = curve.tension.map_or(0.0, |t| t.preload_n);
                 add(&mut own, preload, 0.05 * largest);
             }
+            let mut highest = 0.0_f64;
             for tension in held_tensions(curve) {
                 add(&mut own, tension, 0.05 * largest);
                 if tension > 0.05 * largest {
-                    add(&mut loaded, tension, 0.1 * largest);
+                    // Under less load than before nothing beds in, and nothing comes back.
+                    if tension > highest + 0.1 * largest {
+                        add(&mut loaded, tension, 0.1 * largest);
+                    }
                     if celsius > WARM_C {
                         add(&mut warm_loads, tension, 0.1 * largest);
                     }
                 }
+                highest = highest.max(tension);
             }
             if own.len() > 1 {
                 own.iter()
@@ -145,6 +152,7 @@ impl RopePlan {
             shapes: vec![Parameter::BeddingTime, Parameter::Jamming],
             terms: vec![Parameter::Bedding, Parameter::Delayed],
             fixed: Vec::new(),
+            held: Vec::new(),
         };
         plan.decide(&design, base);
         Ok(plan)
@@ -219,11 +227,16 @@ impl RopePlan {
             match why {
                 None if term => self.terms.push(parameter),
                 None => self.shapes.push(parameter),
-                Some(why) => self.fixed.push(FixedParameter {
-                    name: parameter.name().to_owned(),
-                    value: self.base.get(parameter),
-                    why,
-                }),
+                Some(why) => {
+                    self.fixed.push(FixedParameter {
+                        name: parameter.name().to_owned(),
+                        value: self.base.get(parameter),
+                        why,
+                    });
+                    let known = base.entry.law.get(&parameter);
+                    let open = known.filter(|v| v.uncertainty != Uncertainty::NotStated);
+                    self.held.extend(open.map(|v| (parameter, v.clone())));
+                }
             }
         }
     }
@@ -270,16 +283,23 @@ impl RopePlan {
         self.shapes.iter().map(|p| self.base.get(*p)).collect()
     }
 
-    /// Rows of the terms' columns at rising times, row by row, and what the fixed amplitudes give.
+    /// Rows of the terms' columns at rising times, row by row, and what the fixed amplitudes give, with what is held so many
+    /// deviations from the base rope's values.
     ///
     /// Strain in m/m counts from the state under the preload, before the first step.
     pub(super) fn rows(
         &self,
         values: &[f64],
+        held_z: &[f64],
         curve: &Curve,
+        steps: &[(f64, f64)],
         times: &[f64],
     ) -> (Vec<f64>, Vec<f64>) {
         let mut p = self.base;
+        for ((parameter, value), z) in self.held.iter().zip(held_z) {
+            let (low, high) = parameter.range();
+            p.set(*parameter, value.at(*z).clamp(low, high));
+        }
         for (parameter, value) in self.shapes.iter().zip(values) {
             p.set(*parameter, *value);
         }
@@ -292,12 +312,18 @@ impl RopePlan {
         let Ok(law) = RopeLaw::new(p) else {
             return (rows, offset);
         };
-        let mut walk = Walk::new(&law, curve);
+        let mut walk = Walk::new(&law, curve, steps);
         let parts = |state: &State, tension_n: f64| Parts::of(&law, state, tension_n);
         let zero = parts(&walk.state, walk.tension_n);
+        let start = steps.first().map_or(0.0, |s| s.0);
         for (i, &t) in times.iter().enumerate() {
-            walk.go_to(t);
-            let now = parts(&walk.state, walk.tension_n);
+            let now = if t < start {
+                let waiting = Walk::waiting(&law, curve, steps, t);
+                parts(&waiting.state, waiting.tension_n)
+            } else {
+                walk.go_to(t);
+                parts(&walk.state, walk.tension_n)
+            };
             for (parameter, sign) in Parts::SIGNS {
                 let part = sign * (now.get(parameter) - zero.get(parameter));
                 match self.terms.iter().position(|q| *q == parameter) {

@@ -2,7 +2,7 @@
 
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
 
-use super::curve::Curve;
+use super::curve::{Curve, Tension};
 
 /// Taken where a record has no temperature, °C.
 pub(super) const TEMPERATURE_C: f64 = 23.0;
@@ -49,7 +49,8 @@ impl Parts {
 /// A rope on its way through the steps of a record.
 pub(super) struct Walk<'a> {
     law: &'a RopeLaw,
-    curve: &'a Curve,
+    tension: Option<Tension>,
+    steps: &'a [(f64, f64)],
     temperature_k: f64,
     pub(super) state: State,
     pub(super) tension_n: f64,
@@ -60,21 +61,35 @@ pub(super) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     /// Before the first step: a new rope under the preload for as long as the record shows it.
-    pub(super) fn new(law: &'a RopeLaw, curve: &'a Curve) -> Self {
+    pub(super) fn new(law: &'a RopeLaw, curve: &Curve, steps: &'a [(f64, f64)]) -> Self {
+        let start = steps.first().map_or(0.0, |s| s.0);
+        Self::waiting(law, curve, steps, start)
+    }
+
+    /// Under the preload, at a time not after the first step: where the zero was read.
+    pub(super) fn waiting(
+        law: &'a RopeLaw,
+        curve: &Curve,
+        steps: &'a [(f64, f64)],
+        t: f64,
+    ) -> Self {
         let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
         let tension = curve.tension;
         let mut walk = Self {
             law,
-            curve,
+            tension,
+            steps,
             temperature_k: celsius + CELSIUS_ZERO_K,
             state: State::default(),
             tension_n: tension.map_or(0.0, |t| t.at(0.0)),
             rates: None,
-            now: curve.steps.first().map_or(0.0, |s| s.0),
+            now: t,
             next_step: 0,
         };
         walk.meet();
-        walk.hold(tension.map_or(0.0, |t| t.preloaded_s));
+        // The preload began where the record says, whenever within its window the step came.
+        let recorded = curve.steps.first().map_or(0.0, |s| s.0);
+        walk.hold(tension.map_or(0.0, |t| t.preloaded_s) + t - recorded);
         walk
     }
 
@@ -99,13 +114,13 @@ impl<'a> Walk<'a> {
 
     /// To a time not before the last one asked for.
     pub(super) fn go_to(&mut self, t: f64) {
-        while let Some(&(start, step)) = self.curve.steps.get(self.next_step) {
+        while let Some(&(start, step)) = self.steps.get(self.next_step) {
             if start > t {
                 break;
             }
             self.hold(start - self.now);
             self.now = self.now.max(start);
-            self.tension_n = self.curve.tension.map_or(0.0, |n| n.at(step));
+            self.tension_n = self.tension.map_or(0.0, |n| n.at(step));
             self.meet();
             self.next_step += 1;
         }

@@ -37,6 +37,27 @@ pub(super) struct Around {
 }
 
 impl Around {
+    /// Lower Cholesky factor of the covariance, row by row, with deviations so many times as large.
+    pub(super) fn spread(&self, times: f64) -> Vec<f64> {
+        let d = self.centre.len();
+        // Columns of L⁻ᵀ: covariance (L Lᵀ)⁻¹ = L⁻ᵀ L⁻¹.
+        let mut inverse = vec![vec![0.0; d]; d];
+        for (k, column) in inverse.iter_mut().enumerate() {
+            for i in (0..d).rev() {
+                let unit = if i == k { 1.0 } else { 0.0 };
+                let told: f64 = (i + 1..d).map(|j| self.factor[j][i] * column[j]).sum();
+                column[i] = (unit - told) / self.factor[i][i];
+            }
+        }
+        let mut covariance = vec![0.0; d * d];
+        for i in 0..d {
+            for j in 0..=i {
+                covariance[i * d + j] = inverse.iter().map(|column| column[i] * column[j]).sum();
+            }
+        }
+        super::importance::cholesky(&covariance, d, times * times)
+    }
+
     /// A point at so many standard deviations, within the box.
     fn point(&self, z: &[f64]) -> Vec<f64> {
         let d = z.len();

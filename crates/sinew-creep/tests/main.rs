@@ -2,5 +2,6 @@
 
 mod creep_forecast;
 mod fits;
+mod plan;
 mod rope;
 mod support;

@@ -2,6 +2,8 @@
 
 mod control;
 mod excitation;
+mod paper_figures;
+mod paper_ledger;
 mod rope_figures;
 mod scenarios;
 mod science_figures;

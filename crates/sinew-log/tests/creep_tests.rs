@@ -15,6 +15,28 @@ fn refusal(text: &str) -> String {
 }
 
 #[test]
+fn units_of_sinews_own_tables_are_read() {
+    let text = "time_s,tension_n,carriage_force_n,elongation_mm,strain_percent,strain_low_percent,temperature_c\n0,100,200,1.5,0.25,0.2,23\n60,100,200,1.6,0.27,0.2,23\n";
+    let test = read(text).expect("a test");
+    let specimen = &test.specimens[0];
+    assert_eq!(
+        specimen.column(TestQuantity::Force),
+        Some(&[100.0, 100.0][..])
+    );
+    assert_eq!(
+        specimen.column(TestQuantity::Strain),
+        Some(&[0.0025, 0.0027][..])
+    );
+    assert_eq!(
+        specimen.column(TestQuantity::Temperature),
+        Some(&[23.0, 23.0][..])
+    );
+    // Without the underscore it is no unit, and none is guessed.
+    let text = "time_s,force n,strain_percent\n0,1,2\n1,1,2\n";
+    assert!(refusal(text).contains("no unit"));
+}
+
+#[test]
 fn a_german_export_with_its_head_and_units_below_reads_in_si() {
     let text = "Prüfung;Zugkriechversuch\nL0 (mm);350,0\nSeil;DC000-0301\n\nPrüfzeit;Standardkraft;Standardweg\ns;N;mm\n0,0;1,5;0,000\n1,5;60,0;0,700\n";
     let file = read(text).unwrap();

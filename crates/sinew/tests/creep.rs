@@ -156,6 +156,64 @@ fn a_fitted_rope_is_written_and_read_by_the_rope_commands() {
 }
 
 #[test]
+fn a_plan_of_tests_is_a_table_and_a_programme() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("programme.csv");
+    let asked = [
+        "creep",
+        "plan",
+        "liros-dc000-0301",
+        "--tension",
+        "100",
+        "--length",
+        "700",
+        "--at",
+        "30d",
+        "--quiet",
+        "--loads",
+        "60,200",
+        "--temperatures",
+        "23",
+        "--durations",
+        "85min",
+        "--bench-hours",
+        "5",
+    ];
+    fn with<'a>(asked: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
+        [asked, more].concat()
+    }
+    let plan = json(&with(&asked, &["--json", "--csv", csv.to_str().unwrap()]));
+    let tests = plan["tests"].as_array().unwrap();
+    assert!(!tests.is_empty(), "{plan}");
+    let of = |v: &serde_json::Value, key: &str| v[key].as_f64().unwrap();
+    assert!(of(&plan, "bench_s") <= 5.0 * 3600.0, "{plan}");
+    assert!(of(&tests[0], "half_width_share") < of(&plan, "half_width_share"));
+    let text = std::fs::read_to_string(csv).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("test,time_s,force_n,temperature_c,reading")
+    );
+    // Preload first, then the load of the test, without a reading at the step.
+    let first = of(&tests[0]["test"], "load_n");
+    assert_eq!(lines.next(), Some("1.0,0.0,2.0,23.0,1.0"));
+    assert_eq!(
+        lines.next(),
+        Some(format!("1.0,60.0,{first:.1},23.0,0.0").as_str())
+    );
+    // A record that is there already is fitted along.
+    let known = json(&with(&asked, &["--json", "--with", "rope-A.csv"]));
+    assert_eq!(known["known"], 1);
+    assert!(of(&known, "half_width_share") < of(&plan, "half_width_share"));
+    let table = sinew(&asked);
+    let table = String::from_utf8(table.stdout).unwrap();
+    assert!(table.lines().all(|l| l.chars().count() <= 80), "{table}");
+    for wanted in ["now within", "test 1: ", "then within", "on the bench"] {
+        assert!(table.contains(wanted), "{wanted}: {table}");
+    }
+}
+
+#[test]
 fn groups_by_a_number_get_a_line_each() {
     let output = sinew(&[
         "creep",
@@ -326,6 +384,22 @@ fn refusals_say_what_to_do_and_leave_nothing_behind() {
                 page,
             ],
             "--level",
+        ),
+        (
+            &[
+                "creep",
+                "plan",
+                "liros-dc000-0301",
+                "--tension",
+                "100",
+                "--length",
+                "700",
+                "--bench-hours",
+                "0.5",
+                "--csv",
+                page,
+            ],
+            "no test fits into 0.5 h on the bench",
         ),
     ] {
         let output = sinew(arguments);

@@ -477,7 +477,13 @@ fn the_bench_runs_the_papers_cases_and_ones_own() {
     let csv = ["bench", "simulate", "E", "--draws", "20", "--csv", "e.csv"];
     told(&csv, dir.path());
     let csv = std::fs::read_to_string(dir.path().join("e.csv")).expect("written");
-    assert!(csv.starts_with("time_s,force_n,elongation_mm,strain_percent"));
+    assert!(csv.starts_with("time_s,tension_n,carriage_force_n,elongation_mm,strain_percent"));
+    // Its own tables are creep tests: the tension of a strand, the strain, nothing to say by hand.
+    let found = json(&["creep", "analyze", "e.csv", "--json"], dir.path());
+    let specimen = &found["specimens"][0];
+    let force_n = specimen["force_n"].as_f64().expect("a load");
+    assert!((force_n - 100.0).abs() < 1e-9, "{force_n}");
+    assert_eq!(specimen["recovery"][0]["force_after_n"], 60.0);
     let bad =
         bench.to_string() + "[[guide]]\nstrand = 1\nat_mm = 900\nradius_mm = 8\nwrap_deg = 20\n";
     std::fs::write(dir.path().join("own.toml"), bad).expect("written");

@@ -75,8 +75,10 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_creep::WithheldReport>(),
         Published::of::<sinew_creep::ShiftReport>(),
         Published::of::<sinew_creep::CompareReport>(),
+        Published::of::<sinew_creep::Plan>(),
         Published::of::<sinew_eval::excitation::Proposal>(),
         Published::of::<sinew_eval::paper::PaperFigure>(),
+        Published::of::<sinew_eval::paper::Ledger>(),
         Published::of::<sinew_eval::year::YearReport>(),
         Published::of::<sinew_eval::scenarios::ScenarioReport>(),
         Published::of::<sinew_eval::control::Simulated>(),
@@ -112,6 +114,7 @@ fn outputs() -> Vec<&'static str> {
         creep fit examples/06-creep-test/rope-A.csv --json
         creep fit examples/06-creep-test/rope-A.csv --withhold 0.33 --json
         creep compare examples/06-creep-test/rope-A.csv examples/06-creep-test/rope-B.csv --json
+        creep plan liros-dc000-0301 --tension 60 --length 700 --at 30d --loads 60 --temperatures 23 --durations 85min --check 1 --json
         excitation --robot robots/biorob-like --poses 3 --candidates 2 --seed 4 --json
         paper table1 --out OUT --json
         scenarios run --scenario S7 --n 1 --no-steps --json

@@ -3,7 +3,7 @@
 use super::{Block, Fixed, Model, Point, REFERENCE_K};
 use crate::curve::Curve;
 use crate::linear;
-use crate::noise::Filter;
+use crate::noise::{Filter, Noise};
 
 /// Gas constant, J/(mol K), exact since 2019.
 const GAS: f64 = 8.314_462_618_153_24;
@@ -31,23 +31,26 @@ impl TestConditions {
 
 impl Model {
     /// Rows of a curve's columns at rising times, one after another: terms, elastic step; without
-    /// the ε₀. Beside them the strain that no coefficient enters, m/m.
+    /// the ε₀. `curve` is that with index `index`, or what it goes on as. Beside them the strain that no coefficient enters, m/m.
     pub(crate) fn rows(
         &self,
         values: &[f64],
+        index: usize,
         curve: &Curve,
         times: &[f64],
         shared: usize,
     ) -> (Vec<f64>, Option<Vec<f64>>) {
+        let steps = self.steps(values, index, curve);
         if let Some(plan) = &self.rope {
-            let (rows, offset) = plan.rows(&values[..self.law_shapes], curve, times);
+            let (shapes, held) = (&values[..self.law_shapes], &values[self.shapes.len()..]);
+            let (rows, offset) = plan.rows(shapes, held, curve, &steps, times);
             return (rows, Some(offset));
         }
         let mut rows = vec![0.0; times.len() * shared];
         if shared > 0 {
             let conditions = self.conditions(values, curve);
             for (row, &t) in rows.chunks_mut(shared).zip(times) {
-                self.row(values, curve, &conditions, t, row);
+                self.row(values, &steps, &conditions, t, row);
             }
         }
         (rows, None)
@@ -71,7 +74,7 @@ impl Model {
     fn row(
         &self,
         values: &[f64],
-        curve: &Curve,
+        steps: &[(f64, f64)],
         conditions: &TestConditions,
         t: f64,
         out: &mut [f64],
@@ -81,7 +84,7 @@ impl Model {
         let mut response = [0.0; 4];
         let response = &mut response[..terms];
         let mut before = 0.0;
-        for &(start, load) in &curve.steps {
+        for &(start, load) in steps {
             if start > t {
                 break;
             }
@@ -113,7 +116,7 @@ impl Model {
             let readings = curve.time_s.len();
             columns[(shared + index) * n + from..][..readings].fill(1.0);
             if self.rope.is_some() {
-                let (rows, offset) = self.rows(values, curve, &curve.time_s, shared);
+                let (rows, offset) = self.rows(values, member, curve, &curve.time_s, shared);
                 for (i, row) in rows.chunks(shared.max(1)).enumerate().take(readings) {
                     for (j, value) in row.iter().enumerate() {
                         columns[j * n + from + i] = *value;
@@ -124,9 +127,10 @@ impl Model {
                 y.extend(left.map(|e| e / self.scale));
             } else {
                 let conditions = self.conditions(values, curve);
+                let steps = self.steps(values, member, curve);
                 let mut row = [0.0; MOST];
                 for (i, &t) in curve.time_s.iter().enumerate() {
-                    self.row(values, curve, &conditions, t, &mut row[..shared]);
+                    self.row(values, &steps, &conditions, t, &mut row[..shared]);
                     for (j, value) in row[..shared].iter().enumerate() {
                         columns[j * n + from + i] = *value;
                     }
@@ -144,8 +148,17 @@ impl Model {
 
     /// The same with one coefficient kept at a value (its solution reads 0).
     pub(crate) fn solve_with(&self, x: &[f64], information: bool, fixed: Option<Fixed>) -> Point {
-        let values = self.values(x);
-        let noise = self.noise_at(x);
+        self.solve_values(&self.values(x), self.noise_at(x), information, fixed)
+    }
+
+    /// The same at values of the shapes and of what is held.
+    pub(crate) fn solve_values(
+        &self,
+        values: &[f64],
+        noise: Noise,
+        information: bool,
+        fixed: Option<Fixed>,
+    ) -> Point {
         let mut point = Point {
             noise,
             solutions: Vec::with_capacity(self.blocks.len()),
@@ -157,7 +170,7 @@ impl Model {
         let mut filter = Filter::default();
         for (b, block) in self.blocks.iter().enumerate() {
             let (n, p) = (block.readings, block.positive.len());
-            let (mut columns, mut y) = self.columns(block, &values);
+            let (mut columns, mut y) = self.columns(block, values);
             if let Some(fixed) = fixed.filter(|f| f.block == b) {
                 let column = &mut columns[fixed.column * n..(fixed.column + 1) * n];
                 for (y, c) in y.iter_mut().zip(column) {

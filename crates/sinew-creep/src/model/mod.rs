@@ -11,6 +11,8 @@ use crate::linear::Solution;
 use crate::noise::{Clock, Noise, SHARE_MAX};
 use crate::options::{FitOptions, NoiseKind, Share};
 use crate::rope_law::RopePlan;
+use std::borrow::Cow;
+
 use records::{add_zero, levels, linear_shape, span, temperatures_differ, typical_gap};
 
 /// Reference of the temperature shift, K: 23 °C, the standard atmosphere of ISO 291.
@@ -26,9 +28,13 @@ pub(crate) struct Model {
     pub(crate) terms: Vec<Term>,
     /// The rope law's part of the work.
     pub(crate) rope: Option<RopePlan>,
+    /// Deviations of the rope law's held parameters from the base rope's values.
+    pub(crate) held_z: Vec<f64>,
     pub(crate) law_shapes: usize,
     pub(crate) exponent: Option<usize>,
     pub(crate) activation: Option<usize>,
+    /// Steps whose moment is searched: the last shapes, in this order.
+    pub(crate) moments: Vec<Moment>,
     pub(crate) noise: NoiseKind,
     pub(crate) memory: Shape,
     pub(crate) clock: Clock,
@@ -39,6 +45,15 @@ pub(crate) struct Model {
     /// Strain is divided by this, so that residuals are of order one.
     pub(crate) scale: f64,
     pub(crate) readings: usize,
+}
+
+/// A step whose moment between two readings is searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Moment {
+    pub(crate) curve: usize,
+    pub(crate) step: usize,
+    /// Index of the shape.
+    pub(crate) shape: usize,
 }
 
 /// Curves with coefficients in common: the terms, the elastic step where a load falls, and an ε₀
@@ -69,6 +84,28 @@ pub(crate) struct Point {
     pub(crate) log_det_information: f64,
     /// Whitened residuals.
     pub(crate) residuals: Vec<f64>,
+}
+
+/// Steps whose moment matters, each with its shape.
+fn moments(curves: &[Curve], shapes: &mut Vec<Shape>) -> Vec<Moment> {
+    /// Standard deviations of the readings that a moment must move: half of one widens no interval by an eighth.
+    const MATTERS: f64 = 0.5;
+    let mut moments = Vec::new();
+    for (curve, record) in curves.iter().enumerate() {
+        for window in record
+            .windows
+            .iter()
+            .filter(|w| record.moved_by(w) > MATTERS)
+        {
+            moments.push(Moment {
+                curve,
+                step: window.step,
+                shape: shapes.len(),
+            });
+            shapes.push(linear_shape("step_s", "s", window.from_s, window.to_s));
+        }
+    }
+    moments
 }
 
 impl Model {
@@ -103,6 +140,11 @@ impl Model {
             shapes.push(linear_shape("E", "kJ/mol", -100.0, 400.0));
             shapes.len() - 1
         });
+        let moments = match law {
+            // A straight line is fitted to a late part of a record.
+            Law::Line => Vec::new(),
+            _ => moments(&curves, &mut shapes),
+        };
         let clock = Clock::of(law, long);
         let clocks = curves
             .iter()
@@ -155,10 +197,12 @@ impl Model {
             curves,
             shapes,
             terms,
+            held_z: vec![0.0; rope.as_ref().map_or(0, |plan| plan.held.len())],
             rope,
             law_shapes,
             exponent,
             activation,
+            moments,
             noise: options.noise,
             memory,
             clock,
@@ -185,12 +229,31 @@ impl Model {
         self.readings.saturating_sub(fitted).max(1) as f64
     }
 
+    /// Values of the shapes, then how many deviations each held parameter stands from the base rope's value.
     pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
-        self.shapes
-            .iter()
-            .zip(x)
-            .map(|(s, x)| s.value(*x))
-            .collect()
+        let shapes = self.shapes.iter().zip(x).map(|(s, x)| s.value(*x));
+        shapes.chain(self.held_z.iter().copied()).collect()
+    }
+
+    /// The steps of a curve's load, those of unknown moment where the values have them. `member` is the curve with index
+    /// `index`, or what it goes on as.
+    pub(crate) fn steps<'a>(
+        &self,
+        values: &[f64],
+        index: usize,
+        member: &'a Curve,
+    ) -> Cow<'a, [(f64, f64)]> {
+        let mut steps = Cow::Borrowed(&member.steps[..]);
+        let own = self.moments.iter().filter(|m| m.curve == index);
+        for moment in own.filter(|m| member.windows.iter().any(|w| w.step == m.step)) {
+            steps.to_mut()[moment.step].0 = values[moment.shape];
+        }
+        steps
+    }
+
+    /// Shapes that are numbers of the law; the others are moments of steps.
+    pub(crate) fn law_numbers(&self) -> usize {
+        self.shapes.len() - self.moments.len()
     }
 
     /// A coefficient in the unit of its parameter.

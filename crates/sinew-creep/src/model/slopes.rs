@@ -5,7 +5,6 @@
 //! what is orthogonal to `r`, so that the gradient `∂rᵀ r` is exact.
 
 use super::{Block, Model};
-use crate::curve::Curve;
 use crate::linear::{self, Solution};
 use crate::noise::{Filter, Noise};
 
@@ -129,16 +128,25 @@ impl Model {
             let curve = &self.curves[member];
             let out = &mut out[at..at + curve.time_s.len()];
             if self.rope.is_none() && k < self.law_shapes {
-                self.closed_slope(values, curve, &beta[..shared], k, out);
+                self.closed_slope(values, member, &beta[..shared], k, out);
+            } else if self
+                .moments
+                .iter()
+                .all(|m| m.shape != k || m.curve == member)
+            {
+                self.difference(x, member, &beta[..shared], k, out);
             } else {
-                self.difference(x, curve, &beta[..shared], k, out);
+                // Another curve's moment.
+                out.fill(0.0);
             }
             filter.whiten(out);
             at += curve.time_s.len();
         }
     }
 
-    fn closed_slope(&self, values: &[f64], curve: &Curve, beta: &[f64], k: usize, out: &mut [f64]) {
+    fn closed_slope(&self, values: &[f64], member: usize, beta: &[f64], k: usize, out: &mut [f64]) {
+        let curve = &self.curves[member];
+        let steps = self.steps(values, member, curve);
         let conditions = self.conditions(values, curve);
         let shapes = &values[..self.law_shapes];
         let inner = -self.shapes[k].slope(values[k]);
@@ -146,7 +154,7 @@ impl Model {
         for (out, &t) in out.iter_mut().zip(&curve.time_s) {
             let mut before = 0.0;
             *out = 0.0;
-            for &(start, load) in curve.steps.iter().take_while(|step| step.0 <= t) {
+            for &(start, load) in steps.iter().take_while(|step| step.0 <= t) {
                 let now = conditions.level(load);
                 let since = (t - start) * conditions.shift;
                 let slopes = &mut slopes[..self.law_shapes];
@@ -159,12 +167,13 @@ impl Model {
     }
 
     /// The same by differences of the columns.
-    fn difference(&self, x: &[f64], curve: &Curve, beta: &[f64], k: usize, out: &mut [f64]) {
+    fn difference(&self, x: &[f64], member: usize, beta: &[f64], k: usize, out: &mut [f64]) {
+        let curve = &self.curves[member];
         let strain = |unit: f64| -> Vec<f64> {
             let mut x = x.to_vec();
             x[k] = unit;
             let values = self.values(&x);
-            let (rows, offset) = self.rows(&values, curve, &curve.time_s, beta.len());
+            let (rows, offset) = self.rows(&values, member, curve, &curve.time_s, beta.len());
             (0..curve.time_s.len())
                 .map(|i| {
                     let row = &rows[i * beta.len()..(i + 1) * beta.len()];
@@ -210,7 +219,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FitOptions, Law, NoiseKind, RopeBase, Share, Tension};
+    use crate::{Curve, FitOptions, Law, NoiseKind, RopeBase, Share, Tension};
     use sinew_rope::Catalogue;
 
     /// Two loads, one unloaded, two temperatures.

@@ -1,6 +1,7 @@
 //! What the force says: preload, ramp, stages, steps.
 
 use super::{Fault, Stage};
+use crate::curve::StepWindow;
 use crate::error::{CreepError, Unusable};
 use crate::scan::{median, plateaus, smoothed};
 use crate::span::extremes;
@@ -19,6 +20,7 @@ pub(super) struct Load {
     pub(super) before: usize,
     pub(super) start_s: f64,
     pub(super) steps: Vec<(f64, f64)>,
+    pub(super) windows: Vec<StepWindow>,
     pub(super) stages: Vec<Stage>,
     pub(super) reference_n: Option<f64>,
     pub(super) preload_n: Option<f64>,
@@ -43,6 +45,7 @@ impl Load {
             before: 0,
             start_s: time[0],
             steps: vec![(0.0, 1.0)],
+            windows: Vec::new(),
             stages: vec![Stage {
                 start_s: 0.0,
                 end_s: time[last] - time[0],
@@ -139,18 +142,20 @@ impl Load {
             });
             end_before = p.to - 1;
         }
+        let (steps, windows) = steps(
+            &time[begin..],
+            &smooth[begin..],
+            reference,
+            start_s,
+            preload.unwrap_or(0.0),
+        );
         Ok(Load {
             first: first.from,
             before_from,
             before: before_count,
             start_s,
-            steps: steps(
-                &time[begin..],
-                &smooth[begin..],
-                reference,
-                start_s,
-                preload.unwrap_or(0.0),
-            ),
+            steps,
+            windows,
             stages,
             reference_n: Some(reference),
             preload_n: preload,
@@ -178,41 +183,66 @@ fn swapped(time: &[f64], strain: &[f64], force: &[f64]) -> Result<(), Unusable> 
     Ok(())
 }
 
-/// The load as steps: a new one where it has left the last by more than a dead band.
+/// The load as steps, a new one where it has left the last by more than a dead band, and the readings between which those came
+/// that came at once.
 fn steps(
     time: &[f64],
     force: &[f64],
     reference: f64,
     start_s: f64,
     preload: f64,
-) -> Vec<(f64, f64)> {
+) -> (Vec<(f64, f64)>, Vec<StepWindow>) {
     /// Steps beyond which a finer band changes nothing that can be seen.
     const MOST: usize = 60;
     let mut band = 0.005;
     loop {
         let mut steps: Vec<(f64, f64)> = Vec::new();
+        // Reading at which each is seen first, and its height.
+        let mut seen: Vec<(usize, f64)> = Vec::new();
         let mut level = 0.0;
         for i in 0..time.len() {
             // The strain counts from the preload, so the load does too.
             let now = (force[i] - preload) / (reference - preload);
             if (now - level).abs() > band {
-                // A change between two readings happened half way.
+                // The middle, until a fit knows better.
                 let at = if i > 0 {
                     0.5 * (time[i] + time[i - 1])
                 } else {
                     time[0]
                 };
                 steps.push((at - start_s, now));
+                seen.push((i, now - level));
                 level = now;
             }
         }
         if steps.len() <= MOST || band > 0.3 {
-            return if steps.is_empty() {
-                vec![(0.0, 1.0)]
-            } else {
-                steps
-            };
+            if steps.is_empty() {
+                return (vec![(0.0, 1.0)], Vec::new());
+            }
+            let windows = (0..steps.len())
+                .filter(|&k| at_once(&seen, k))
+                .map(|k| StepWindow {
+                    step: k,
+                    from_s: time[seen[k].0 - 1] - start_s,
+                    to_s: time[seen[k].0] - start_s,
+                })
+                .collect();
+            return (steps, windows);
         }
         band *= 1.5;
     }
+}
+
+/// Whether a step stands alone: its neighbours among the readings are no parts of the same ramp.
+fn at_once(seen: &[(usize, f64)], k: usize) -> bool {
+    /// Smaller ones follow a drift of the load.
+    const STEP: f64 = 0.05;
+    /// Of its height, from which on a neighbour is part of a ramp.
+    const PART: f64 = 0.2;
+    let (at, height) = seen[k];
+    let beside = |other: Option<&(usize, f64)>| {
+        other.is_some_and(|(i, h)| i.abs_diff(at) == 1 && h.abs() > PART * height.abs())
+    };
+    let before = k.checked_sub(1).and_then(|k| seen.get(k));
+    at > 0 && height.abs() > STEP && !beside(before) && !beside(seen.get(k + 1))
 }

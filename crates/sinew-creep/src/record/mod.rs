@@ -148,6 +148,7 @@ pub fn prepare(specimen: &Specimen, options: &PrepareOptions) -> Result<Prepared
         strain: strain[at_zero..].to_vec(),
         count: vec![1.0; time.len() - at_zero],
         steps: load.steps.clone(),
+        windows: load.windows.clone(),
         temperature_c: None,
         tension: load.reference_n.map(|reference| {
             let preload_n = load.preload_n.unwrap_or(0.0);

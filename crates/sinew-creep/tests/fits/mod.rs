@@ -1,30 +1,11 @@
 //! Creep tests made here, with known truth: intervals cover, criteria choose right, faults are
 //! found.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use crate::support::laws::{KNOWN, noisy, times};
 use sinew_creep::*;
 
 mod records;
 mod shifts;
-
-fn times(count: usize, last_s: f64) -> Vec<f64> {
-    // Even in the logarithm, from 5 s on.
-    (0..count)
-        .map(|i| 5.0 * (last_s / 5.0).powf(i as f64 / (count - 1) as f64))
-        .collect()
-}
-
-fn noisy(truth: impl Fn(f64) -> f64, time: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    time.iter()
-        .map(|t| {
-            let z: f64 = StandardNormal.sample(&mut random);
-            truth(*t) + sigma * z
-        })
-        .collect()
-}
 
 /// Runs `work` for seeds on all processors.
 fn for_seeds<T: Send>(count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
@@ -48,64 +29,13 @@ fn for_seeds<T: Send>(count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
     })
 }
 
-/// Share of 300 draws whose 95 % interval holds the truth; between 92 and 98 % (the binomial
-/// error of 300 draws is 1.3 %).
-fn coverage(law: Law, truth: impl Fn(f64) -> f64 + Sync, named: &[(&str, f64)]) {
-    const DRAWS: u64 = 300;
-    let time = times(40, 5100.0);
-    let inside = for_seeds(DRAWS, |seed| {
-        let strain = noisy(&truth, &time, 2e-5, seed);
-        let curve = Curve::constant_load("made", time.clone(), strain);
-        let options = FitOptions {
-            noise: NoiseKind::White,
-            seed,
-            ..FitOptions::default()
-        };
-        let fit = fit(law, &[curve], &options).unwrap();
-        named
-            .iter()
-            .map(|(name, value)| {
-                let p = fit.parameter(name).unwrap();
-                u32::from(p.low <= *value && *value <= p.high)
-            })
-            .collect::<Vec<_>>()
-    });
-    for (i, (name, _)) in named.iter().enumerate() {
-        let share = inside.iter().map(|row| row[i]).sum::<u32>() as f64 / DRAWS as f64;
-        println!("{} {name}: {:.1} %", law.name(), 100.0 * share);
-        assert!(
-            (0.92..=0.98).contains(&share),
-            "{} {name}: {share}",
-            law.name()
-        );
+#[test]
+fn intervals_of_laws_are_neither_narrow_nor_wide() {
+    for known in &KNOWN {
+        for (scores, (name, _)) in known.scores(150).iter().zip(known.numbers) {
+            scores.hold(&format!("{} {name}", known.law.name()));
+        }
     }
-}
-
-#[test]
-fn intervals_cover_log_time() {
-    coverage(
-        Law::LogTime,
-        |t| 2e-3 + 3e-4 * (1.0 + t / 60.0).ln(),
-        &[("tau", 60.0), ("b", 0.03), ("epsilon_0", 0.2)],
-    );
-}
-
-#[test]
-fn intervals_cover_findley() {
-    coverage(
-        Law::Findley,
-        |t| 2e-3 + 1e-3 * (t / 3600.0).powf(0.2),
-        &[("n", 0.2), ("m", 0.1), ("epsilon_0", 0.2)],
-    );
-}
-
-#[test]
-fn intervals_cover_burgers() {
-    coverage(
-        Law::Burgers,
-        |t| 2e-3 + 3e-4 * t / 3600.0 + 8e-4 * (1.0 - (-t / 300.0_f64).exp()),
-        &[("tau", 300.0), ("s", 0.03), ("c", 0.08), ("epsilon_0", 0.2)],
-    );
 }
 
 #[test]

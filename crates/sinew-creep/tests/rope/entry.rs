@@ -1,6 +1,7 @@
 //! From a fit to an entry of the catalogue to a prediction.
 
-use super::{COLD, SIGMA, base, options, records, seeds, truth};
+use crate::support::bench::{COLD, SIGMA, base, options, records, truth};
+use crate::support::seeds;
 use sinew_creep::*;
 use sinew_model::rope::holds::Holds;
 use sinew_model::rope::{Law as RopeLaw, RopeLoad, State};

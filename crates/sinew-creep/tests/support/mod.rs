@@ -1,4 +1,13 @@
-//! What several tests of this crate start from.
+//! What several tests of this crate, and the study, start from.
+
+pub(crate) mod bench;
+pub(crate) mod laws;
+#[allow(
+    dead_code,
+    reason = "the study examples/coverage.rs alone draws such materials"
+)]
+pub(crate) mod outside;
+pub(crate) mod score;
 
 /// How many draws a test makes: `SINEW_SEEDS`, or a few.
 pub(crate) fn seeds(ordinary: u64) -> u64 {

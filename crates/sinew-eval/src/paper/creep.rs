@@ -1,8 +1,10 @@
 //! Figs. 1 and 2: tensile creep of the ropes at 23 and at 60 °C.
 
 use super::PaperError;
-use super::data::{FigureName, PanelData, PaperFigure};
-use super::judge::{assumptions, curve, judged, laws, slope};
+use super::claim::Claim;
+use super::data::{FigureName, PanelData, PaperFigure, given};
+use super::judge::{assumptions, claimed, curve, laws, slope};
+use super::sentence::Sentence;
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 use sinew_model::rope::{Law, RopeLoad, State};
@@ -34,6 +36,7 @@ const HOT: [&str; 4] = [DM20, SK99, TECHNORA, VECTRAN];
 pub(super) struct Test {
     pub(super) name: String,
     pub(super) product: String,
+    pub(super) laws: Vec<Law>,
     pub(super) curves: Vec<Vec<f64>>,
     /// Strain at the end, %.
     pub(super) end: Vec<f64>,
@@ -95,7 +98,16 @@ pub(super) fn test(
             })
             .collect(),
         curves,
+        laws,
     })
+}
+
+/// The laws behind tests.
+fn drawn(tests: &[Test]) -> Vec<(&str, &[Law])> {
+    tests
+        .iter()
+        .map(|t| (t.name.as_str(), &t.laws[..]))
+        .collect()
 }
 
 fn find<'a>(tests: &'a [Test], name: &str) -> Result<&'a Test, PaperError> {
@@ -110,8 +122,7 @@ fn find<'a>(tests: &'a [Test], name: &str) -> Result<&'a Test, PaperError> {
 /// # Errors
 /// [`PaperError`] when the catalogue lacks a rope of Table I or its law.
 pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
-    let shipped = Catalogue::paper()?;
-    let tests = shipped
+    let tests = Catalogue::paper()?
         .names()
         .iter()
         .map(|name| test(catalogue, name, 23.0))
@@ -122,10 +133,12 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let rest_h = (MINUTES as f64 - SLOPE_FROM_MIN) / 60.0;
     let highest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MIN, f64::max);
     let lowest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MAX, f64::min);
+    let drawn = drawn(&tests);
     let sentences = vec![
-        judged(
-            "every rope saturates with a small remaining slope",
+        claimed(
+            Claim::Saturates,
             "for every rope the slope of the last 20 min is at most a third of that from 20 to 40 min (0.39 would be creep with the logarithm of time, which never ends), and the slope m_E, which is above 0, carries at most 15 % of the final strain through the last 65 min",
+            &drawn,
             |d| {
                 tests.iter().all(|t| {
                     t.slope_left[d] <= 1.0 / 3.0
@@ -134,27 +147,31 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
                 })
             },
         ),
-        judged(
-            "a larger diameter or breaking load does not mean less elongation: SK99 Ultra at 2 mm is worse than thinner ropes",
+        claimed(
+            Claim::DiameterNoMeasure,
             "SK99 Ultra ends above every rope under 2 mm, all of which have a lower published breaking load or none",
+            &drawn,
             |d| ultra.end[d] > highest(d),
         ),
-        judged(
-            "ropes under 2 mm end within almost 0.2 % of each other",
+        claimed(
+            Claim::ThinRopesAlike,
             "highest minus lowest final strain of the five ropes under 2 mm is at most 0.2 %",
+            &drawn,
             |d| highest(d) - lowest(d) <= 0.2,
         ),
-        judged(
-            "the aramid cord and Climax Combat have almost the same slope although the cord ends far higher",
+        claimed(
+            Claim::CordAndClimax,
             "their slopes m_E differ by at most a quarter of their mean, and the cord ends at least half again as high",
+            &drawn,
             |d| {
                 let (a, b) = (cord.slope[d], climax.slope[d]);
                 (a - b).abs() <= 0.25 * 0.5 * (a + b) && cord.end[d] >= 1.5 * climax.end[d]
             },
         ),
-        judged(
-            "Technora and Vectran have the smallest slopes",
+        claimed(
+            Claim::SmallestSlopes,
             "both slopes m_E are below that of each of the other seven ropes",
+            &drawn,
             |d| {
                 let theirs = at_most(&tests, d, |t| t.name == TECHNORA || t.name == VECTRAN);
                 let others = at_least(&tests, d, |t| t.name != TECHNORA && t.name != VECTRAN);
@@ -162,13 +179,13 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             },
         ),
     ];
-    Ok(figure(
-        FigureName::Fig1,
-        "Fig. 1: tensile creep of nine ropes at 23 °C",
-        &tests,
-        None,
-        sentences,
-    ))
+    let title = "Fig. 1: tensile creep of nine ropes at 23 °C";
+    let mut out = figure(FigureName::Fig1, title, &tests, None, sentences);
+    out.given = given(&[
+        "60 N, 350 mm, 85 min, 23 °C and 50 % humidity; m_E from 20 min on.",
+        "Almost 0.2 %: how far apart the ropes under 2 mm end.",
+    ]);
+    Ok(out)
 }
 
 fn at_most(tests: &[Test], d: usize, which: impl Fn(&Test) -> bool) -> f64 {
@@ -193,37 +210,42 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     };
     let (cold, hot) = (all(23.0)?, all(60.0)?);
     let pair = |name| Ok::<_, PaperError>((find(&cold, name)?, find(&hot, name)?));
+    let drawn = drawn(&cold);
     let (dm20, sk99) = (pair(DM20)?, pair(SK99)?);
     let (technora, vectran) = (pair(TECHNORA)?, pair(VECTRAN)?);
     let end = |p: &(&Test, &Test), d: usize| p.1.end[d] / p.0.end[d];
     let slope = |p: &(&Test, &Test), d: usize| p.1.slope[d] / p.0.slope[d];
     let sentences = vec![
-        judged(
-            "all except Liros SK99 reach an elongation similar to 23 °C",
+        claimed(
+            Claim::WarmAlike,
             "the final strain of DM20, Technora and Vectran at 60 °C is within 15 % of that at 23 °C",
+            &drawn,
             |d| {
                 [&dm20, &technora, &vectran]
                     .iter()
                     .all(|p| (end(p, d) - 1.0).abs() <= 0.15)
             },
         ),
-        judged(
-            "Technora's and Vectran's slopes rise only a little",
+        claimed(
+            Claim::WarmSlopesRise,
             "both slopes m_E at 60 °C are 1 to 1.5 times those at 23 °C",
+            &drawn,
             |d| {
                 [&technora, &vectran]
                     .iter()
                     .all(|p| (1.0..=1.5).contains(&slope(p, d)))
             },
         ),
-        judged(
-            "SK99's and DM20's slopes fall strongly",
+        claimed(
+            Claim::WarmSlopesFall,
             "both slopes m_E at 60 °C are at most half of those at 23 °C",
+            &drawn,
             |d| [&sk99, &dm20].iter().all(|p| slope(p, d) <= 0.5),
         ),
-        judged(
-            "Liros SK99 ends at about half its 23 °C value",
+        claimed(
+            Claim::WarmHalf,
             "its final strain at 60 °C is 0.4 to 0.6 of that at 23 °C",
+            &drawn,
             |d| (0.4..=0.6).contains(&end(&sk99, d)),
         ),
     ];
@@ -234,6 +256,10 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         Some(&cold),
         sentences,
     );
+    out.given = given(&[
+        "60 °C; otherwise as Fig. 1.",
+        "About half: Liros SK99 against its own end at 23 °C.",
+    ]);
     out.assumptions.push("\"Liros SK99\" is taken to be DC000-0301 (1.5 mm): the paper names two ropes of that fibre.".into());
     out.assumptions
         .push("The rope is warm from the start of the test.".into());
@@ -247,7 +273,7 @@ fn figure(
     title: &str,
     tests: &[Test],
     cold: Option<&[Test]>,
-    sentences: Vec<super::sentence::Sentence>,
+    sentences: Vec<Sentence>,
 ) -> PaperFigure {
     let minutes = minutes();
     let end = MINUTES as f64;
@@ -302,9 +328,6 @@ fn figure(
         )],
         panels: vec![data],
         sentences,
-        not_judged: vec![
-            "The standard atmosphere's humidity (23/50): the law knows temperature only.".into(),
-        ],
         assumptions,
         ..PaperFigure::new(name, title, drawing)
     }

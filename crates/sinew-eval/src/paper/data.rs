@@ -1,5 +1,6 @@
 //! What a figure of the paper consists of.
 
+use super::claim::{Claim, Place};
 use super::control::row::Row;
 use super::sentence::Sentence;
 use serde::Serialize;
@@ -29,6 +30,22 @@ pub enum FigureName {
     Table1,
     /// Control and collision detection with stretched ropes.
     Control,
+}
+
+impl FigureName {
+    /// The parts of the paper that this figure is about.
+    pub(super) fn places(self) -> &'static [Place] {
+        match self {
+            Self::Fig1 => &[Place::Fig1],
+            Self::Fig2 => &[Place::Fig2],
+            Self::Fig4 => &[Place::Fig3, Place::Fig4],
+            Self::Fig5 => &[Place::Fig5],
+            Self::Fig6 => &[Place::Model, Place::Fig6],
+            Self::Fig7 => &[Place::Fig7],
+            Self::Table1 => &[Place::Table1],
+            Self::Control => &[],
+        }
+    }
 }
 
 impl std::fmt::Display for FigureName {
@@ -63,10 +80,12 @@ pub struct PaperFigure {
     /// Numbers behind the drawing, where tables show them better.
     #[serde(skip)]
     pub tables: Vec<Table>,
-    /// What the paper (or its follow-up) says, and whether the data say so too.
+    /// What the paper says, and what Sinew adds, each held against the data.
     pub sentences: Vec<Sentence>,
-    /// What the paper says or did that the data can't show, with the reason.
+    /// What the paper says or did that no data judge, with the reason.
     pub not_judged: Vec<String>,
+    /// What the paper gives to compare with: numbers of its text, no curves.
+    pub given: Vec<String>,
     /// What is assumed because the paper doesn't tell.
     pub assumptions: Vec<String>,
     /// The curves.
@@ -89,7 +108,8 @@ impl PaperFigure {
             figure,
             tables: Vec::new(),
             sentences: Vec::new(),
-            not_judged: Vec::new(),
+            not_judged: Claim::not_judged_in(name.places()),
+            given: Vec::new(),
             assumptions: Vec::new(),
             panels: Vec::new(),
             rows: Vec::new(),
@@ -100,6 +120,15 @@ impl PaperFigure {
 
 impl JsonDocument for PaperFigure {
     const SCHEMA: &'static str = "sinew/paper/1";
+}
+
+/// What the paper gives: numbers of its text.
+pub(super) fn given(numbers: &[&str]) -> Vec<String> {
+    let first = "The paper's curves are not available as data: no curve here is compared with one of the paper's. Numbers of its text are the only anchors.";
+    std::iter::once(first)
+        .chain(numbers.iter().copied())
+        .map(Into::into)
+        .collect()
 }
 
 /// Files of one figure.

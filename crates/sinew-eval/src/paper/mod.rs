@@ -6,20 +6,31 @@
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
-//! Reading order: [`staircase`] (the motion), `trial` (simulate once, estimate often), [`fig6()`],
-//! [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4`], [`fig5`], [`table1()`]; [`control()`].
+//! What the paper says stands in [`Claim`], once; a [`Sentence`] is the paper's or Sinew's ([`SaidBy`]). What a sentence
+//! hangs on is found, not stated ([`Decider`]). [`ledger()`] goes through all of the paper.
+//!
+//! Reading order: [`Claim`], [`staircase`] (the motion), `by_hand` (what it should show), `trial` (simulate once, estimate
+//! often), [`fig6()`], [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`], [`table1()`];
+//! [`control()`]; [`ledger()`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
 //! for Ultra Lightweight Tendon Driven Series Elastic Robots*, IROS 2018, sections III and V.
 
 mod bending;
+mod by_hand;
+mod claim;
 mod control;
 mod creep;
 mod data;
+mod decider;
+mod fig4;
+mod fig5;
 mod fig6;
 mod fig7;
 mod judge;
+mod ledger;
+mod ledger_page;
 mod page;
 mod render;
 mod sentence;
@@ -27,15 +38,20 @@ pub mod staircase;
 mod table1;
 mod trial;
 
-pub use bending::{fig4, fig5};
+pub use claim::{Claim, Place};
 pub use control::{Effort, Knowledge, RobotCase, Row, control, table};
 pub use creep::{fig1, fig2};
 pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
+pub use decider::{ArmQuantity, Decider};
+pub use fig4::fig4;
+pub use fig5::fig5;
 pub use fig6::fig6;
 pub use fig7::fig7;
+pub use ledger::{Ledger, LedgerRow, LedgerStatus, ledger};
+pub use ledger_page::{render_ledger, write_ledger};
 pub use page::write;
 pub use render::render;
-pub use sentence::{Sentence, Unit, Verdict};
+pub use sentence::{SaidBy, Sentence, Unit, Verdict};
 pub use table1::table1;
 
 use sinew_model::StepError;
@@ -58,6 +74,16 @@ pub enum PaperError {
         figure: &'static str,
         /// Joints there are.
         known: String,
+    },
+    /// A rigid joint has no offset.
+    #[error(
+        "joint '{joint}' of robot '{robot}' is rigid; say its stiffness_nm_per_rad in robot.toml"
+    )]
+    Rigid {
+        /// Robot's name.
+        robot: String,
+        /// Joint.
+        joint: String,
     },
     /// The catalogue was refused.
     #[error(transparent)]

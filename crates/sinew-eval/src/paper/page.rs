@@ -1,7 +1,8 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::data::{PaperFigure, Written};
-use super::sentence::{Sentence, Verdict};
+use super::ledger_page::decided_by;
+use super::sentence::{SaidBy, Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;
 use sinew_figure::{Block, Headline, Level, Page};
@@ -39,7 +40,15 @@ pub fn write(figure: &mut PaperFigure, folder: &Path) -> Result<(), PaperError> 
 
 /// The page as text.
 fn html(figure: &PaperFigure) -> String {
-    let mut shown = vec![Block::Headlines(vec![answer(&figure.sentences)])];
+    let (paper, sinew): (Vec<&Sentence>, Vec<&Sentence>) = figure
+        .sentences
+        .iter()
+        .partition(|s| s.said_by == SaidBy::Paper);
+    let answers = [
+        answer(&paper, "of the paper"),
+        answer(&sinew, "that Sinew adds"),
+    ];
+    let mut shown = vec![Block::Headlines(answers.into_iter().flatten().collect())];
     shown.extend(figure.about.iter().cloned().map(Block::Paragraph));
     let drawn = figure.figure.clone().seen(seen(&figure.sentences));
     shown.push(Block::Figure(Box::new(drawn), String::new()));
@@ -48,27 +57,32 @@ fn html(figure: &PaperFigure) -> String {
         footer: format!("Made by Sinew {}.", env!("CARGO_PKG_VERSION")),
         ..Page::new(figure.title.as_str())
     }
-    .section("", shown)
-    .section(
-        "What it should show",
-        vec![Block::Sentences(
-            figure.sentences.iter().map(judged).collect(),
-        )],
-    );
-    if !figure.not_judged.is_empty() {
-        let list = Block::List(figure.not_judged.clone());
-        page = page.section("What is not judged", vec![list]);
+    .section("", shown);
+    for (heading, sentences) in [
+        ("What the paper says, in our words", &paper),
+        ("What Sinew adds", &sinew),
+    ] {
+        if !sentences.is_empty() {
+            let judged = sentences.iter().map(|s| judged(s)).collect();
+            page = page.section(heading, vec![Block::Sentences(judged)]);
+        }
     }
-    page.section(
-        "What is assumed",
-        vec![Block::List(figure.assumptions.clone())],
-    )
-    .section("Source", vec![Block::Paragraph(SOURCE.into())])
-    .html()
+    let lists = [
+        ("What is not judged", figure.not_judged.clone()),
+        ("What the paper gives", figure.given.clone()),
+        ("What is assumed", figure.assumptions.clone()),
+    ];
+    for (heading, lines) in lists {
+        if !lines.is_empty() {
+            page = page.section(heading, vec![Block::List(lines)]);
+        }
+    }
+    page.section("Source", vec![Block::Paragraph(SOURCE.into())])
+        .html()
 }
 
-/// How many sentences hold.
-fn answer(sentences: &[Sentence]) -> Headline {
+/// How many sentences hold; none where there are none.
+fn answer(sentences: &[&Sentence], whose: &str) -> Option<Headline> {
     let of = |verdict| sentences.iter().filter(|s| s.verdict == verdict).count();
     let (holds, fails) = (of(Verdict::Holds), of(Verdict::Fails));
     let open = sentences.len() - holds - fails;
@@ -77,17 +91,14 @@ fn answer(sentences: &[Sentence]) -> Headline {
         (0, _) => Level::Open,
         _ => Level::Watch,
     };
-    let mut text = format!(
-        "{holds} of {} sentences about this figure hold",
-        sentences.len()
-    );
+    let mut text = format!("{holds} of {} sentences {whose} hold", sentences.len());
     if fails > 0 {
         text += &format!(", {fails} not");
     }
     if open > 0 {
         text += &format!(", {open} the data leave open");
     }
-    Headline::new(level, text)
+    (!sentences.is_empty()).then(|| Headline::new(level, text))
 }
 
 /// What the figure shows: the sentences that hold on it.
@@ -102,7 +113,10 @@ fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
     let (value, unit) = sentence.shown();
     sinew_figure::Sentence {
         text: sentence.text.clone(),
-        criterion: sentence.criterion.clone(),
+        criterion: match decided_by(&sentence.decided_by) {
+            Some(deciders) => format!("{}. Decided by {deciders}", sentence.criterion),
+            None => sentence.criterion.clone(),
+        },
         value,
         unit: unit.into(),
         holds: match sentence.verdict {
@@ -113,36 +127,44 @@ fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
     }
 }
 
-const SOURCE: &str = "After J. Kirchhoff and O. von Stryk, New Insights in Synthetic Fiber Rope \
+pub(super) const SOURCE: &str = "After J. Kirchhoff and O. von Stryk, New Insights in Synthetic Fiber Rope \
     Elongation and its Detection for Ultra Lightweight Tendon Driven Series Elastic Robots, IROS \
     2018.";
 
 #[cfg(test)]
 mod tests {
+    use super::super::claim::Claim;
     use super::super::{FigureName, Unit};
     use super::*;
     use sinew_figure::plot::Figure;
 
     #[test]
-    fn a_page_shows_sentences_and_what_is_not_judged() {
-        let sentence = |holds| Sentence::new("A < B", "by eye", 15.147_3, Unit::Rad, holds);
+    fn a_page_tells_what_the_paper_says_from_what_sinew_adds() {
+        let sentence = |holds| Sentence::added("A < B", "by eye", 15.147_3, Unit::Rad, holds);
         let page = html(&PaperFigure {
             about: vec!["how".into()],
-            sentences: vec![sentence(true), sentence(false)],
-            not_judged: vec!["who knows".into()],
+            sentences: vec![sentence(true).of(Claim::NoModelError), sentence(false)],
+            given: vec!["a number".into()],
             assumptions: vec!["nothing".into()],
             ..PaperFigure::new(FigureName::Fig6, "a < b & \"c\"", Figure::new("f"))
         });
         for words in [
             "a &lt; b &amp; &quot;c&quot;",
-            "1 of 2 sentences about this figure hold, 1 not",
+            "1 of 1 sentences of the paper hold",
+            "0 of 1 sentences that Sinew adds hold, 1 not",
             ">holds<",
             ">does not hold<",
             "Found: 15.1 mrad",
-            "who knows",
+            "a number",
+            Claim::InjectionRule.text(),
             "IROS 2018",
         ] {
             assert!(page.contains(words), "{words}: {page}");
         }
+        let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
+        let (paper, sinew) = (at("What the paper says"), at("What Sinew adds"));
+        let between = &page[paper..sinew];
+        assert!(between.contains(Claim::NoModelError.text()) && !between.contains("A &lt; B"));
+        assert!(page[sinew..].contains("A &lt; B"));
     }
 }

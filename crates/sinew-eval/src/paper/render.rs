@@ -2,7 +2,8 @@
 
 use super::control::table as table_of;
 use super::data::PaperFigure;
-use super::sentence::Verdict;
+use super::ledger_page::decided_by;
+use super::sentence::{SaidBy, Sentence, Verdict};
 use sinew_figure::rounded;
 use sinew_report::text::{indented, paragraph, table};
 
@@ -14,30 +15,25 @@ pub fn render(figure: &PaperFigure) -> String {
         out = table(&head, cells, 2) + "\n";
     }
     out.push_str(&paragraph(&figure.title, 0));
-    for sentence in &figure.sentences {
-        let verdict = match sentence.verdict {
-            Verdict::Holds => "holds:",
-            Verdict::Open => "open: ",
-            Verdict::Fails => "FAILS:",
-        };
-        out.push('\n');
-        out.push_str(&paragraph(&format!("{verdict} {}", sentence.text), 7));
-        let (value, unit) = sentence.shown();
-        let at = match (sentence.verdict, sentence.holds) {
-            (Verdict::Open, true) => "holds at the catalogue's values; ",
-            (Verdict::Open, false) => "does not hold at the catalogue's values; ",
-            _ => "",
-        };
-        let found = format!(
-            "{at}found {} {unit}; {}",
-            rounded(value, 3),
-            sentence.criterion
-        );
-        out.push_str(&indented(&found, 7, 7));
+    for (heading, whose) in [
+        ("the paper says", SaidBy::Paper),
+        ("Sinew adds", SaidBy::Sinew),
+    ] {
+        let mut sentences = figure.sentences.iter().filter(|s| s.said_by == whose);
+        if let Some(first) = sentences.next() {
+            out.push_str(&format!("\n{heading}\n"));
+            std::iter::once(first)
+                .chain(sentences)
+                .for_each(|s| out.push_str(&judged(s)));
+        }
     }
     for text in &figure.not_judged {
         out.push('\n');
         out.push_str(&paragraph(&format!("not judged: {text}"), 7));
+    }
+    for text in &figure.given {
+        out.push('\n');
+        out.push_str(&paragraph(&format!("given: {text}"), 7));
     }
     out.push('\n');
     if let Some(files) = &figure.files {
@@ -45,5 +41,30 @@ pub fn render(figure: &PaperFigure) -> String {
             out.push_str(&format!("{}\n", path.display()));
         }
     }
+    out
+}
+
+fn judged(sentence: &Sentence) -> String {
+    let verdict = match sentence.verdict {
+        Verdict::Holds => "holds:",
+        Verdict::Open => "open: ",
+        Verdict::Fails => "FAILS:",
+    };
+    let mut out = "\n".to_owned() + &paragraph(&format!("{verdict} {}", sentence.text), 7);
+    let (value, unit) = sentence.shown();
+    let at = match (sentence.verdict, sentence.holds) {
+        (Verdict::Open, true) => "holds at the catalogue's values; ",
+        (Verdict::Open, false) => "does not hold at the catalogue's values; ",
+        _ => "",
+    };
+    let mut found = format!(
+        "{at}found {} {unit}; {}",
+        rounded(value, 3),
+        sentence.criterion
+    );
+    if let Some(deciders) = decided_by(&sentence.decided_by) {
+        found += &format!("; decided by {deciders}");
+    }
+    out.push_str(&indented(&found, 7, 7));
     out
 }

@@ -1,12 +1,19 @@
-//! Sentences of the paper, held against data.
+//! Sentences held against data: the paper's, and what Sinew adds.
 
+use super::claim::Claim;
+use super::decider::Decider;
 use serde::Serialize;
 
-/// A sentence of the paper (or its follow-up), judged from data by a stated criterion.
+/// A sentence, judged from data by a stated criterion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sentence {
-    /// What the paper says.
+    /// Who says it.
+    pub said_by: SaidBy,
+    /// Which sentence of the paper it is; none where Sinew says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claim: Option<Claim>,
+    /// What is said.
     pub text: String,
     /// What must be so for it to hold, with the threshold and its unit.
     pub criterion: String,
@@ -18,6 +25,19 @@ pub struct Sentence {
     pub holds: bool,
     /// What that says.
     pub verdict: Verdict,
+    /// What decides it, the most important first. Empty: nothing does alone.
+    pub decided_by: Vec<Decider>,
+}
+
+/// Who says a sentence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SaidBy {
+    /// The paper, in our words.
+    Paper,
+    /// Sinew, of what the paper doesn't say.
+    Sinew,
 }
 
 /// What is found of a sentence.
@@ -62,6 +82,8 @@ pub enum Unit {
     ShareOfFreeTime,
     /// Share of the contacts; shown in %.
     ShareOfContacts,
+    /// Share of the cases looked at; shown in %.
+    ShareOfCases,
     /// Ropes.
     Ropes,
     /// Factor on the threshold.
@@ -78,6 +100,7 @@ impl Unit {
             Self::ShareOfDraws => (1e2, "% of 400 draws"),
             Self::ShareOfFreeTime => (1e2, "% of the free time"),
             Self::ShareOfContacts => (1e2, "% of the contacts"),
+            Self::ShareOfCases => (1e2, "% of the cases"),
             Self::Ropes => (1.0, "ropes"),
             Self::TimesTheThreshold => (1.0, "times the threshold"),
         }
@@ -85,8 +108,8 @@ impl Unit {
 }
 
 impl Sentence {
-    /// A sentence with its verdict; `value` as it is shown.
-    pub(super) fn new(
+    /// What Sinew adds, with its verdict; `value` as it is shown.
+    pub(super) fn added(
         text: impl Into<String>,
         criterion: impl Into<String>,
         value: f64,
@@ -95,13 +118,32 @@ impl Sentence {
     ) -> Self {
         let value = value / unit.shown().0;
         Self {
+            said_by: SaidBy::Sinew,
+            claim: None,
             text: text.into(),
             criterion: criterion.into(),
             value,
             unit,
             holds,
             verdict: Verdict::of(holds, value, unit),
+            decided_by: Vec::new(),
         }
+    }
+
+    /// A sentence of the paper.
+    #[must_use]
+    pub(super) fn of(mut self, claim: Claim) -> Self {
+        self.said_by = SaidBy::Paper;
+        self.claim = Some(claim);
+        self.text = claim.text().into();
+        self
+    }
+
+    /// Decided by this.
+    #[must_use]
+    pub(super) fn decided_by(mut self, deciders: impl IntoIterator<Item = Decider>) -> Self {
+        self.decided_by.extend(deciders);
+        self
     }
 
     /// The value and its unit as people read them.
@@ -121,12 +163,13 @@ pub(super) fn near(
     unit: Unit,
 ) -> Sentence {
     let criterion = format!(
-        "within {:.0} % of {expected} {}; {derivation}",
+        "within {:.0} % of {} {}; {derivation}",
         100.0 * share,
+        sinew_figure::rounded(expected, 3),
         unit.shown().1
     );
     let holds = (value - expected).abs() <= share * expected.abs();
-    Sentence::new(text, criterion, value, unit, holds)
+    Sentence::added(text, criterion, value, unit, holds)
 }
 
 /// Holds when `value` is at most `limit` in size, both as they are shown.
@@ -137,8 +180,12 @@ pub(super) fn below(
     limit: f64,
     unit: Unit,
 ) -> Sentence {
-    let criterion = format!("at most {limit} {}; {derivation}", unit.shown().1);
-    Sentence::new(text, criterion, value, unit, value.abs() <= limit)
+    let criterion = format!(
+        "at most {} {}; {derivation}",
+        sinew_figure::rounded(limit, 3),
+        unit.shown().1
+    );
+    Sentence::added(text, criterion, value, unit, value.abs() <= limit)
 }
 
 #[cfg(test)]
@@ -147,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_coin_toss_among_the_draws_is_open() {
-        let judged = |percent, holds| Sentence::new("", "", percent, Unit::ShareOfDraws, holds);
+        let judged = |percent, holds| Sentence::added("", "", percent, Unit::ShareOfDraws, holds);
         for (percent, holds, verdict) in [
             (99.0, true, Verdict::Holds),
             (47.5, true, Verdict::Open),
@@ -157,8 +204,17 @@ mod tests {
             assert_eq!(judged(percent, holds).verdict, verdict, "{percent}");
         }
         assert_eq!(
-            Sentence::new("", "", 15.0, Unit::Rad, true).verdict,
+            Sentence::added("", "", 15.0, Unit::Rad, true).verdict,
             Verdict::Holds
         );
+    }
+
+    #[test]
+    fn what_sinew_adds_is_no_sentence_of_the_paper() {
+        let own = Sentence::added("own", "", 1.0, Unit::Rad, true);
+        assert_eq!((own.said_by, own.claim), (SaidBy::Sinew, None));
+        let paper = own.of(Claim::Saturates);
+        assert_eq!(paper.said_by, SaidBy::Paper);
+        assert_eq!(paper.text, Claim::Saturates.text());
     }
 }

@@ -1,13 +1,11 @@
 //! The paper's motion, and what is assumed about it.
 //!
 //! The paper says: one joint, 0 to 90° in four steps. It doesn't say how fast, how long the rests
-//! are, nor the observer's gain. They follow from what is known of its estimate:
+//! are, nor the observer's gain. These are ours:
 //!
-//! * moves of 1.0 s and a gain of 25 1/s: the lag of a first-order observer against an
-//!   unfiltered `theta − q` is `τ̇/(K_I K)`, which peaks at 4.5 mrad;
-//! * rests of 1.5 s: the mean of that lag over the whole motion is the torque gained,
-//!   `3.635 N·m/(K_I K T)` = 0.32 mrad for `T` = 11.5 s, and 1.5 s hold one swing of the arm on
-//!   its springs several times over.
+//! * moves of 1.0 s, which a light arm of this size makes at leisure;
+//! * rests of 1.5 s, several swings of the arm on its springs, so that it stands at their end;
+//! * a gain of 25 1/s, of those that serve (5 to 25 1/s) the fastest.
 
 use sinew_sim::scenario::{Controller, Draw, Motion, PerJoint};
 use std::f64::consts::FRAC_PI_2;

@@ -1,12 +1,14 @@
 //! Table I: the ropes as published, and what their laws make of them.
 
 use super::PaperError;
+use super::claim::Claim;
 use super::creep::{LOAD_N, MINUTES, Test, test};
-use super::data::{FigureName, PaperFigure};
+use super::data::{FigureName, PaperFigure, given};
 use super::judge::assumptions;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
+use sinew_model::rope::entry::CatalogueEntry;
 use sinew_rope::draws::bounded;
 use sinew_rope::{Catalogue, CatalogueRope};
 
@@ -15,40 +17,20 @@ use sinew_rope::{Catalogue, CatalogueRope};
 /// # Errors
 /// [`PaperError`].
 pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
-    let shipped = Catalogue::paper()?;
-    let mut rows = Vec::new();
-    let mut tests = Vec::new();
-    for rope in shipped.ropes() {
-        let t = test(catalogue, &rope.entry.name, 23.0)?;
-        rows.push(published(rope));
-        tests.push(t);
-    }
-    let count =
-        |f: &dyn Fn(&CatalogueRope) -> bool| shipped.ropes().iter().filter(|r| f(r)).count() as f64;
-    let known = |text: &str, found: f64, printed: f64| {
-        let criterion =
-            format!("{printed} in the printed table; a test holds every value against it");
-        Sentence::new(text, criterion, found, Unit::Ropes, found == printed)
-    };
-    let sentences = vec![
-        known("nine ropes", count(&|_| true), 9.0),
-        known(
-            "with a breaking load",
-            count(&|r| r.entry.breaking_load_n.is_some()),
-            7.0,
-        ),
-        known(
-            "with a weight",
-            count(&|r| r.entry.weight_g_per_m.is_some()),
-            5.0,
-        ),
-        known("with a plait", count(&|r| r.entry.plait.is_some()), 5.0),
-    ];
+    let printed = Catalogue::paper()?;
+    let rows = printed.ropes().iter().map(published).collect();
+    let tests = printed
+        .names()
+        .iter()
+        .map(|name| test(catalogue, name, 23.0))
+        .collect::<Result<Vec<_>, _>>()?;
+    let sentences = vec![as_printed(printed.ropes())];
     Ok(PaperFigure {
         about: vec![format!(
             "As published, with a simulated creep test of every rope beside it: {LOAD_N} N, 23 °C, {MINUTES} min; bars are 95 % of the draws."
         )],
         sentences,
+        given: given(&["Table I itself: its printed values are those of the catalogue."]),
         tables: vec![
             table("Table I as printed", &PUBLISHED, rows),
             table(
@@ -64,6 +46,25 @@ pub fn table1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
             figure(&tests),
         )
     })
+}
+
+/// The catalogue has what Table I has.
+fn as_printed(ropes: &[CatalogueRope]) -> Sentence {
+    let count = |has: &dyn Fn(&CatalogueEntry) -> bool| {
+        ropes.iter().filter(|rope| has(&rope.entry)).count()
+    };
+    let loads = count(&|e| e.breaking_load_n.is_some());
+    let weights = count(&|e| e.weight_g_per_m.is_some());
+    let plaits = count(&|e| e.plait.is_some());
+    let holds = (ropes.len(), loads, weights, plaits) == (9, 7, 5, 5);
+    Sentence::added(
+        "",
+        format!("9 ropes, of which 7 have a breaking load, 5 a weight and 5 a plait, as printed; found {loads}, {weights} and {plaits}. A test holds every value against the printed table"),
+        ropes.len() as f64,
+        Unit::Ropes,
+        holds,
+    )
+    .of(Claim::Ropes)
 }
 
 const PUBLISHED: [&str; 6] = [

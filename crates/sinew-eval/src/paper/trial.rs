@@ -17,6 +17,9 @@ pub(super) struct Trial {
     pub(super) q: Vec<Vec<f64>>,
     pub(super) theta: Vec<Vec<f64>>,
     pub(super) dq: Vec<Vec<f64>>,
+    /// NaN where the scenario doesn't record it.
+    tau_el: Vec<Vec<f64>>,
+    tau_m: Vec<Vec<f64>>,
 }
 
 impl Trial {
@@ -28,11 +31,15 @@ impl Trial {
             q: Vec::new(),
             theta: Vec::new(),
             dq: Vec::new(),
+            tau_el: Vec::new(),
+            tau_m: Vec::new(),
         };
         while let Some(frame) = simulation.next_frame()? {
             trial.q.push(frame.q.clone());
             trial.theta.push(frame.theta.clone());
             trial.dq.push(frame.dq.clone());
+            trial.tau_el.push(frame.tau_el.clone());
+            trial.tau_m.push(frame.tau_m.clone());
         }
         Ok(trial)
     }
@@ -50,6 +57,22 @@ impl Trial {
     pub(super) fn at_rest(&self, curve: &[f64], k: usize) -> f64 {
         let end = rest_end_s(k);
         mean(self.between(curve, end - REST_WINDOW_S, end))
+    }
+
+    /// True elastic torque of a joint, N·m.
+    pub(super) fn torque(&self, joint: usize) -> Vec<f64> {
+        self.tau_el.iter().map(|tau| tau[joint]).collect()
+    }
+
+    /// Mean pose over the last part of rest `k`.
+    pub(super) fn pose_at_rest(&self, k: usize) -> Vec<f64> {
+        let joints = self.q.first().map_or(0, Vec::len);
+        (0..joints)
+            .map(|j| {
+                let curve: Vec<f64> = self.q.iter().map(|q| q[j]).collect();
+                self.at_rest(&curve, k)
+            })
+            .collect()
     }
 
     /// The part of a curve between two times, s.
@@ -122,15 +145,17 @@ impl Estimator {
         let mut observer = OffsetObserver::new(&self.arm, &self.transmissions, self.config)?;
         let mut theta = vec![0.0; self.arm.dof()];
         let mut out = Vec::with_capacity(trial.q.len());
-        let rows = trial.q.iter().zip(&trial.theta).zip(&trial.dq);
-        for ((q, recorded), dq) in rows {
+        for k in 0..trial.q.len() {
+            let recorded = &trial.theta[k];
             theta.copy_from_slice(recorded);
             theta[joint] = injected(recorded[joint], offset_rad);
             let sample = Sample {
-                q,
+                q: &trial.q[k],
                 theta_measured: &theta,
-                dq: Some(dq),
-                ..Sample::default()
+                dq: Some(&trial.dq[k]),
+                tau_el: Some(&trial.tau_el[k]),
+                tau_m: Some(&trial.tau_m[k]),
+                tau_ext: None,
             };
             observer.step(trial.dt_s, &sample)?;
             out.push(observer.delta_e()[joint]);

@@ -96,9 +96,25 @@ const STRANGERS: &[&str] = &[
     "setpoint",
     "soll",
     "date",
+    // Ends of an interval, and what pulls two strands at once.
+    "low",
+    "high",
+    "carriage",
 ];
 
-/// Header split into name and unit: `Force (N)`, `Force [N]`, `F / N`, `force_N`, `Force, N`.
+/// Units at the end of a name as Sinew's own tables write them.
+const IN_NAMES: &[(&str, &str)] = &[
+    ("n", "N"),
+    ("kn", "kN"),
+    ("pa", "Pa"),
+    ("mpa", "MPa"),
+    ("ratio", "m/m"),
+    ("percent", "%"),
+    ("c", "°C"),
+    ("k", "K"),
+];
+
+/// Header split into name and unit: `Force (N)`, `Force [N]`, `F / N`, `force_N`, `force_n`, `Force, N`.
 pub(super) fn split(header: &str) -> (String, Option<String>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -107,6 +123,14 @@ pub(super) fn split(header: &str) -> (String, Option<String>) {
         {
             return (name.trim().to_owned(), Some(unit.trim().to_owned()));
         }
+    }
+    // `force_n`, `strain_percent`: only where the unit can be one of what the name says.
+    if let Some((name, end)) = header.rsplit_once('_')
+        && let Some((_, unit)) = IN_NAMES.iter().find(|(known, _)| *known == end)
+        && let (Some(quantity), Ok(parsed)) = (quantity_of(name, None), unit::parse(unit))
+        && parsed.fits(quantity)
+    {
+        return (name.to_owned(), Some((*unit).to_owned()));
     }
     for separator in [" / ", ", ", " in ", "_", " "] {
         if let Some((name, unit)) = header.rsplit_once(separator)

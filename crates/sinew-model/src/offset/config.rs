@@ -27,7 +27,8 @@ pub enum Comparison {
     /// `theta` and `q` go through the same filters as the observed torque: motion cancels.
     #[default]
     Matched,
-    /// The paper's: a lagging torque against `theta − q` as measured, so that motion shows up.
+    /// The paper's: `theta − q` as measured against the torque as the source has it. An observed torque lags, so that
+    /// motion shows up; a measured one does not, and nothing is filtered.
     Paper,
 }
 
@@ -35,6 +36,7 @@ pub enum Comparison {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityFilter {
     /// A [`StateVariableFilter`](crate::observer::StateVariableFilter) of this cut-off on every position (and torque) that enters.
+    /// Not on a measured torque in the paper's comparison.
     StateVariable {
         /// `ω`, rad/s.
         cutoff_rad_per_s: f64,

@@ -177,11 +177,7 @@ impl OffsetObserver {
         match self.config.source {
             TorqueSource::Observer => self.link_side(dt_s, known.is_some())?,
             TorqueSource::Motor => self.motor_side(dt_s)?,
-            TorqueSource::TorqueSensor => {
-                for (tau, known) in self.tau_el.iter_mut().zip(&self.known) {
-                    *tau = *known;
-                }
-            }
+            TorqueSource::TorqueSensor => self.measured(sample),
         }
         self.compare(sample);
         if self.started {
@@ -280,6 +276,20 @@ impl OffsetObserver {
             *q = filter.q.value();
             *dq = filter.q.rate();
             *slot = filter.torque.value();
+        }
+    }
+
+    /// Elastic torque as the sensor has it. Eq. (5) compares samples of one time, so that nothing is filtered; matched,
+    /// torque and positions pass the same filter.
+    fn measured(&mut self, sample: &Sample<'_>) {
+        let unfiltered = match self.config.comparison {
+            Comparison::Paper => sample.tau_el,
+            Comparison::Matched => None,
+        };
+        for (i, (tau, filtered)) in self.tau_el.iter_mut().zip(&self.known).enumerate() {
+            // A rigid joint's may be missing (NaN).
+            let raw = unfiltered.and_then(|x| x.get(i)).copied();
+            *tau = raw.filter(|x| x.is_finite()).unwrap_or(*filtered);
         }
     }
 
@@ -396,6 +406,7 @@ impl OffsetObserver {
             VelocityFilter::Recorded => 0.0,
         };
         match self.config.source {
+            TorqueSource::TorqueSensor if self.config.comparison == Comparison::Paper => 0.0,
             TorqueSource::TorqueSensor => filter,
             _ => filter + 7.0 / self.config.gain_per_s,
         }

@@ -256,6 +256,27 @@ fn every_source_finds_the_offset() {
 }
 
 #[test]
+fn a_measured_torque_is_compared_as_it_is() {
+    let robot = robot();
+    for comparison in [Comparison::Paper, Comparison::Matched] {
+        let config = OffsetConfig {
+            source: TorqueSource::TorqueSensor,
+            comparison,
+            ..OffsetConfig::default()
+        };
+        let offset = 10.0 * MRAD;
+        let (peak, _, _) = run(&robot, &robot.arm, &robot.transmissions, config, offset);
+        // Eq. (5) is exact at every sample: what is left is rounding, of a radian in 1e-15.
+        assert!(peak < 1e-9, "{comparison:?}: {peak} mrad");
+        let observer = OffsetObserver::new(&robot.arm, &robot.transmissions, config).unwrap();
+        assert_eq!(
+            observer.settling_time_s() == 0.0,
+            comparison == Comparison::Paper
+        );
+    }
+}
+
+#[test]
 fn a_bad_sample_changes_nothing() {
     let robot = robot();
     let mut truth = Truth::new(&robot, [5.0 * MRAD; N]);

@@ -59,7 +59,8 @@ pub fn bench_table(run: &BenchRun) -> String {
 pub fn bench_csv(run: &BenchRun) -> Table {
     let columns = [
         "time_s",
-        "force_n",
+        "tension_n",
+        "carriage_force_n",
         "elongation_mm",
         "strain_percent",
         "strain_low_percent",
@@ -70,6 +71,8 @@ pub fn bench_csv(run: &BenchRun) -> Table {
         let s = r.strain_ratio.scaled(100.0);
         let row = [
             r.time_s,
+            // Two strands carry the carriage.
+            0.5 * r.force_n,
             r.force_n,
             1e3 * r.elongation_m,
             s.value,

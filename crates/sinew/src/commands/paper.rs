@@ -4,6 +4,7 @@ use crate::terminal::{Failure, Finish, Word, answer_as, complain};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::paper;
+use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,9 @@ use std::path::{Path, PathBuf};
 ///
 /// Writes NAME.svg, NAME.html and NAME.png (where the build has PNG). Exit code 3 when a sentence does not hold.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sinew paper fig6 --out figures")]
+#[command(
+    after_help = "Examples:\n  sinew paper fig6 --out figures\n  sinew paper ledger --out figures"
+)]
 pub(crate) struct Paper {
     /// Which figure
     #[arg(value_enum)]
@@ -51,6 +54,8 @@ enum Which {
     Fig7,
     /// Control and collision detection with stretched ropes, before and after correction
     Control,
+    /// Every sentence of the paper: judged, not judged and why, contradicted, and what decides it
+    Ledger,
 }
 
 impl Paper {
@@ -75,17 +80,28 @@ impl Paper {
             Which::Fig6 => paper::fig6(&robot()?.robot)?,
             Which::Fig7 => paper::fig7(&robot()?.robot)?,
             Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
+            Which::Ledger => return self.ledger(&robot()?.robot, &catalogue()?),
         };
         paper::write(&mut figure, &self.out)?;
         answer_as(self.json, &figure, paper::render)?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
+        Ok(self.finish(failed, figure.sentences.len()))
+    }
+
+    /// The paper, sentence by sentence.
+    fn ledger(&self, robot: &Robot, catalogue: &Catalogue) -> Result<Finish, Failure> {
+        let mut ledger = paper::ledger(robot, catalogue)?;
+        paper::write_ledger(&mut ledger, &self.out)?;
+        answer_as(self.json, &ledger, paper::render_ledger)?;
+        let failed = ledger.count(paper::LedgerStatus::Contradicted);
+        Ok(self.finish(failed, ledger.rows.len()))
+    }
+
+    fn finish(&self, failed: usize, of: usize) -> Finish {
         if failed > 0 && !self.quiet {
-            let of = figure.sentences.len();
-            complain(
-                Word::Warning,
-                &format!("{failed} of {of} sentences do not hold"),
-            );
+            let text = format!("{failed} of {of} sentences do not hold");
+            complain(Word::Warning, &text);
         }
-        Ok(Finish::lossy(failed > 0))
+        Finish::lossy(failed > 0)
     }
 }

@@ -15,7 +15,9 @@ pub use page::table;
 pub use row::{Knowledge, RobotCase, Row};
 
 use super::PaperError;
-use super::data::{FigureName, PaperFigure};
+use super::by_hand::ByHand;
+use super::data::{FigureName, PaperFigure, given};
+use super::sentence::Sentence;
 use super::trial::joint;
 use cases::{DETECTOR_DEVIATION_RAD, ESTIMATE_RAD, OFFSET_RAD, STIFFNESS_ERROR};
 use sinew_model::robot::Robot;
@@ -49,13 +51,21 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
     let climbs = climb::climbs(robot, joints)?;
     let rows = cases::rows(robot, &effort)?;
     let figure = draw::figure(&climbs, &rows);
-    let mut sentences = sentences::climbing(&climbs);
-    sentences.extend(sentences::working(&rows));
+    let by_hand = joints.map(|joint| ByHand::new(robot, joint));
+    let [shoulder, elbow] = by_hand;
+    let (shoulder, elbow) = (shoulder?, elbow?);
+    let stiffness = [shoulder.stiffness_nm_per_rad, elbow.stiffness_nm_per_rad];
+    let mut sentences = sentences::climbing(&climbs, stiffness);
+    let deflection_rad = shoulder.last_gravity_nm()? / shoulder.stiffness_nm_per_rad;
+    sentences.extend(sentences::working(&rows, deflection_rad));
     Ok(PaperFigure {
         about: about(robot, &effort),
         panels: draw::panels(&climbs),
         sentences,
         tables: vec![page::full_table(&rows, effort.seeds)],
+        given: given(&[
+            "That elongation spoils position and torque is said in words. All numbers here are Sinew's.",
+        ]),
         assumptions: assumptions(),
         rows,
         ..PaperFigure::new(
@@ -64,6 +74,18 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
             figure,
         )
     })
+}
+
+/// What the paper says that elongation spoils, on its own motion alone.
+///
+/// # Errors
+/// As [`control`].
+pub(super) fn spoiled(robot: &Robot) -> Result<[Sentence; 2], PaperError> {
+    let joints = stretched_joints(robot)?;
+    let [_, blind, _] = climb::climbs(robot, joints)?;
+    let [shoulder, elbow] = joints.map(|joint| ByHand::new(robot, joint));
+    let stiffness = [shoulder?.stiffness_nm_per_rad, elbow?.stiffness_nm_per_rad];
+    Ok(sentences::spoiled(&blind, stiffness))
 }
 
 /// Indices of the two joints with stretched ropes.

@@ -1,5 +1,7 @@
 //! Sentences on stretched ropes, judged.
 
+use super::super::claim::Claim;
+use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::STEPS;
 use super::super::trial::{difference, peak};
@@ -7,8 +9,55 @@ use super::cases::{OFFSET_RAD, STIFFNESS_ERROR};
 use super::climb::{Climb, false_torque_nm};
 use super::row::{Knowledge, RobotCase, Row};
 
+const JOINTS: [&str; 2] = ["shoulder", "elbow"];
+
+/// What the paper says that elongation spoils.
+pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -> [Sentence; 2] {
+    let offset = || [Decider::arm(ArmQuantity::Offset)];
+    let least = |values: &[Vec<f64>; 2]| -> Vec<f64> {
+        values
+            .iter()
+            .map(|v| blind.at_rest(v, STEPS).abs())
+            .collect()
+    };
+    let short = 1e3
+        * least(&blind.error_rad)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+    let torques = least(&blind.tau_ext_nm);
+    let share = torques
+        .iter()
+        .zip(stiffness_nm_per_rad)
+        .map(|(nm, k)| nm / false_torque_nm(k).abs())
+        .fold(f64::INFINITY, f64::min);
+    let half = 0.5e3 * OFFSET_RAD;
+    [
+        Sentence::added(
+            "",
+            format!("with ropes 10 mrad longer shoulder and elbow each stop at least {half} mrad beside the wanted position at 90°"),
+            short,
+            Unit::Rad,
+            short >= half,
+        )
+        .of(Claim::SpoilsPosition)
+        .decided_by(offset()),
+        Sentence::added(
+            "",
+            "the shoulder's false torque; shoulder and elbow each feel at least half of K delta_e that isn't there, at rest at 90°",
+            torques[0],
+            Unit::Nm,
+            share >= 0.5,
+        )
+        .of(Claim::SpoilsTorque)
+        .decided_by(offset()),
+    ]
+}
+
 /// Closed forms on the paper's motion.
-pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
+pub(super) fn climbing(
+    [new, blind, corrected]: &[Climb; 3],
+    stiffness_nm_per_rad: [f64; 2],
+) -> Vec<Sentence> {
     let rests = |c: &Climb, values: &[Vec<f64>; 2]| -> Vec<f64> {
         (0..=STEPS)
             .flat_map(|k| values.iter().map(move |v| c.at_rest(v, k)))
@@ -18,12 +67,10 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
     let as_new = difference(&positions, &rests(new, &new.error_rad));
     let torques = rests(corrected, &corrected.tau_ext_nm);
     let mut out = Vec::new();
-    for (slot, (joint, k)) in [("shoulder", 40.0), ("elbow", 20.0)]
-        .into_iter()
-        .enumerate()
-    {
+    out.extend(spoiled(blind, stiffness_nm_per_rad));
+    for (slot, (joint, k)) in JOINTS.into_iter().zip(stiffness_nm_per_rad).enumerate() {
         out.push(near(
-            format!("Elongation spoils the position: a rope 10 mrad longer leaves the {joint} 10 mrad short at 90°."),
+            format!("A rope 10 mrad longer leaves the {joint} 10 mrad short at 90°."),
             "by hand: (1 + g'(1/K + 1/K_P)) e = −delta_e, and g' = 0 where the arm is level",
             1e3 * blind.at_rest(&blind.error_rad[slot], STEPS),
             -1e3 * OFFSET_RAD,
@@ -31,9 +78,7 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
             Unit::Rad,
         ));
         out.push(near(
-            format!(
-                "It spoils the torque: the {joint} feels a contact of −K delta_e that isn't there."
-            ),
+            format!("The {joint} feels a contact of −K delta_e that isn't there."),
             &format!("{k} N·m/rad · 10 mrad; at rest at 90°"),
             blind.at_rest(&blind.tau_ext_nm[slot], STEPS),
             false_torque_nm(k),
@@ -66,7 +111,7 @@ pub(super) fn climbing([new, blind, corrected]: &[Climb; 3]) -> Vec<Sentence> {
 }
 
 /// What the table says.
-pub(super) fn working(rows: &[Row]) -> Vec<Sentence> {
+pub(super) fn working(rows: &[Row], deflection_rad: f64) -> Vec<Sentence> {
     use Knowledge::{
         Estimate, EstimateAndStiffness, EstimateAndTolerances, Nothing, True, TrueAndDynamics,
     };
@@ -87,13 +132,14 @@ pub(super) fn working(rows: &[Row]) -> Vec<Sentence> {
     };
     position(&mut out, new, blind, known, dynamic, estimate);
     contacts(&mut out, new, blind, estimate);
-    for (robot, deflection_mrad) in [(Softer, 3635.0 / 32.0), (Stiffer, 3635.0 / 48.0)] {
+    for robot in [Softer, Stiffer] {
+        let deflection_mrad = 1e3 * deflection_rad / robot.stiffness_factor();
         let (Some(offset), Some(both)) = (row(robot, Estimate), row(robot, EstimateAndStiffness))
         else {
             continue;
         };
         let (robot, left) = (robot.name(), STIFFNESS_ERROR * deflection_mrad);
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             format!("{robot}: correcting the offset alone is not enough; with the stiffness estimated along it is."),
             format!(
                 "rest error of the shoulder with both at most new ropes' {:.1} plus {left:.1} mrad ({:.0} % of the spring's largest deflection), and at most half of that with the offset alone ({:.1} mrad)",
@@ -109,7 +155,7 @@ pub(super) fn working(rows: &[Row]) -> Vec<Sentence> {
         let (Some(before), Some(after)) = (row(robot, Nothing), row(robot, Estimate)) else {
             continue;
         };
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             format!("{}: the wrong model and the stretch hide each other; correcting the offset alone uncovers the model's error.", robot.name()),
             format!(
                 "rest error of the shoulder larger with the offset corrected than without ({:.1} mrad)",
@@ -128,7 +174,7 @@ pub(super) fn working(rows: &[Row]) -> Vec<Sentence> {
         ) else {
             continue;
         };
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             format!("{}: the false contact stays when the offset is corrected; a threshold told of the tolerances stays quiet.", robot.name()),
             format!("false alarm at most 2 % of the free time with tolerances (offset corrected without them: {:.1} %, uncorrected: {:.1} %)", after.false_percent(), before.false_percent()),
             tolerant.false_percent(),
@@ -148,7 +194,7 @@ fn position(
     estimate: &Row,
 ) {
     for (slot, joint) in ["shoulder pitch", "elbow"].into_iter().enumerate() {
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             format!("At work, correcting with the estimate brings the {joint} at rest back to where it is with new ropes."),
             format!(
                 "RMS at rest within 0.5 mrad of new ropes' {:.2} mrad (joint friction, encoders); uncorrected {:.2} mrad, true offset {:.2} mrad",
@@ -159,7 +205,7 @@ fn position(
             (estimate.rest_mrad(slot) - new.rest_mrad(slot)).abs() <= 0.5,
         ));
     }
-    out.push(Sentence::new(
+    out.push(Sentence::added(
         "While moving, inertia bends the springs more than the rope has stretched: there only the dynamic set-point helps.",
         format!(
             "RMS over the whole session with the dynamic set-point at most half of that with the static one ({:.1} mrad; new ropes {:.1}, uncorrected {:.1}), shoulder pitch",
@@ -172,7 +218,7 @@ fn position(
 }
 
 fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
-    out.push(Sentence::new(
+    out.push(Sentence::added(
         "It spoils collision detection: thresholds that fit new ropes alarm without a contact.",
         format!(
             "false alarm for at least 20 % of the time without contact (new ropes: {:.2} %)",
@@ -182,14 +228,14 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
         Unit::ShareOfFreeTime,
         blind.false_percent() >= 20.0,
     ));
-    out.push(Sentence::new(
+    out.push(Sentence::added(
         "Corrected with the estimate, they are as quiet as with new ropes,",
         "false alarm at most 0.5 % of the free time more than with new ropes",
         estimate.false_percent(),
         Unit::ShareOfFreeTime,
         estimate.false_percent() <= new.false_percent() + 0.5,
     ));
-    out.push(Sentence::new(
+    out.push(Sentence::added(
         "and miss no more contacts.",
         format!(
             "missed at most 3 % of the contacts more than with new ropes ({:.1} % of {}); uncorrected {:.1} %",
@@ -201,7 +247,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
         Unit::ShareOfContacts,
         estimate.missed_percent() <= new.missed_percent() + 3.0,
     ));
-    out.push(Sentence::new(
+    out.push(Sentence::added(
         "Their alarms come no later.",
         format!(
             "median delay within 10 ms of new ropes' {:.0} ms",
@@ -217,7 +263,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
     });
     if let Some(quiet) = quiet {
         let missed_percent = 100.0 * quiet.contacts.missed_share();
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             "Uncorrected, the threshold has to be opened until it is quiet,",
             format!(
                 "to at least twice the corrected one's {:.2} N·m at the shoulder, for at most 0.5 % false alarm",
@@ -227,7 +273,7 @@ fn contacts(out: &mut Vec<Sentence>, new: &Row, blind: &Row, estimate: &Row) {
             Unit::TimesTheThreshold,
             quiet.threshold_factor >= 2.0,
         ));
-        out.push(Sentence::new(
+        out.push(Sentence::added(
             "which costs contacts.",
             format!(
                 "it then misses at least half again as many as corrected ({:.1} %)",

@@ -4,6 +4,7 @@ mod analyze;
 mod compare;
 mod files;
 mod fit;
+mod plan;
 mod write_rope;
 
 use crate::terminal::{Failure, Finish};
@@ -11,6 +12,7 @@ use analyze::Analyze;
 use clap::Subcommand;
 use compare::Compare;
 use fit::Fit;
+use plan::Plan;
 
 /// Turn recordings of creep tests into numbers somebody can design with
 #[derive(Debug, Subcommand)]
@@ -18,6 +20,7 @@ pub(crate) enum Creep {
     Analyze(Analyze),
     Fit(Box<Fit>),
     Compare(Compare),
+    Plan(Box<Plan>),
 }
 
 impl Creep {
@@ -27,6 +30,7 @@ impl Creep {
             Creep::Analyze(command) => command.run(),
             Creep::Fit(command) => command.run(),
             Creep::Compare(command) => command.run(),
+            Creep::Plan(command) => command.run(),
         }
     }
 }

@@ -35,7 +35,7 @@ const ENDS: [Choice<Ends>; 2] = [
 
 /// What the rope has to do.
 #[derive(Debug, Args)]
-pub(super) struct DutyArgs {
+pub(crate) struct DutyArgs {
     /// Constant tension, N
     #[arg(long, value_name = "N", value_parser = not_negative("N"), help_heading = "Duty")]
     tension: Option<f64>,
@@ -95,13 +95,13 @@ pub(super) struct DutyArgs {
 }
 
 /// What follows from the options: the request, and the tendon's own rope.
-pub(super) struct Resolved {
-    pub(super) request: Request,
-    pub(super) rope: Option<String>,
+pub(crate) struct Resolved {
+    pub(crate) request: Request,
+    pub(crate) rope: Option<String>,
 }
 
 impl DutyArgs {
-    pub(super) fn resolve(&self, quiet: bool) -> Result<Resolved, Failure> {
+    pub(crate) fn resolve(&self, quiet: bool) -> Result<Resolved, Failure> {
         const M_PER_MM: f64 = 1e-3;
         let tendon = self.tendon()?;
         let task = RopeTask {

@@ -12,9 +12,11 @@ mod values;
 use crate::terminal::{Failure, Finish, Word, complain};
 use crate::text::plain;
 use clap::{Args, Subcommand};
+pub(crate) use duty_args::DutyArgs;
 use sinew_report::rope::namesake;
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 use std::path::{Path, PathBuf};
+pub(crate) use values::{celsius, duration};
 
 /// Choose a rope, predict how far it stretches, plan its pretension
 #[derive(Debug, Subcommand)]

@@ -10,7 +10,7 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn celsius(text: &str) -> Result<f64, String> {
+pub(crate) fn celsius(text: &str) -> Result<f64, String> {
     match number(text, "°C")? {
         v if (-100.0..=200.0).contains(&v) => Ok(v),
         v => Err(format!("{v} °C must be -100 to 200 °C")),
@@ -18,7 +18,7 @@ pub(super) fn celsius(text: &str) -> Result<f64, String> {
 }
 
 /// `30min`, `8h`, `2d`, `3month`, `1year`; a bare number is seconds.
-pub(super) fn duration(text: &str) -> Result<f64, String> {
+pub(crate) fn duration(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let end = text
         .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E')

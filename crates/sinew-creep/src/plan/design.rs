@@ -1,0 +1,167 @@
+//! What a fit of records would leave open: the fit's own choice of what is fitted and what is held, linearised about a rope.
+
+use super::bench_test::strain;
+use super::duty::Slopes;
+use crate::curve::Curve;
+use crate::rope_base::RopeBase;
+use crate::rope_entry;
+use crate::rope_law::RopePlan;
+use sinew_model::rope::entry::Uncertainty;
+use sinew_model::rope::holds::Holds;
+use sinew_model::rope::{Parameter, Parameters};
+
+/// Step of the differences, in what a parameter's interval calls a deviation, or of its logarithm.
+const STEP: f64 = 0.02;
+
+/// A record with how it goes with every parameter.
+pub(super) struct Record {
+    curve: Curve,
+    /// Change of every reading per unit of every parameter's coordinate, over the reading's deviation; zeros where it doesn't
+    /// matter.
+    slopes: Vec<Vec<f64>>,
+    /// What one unit of ε₀ changes, over the readings' deviations, and over that of the zero.
+    zero: (f64, f64),
+}
+
+/// Coordinate of a parameter: deviations of the base's interval, where it has one, else its logarithm.
+pub(super) fn moved(p: &Parameters, base: &RopeBase, parameter: Parameter, by: f64) -> Parameters {
+    let value = p.get(parameter);
+    let (low, high) = parameter.range();
+    let known = base.entry.law.get(&parameter);
+    let to = match known.map(|v| v.uncertainty) {
+        Some(Uncertainty::Factor(f)) => value * (f.ln() * by / sinew_model::Z95).exp(),
+        Some(Uncertainty::PlusMinus(d)) => value + d * by / sinew_model::Z95,
+        _ => value * by.exp(),
+    };
+    let mut out = *p;
+    out.set(parameter, to.clamp(low, high));
+    out
+}
+
+impl Record {
+    pub(super) fn of(p: &Parameters, base: &RopeBase, curve: &Curve, reading_ratio: f64) -> Self {
+        let at = |q: &Parameters| strain(q, curve);
+        let slope = |parameter: &Parameter| -> Vec<f64> {
+            let ends = [STEP, -STEP].map(|by| at(&moved(p, base, *parameter, by)));
+            let [Some(up), Some(down)] = ends else {
+                return vec![0.0; curve.time_s.len()];
+            };
+            let rows = up.iter().zip(&down).zip(&curve.count);
+            rows.map(|((u, d), count)| (u - d) / (2.0 * STEP) * count.sqrt() / reading_ratio)
+                .collect()
+        };
+        Self {
+            slopes: Parameter::ALL.iter().map(slope).collect(),
+            zero: (1.0 / reading_ratio, curve.zero_count.sqrt() / reading_ratio),
+            curve: curve.clone(),
+        }
+    }
+}
+
+/// A fit of records.
+pub(super) struct Design {
+    /// Parameters of the law that are fitted, then those that are held within their interval.
+    free: Vec<usize>,
+    held: Vec<usize>,
+    /// Lower Cholesky factor of the information, row by row: fitted, held, ε₀ of every record.
+    factor: Vec<Vec<f64>>,
+    curves: Vec<Curve>,
+}
+
+fn index(parameter: Parameter) -> usize {
+    Parameter::ALL
+        .iter()
+        .position(|p| *p == parameter)
+        .unwrap_or(0)
+}
+
+impl Design {
+    /// None where the rope law can't be fitted to these records.
+    pub(super) fn new(records: &[&Record], base: &RopeBase) -> Option<Self> {
+        /// What the searched ranges alone say of a fitted parameter, as a deviation of its coordinate.
+        const OPEN: f64 = 5.0;
+        let curves: Vec<Curve> = records.iter().map(|r| r.curve.clone()).collect();
+        let plan = RopePlan::new(&curves, base).ok()?;
+        let free: Vec<usize> = plan
+            .shapes
+            .iter()
+            .chain(&plan.terms)
+            .map(|p| index(*p))
+            .collect();
+        let held: Vec<usize> = plan.held.iter().map(|(p, _)| index(*p)).collect();
+        let numbers: Vec<usize> = free.iter().chain(&held).copied().collect();
+        let n = numbers.len() + records.len();
+        let mut information = vec![vec![0.0; n]; n];
+        for (r, record) in records.iter().enumerate() {
+            let own = numbers.len() + r;
+            for (i, a) in numbers.iter().enumerate() {
+                for (j, b) in numbers.iter().enumerate().take(i + 1) {
+                    let pairs = record.slopes[*a].iter().zip(&record.slopes[*b]);
+                    information[i][j] += pairs.map(|(a, b)| a * b).sum::<f64>();
+                }
+                let along: f64 = record.slopes[*a].iter().sum();
+                information[own][i] += along * record.zero.0;
+            }
+            let readings = record.curve.time_s.len() as f64;
+            information[own][own] += readings * record.zero.0.powi(2) + record.zero.1.powi(2);
+        }
+        for (i, row) in information.iter_mut().enumerate().take(numbers.len()) {
+            row[i] += if i < free.len() { OPEN.powi(-2) } else { 1.0 };
+        }
+        Some(Self {
+            free,
+            held,
+            factor: cholesky(information),
+            curves,
+        })
+    }
+
+    /// Variance of the logarithm of the duty's stretch that an entry of the fit leaves, and what the base leaves of what the fit
+    /// doesn't touch. An entry's correlations are a thousandth smaller than the fit's: where numbers make up for one another,
+    /// that counts.
+    pub(super) fn variance(&self, duty: &Slopes) -> f64 {
+        let touched: Vec<usize> = self.free.iter().chain(&self.held).copied().collect();
+        let mut along: Vec<f64> = touched.iter().map(|i| duty.slopes[*i]).collect();
+        along.resize(self.factor.len(), 0.0);
+        let together = self.variance_along(along);
+        let alone = |(place, i): (usize, &usize)| {
+            let mut unit = vec![0.0; self.factor.len()];
+            unit[place] = duty.slopes[*i];
+            self.variance_along(unit)
+        };
+        let apart: f64 = touched.iter().enumerate().map(alone).sum();
+        let shrink = rope_entry::SHRINK;
+        shrink * together + (1.0 - shrink) * apart + duty.variance_without(&touched)
+    }
+
+    /// `b' (L L')⁻¹ b = |L⁻¹ b|²`.
+    fn variance_along(&self, mut b: Vec<f64>) -> f64 {
+        for i in 0..b.len() {
+            let told: f64 = (0..i).map(|j| self.factor[i][j] * b[j]).sum();
+            b[i] = (b[i] - told) / self.factor[i][i];
+        }
+        b.iter().map(|x| x * x).sum()
+    }
+
+    /// The data behind the entry that the fit would write.
+    pub(super) fn holds(&self, base: &RopeBase) -> Holds {
+        rope_entry::holds_of(&self.curves, base)
+    }
+}
+
+/// Lower triangle of the Cholesky factor of a matrix given by its lower triangle.
+fn cholesky(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let d = a.len();
+    for j in 0..d {
+        for k in 0..j {
+            for i in j..d {
+                a[i][j] -= a[i][k] * a[j][k];
+            }
+        }
+        let pivot = a[j][j].max(f64::MIN_POSITIVE).sqrt();
+        for row in a.iter_mut().skip(j) {
+            row[j] /= pivot;
+        }
+    }
+    a
+}

@@ -1,0 +1,115 @@
+//! The duty's stretch, and how it goes with every parameter.
+
+use super::PlanRequest;
+use super::design::moved;
+use crate::error::CreepError;
+use crate::rope_base::RopeBase;
+use sinew_model::rope::entry::Uncertainty;
+use sinew_model::rope::holds::Holds;
+use sinew_model::rope::{Parameter, Parameters};
+use sinew_rope::CatalogueRope;
+use sinew_rope::predict::{Request, predict};
+
+/// Step of the differences, in coordinates.
+const STEP: f64 = 0.05;
+
+/// A duty whose stretch since tensioned counts.
+pub(super) struct Duty {
+    request: Request,
+    rope: CatalogueRope,
+    /// When, s.
+    pub(super) time_s: f64,
+    /// Mean and largest tension over breaking load; lowest and highest temperature, °C.
+    load_share: [f64; 2],
+    temperature_c: [f64; 2],
+}
+
+/// Slopes of the logarithm of the stretch with every parameter's coordinate.
+pub(super) struct Slopes {
+    pub(super) slopes: Vec<f64>,
+    /// Whether the base states an interval.
+    stated: Vec<bool>,
+}
+
+impl Duty {
+    pub(super) fn new(request: &PlanRequest) -> Result<Self, CreepError> {
+        let rope = CatalogueRope {
+            entry: request.base.entry.clone(),
+            file: None,
+        };
+        let time_s = request.duty.times_s.last().copied().unwrap_or(0.0);
+        let asked = Request {
+            times_s: vec![time_s],
+            draws: 0,
+            ..request.duty.clone()
+        };
+        let told = predict(&rope, &asked).map_err(|e| CreepError::NoPlan {
+            reason: e.to_string(),
+        })?;
+        if told.readings.is_empty() {
+            return Err(CreepError::NoPlan {
+                reason: "the rope breaks under this duty before the time asked for".into(),
+            });
+        }
+        let summary = request.duty.duty.summary();
+        let mbl = request.base.parameters.breaking_load_n;
+        Ok(Self {
+            request: asked,
+            rope,
+            time_s,
+            load_share: [summary.tension_mean_n / mbl, summary.tension_max_n / mbl],
+            temperature_c: [summary.temperature_min_c, summary.temperature_max_c],
+        })
+    }
+
+    /// Stretch since tensioned of a rope with these values, m; none where it breaks or doesn't stretch.
+    pub(super) fn stretch_m(&self, p: &Parameters) -> Option<f64> {
+        let mut rope = self.rope.clone();
+        for (parameter, value) in &mut rope.entry.law {
+            value.value = p.get(*parameter);
+        }
+        let told = predict(&rope, &self.request).ok()?;
+        let found = told.readings.first()?.since_tensioned_m.value;
+        (found > 0.0).then_some(found)
+    }
+
+    pub(super) fn slopes(&self, p: &Parameters, base: &RopeBase) -> Option<Slopes> {
+        self.stretch_m(p)?;
+        let slope = |parameter: &Parameter| {
+            let ends = [STEP, -STEP].map(|by| self.stretch_m(&moved(p, base, *parameter, by)));
+            match ends {
+                [Some(up), Some(down)] => (up / down).ln() / (2.0 * STEP),
+                _ => 0.0,
+            }
+        };
+        let stated = |parameter: &Parameter| {
+            let known = base.entry.law.get(parameter);
+            known.is_some_and(|v| v.uncertainty != Uncertainty::NotStated)
+        };
+        Some(Slopes {
+            slopes: Parameter::ALL.iter().map(slope).collect(),
+            stated: Parameter::ALL.iter().map(stated).collect(),
+        })
+    }
+
+    /// Deviation of the logarithm that is due to what a law may miss beyond such data.
+    pub(super) fn beyond(&self, holds: &Holds) -> f64 {
+        let beyond = holds.beyond(self.load_share, self.temperature_c);
+        beyond.deviation_after(holds.decades_beyond(self.time_s))
+    }
+}
+
+impl Slopes {
+    /// Variance of the logarithm as the base leaves it.
+    pub(super) fn variance_now(&self) -> f64 {
+        self.variance_without(&[])
+    }
+
+    /// The part of parameters other than these.
+    pub(super) fn variance_without(&self, touched: &[usize]) -> f64 {
+        (0..self.slopes.len())
+            .filter(|i| self.stated[*i] && !touched.contains(i))
+            .map(|i| self.slopes[i].powi(2))
+            .sum()
+    }
+}

@@ -1,0 +1,104 @@
+//! Fig. 5: a rope under changing force.
+
+use super::PaperError;
+use super::bending::{ROPE, bench, drawn, end, runs};
+use super::claim::Claim;
+use super::data::{FigureName, PaperFigure, given};
+use super::judge::{claimed, laws};
+use rayon::prelude::*;
+use sinew_model::rope::Law;
+use sinew_rope::Catalogue;
+use sinew_rope::bench::{Simulated, simulate};
+
+/// Readings, s.
+const INTERVAL_S: f64 = 60.0;
+
+/// Fig. 5: the force changes after 80 min.
+///
+/// # Errors
+/// [`PaperError`].
+pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
+    let laws = laws(catalogue, ROPE)?;
+    let cases = ["E", "F"]
+        .into_iter()
+        .map(|name| runs(&laws, name, INTERVAL_S))
+        .collect::<Result<Vec<_>, _>>()?;
+    let (e, f) = (&cases[0], &cases[1]);
+    // Both are read at the same times; the change is read before and after.
+    let after = e[0]
+        .force_n
+        .iter()
+        .position(|n| *n != e[0].force_n[0])
+        .unwrap_or(1);
+    let at = |run: &Simulated, k: usize| run.strain_percent[k];
+    let kept = kept(&laws)?;
+    let drawn_laws = [(ROPE, &laws[..])];
+    // Minutes from the change until 90 % of what changes has changed.
+    let slow = |run: &Simulated| {
+        let (from, to) = (at(run, after - 1), end(run));
+        let there = |k: &usize| (at(run, *k) - from) / (to - from) >= 0.9;
+        let k = (after..run.time_s.len()).find(there).unwrap_or(after);
+        (run.time_s[k] - run.time_s[after]) / 60.0
+    };
+    let sentences = vec![
+        claimed(
+            Claim::LessForceDrops,
+            "strain falls at the change and is lower still at the end",
+            &drawn_laws,
+            |i| at(&e[i], after) < at(&e[i], after - 1) && end(&e[i]) < at(&e[i], after),
+        ),
+        claimed(
+            Claim::LessForceIrreversible,
+            "left at 120 N for 115 days, until everything delayed has come back, it stays above a rope that never felt more, by at least a tenth of what it lost in the 80 min after the change",
+            &drawn_laws,
+            |i| kept[i] >= 0.1 * (at(&e[i], after - 1) - end(&e[i])),
+        ),
+        claimed(
+            Claim::MoreForceRises,
+            "it rises, and 90 % of the rise take at least twice as long as 90 % of the drop of (E), and a minute at least",
+            &drawn_laws,
+            |i| {
+                let rises = end(&f[i]) > at(&f[i], after - 1);
+                rises && slow(&f[i]) >= (2.0 * slow(&e[i])).max(1.0)
+            },
+        ),
+    ];
+    let titles = ["(E) 200 N, then 120 N", "(F) 120 N, then 200 N"];
+    let mut out = drawn(
+        FigureName::Fig5,
+        "Fig. 5: elongation under changing force",
+        &titles,
+        &cases,
+    );
+    out.sentences = sentences;
+    out.given = given(&[
+        "200 N for 80 min, then 120 N for 80 min; and the other way round. No elongation is given.",
+    ]);
+    out.about = vec![
+        "Virtual bench without guiding pulleys; the force on the carriage changes after 80 min."
+            .into(),
+    ];
+    out.assumptions
+        .push("(E) and (F) have no guiding pulley, and the motor moves all the time.".into());
+    Ok(out)
+}
+
+/// Strain that (E) keeps over a rope that was at 120 N all the time, 115 days on, in every draw.
+fn kept(laws: &[Law]) -> Result<Vec<f64>, PaperError> {
+    const LONG_S: f64 = 1e7;
+    let mut high = bench("E")?;
+    let last = high.phases.len() - 1;
+    high.phases[last].duration_s = LONG_S;
+    let mut low = high.clone();
+    for phase in &mut low.phases {
+        phase.force_n = high.phases[last].force_n;
+    }
+    laws.par_iter()
+        .map(|law| {
+            let end_of = |bench| simulate(law, bench, LONG_S).map(|run| end(&run));
+            Ok(end_of(&high)? - end_of(&low)?)
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect()
+}

@@ -1,0 +1,99 @@
+//! What the runs show of an added offset and of a relaxed rope.
+
+use super::super::claim::Claim;
+use super::super::decider::{ArmQuantity, Decider};
+use super::super::sentence::{Sentence, Unit, below, near};
+use super::super::staircase::{LENGTH_S, MOVE_S, STEPS, rest_end_s};
+use super::super::trial::{Trial, difference, mean, peak};
+use super::{ADDED_RAD, RELAXED_M, RETENSION_ERROR_M, Runs};
+
+/// One step of a 13-bit encoder, mrad.
+pub(super) const ENCODER_STEP_MRAD: f64 = 0.77;
+
+/// Values at the four rests after the first move, rad.
+pub(super) fn rests(trial: &Trial, curve: &[f64]) -> [f64; STEPS] {
+    std::array::from_fn(|k| trial.at_rest(curve, k + 1))
+}
+
+/// Largest deviation from a value over the rests, mrad.
+fn worst_mrad(rests: &[f64; STEPS], from_rad: f64) -> f64 {
+    let apart = rests.iter().map(|v| (v - from_rad).abs());
+    1e3 * apart.fold(0.0, f64::max)
+}
+
+pub(super) fn sentences(
+    trial: &Trial,
+    paper: &Runs,
+    matched: &Runs,
+    radius_m: f64,
+) -> Vec<Sentence> {
+    let against_first = |curve: &[f64]| rests(trial, &difference(curve, &paper.first));
+    let added = against_first(&paper.added);
+    let grown = against_first(&paper.relaxed);
+    let back = against_first(&paper.again);
+    let in_motion = difference(&matched.added, &matched.first);
+    let in_motion: Vec<f64> = trial
+        .between(&in_motion, rest_end_s(0) + MOVE_S, LENGTH_S)
+        .iter()
+        .map(|v| v - ADDED_RAD)
+        .collect();
+    vec![
+        near(
+            "",
+            "mean over the four rests",
+            1e3 * mean(&added),
+            1e3 * ADDED_RAD,
+            0.1,
+            Unit::Rad,
+        )
+        .of(Claim::AddedOffsetSeen)
+        .decided_by([Decider::arm(ArmQuantity::RunToRun)]),
+        relaxed(&grown, radius_m),
+        below(
+            "",
+            "largest deviation from the first run over the four rests; one step of the joint encoder and what the tensioner leaves",
+            worst_mrad(&back, 0.0),
+            ENCODER_STEP_MRAD + 1e3 * RETENSION_ERROR_M / radius_m,
+            Unit::Rad,
+        )
+        .of(Claim::RetensioningRestores)
+        .decided_by([Decider::arm(ArmQuantity::Tensioner), Decider::arm(ArmQuantity::RunToRun)]),
+        below(
+            "The difference shows the added offset at every rest.",
+            "largest deviation from 10 mrad over the four rests; one step of the joint encoder",
+            worst_mrad(&added, ADDED_RAD),
+            ENCODER_STEP_MRAD,
+            Unit::Rad,
+        ),
+        below(
+            "In the matched comparison it shows it during motion too.",
+            "largest deviation from 10 mrad from the end of the first move on; two steps of the joint encoder",
+            1e3 * peak(&in_motion),
+            2.0 * ENCODER_STEP_MRAD,
+            Unit::Rad,
+        ),
+        near(
+            "Relaxing the rope raises the estimate by its share on the pulley.",
+            "mean over the four rests; by hand: 0.5 mm over the pulley's radius",
+            1e3 * mean(&grown),
+            1e3 * RELAXED_M / radius_m,
+            0.1,
+            Unit::Rad,
+        ),
+    ]
+}
+
+/// The relaxed rope stands out of what changes from run to run.
+fn relaxed(grown: &[f64; STEPS], radius_m: f64) -> Sentence {
+    let least = 1e3 * grown.iter().copied().fold(f64::INFINITY, f64::min);
+    let half = 0.5e3 * RELAXED_M / radius_m;
+    Sentence::added(
+        "",
+        format!("smallest rise over the first run at the four rests is at least {half:.0} mrad, half of what 0.5 mm make on the pulley"),
+        least,
+        Unit::Rad,
+        least >= half,
+    )
+    .of(Claim::RelaxedRopeSeen)
+    .decided_by([Decider::arm(ArmQuantity::PulleyRadius)])
+}

@@ -1,0 +1,152 @@
+//! Why the estimate decreases while the elbow climbs: each explanation alone, both, neither, and the other way round.
+
+use super::super::PaperError;
+use super::super::by_hand::ByHand;
+use super::super::claim::Claim;
+use super::super::decider::{ArmQuantity, Decider};
+use super::super::sentence::{Sentence, Unit, below};
+use super::super::staircase::STEPS;
+use super::super::trial::{Estimator, Trial};
+use super::plant::{Day, LIGHTER, STIFFER, scenario};
+use super::sentences::{ENCODER_STEP_MRAD, rests};
+use rayon::prelude::*;
+use sinew_model::robot::Robot;
+
+/// True over described stiffness and masses, and what that makes of the description.
+const VARIANTS: [(&str, f64, f64); 5] = [
+    ("both", STIFFER, LIGHTER),
+    ("torque overestimated", 1.0, LIGHTER),
+    ("stiffness underestimated", STIFFER, 1.0),
+    ("neither", 1.0, 1.0),
+    ("the other way round", 1.0 / STIFFER, 1.0 / LIGHTER),
+];
+
+/// One variant's first run.
+pub(super) struct Variant {
+    pub(super) name: &'static str,
+    pub(super) curve: Vec<f64>,
+    rests: [f64; STEPS],
+}
+
+impl Variant {
+    /// The estimate falls from every rest to the next.
+    fn falls(&self) -> bool {
+        self.rests.windows(2).all(|pair| pair[1] < pair[0])
+    }
+
+    /// Last rest less first, mrad.
+    fn change_mrad(&self) -> f64 {
+        1e3 * (self.rests[STEPS - 1] - self.rests[0])
+    }
+}
+
+pub(super) struct Tendency {
+    variants: Vec<Variant>,
+}
+
+impl Tendency {
+    pub(super) fn run(
+        robot: &Robot,
+        elbow: usize,
+        estimator: &Estimator,
+    ) -> Result<Self, PaperError> {
+        let variants = VARIANTS
+            .par_iter()
+            .map(|&(name, stiffness_factor, mass_factor)| {
+                let day = Day {
+                    stiffness_factor,
+                    mass_factor,
+                    ..Day::default()
+                };
+                let trial = Trial::run(robot, &scenario(robot, &day))?;
+                let curve = estimator.estimate(&trial, elbow, 0.0)?;
+                Ok(Variant {
+                    name,
+                    rests: rests(&trial, &curve),
+                    curve,
+                })
+            })
+            .collect::<Vec<Result<Variant, PaperError>>>()
+            .into_iter()
+            .collect::<Result<_, _>>()?;
+        Ok(Self { variants })
+    }
+
+    pub(super) fn variants(&self) -> &[Variant] {
+        &self.variants
+    }
+
+    pub(super) fn sentences(&self, by_hand: &ByHand<'_>) -> Result<Vec<Sentence>, PaperError> {
+        let [both, torque, stiffness, neither, opposite] = &self.variants[..] else {
+            return Ok(Vec::new());
+        };
+        let model_errors = [ArmQuantity::StiffnessError, ArmQuantity::MassError].map(Decider::arm);
+        let explained = [torque, stiffness, both].iter().all(|v| v.falls());
+        let by_hand_mrad = self.opposite_by_hand_mrad(by_hand)?;
+        Ok(vec![
+            Sentence::added(
+                "",
+                "the first run's estimate falls from each of the four rests to the next; found: last less first",
+                both.change_mrad(),
+                Unit::Rad,
+                both.falls(),
+            )
+            .of(Claim::EstimateDecreases)
+            .decided_by(model_errors.clone()),
+            Sentence::added(
+                "",
+                format!(
+                    "each of the three alone makes it fall from rest to rest: torque {}, stiffness {}, both {} mrad from the first to the last; found: the smallest of these falls",
+                    number(torque.change_mrad()),
+                    number(stiffness.change_mrad()),
+                    number(both.change_mrad())
+                ),
+                [torque, stiffness, both].iter().map(|v| v.change_mrad()).fold(f64::NEG_INFINITY, f64::max),
+                Unit::Rad,
+                explained,
+            )
+            .of(Claim::DecreaseExplained)
+            .decided_by(model_errors),
+            Sentence::added(
+                "With the errors the other way round it increases.",
+                format!("the estimate rises from each rest to the next; last less first, by hand {} mrad and what friction adds", number(by_hand_mrad)),
+                opposite.change_mrad(),
+                Unit::Rad,
+                opposite.rests.windows(2).all(|pair| pair[1] > pair[0]),
+            ),
+            below(
+                "Which of the two it is can't be told from this motion: both go with the torque.",
+                "what is left at the four rests of one cause's part after the other's was scaled onto it; one step of the joint encoder",
+                left_mrad(torque, stiffness, neither),
+                ENCODER_STEP_MRAD,
+                Unit::Rad,
+            ),
+        ])
+    }
+
+    /// `Δ(τ/K_true − τ_described/K)` from the first rest to the last, mrad.
+    fn opposite_by_hand_mrad(&self, by_hand: &ByHand<'_>) -> Result<f64, PaperError> {
+        use super::super::staircase::rest_angle_rad;
+        let torque =
+            by_hand.gravity_nm(rest_angle_rad(STEPS))? - by_hand.gravity_nm(rest_angle_rad(1))?;
+        let true_over_described = STIFFER / LIGHTER;
+        Ok(1e3 * torque / by_hand.stiffness_nm_per_rad * (true_over_described - 1.0))
+    }
+}
+
+fn number(mrad: f64) -> String {
+    sinew_figure::rounded(mrad, 3)
+}
+
+/// What is left of one cause's part after the other's was scaled onto it (least squares), mrad.
+fn left_mrad(a: &Variant, b: &Variant, neither: &Variant) -> f64 {
+    let part = |v: &Variant| -> Vec<f64> {
+        let pairs = v.rests.iter().zip(&neither.rests);
+        pairs.map(|(with, without)| with - without).collect()
+    };
+    let (a, b) = (part(a), part(b));
+    let cross: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+    let own: f64 = b.iter().map(|b| b * b).sum();
+    let left = a.iter().zip(&b).map(|(a, b)| (a - cross / own * b).abs());
+    1e3 * left.fold(0.0, f64::max)
+}
