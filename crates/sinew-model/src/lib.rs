@@ -62,6 +62,7 @@ pub mod offset;
 pub mod robot;
 pub mod rope;
 pub mod statistics;
+pub mod survival;
 pub mod tolerances;
 pub mod transmission;
 pub mod trend;

@@ -22,6 +22,7 @@ mod rope_reference;
 mod rope_routing;
 mod spring_arms;
 mod strung;
+mod survival;
 mod trend;
 mod trend_jumps;
 mod urdf;
