@@ -17,7 +17,7 @@ fuzz_target!(|text: &str| {
         return;
     };
     for (_, records) in sorted.joints {
-        assert!(records.windows(2).all(|w| w[0].time_utc_s < w[1].time_utc_s));
+        assert!(records.windows(2).all(|w| w[0].time_utc_s.total_cmp(&w[1].time_utc_s).is_le()));
         let mut curves = generic_curves(0.03);
         curves.truncate(2);
         let mut prior = Prior::new(curves);
@@ -29,7 +29,9 @@ fuzz_target!(|text: &str| {
             let record = Record {
                 time_s: r.time_utc_s - start + 3600.0,
                 offset_rad: r.offset_rad,
+                shared: r.shared_error,
                 temperature_c: r.temperature_c,
+                reference_c: r.reference_c,
                 stiffness: r.stiffness_ratio,
             };
             // Numbers whose squares overflow are refused, not taken.

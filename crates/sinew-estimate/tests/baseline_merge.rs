@@ -89,6 +89,7 @@ fn baseline(robot: &Robot, belief: &Belief, recordings: &[&str], end_s: i64) -> 
         temperature_deviation_k: 0.0,
         change_deviation_k: 0.0,
         anchors: Vec::new(),
+        zero_time_ns: None,
         format: "sinew-baseline".into(),
         version: 4,
         robot: robot.name.clone(),

@@ -20,6 +20,7 @@ mod simulated_recordings;
 mod slip_cause;
 mod slips;
 mod support;
+mod survival;
 mod trend;
 mod trend_records;
 mod warmth;

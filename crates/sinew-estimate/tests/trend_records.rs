@@ -5,7 +5,10 @@ use crate::support;
 use sinew_estimate::session::{
     MotorTorque, SessionEstimate, TemperatureSource, TendonEstimate, TorqueRange, Verdict, Warning,
 };
-use sinew_estimate::trend::{RecordError, records_from_csv, records_from_json, sort};
+use sinew_estimate::trend::{
+    RecordError, SessionRecord, records_from_csv, records_from_json, sort,
+};
+use sinew_model::offset::SharedError;
 use sinew_model::{Gaussian, Z95};
 use sinew_report::trend::format_note;
 use support::{DAY_S, session_record, utc};
@@ -55,6 +58,10 @@ fn session() -> SessionEstimate {
         anchored: None,
         name: name.into(),
         offset_rad: Gaussian::new(1e-3 * offset, 1e-3 * half / Z95),
+        shared_error: Some(SharedError {
+            baseline_rad: 0.8e-3 * half / Z95,
+            drift_rad: 0.1e-3 * half / Z95,
+        }),
         elongation_m: None,
         strain_ratio: None,
         verdict,
@@ -74,6 +81,7 @@ fn session() -> SessionEstimate {
         robot: "arm".into(),
         recording: "a.mcap".into(),
         baseline: Some("b".into()),
+        baseline_time_utc_s: Some(1.767e9),
         start_time_utc_s: None,
         duration_s: 60.0,
         temperature_c: Some(22.5),
@@ -107,6 +115,47 @@ fn dated() -> String {
 }
 
 #[test]
+fn a_csv_may_say_what_sessions_share() {
+    let head = "time,joint,offset_mrad,interval_95_mrad,shared_interval_95_mrad,drift_interval_95_mrad,\
+                baseline_time,reference_temperature_c\n";
+    let read = |row: &str| records_from_csv(&format!("{head}2026-03-02,elbow,{row}\n"), "s.csv");
+    let record = &read("1.5,0.5,0.4,0.1,2026-03-01T09:00Z,18.5").unwrap()[0];
+    let shared = record.shared_error.unwrap();
+    assert_eq!(
+        (shared.baseline_rad, shared.drift_rad),
+        (0.4e-3 / Z95, 0.1e-3 / Z95)
+    );
+    assert_eq!(record.baseline_time_utc_s, Some(utc("2026-03-01T09:00Z")));
+    assert_eq!(record.reference_c, Some(18.5));
+    let record = &read("1.5,0.5,,,,").unwrap()[0];
+    assert_eq!(
+        (
+            record.shared_error,
+            record.baseline_time_utc_s,
+            record.reference_c
+        ),
+        (None, None, None)
+    );
+    assert_eq!(
+        read(",,,,,").unwrap()[0].shared_error,
+        None,
+        "it couldn't tell"
+    );
+    for (row, words) in [
+        ("1.5,0.5,0.6,,,", "shared_interval_95_mrad"),
+        ("1.5,0.5,-0.1,,,", "shared_interval_95_mrad"),
+        ("1.5,0.5,0.4,0.7,,", "drift_interval_95_mrad"),
+        ("1.5,0.5,0.4,0.1,march,", "no date"),
+    ] {
+        let error = read(row).unwrap_err().to_string();
+        assert!(
+            error.contains(words) && error.contains("s.csv, line 2"),
+            "{row}: {error}"
+        );
+    }
+}
+
+#[test]
 fn what_estimate_prints_is_read() {
     let estimate = format!(
         r#"{{"reading": {{"recording": {{"path": "a.mcap", "start_time_ns": 1772353800000000000}}}},
@@ -119,7 +168,26 @@ fn what_estimate_prints_is_read() {
     assert_eq!(read[0].robot.as_deref(), Some("arm"));
     let change = read[0].stiffness_ratio.unwrap();
     assert!((change.mean + 0.02).abs() < 1e-14 && (change.deviation - 0.01 / Z95).abs() < 1e-14);
+    let shared = read[0].shared_error.unwrap();
+    let parts = [shared.baseline_rad, shared.drift_rad].map(|part| 1e3 * Z95 * part);
+    assert!(
+        (parts[0] - 0.32).abs() < 1e-12 && (parts[1] - 0.04).abs() < 1e-12,
+        "{parts:?}"
+    );
+    assert_eq!(read[0].baseline_time_utc_s, Some(1.767e9));
     assert_eq!(read[1].offset_rad, None, "it couldn't tell");
+    assert_eq!(read[1].shared_error, None);
+    // A file of a program that said less.
+    let mut less: serde_json::Value = serde_json::from_str(&dated()).unwrap();
+    less.as_object_mut().unwrap().remove("baseline_time_utc_s");
+    for joint in less["joints"].as_array_mut().unwrap() {
+        joint.as_object_mut().unwrap().remove("shared_error");
+    }
+    let read = records_from_json(&less.to_string(), "a.json").unwrap();
+    assert_eq!(
+        (read[0].shared_error, read[0].baseline_time_utc_s),
+        (None, None)
+    );
     // The session's estimate alone, with a date of its own; a list; one document after another.
     let alone = dated();
     assert_eq!(
@@ -220,6 +288,44 @@ fn records_are_put_in_order_and_freed_of_repeats() {
     .unwrap_err();
     assert!(error.to_string().contains("'elbow'") && error.to_string().contains("wrist"));
     assert_eq!(sort(Vec::new(), None), Err(RecordError::Empty));
+}
+
+#[test]
+fn sessions_back_to_back_are_kept_and_those_that_share_motion_are_not() {
+    let at = |start_s: f64, duration_s: f64, recording: &str| SessionRecord {
+        time_utc_s: utc("2026-03-01") + start_s,
+        duration_s: Some(duration_s),
+        recording: Some(recording.into()),
+        ..session_record(0.0, start_s)
+    };
+    let kept = |records: Vec<SessionRecord>| sort(records, None).map(|s| s.joints[0].1.len());
+    // 90.6 s after 90.4 s, both rounded: back to back, and a second too long.
+    assert_eq!(
+        kept(vec![
+            at(0.0, 91.0, "a"),
+            at(90.0, 91.0, "b"),
+            at(181.0, 60.0, "c")
+        ]),
+        Ok(3)
+    );
+    // Three seconds of motion in both.
+    assert_eq!(kept(vec![at(0.0, 93.0, "a"), at(90.0, 91.0, "b")]), Ok(1));
+    // Two short ones within a second, told apart by their recordings, or by their cycles.
+    assert_eq!(kept(vec![at(0.0, 0.4, "a"), at(0.0, 0.4, "b")]), Ok(2));
+    let cycle = |cycle: f64| SessionRecord {
+        cycle: Some(cycle),
+        ..at(0.0, 30.0, "a")
+    };
+    assert_eq!(kept(vec![cycle(8.0), cycle(7.0), cycle(7.0)]), Ok(2));
+    // Nothing tells these apart.
+    let other = SessionRecord {
+        offset_rad: Some(Gaussian::new(5e-3, 1e-4)),
+        ..at(0.0, 0.4, "a")
+    };
+    assert!(matches!(
+        kept(vec![at(0.0, 0.4, "a"), other]),
+        Err(RecordError::Conflict { .. })
+    ));
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn checks_find_what_the_tendons_have_become_and_go_on_where_they_ended() {
         assert!(refused.contains(why), "{refused}");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), other);
     };
-    refused("\"version\":6", "\"version\":1", "estimator 1, now 6");
+    refused("\"version\":7", "\"version\":1", "estimator 1, now 7");
     let (_, description) = text.split_once("\"description\":\"").expect("a checksum");
     refused(
         &description[..16],
@@ -124,6 +124,7 @@ fn made(fails: Option<usize>) -> Vec<Session> {
                         1e-3 * (truth + 0.4 - 0.2 * warm + left + 2.0 * lost),
                         1e-3 / Z95,
                     )),
+                    shared_error: None,
                     true_stiffness_ratio: -0.06 * lost,
                     stiffness_ratio: Gaussian::new(0.01 * (0.1 * warm - 1.5 * lost), 0.02 / Z95),
                     steps: 0,

@@ -32,8 +32,10 @@ fn failures_are_found_and_forecasts_cover() {
         if s.robots >= 30 && s.forecaster == Forecaster::Rope {
             assert!(s.false_alarms_per_robot_year < 0.1, "{s:?}");
             assert!(20 * s.found >= 17 * s.failures, "{s:?}");
+            let inside = s.covered_95.expect("tendons");
+            assert!((0.88..=0.99).contains(&inside.mean), "{inside:?}");
             for f in &s.forecasts {
-                assert!((0.72..=0.98).contains(&f.covered_90_share), "{f:?}");
+                assert!((0.72..=0.98).contains(&f.covered_90.mean), "{f:?}");
             }
         }
     }

@@ -432,6 +432,7 @@ fn columns_of_a_table_of_sessions() {
         .collect();
     let cell = |name: &str| match name {
         "time" => "2026-03-02",
+        "baseline_time" => "2026-03-01",
         "joint" => "elbow",
         "robot" | "recording" | "baseline" => "x",
         _ => "1",

@@ -63,6 +63,7 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_estimate::BaselineDocument>(),
         Published::of::<sinew_estimate::baseline::MergeSummary>(),
         Published::of::<sinew_estimate::trend::TrendReport>(),
+        Published::of::<sinew_estimate::trend::survival::SurvivalReport>(),
         Published::of::<sinew_camera::Summary>(),
         Published::of::<sinew_rope::RopeList>(),
         Published::of::<sinew_rope::RopeDescription>(),
@@ -101,6 +102,8 @@ fn outputs() -> Vec<&'static str> {
         baseline merge OUT/arm.baseline OUT/later.baseline --fleet --robot robots/biorob-like --out OUT/known --json
         trend examples/10-trend/sessions.csv --robot robots/biorob-like --tensioned 2026-03-02 --json
         trend examples/10-trend/sessions.csv --json
+        trend examples/10-trend/sessions.csv --tensioned 2026-03-02 --life examples/12-survival/events.csv --json
+        trend survival examples/12-survival/events.csv --group robot_type --json
         trend simulate-year --robot robots/biorob-like --robots 1 --joints elbow --json
         robot check robots/biorob-like --json
         bench read-camera examples/07-camera/frames --json

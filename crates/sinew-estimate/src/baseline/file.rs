@@ -37,6 +37,9 @@ pub struct Baseline {
     pub before: Vec<String>,
     /// When the last recording ended, ns on its own clock.
     pub end_time_ns: i64,
+    /// When the first recording ended, ns on its own clock, and every offset was zero; `None`: it is the last one.
+    #[serde(default)]
+    pub zero_time_ns: Option<i64>,
     /// Temperature the offsets refer to, °C; `None` where nobody said.
     pub temperature_c: Option<f64>,
     /// Its standard deviation, K, where it was stated instead of recorded.
@@ -86,6 +89,7 @@ impl Baseline {
             recordings,
             before: Vec::new(),
             end_time_ns,
+            zero_time_ns: None,
             temperature_c: belief
                 .temperature_c
                 .is_finite()
@@ -98,6 +102,12 @@ impl Baseline {
             noise_rad,
             motor_noise_nm,
         }
+    }
+
+    /// When every offset was zero, ns, as far as the file says: the end of the first recording.
+    pub(crate) fn zero_time(&self) -> Option<i64> {
+        let is_first = self.recordings.len() == 1;
+        self.zero_time_ns.or(is_first.then_some(self.end_time_ns))
     }
 
     /// Every recording it rests on, in order.

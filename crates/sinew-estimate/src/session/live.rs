@@ -85,6 +85,7 @@ pub fn live_saved(
     let noise = filter.noise().map(<[f64]>::to_vec);
     let mut next = Baseline::new(robot, recordings, end_time_ns, &belief, noise);
     next.before.clone_from(&before.before);
+    next.zero_time_ns = before.zero_time();
     Ok(next)
 }
 

@@ -6,6 +6,7 @@ use super::warning::Warning;
 use crate::cause::Cause;
 use crate::nuisance::NuisanceChange;
 use serde::{Deserialize, Serialize};
+use sinew_model::offset::SharedError;
 use sinew_model::{Gaussian, Interval95};
 
 /// Offsets since the baseline.
@@ -18,6 +19,9 @@ pub struct SessionEstimate {
     pub recording: String,
     /// First recording of the baseline; `None`: data-sheet priors only.
     pub baseline: Option<String>,
+    /// When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say.
+    #[serde(default)]
+    pub baseline_time_utc_s: Option<f64>,
     /// When the part used began, s since 1970 UTC; `None` where the recording's clock doesn't say.
     pub start_time_utc_s: Option<f64>,
     /// Length of the part used, s.
@@ -80,6 +84,9 @@ pub struct TendonEstimate {
     pub slides: bool,
     /// Offset at the end of the recording, rad.
     pub offset_rad: Gaussian,
+    /// What of its error other sessions have too; `None` in files of programs that didn't say.
+    #[serde(default)]
+    pub shared_error: Option<SharedError>,
     /// Elongation, m; `None` without tendon geometry.
     pub elongation_m: Option<Gaussian>,
     /// Elongation over the tendon's length; `None` without tendon geometry.

@@ -5,7 +5,7 @@ use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::segments::Segments;
-use super::summary::{Context, summarise};
+use super::summary::{Context, summarise, utc_s};
 use super::warning::Warning;
 use super::{temperature, witness};
 use crate::baseline::Baseline;
@@ -16,8 +16,8 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    JointParameter, MapEstimator, Payload, SearchScope, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD,
-    beliefs,
+    Belief, JointParameter, MapEstimator, Payload, SearchScope, SharedError, TENSIONED_OFFSET_RAD,
+    UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -156,11 +156,12 @@ pub fn learn_recorded(
         Some((known, _)) if learning.continues => {
             baseline.recordings.clone_from(&known.recordings);
             baseline.before.clone_from(&known.before);
+            baseline.zero_time_ns = known.zero_time();
         }
         Some((known, _)) => baseline.before = known.rests_on(),
         None => {}
     }
-    let mut estimate = session.summarise(&segments, name, None, &[], 0.0);
+    let mut estimate = session.summarise(&segments, name, None, &[], &[], 0.0);
     baseline.anchors = anchor::readings(robot, recorded, prior, &segments.belief);
     if let Some((known, _)) = known.filter(|_| learning.continues) {
         anchor::keep(&mut baseline.anchors, &known.anchors);
@@ -314,9 +315,12 @@ fn estimate_with_lag(
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
+    // What every session since the baseline begins with.
+    let common: Belief;
     let mut start = match baseline {
         Some((baseline, file)) => {
             let mut belief = baseline.belief(robot, prior, file)?;
+            common = belief.clone();
             let source = session.temperature;
             match since {
                 Since::Now => {
@@ -338,6 +342,7 @@ fn estimate_with_lag(
             let mut fresh = prior.belief(options.payload, UNKNOWN_OFFSET_RAD);
             prior.hold_zero(&mut fresh);
             fresh.temperature_c = mean_temperature(&recorded.blocks);
+            common = fresh.clone();
             fresh
         }
     };
@@ -361,13 +366,21 @@ fn estimate_with_lag(
     );
     if let Some((baseline, _)) = baseline {
         next.before.clone_from(&baseline.before);
+        next.zero_time_ns = baseline.zero_time();
         next.temperature_deviation_k = baseline.temperature_deviation_k;
         next.change_deviation_k = change_k;
         next.anchors.clone_from(&baseline.anchors);
     }
-    let mut estimate = session.summarise(&segments, name, first, &added_rad, lag_s);
+    let shared = segments.shared_errors(prior, &common, everything.continues, name)?;
+    let mut estimate = session.summarise(&segments, name, first, &added_rad, &shared, lag_s);
+    estimate.baseline_time_utc_s = next.zero_time_ns.and_then(utc_s);
     let touched = anchor::readings(robot, recorded, prior, &segments.belief);
     anchor::apply(robot, &touched, baseline.map(|(b, _)| b), &mut estimate);
+    // What an anchor takes off is taken off the shared part, too.
+    for joint in &mut estimate.joints {
+        let whole_rad = joint.offset_rad.deviation;
+        joint.shared_error = joint.shared_error.map(|part| part.at_most(whole_rad));
+    }
     let unknown = session.temperature == TemperatureSource::Unknown
         || baseline.is_some_and(|(b, _)| b.temperature_c.is_none());
     let most = (added_rad.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1));
@@ -428,13 +441,14 @@ impl<'a> Session<'a> {
     }
 
     /// The result; `added_rad`: what is unknown of every joint's offset and looks the same in every block;
-    /// `lag_s`: by how much the lag between the sides was opened.
+    /// `shared`: what of its error comes with the baseline; `lag_s`: by how much the lag between the sides was opened.
     fn summarise(
         &self,
         segments: &Segments,
         name: &str,
         baseline: Option<String>,
         added_rad: &[f64],
+        shared: &[SharedError],
         lag_s: f64,
     ) -> SessionEstimate {
         let context = Context {
@@ -443,6 +457,7 @@ impl<'a> Session<'a> {
             recorded: &self.recorded,
             segments,
             added_rad,
+            shared,
             lag_s,
         };
         let mut estimate = summarise(&context, name, baseline);

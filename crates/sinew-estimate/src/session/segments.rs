@@ -3,7 +3,10 @@
 use super::recorder::Recorded;
 use crate::error::SessionError;
 use sinew_model::offset::misfit::tempered;
-use sinew_model::offset::{Belief, MapError, MapEstimate, MapEstimator, Payload, SearchScope};
+use sinew_model::offset::{
+    Belief, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope, SharedError,
+    shared_errors,
+};
 
 /// Long recordings are estimated in segments of this length, s.
 const SEGMENT_S: f64 = 120.0;
@@ -64,6 +67,22 @@ impl Segments {
             before: start,
             belief,
             estimates,
+        })
+    }
+
+    /// What of every joint's error comes with `baseline`, as it was before its offsets were opened.
+    pub(super) fn shared_errors(
+        &self,
+        prior: &Prior,
+        baseline: &Belief,
+        continues: bool,
+        name: &str,
+    ) -> Result<Vec<SharedError>, SessionError> {
+        shared_errors(prior, baseline, &self.before, &self.belief, continues).map_err(|error| {
+            SessionError::Map {
+                file: name.into(),
+                error,
+            }
         })
     }
 

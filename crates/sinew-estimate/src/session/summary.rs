@@ -18,7 +18,7 @@ use sinew_model::Gaussian;
 use sinew_model::arm::JointKind;
 use sinew_model::offset::misfit::misfit_rad;
 use sinew_model::offset::{
-    Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, lag_s,
+    Block, ChangeKind, JointParameter, MapEstimate, MapEstimator, Prior, SharedError, lag_s,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
@@ -35,6 +35,8 @@ pub(super) struct Context<'a> {
     pub(super) segments: &'a Segments,
     /// What is unknown of every joint's offset and looks the same in every block, rad; empty: nothing.
     pub(super) added_rad: &'a [f64],
+    /// What of every joint's error comes with the baseline; empty: all of it.
+    pub(super) shared: &'a [SharedError],
     /// By how much the lag between the sides was opened, s.
     pub(super) lag_s: f64,
 }
@@ -66,14 +68,12 @@ pub(super) fn summarise(
     let out = weights.iter().filter(|w| **w < HALF).count() as f64;
     let temperature = mean_temperature(&recorded.blocks);
     let reference = segments.before.temperature_c;
-    /// Clocks before the year 2000 don't tell the date.
-    const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
     let mut estimate = SessionEstimate {
         robot: robot.name.clone(),
         recording: recording.into(),
         baseline,
-        start_time_utc_s: (recorded.start_time_ns > YEAR_2000_NS)
-            .then_some(recorded.start_time_ns as f64 * 1e-9),
+        baseline_time_utc_s: None,
+        start_time_utc_s: utc_s(recorded.start_time_ns),
         duration_s: recorded.duration_s,
         temperature_c: temperature.is_finite().then_some(temperature),
         temperature_source: TemperatureSource::default(),
@@ -96,6 +96,27 @@ pub(super) fn summarise(
     let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
     estimate.warnings.extend(late.and_then(out_of_step));
     estimate
+}
+
+/// Seconds since 1970 of a recording's clock, where that tells the date.
+pub(super) fn utc_s(time_ns: i64) -> Option<f64> {
+    /// Clocks before the year 2000 don't.
+    const YEAR_2000_NS: i64 = 946_684_800_000_000_000;
+    (time_ns > YEAR_2000_NS).then_some(time_ns as f64 * 1e-9)
+}
+
+/// What of an offset's error other sessions have too: the baseline's part, and `constant_rad`, which looks the same
+/// in every block and so in every session. No part exceeds the whole.
+fn shared_error(known: Option<&SharedError>, constant_rad: f64, offset: Gaussian) -> SharedError {
+    let known = known.copied().unwrap_or(SharedError {
+        baseline_rad: offset.deviation,
+        drift_rad: 0.0,
+    });
+    let shared = SharedError {
+        baseline_rad: known.baseline_rad.hypot(constant_rad),
+        ..known
+    };
+    shared.at_most(offset.deviation)
 }
 
 fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
@@ -138,6 +159,11 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
         name: robot.joint_names()[joint].clone(),
         slides: robot.arm.joint_kind(joint) == Some(JointKind::Prismatic),
         offset_rad,
+        shared_error: Some(shared_error(
+            context.shared.get(joint),
+            constant_rad,
+            offset_rad,
+        )),
         elongation_m: through(&Tendon::elongation_m),
         strain_ratio: through(&Tendon::strain),
         verdict,
@@ -331,4 +357,56 @@ fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
     found.sort_by(|a, b| (b.to_s - b.from_s).total_cmp(&(a.to_s - a.from_s)));
     found.truncate(20);
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_model::Z95;
+
+    /// A tendon on a pulley of 20 mm that is tensioned again at 0.4 mm: 20 mrad.
+    fn tendon() -> Tendon {
+        Tendon {
+            joint_pulley_radius_m: 0.02,
+            length_m: 0.5,
+            antagonistic: false,
+            guides: Vec::new(),
+            rope: None,
+            pretension_n: None,
+            retension_at_m: Some(0.4e-3),
+            replace_at_strain: None,
+            frame_expansion_per_k: None,
+        }
+    }
+
+    #[test]
+    fn a_limit_is_passed_when_the_whole_interval_is_beyond_it() {
+        let state = |offset_mrad: f64, withheld: bool| {
+            let offset = Gaussian::new(1e-3 * offset_mrad, 1e-3 / Z95);
+            retension(&tendon(), offset, withheld).unwrap().state
+        };
+        for (offset_mrad, expected) in [
+            (18.9, LimitState::NotPassed),
+            (19.1, LimitState::CannotTell),
+            (20.0, LimitState::CannotTell),
+            (20.9, LimitState::CannotTell),
+            (21.1, LimitState::Passed),
+        ] {
+            assert_eq!(state(offset_mrad, false), expected, "{offset_mrad}");
+            assert_eq!(state(offset_mrad, true), LimitState::CannotTell);
+        }
+    }
+
+    #[test]
+    fn what_is_shared_holds_what_is_constant_and_is_no_more_than_the_whole() {
+        let offset = Gaussian::new(0.0, 1e-3);
+        let known = SharedError {
+            baseline_rad: 0.3e-3,
+            drift_rad: 0.2e-3,
+        };
+        let found = shared_error(Some(&known), 0.4e-3, offset);
+        assert!((found.baseline_rad - 0.5e-3).abs() < 1e-12 && found.drift_rad == 0.2e-3);
+        assert_eq!(shared_error(Some(&known), 2e-3, offset).baseline_rad, 1e-3);
+        assert_eq!(shared_error(None, 0.0, offset).baseline_rad, 1e-3);
+    }
 }

@@ -3,9 +3,14 @@
 use super::error::AnalyzeError;
 use super::records::SessionRecord;
 use sinew_files::date::day_of;
+use sinew_model::offset::TENSIONED_OFFSET_RAD;
 
 /// Baselines are learned about so long after tensioning, s.
 const BASELINE_AFTER_S: f64 = 3600.0;
+/// What a rope crept between a tensioning and a baseline whose time is guessed, rad.
+const BASELINE_GUESSED_RAD: f64 = 0.5e-3;
+/// Level where nobody said when the tendon was tensioned, rad.
+pub(super) const LEVEL_UNKNOWN_RAD: f64 = 30e-3;
 
 /// Something somebody did, on a day.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +31,8 @@ pub(super) struct Clock {
     pub(super) stated: bool,
     /// Baseline, s after the start.
     pub(super) baseline_s: f64,
+    /// How well the offset is known to be zero then, as a standard deviation, rad.
+    pub(super) level_deviation_rad: f64,
     /// Later tensionings, s since 1970.
     pub(super) tensioned: Vec<f64>,
 }
@@ -73,19 +80,61 @@ pub(super) fn clock<'a>(
     tensioned.sort_unstable_by(f64::total_cmp);
     let before = tensioned.partition_point(|t| *t <= first.time_utc_s);
     let later = tensioned.split_off(before);
-    let clock = match (tensioned.first(), tensioned.last()) {
-        (Some(start), Some(last)) => Clock {
-            start_utc_s: *start,
-            stated: true,
-            baseline_s: (last - start + BASELINE_AFTER_S).min(first.time_utc_s - start),
-            tensioned: later,
-        },
-        _ => Clock {
-            start_utc_s: first.time_utc_s - BASELINE_AFTER_S,
-            stated: false,
-            baseline_s: BASELINE_AFTER_S,
-            tensioned: later,
-        },
+    // A baseline is no baseline of what was tensioned after it.
+    let since = tensioned.last().copied().unwrap_or(f64::NEG_INFINITY);
+    let baseline = (first.baseline_time_utc_s).filter(|t| (since..=first.time_utc_s).contains(t));
+    let (start_utc_s, baseline_utc_s, level_deviation_rad) = match (tensioned.first(), baseline) {
+        (Some(start), Some(baseline)) => (*start, baseline, TENSIONED_OFFSET_RAD),
+        (Some(start), None) => {
+            let usual = since + BASELINE_AFTER_S;
+            (*start, usual.min(first.time_utc_s), BASELINE_GUESSED_RAD)
+        }
+        (None, Some(baseline)) => (baseline - BASELINE_AFTER_S, baseline, TENSIONED_OFFSET_RAD),
+        (None, None) => {
+            let first = first.time_utc_s;
+            (first - BASELINE_AFTER_S, first, LEVEL_UNKNOWN_RAD)
+        }
+    };
+    let clock = Clock {
+        start_utc_s,
+        stated: !tensioned.is_empty(),
+        baseline_s: baseline_utc_s - start_utc_s,
+        level_deviation_rad,
+        tensioned: later,
     };
     Ok((clock, records))
+}
+
+/// The baseline a record counts from, as far as it says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Since<'a> {
+    name: Option<&'a str>,
+    time_utc_s: Option<f64>,
+}
+
+impl<'a> Since<'a> {
+    pub(super) fn of(record: &'a SessionRecord) -> Self {
+        Self {
+            name: record.baseline.as_deref(),
+            time_utc_s: record.baseline_time_utc_s,
+        }
+    }
+
+    /// Whether it is surely another one than that of the record before.
+    pub(super) fn differs(self, before: Self) -> bool {
+        /// Dates as people write them differ by so much, s.
+        const SAME_S: f64 = 2.0;
+        match (self.time_utc_s, before.time_utc_s) {
+            (Some(a), Some(b)) => (a - b).abs() > SAME_S,
+            _ => self.name.is_some() && before.name.is_some() && self.name != before.name,
+        }
+    }
+
+    /// What is known after both.
+    pub(super) fn or(self, before: Self) -> Self {
+        Self {
+            name: self.name.or(before.name),
+            time_utc_s: self.time_utc_s.or(before.time_utc_s),
+        }
+    }
 }

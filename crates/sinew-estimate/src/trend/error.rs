@@ -35,6 +35,14 @@ pub enum AnalyzeError {
         /// Day of the last session.
         last: String,
     },
+    /// A table of lives that says nothing of a tendon.
+    #[error("{source_name}: {why}")]
+    Lives {
+        /// File.
+        source_name: String,
+        /// Why.
+        why: &'static str,
+    },
     /// Everything is older than the replacement.
     #[error("all records of '{joint}' are older than its replacement on {day}")]
     Replaced {

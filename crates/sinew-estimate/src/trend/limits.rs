@@ -4,6 +4,7 @@ use super::result::{ForecastPoint, Limit, LimitForecast, LimitState};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
+use sinew_files::date::PLAUSIBLE_S;
 use sinew_model::Interval95;
 use sinew_model::statistics::quantile;
 use sinew_model::transmission::Tendon;
@@ -47,12 +48,13 @@ pub(super) fn forecast(paths: &Paths, start_utc_s: f64) -> Vec<ForecastPoint> {
 
 /// When the limits of a tendon are passed.
 ///
-/// * `rope_known`: whether the prior is that of its rope.
+/// * `rope_known`: whether the prior is that of its rope. `last_utc_s`: date of the last session.
 pub(super) fn limits(
     tendon: Option<&Tendon>,
     trend: &Trend,
     paths: &Paths,
     rope_known: bool,
+    last_utc_s: f64,
 ) -> Vec<LimitForecast> {
     let Some(tendon) = tendon else {
         return Vec::new();
@@ -74,9 +76,24 @@ pub(super) fn limits(
     (retension.into_iter().chain(replace))
         .map(|(limit, limit_rad, offsets_rad)| {
             let found_s = first_passage(&paths.times_s, offsets_rad, limit_rad);
-            passage(limit, limit_rad, found_s, trend.time_s(), few)
+            let passed = passage(limit, limit_rad, found_s, trend.time_s(), few);
+            match PLAUSIBLE_S.contains(&last_utc_s) {
+                true => dated(passed, last_utc_s),
+                false => passed,
+            }
         })
         .collect()
+}
+
+/// With the dates of its times.
+fn dated(limit: LimitForecast, last_utc_s: f64) -> LimitForecast {
+    let date = |after_s: Option<f64>| after_s.map(|t| last_utc_s + t);
+    LimitForecast {
+        at_utc_s: date(limit.after_s),
+        at_low_utc_s: date(limit.after_low_s),
+        at_high_utc_s: date(limit.after_high_s),
+        ..limit
+    }
 }
 
 fn passage(
@@ -110,5 +127,8 @@ fn passage(
         after_s: median.filter(|_| is_dated),
         after_low_s: low.filter(|_| !few),
         after_high_s: high.filter(|_| !few),
+        at_utc_s: None,
+        at_low_utc_s: None,
+        at_high_utc_s: None,
     }
 }

@@ -14,6 +14,7 @@ mod records;
 mod result;
 mod stiffness;
 pub mod stored;
+pub mod survival;
 
 pub use analyze::{TrendRequest, analyze};
 pub use clock::Stated;
@@ -21,7 +22,7 @@ pub use error::AnalyzeError;
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{RecordError, SessionRecord, Sorted, sort};
 pub use result::{
-    ForecastPoint, JointTrend, JumpCause, Limit, LimitForecast, LimitState, MissingFromRobot,
-    PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote, TrendReport,
-    TrendVerdict,
+    CycleClock, ForecastPoint, JointTrend, JumpCause, Limit, LimitForecast, LimitState,
+    MissingFromRobot, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote,
+    TrendReport, TrendVerdict,
 };

@@ -9,31 +9,54 @@
 //! | column | |
 //! |---|---|
 //! | `time` | start of the session: `2026-03-01T08:30Z`, `2026-03-01` or seconds since 1970 |
+//! | `cycle` | cycle of the machine; beside `time`, or instead of it |
 //! | `joint` | joint |
 //! | `offset_mrad` | offset since the baseline; empty: the session couldn't tell |
 //! | `interval_95_mrad` | half of its 95 % interval |
 //! | `temperature_c` | optional, may be empty |
 //! | `robot`, `recording`, `baseline`, `duration_s` | optional, may be empty |
+//! | `baseline_time`, `reference_temperature_c` | of the baseline; optional, may be empty |
+//! | `shared_interval_95_mrad` | part of the interval that every session since the baseline shares; optional |
+//! | `drift_interval_95_mrad` | part of it that the zero's drift with temperature leaves; optional |
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
 use super::records::{RecordError, SessionRecord, Sorted, sort};
 use crate::session::{SessionEstimate, Verdict};
+use rayon::prelude::*;
 use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
 use sinew_files::{Bound, Fault, Fields as _, limits, read_text};
+use sinew_model::offset::SharedError;
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
 use std::path::{Path, PathBuf};
 
 /// Reads the records of several files and puts them in order; joints must be elastic ones of the robot.
 ///
+/// Files are read side by side.
+///
+/// * `cycle_s`: length of a cycle, s, for records that count cycles and have no time.
+///
 /// # Errors
-/// [`RecordError`].
-pub fn read_sessions(files: &[PathBuf], robot: Option<&Robot>) -> Result<Sorted, RecordError> {
+/// [`RecordError`]; of several files that can't be read, the first's.
+pub fn read_sessions(
+    files: &[PathBuf],
+    robot: Option<&Robot>,
+    cycle_s: Option<f64>,
+) -> Result<Sorted, RecordError> {
+    let read: Vec<_> = files.par_iter().map(|file| read_records(file)).collect();
     let mut records = Vec::new();
-    for file in files {
-        records.extend(read_records(file)?);
+    for of_file in read {
+        records.extend(of_file?);
+    }
+    for record in records.iter_mut().filter(|r| r.time_utc_s.is_nan()) {
+        let (Some(cycle_s), Some(cycle)) = (cycle_s, record.cycle) else {
+            return Err(RecordError::CycleLength {
+                place: record.source.clone(),
+            });
+        };
+        record.time_utc_s = cycle * cycle_s;
     }
     sort_of(records, robot)
 }
@@ -55,7 +78,8 @@ pub fn sort_of(records: Vec<SessionRecord>, robot: Option<&Robot>) -> Result<Sor
     )
 }
 
-/// Reads the records of a file, CSV by the end of its name, else JSON.
+/// Reads the records of a file, CSV by the end of its name, else JSON. Records that count cycles alone have a time that is
+/// NaN.
 ///
 /// # Errors
 /// [`RecordError`] with file, line or entry, and what to do.
@@ -169,12 +193,16 @@ fn document_records(
         };
         let change = joint.stiffness_change_ratio;
         out.push(SessionRecord {
+            shared_error: joint.shared_error.filter(|_| offset_rad.is_some()),
             offset_rad,
             source: place,
             robot: Some(session.robot.clone()),
             recording: Some(session.recording.clone()),
             baseline: session.baseline.clone(),
+            baseline_time_utc_s: session.baseline_time_utc_s,
+            reference_c: session.reference_temperature_c,
             time_utc_s,
+            cycle: None,
             duration_s: Some(session.duration_s).filter(|d| *d >= 0.0),
             joint: joint.name,
             temperature_c: session.temperature_c.filter(|t| t.is_finite()),
@@ -191,17 +219,22 @@ fn document_records(
 /// [`RecordError::File`] with line and column.
 pub fn records_from_csv(text: &str, file: &str) -> Result<Vec<SessionRecord>, RecordError> {
     let table = Table::parse(text, file)?;
-    table.need(&["time", "joint", "offset_mrad", "interval_95_mrad"])?;
+    let clock = if table.column("cycle").is_some() && table.column("time").is_none() {
+        "cycle"
+    } else {
+        "time"
+    };
+    table.need(&[clock, "joint", "offset_mrad", "interval_95_mrad"])?;
     table.rows().map(|row| row_record(&row, file)).collect()
 }
 
 fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
-    let time = row.need_text("time")?;
-    let time_utc_s = parse_utc_s(time).ok_or_else(|| {
-        let must = "2026-03-01T08:30Z, 2026-03-01 or seconds since 1970; this is no date";
-        row.refuse("time", must)
-    })?;
     let number = |column| row.number(column, Bound::Any);
+    let cycle = row.number("cycle", Bound::NotNegative)?;
+    let time_utc_s = match (row.text("time"), cycle) {
+        (None, Some(_)) => f64::NAN,
+        _ => date(row, "time", row.need_text("time")?)?,
+    };
     let offset_rad = match (number("offset_mrad")?, number("interval_95_mrad")?) {
         (None, _) => None,
         (Some(_), None) => {
@@ -216,11 +249,19 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         .zip(number("stiffness_interval_95_percent")?)
         .filter(|(_, i)| *i > 0.0);
     let text = |column: &str| row.text(column).map(str::to_string);
+    let baseline_time_utc_s = match row.text("baseline_time") {
+        None => None,
+        Some(text) => Some(date(row, "baseline_time", text)?),
+    };
     Ok(SessionRecord {
         robot: text("robot"),
         recording: text("recording"),
         baseline: text("baseline"),
+        baseline_time_utc_s,
+        reference_c: number("reference_temperature_c")?,
+        shared_error: shared_error(row, offset_rad)?,
         time_utc_s,
+        cycle,
         duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
         joint: row.need_text("joint")?.to_string(),
         offset_rad,
@@ -228,6 +269,43 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         stiffness_ratio: stiffness.map(|(v, i)| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
         source: format!("{file}, line {}", row.line()),
     })
+}
+
+/// A date in a column.
+fn date(row: &Row<'_>, column: &'static str, text: &str) -> Result<f64, RecordError> {
+    parse_utc_s(text).ok_or_else(|| {
+        let must = "2026-03-01T08:30Z, 2026-03-01 or seconds since 1970; this is no date";
+        row.refuse(column, must).into()
+    })
+}
+
+/// What of a row's interval other sessions have too.
+fn shared_error(
+    row: &Row<'_>,
+    offset_rad: Option<Gaussian>,
+) -> Result<Option<SharedError>, RecordError> {
+    let part = |column: &'static str| {
+        let half_mrad = row.number(column, Bound::Any)?;
+        let most_mrad = offset_rad.map(|y| 1e3 * y.half_width_95());
+        // As much as the digits of a table leave open.
+        const ROUNDED: f64 = 1.01;
+        match (half_mrad, most_mrad) {
+            (Some(half), Some(most)) if !(0.0..=ROUNDED * most).contains(&half) => {
+                let must = "from 0 to interval_95_mrad, of which it is a part";
+                Err(RecordError::from(row.refuse(column, must)))
+            }
+            (half, _) => Ok(half.map(|half| 1e-3 * half / Z95)),
+        }
+    };
+    let (baseline_rad, drift_rad) = (
+        part("shared_interval_95_mrad")?,
+        part("drift_interval_95_mrad")?,
+    );
+    let known = baseline_rad.filter(|_| offset_rad.is_some());
+    Ok(known.map(|baseline_rad| SharedError {
+        baseline_rad,
+        drift_rad: drift_rad.unwrap_or(0.0),
+    }))
 }
 
 /// An offset, mrad, and half its 95 % interval; else the key of what can't be, and what it must be.

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use sinew_files::date::day_of;
 use sinew_files::{Located, names};
 use sinew_model::Gaussian;
+use sinew_model::offset::SharedError;
 use std::collections::BTreeMap;
 
 /// What one session said about one joint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionRecord {
     /// File and place in it, for messages.
@@ -19,14 +20,26 @@ pub struct SessionRecord {
     pub recording: Option<String>,
     /// Baseline it counts from, where known.
     pub baseline: Option<String>,
-    /// Start of the session, s since 1970.
+    /// When that was, s since 1970, where known: the offset was zero then.
+    #[serde(default)]
+    pub baseline_time_utc_s: Option<f64>,
+    /// Temperature the offset refers to, the baseline's, °C, where known.
+    #[serde(default)]
+    pub reference_c: Option<f64>,
+    /// Start of the session, s since 1970; s since cycle 0 where only cycles are known.
     pub time_utc_s: f64,
+    /// Cycle of the machine, where it counts them.
+    #[serde(default)]
+    pub cycle: Option<f64>,
     /// Its length, s, where known.
     pub duration_s: Option<f64>,
     /// Joint.
     pub joint: String,
     /// Offset since the baseline; `None`: it couldn't tell.
     pub offset_rad: Option<Gaussian>,
+    /// What of its error other sessions have too; `None`: not known.
+    #[serde(default)]
+    pub shared_error: Option<SharedError>,
     /// Temperature, °C.
     pub temperature_c: Option<f64>,
     /// Change of stiffness as a fraction of nominal.
@@ -58,9 +71,17 @@ pub enum RecordError {
         /// The others'.
         expected: String,
     },
+    /// Cycles, and nobody says how long one takes.
+    #[error(
+        "{place}: counts cycles and has no time; say how long a cycle lasts, with --cycle-s SECONDS"
+    )]
+    CycleLength {
+        /// File and place.
+        place: String,
+    },
     /// Two sessions at one time that differ.
     #[error(
-        "{first} and {second}: two different offsets of '{joint}' at the same time ({date}); keep one"
+        "{first} and {second}: two different offsets of '{joint}' at the same time ({date}) and of one recording; keep one"
     )]
     Conflict {
         /// File and place.
@@ -86,6 +107,14 @@ pub enum RecordError {
         /// Joints there are.
         known: String,
     },
+    /// A table of ropes or events in which no life begins and ends.
+    #[error(
+        "{file}: no rope's life in it: every place has one event at most, or none that ends a life (broken, replaced, retired); say since when with 'installed' events, or give a row a rope with age_days and end"
+    )]
+    NoLives {
+        /// File.
+        file: String,
+    },
     /// Nothing at all.
     #[error(
         "no records; give files written by sinew estimate LOG --baseline FILE --json, or a CSV (sinew trend --help)"
@@ -104,11 +133,26 @@ pub struct Sorted {
     pub notes: Vec<TrendNote>,
 }
 
+/// Start and length of a session may each be rounded to a second: back to back, two sessions seem to overlap by so much, s.
+const ROUNDED_S: f64 = 2.0;
+
+/// Whether two records are of two cycles of the machine.
+fn cycles_differ(a: &SessionRecord, b: &SessionRecord) -> bool {
+    a.cycle.zip(b.cycle).is_some_and(|(a, b)| a != b)
+}
+
+/// Whether two records at one time are surely of two sessions, whose dates were rounded.
+fn are_two(a: &SessionRecord, b: &SessionRecord) -> bool {
+    let named = a.recording.as_ref().zip(b.recording.as_ref());
+    cycles_differ(a, b) || named.is_some_and(|(a, b)| a != b)
+}
+
 /// Puts records in order, one tendon each.
 ///
 /// - any order of files is fine: the dates decide;
-/// - the same session twice counts once; two different offsets of a joint at one time are refused;
-/// - sessions that overlap share their motion, so the later is left out;
+/// - the same session twice counts once; two different offsets of a joint at one time are refused, unless their
+///   recordings or cycles differ: dates may be rounded;
+/// - sessions that overlap by more than a rounded date does share their motion, so the later is left out;
 /// - records of two robots, and of joints the robot doesn't have, are refused;
 /// - a session that couldn't tell stays as one without information.
 ///
@@ -159,14 +203,19 @@ pub fn sort(
     };
     let (mut twice, mut overlapping) = (Vec::new(), Vec::new());
     for (joint, mut own) in by_joint {
-        own.sort_by(|a, b| a.time_utc_s.total_cmp(&b.time_utc_s));
+        let cycle = |r: &SessionRecord| r.cycle.unwrap_or(0.0);
+        own.sort_by(|a, b| {
+            let by_time = a.time_utc_s.total_cmp(&b.time_utc_s);
+            by_time.then(cycle(a).total_cmp(&cycle(b)))
+        });
         let mut kept: Vec<SessionRecord> = Vec::with_capacity(own.len());
         for record in own {
             let Some(last) = kept.last() else {
                 kept.push(record);
                 continue;
             };
-            if record.time_utc_s == last.time_utc_s {
+            let end_utc_s = last.time_utc_s + last.duration_s.unwrap_or(0.0);
+            if record.time_utc_s == last.time_utc_s && !are_two(&record, last) {
                 if record.offset_rad != last.offset_rad {
                     return Err(RecordError::Conflict {
                         first: last.source.clone(),
@@ -176,7 +225,7 @@ pub fn sort(
                     });
                 }
                 twice.push(record.source);
-            } else if record.time_utc_s < last.time_utc_s + last.duration_s.unwrap_or(0.0) {
+            } else if record.time_utc_s < end_utc_s - ROUNDED_S && !cycles_differ(&record, last) {
                 overlapping.push(record.source);
             } else {
                 kept.push(record);

@@ -1,7 +1,9 @@
 //! What a trend finds, as data in SI: tables, pages and the CSV are made from this alone.
 
+use super::survival::LifeForecast;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
+use sinew_files::date::PLAUSIBLE_S;
 use sinew_model::{Gaussian, Interval95};
 
 /// The trend of a robot's tendons.
@@ -84,6 +86,9 @@ pub struct JointTrend {
     pub first_utc_s: f64,
     /// Start of the last session, s since 1970.
     pub last_utc_s: f64,
+    /// Cycles of the machine, where sessions count them.
+    #[serde(default)]
+    pub cycles: Option<CycleClock>,
     /// Start of the creep's clock, tensioning or replacement, s since 1970.
     pub tensioned_utc_s: f64,
     /// Whether somebody stated that; else it is the first session's.
@@ -100,7 +105,10 @@ pub struct JointTrend {
     pub drift_rad_per_k: Option<Gaussian>,
     /// Reference temperature, °C.
     pub reference_c: f64,
-    /// Standard deviation of the error that sessions share, rad.
+    /// Error that all sessions since the baseline share: the offset's interval holds what is left unknown of it, however
+    /// many sessions there are.
+    pub baseline_error_rad: Gaussian,
+    /// Standard deviation of the error that neighbouring sessions share, rad.
     pub shared_error_rad: f64,
     /// True over stated width of the sessions' intervals.
     pub stated_width_ratio: f64,
@@ -110,12 +118,32 @@ pub struct JointTrend {
     pub suspicion: Option<Suspicion>,
     /// Limits of robot.toml, re-tensioning first.
     pub limits: Vec<LimitForecast>,
+    /// When to replace the rope by its age, where its strain has no limit and lives of other ropes were given.
+    #[serde(default)]
+    pub life: Option<LifeForecast>,
     /// What the forecast rests on.
     pub basis: PriorBasis,
     /// Sessions in the order of time.
     pub series: Vec<SessionPoint>,
     /// Offset from the last session on.
     pub forecast: Vec<ForecastPoint>,
+}
+
+impl JointTrend {
+    /// Whether sessions have dates; else they count cycles alone.
+    pub fn is_dated(&self) -> bool {
+        PLAUSIBLE_S.contains(&self.first_utc_s)
+    }
+}
+
+/// Cycles of a machine beside its time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CycleClock {
+    /// Cycle of the last session that counts them.
+    pub last: f64,
+    /// Cycles a second of late; `None`: one session alone doesn't say.
+    pub per_s: Option<f64>,
 }
 
 /// What to do about a tendon.
@@ -129,6 +157,8 @@ pub enum TrendVerdict {
     Replace,
     /// Look at it: it jumped.
     Inspect,
+    /// Replace the rope: such ropes break at its age.
+    ReplaceByAge,
     /// Watch it: a jump is suspected.
     Watch,
     /// Nothing until the first limit.
@@ -152,6 +182,8 @@ pub struct TrendEvent {
     pub confirmed_utc_s: f64,
     /// Posterior probability when it was confirmed.
     pub probability: f64,
+    /// Sessions that speak for it: one where it is beyond every error; 0 for a stated one.
+    pub sessions: u32,
     /// Change of the stiffness over it, as a fraction of nominal, where sessions state it.
     pub stiffness_change_ratio: Option<Gaussian>,
 }
@@ -239,6 +271,12 @@ pub struct LimitForecast {
     pub after_low_s: Option<f64>,
     /// 97.5 % quantile of that time, s; `None`: beyond the horizon, or unknown.
     pub after_high_s: Option<f64>,
+    /// The median as a date, s since 1970; `None`: as above, or sessions have no dates.
+    pub at_utc_s: Option<f64>,
+    /// The 2.5 % quantile as a date.
+    pub at_low_utc_s: Option<f64>,
+    /// The 97.5 % quantile as a date.
+    pub at_high_utc_s: Option<f64>,
 }
 
 /// What is known of the day a limit is passed.
@@ -300,8 +338,11 @@ pub enum MissingFromRobot {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionPoint {
-    /// Its start, s since 1970.
+    /// Its start, s since 1970; from cycle 0 where only cycles are known.
     pub time_utc_s: f64,
+    /// Cycle of the machine.
+    #[serde(default)]
+    pub cycle: Option<f64>,
     /// As recorded; `None` where it couldn't tell.
     pub offset_rad: Option<Gaussian>,
     /// At the reference temperature, with the drift found in the end.

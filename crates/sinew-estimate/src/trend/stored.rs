@@ -2,13 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
+use sinew_model::offset::SharedError;
 use sinew_model::trend::{
-    Component, Event, Prior, Record, Softened, Stiffness, Trend, TrendConfig, TrendEntry,
-    TrendError, TrendState,
+    BaselineError, Component, Event, Prior, Record, SharedPart, Softened, Stiffness, Trend,
+    TrendConfig, TrendEntry, TrendError, TrendState,
 };
 
 /// Version written.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What a trend remembers, to go on from later: some tens of kilobytes, just after a jump about one
 /// megabyte.
@@ -27,6 +28,9 @@ pub struct StoredTrend {
     pub filters: Vec<StoredFilter>,
     /// The stiffness: means, lower triangle of the covariance, shape and rate.
     pub stiffness: [f64; 7],
+    /// What sessions since the baseline get wrong together: variance of each level, and whether sessions state it.
+    #[serde(default)]
+    pub baseline: Vec<(f64, bool)>,
     /// The stiffness since the last jump: mean, information, sessions.
     pub softened: Option<(f64, f64, u64)>,
     /// Sessions that reported one.
@@ -70,8 +74,12 @@ pub enum StoredEntry {
         time_s: f64,
         /// Offset and standard deviation, rad.
         offset_rad: Option<[f64; 2]>,
+        /// Parts of that which other sessions have too: the baseline's, the drift's, rad.
+        shared_rad: Option<[f64; 2]>,
         /// °C.
         temperature_c: Option<f64>,
+        /// Of the baseline, °C.
+        reference_c: Option<f64>,
         /// Stiffness over nominal less 1 and standard deviation.
         stiffness: Option<[f64; 2]>,
     },
@@ -87,6 +95,13 @@ pub enum StoredEntry {
         /// s since tensioning.
         time_s: f64,
     },
+    /// A new baseline.
+    Baseline {
+        /// s since tensioning.
+        time_s: f64,
+        /// rad.
+        deviation_rad: f64,
+    },
 }
 
 /// An event.
@@ -98,6 +113,8 @@ pub struct StoredEvent {
     size_rad: Option<[f64; 2]>,
     confirmed_s: f64,
     probability: f64,
+    #[serde(default)]
+    sessions: u32,
     tensioned: bool,
 }
 
@@ -106,7 +123,10 @@ pub struct StoredEvent {
 #[non_exhaustive]
 pub enum StoredTrendError {
     /// Written by an earlier or a later program.
-    #[error("the trend has version {0}; this program reads version 3")]
+    #[error(
+        "the trend has version {0}; this program reads version {known}: make it anew from its sessions",
+        known = VERSION
+    )]
     Version(u32),
     /// Another prior, or damaged.
     #[error(transparent)]
@@ -127,6 +147,9 @@ impl From<&Trend> for StoredTrend {
                 let ([m0, m1], [c0, c1, c2]) = (s.mean, s.covariance);
                 [m0, m1, c0, c1, c2, s.shape, s.rate]
             },
+            baseline: (state.baseline.levels.iter().flatten())
+                .map(|level| (level.variance, level.stated))
+                .collect(),
             softened: (state.softened).map(|s| (s.mean, s.information, s.sessions)),
             stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().filter_map(entry).collect(),
@@ -137,6 +160,7 @@ impl From<&Trend> for StoredTrend {
                     size_rad: (!e.size_rad.mean.is_nan()).then_some(pair(e.size_rad)),
                     confirmed_s: e.confirmed_s,
                     probability: e.probability,
+                    sessions: e.sessions,
                     tensioned: e.tensioned,
                 })
                 .collect(),
@@ -157,12 +181,16 @@ fn entry(entry: &TrendEntry) -> Option<StoredEntry> {
         TrendEntry::Record(Record {
             time_s,
             offset_rad,
+            shared,
             temperature_c,
+            reference_c,
             stiffness,
         }) => StoredEntry::Session {
             time_s,
             offset_rad: offset_rad.map(pair),
+            shared_rad: shared.map(|s| [s.baseline_rad, s.drift_rad]),
             temperature_c,
+            reference_c,
             stiffness: stiffness.map(pair),
         },
         TrendEntry::Jump {
@@ -173,9 +201,28 @@ fn entry(entry: &TrendEntry) -> Option<StoredEntry> {
             deviation_rad,
         },
         TrendEntry::Tensioned { time_s } => StoredEntry::Tensioned { time_s },
+        TrendEntry::Baseline {
+            time_s,
+            deviation_rad,
+        } => StoredEntry::Baseline {
+            time_s,
+            deviation_rad,
+        },
         // A kind this version doesn't know can't be written by it either.
         _ => return None,
     })
+}
+
+/// The levels of an error that sessions share; at most two.
+fn levels(stored: &[(f64, bool)]) -> Result<BaselineError, TrendError> {
+    let mut out = BaselineError::default();
+    if stored.len() > out.levels.len() {
+        return Err(TrendError::State);
+    }
+    for (level, &(variance, stated)) in out.levels.iter_mut().zip(stored) {
+        *level = Some(SharedPart { variance, stated });
+    }
+    Ok(out)
 }
 
 impl StoredTrend {
@@ -196,6 +243,7 @@ impl StoredTrend {
                 .map(StoredFilter::component)
                 .collect::<Option<_>>()
                 .ok_or(TrendError::State)?,
+            baseline: levels(&self.baseline)?,
             softened: self.softened.map(|(mean, information, sessions)| Softened {
                 mean,
                 information,
@@ -213,12 +261,19 @@ impl StoredTrend {
                     StoredEntry::Session {
                         time_s,
                         offset_rad,
+                        shared_rad,
                         temperature_c,
+                        reference_c,
                         stiffness,
                     } => TrendEntry::Record(Record {
                         time_s,
                         offset_rad: offset_rad.map(gaussian),
+                        shared: shared_rad.map(|[baseline_rad, drift_rad]| SharedError {
+                            baseline_rad,
+                            drift_rad,
+                        }),
                         temperature_c,
+                        reference_c,
                         stiffness: stiffness.map(gaussian),
                     }),
                     StoredEntry::Jump {
@@ -229,6 +284,13 @@ impl StoredTrend {
                         deviation_rad,
                     },
                     StoredEntry::Tensioned { time_s } => TrendEntry::Tensioned { time_s },
+                    StoredEntry::Baseline {
+                        time_s,
+                        deviation_rad,
+                    } => TrendEntry::Baseline {
+                        time_s,
+                        deviation_rad,
+                    },
                 })
                 .collect(),
             events: (self.events.into_iter())
@@ -238,6 +300,7 @@ impl StoredTrend {
                     size_rad: gaussian(e.size_rad.unwrap_or([f64::NAN; 2])),
                     confirmed_s: e.confirmed_s,
                     probability: e.probability,
+                    sessions: e.sessions,
                     tensioned: e.tensioned,
                 })
                 .collect(),

@@ -76,7 +76,7 @@ pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
         joint: "elbow".into(),
         offset_rad: Some(Gaussian::new(1e-3 * offset_mrad, 0.6e-3 / Z95)),
         temperature_c: Some(21.0),
-        stiffness_ratio: None,
+        ..SessionRecord::default()
     }
 }
 

@@ -192,6 +192,7 @@ impl<'r> Search<'r> {
                 temperature_deviation_k: 0.0,
                 change_deviation_k: 0.0,
                 anchors: Vec::new(),
+                zero_time_ns: None,
                 mean: Vec::new(),
                 covariance_lower: Vec::new(),
                 before: Vec::new(),

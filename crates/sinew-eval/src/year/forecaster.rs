@@ -7,8 +7,9 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sinew_estimate::trend::prior;
 use sinew_files::date::DAY_S;
+use sinew_model::offset::SharedError;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Curve, Noise, Prior, node_times_s};
+use sinew_model::trend::{Curve, Noise, Prior, Record, node_times_s};
 use sinew_rope::{CatalogueError, CatalogueRope};
 
 impl Forecaster {
@@ -22,19 +23,22 @@ impl Forecaster {
     ) -> Result<Prior, CatalogueError> {
         let pretension_n = tendon.pretension_n.unwrap_or(60.0);
         const SEED: u64 = 1;
+        /// Of a robot whose tolerance of 0.1 mrad/K is the default.
+        const DRIFT_RAD_PER_K: f64 = 1.25e-4;
+        /// What who takes every error for a session's own believes of the level at the baseline, rad.
+        const ALONE_RAD: f64 = 0.5e-3;
         /// Days of work differ, and so do days of creep.
         const LEAST_RAD: f64 = 0.05e-3;
         /// Season and work leave the pace nowhere quite constant.
         const PACE_ERRORS: [f64; 2] = [0.15, 0.5];
+        let curves_of_rope =
+            || prior::rope_curves(rope, tendon, pretension_n, None, 21.0, SEED).map(Prior::new);
         let mut out = match self {
-            Self::Rope => Prior::new(prior::rope_curves(
-                rope,
-                tendon,
-                pretension_n,
-                None,
-                21.0,
-                SEED,
-            )?),
+            Self::Rope => curves_of_rope()?,
+            Self::Alone => Prior {
+                level_deviation_rad: ALONE_RAD,
+                ..curves_of_rope()?
+            },
             Self::Generic => Prior::new(prior::generic(Some(tendon))),
             Self::Oracle => Prior {
                 noises: PACE_ERRORS
@@ -42,22 +46,36 @@ impl Forecaster {
                         slow_deviation_rad: errors.slow_rad.max(LEAST_RAD),
                         slow_time_s: errors.slow_time_s,
                         // What the thermometer's error adds is the drift's, of this robot.
-                        white_scale: errors
-                            .white_deviation_mrad()
-                            .hypot(mrad(errors.drift_rad_per_k) * errors.thermometer_k)
-                            / mrad(errors.stated_rad),
+                        white_scale: 1e-3
+                            * (errors.white_deviation_mrad())
+                                .hypot(mrad(errors.drift_rad_per_k) * errors.thermometer_k)
+                            / errors.own_unit_rad(),
                         pace_error,
                         log_weight: 0.0,
                     })
                     .to_vec(),
-                temperature_deviation_rad_per_k: errors.drift_rad_per_k,
-                level_deviation_rad: 1e-3
-                    * (mrad(errors.slow_rad).hypot(mrad(errors.bias_rad))).max(mrad(LEAST_RAD)),
                 ..Prior::new(true_curves(rope, tendon, curves)?)
             },
         };
+        // As `sinew trend` takes it from the tolerances of a robot.
+        out.temperature_deviation_rad_per_k = DRIFT_RAD_PER_K;
         out.temperature_ref_c = 21.0;
         Ok(out)
+    }
+}
+
+impl Forecaster {
+    /// A session as this one takes it.
+    pub(super) fn takes(self, record: Record) -> Record {
+        let all_own = SharedError::default();
+        Record {
+            shared: match self {
+                // All of it is the session's own, and its next one has another.
+                Self::Alone => Some(all_own),
+                _ => record.shared,
+            },
+            ..record
+        }
     }
 }
 

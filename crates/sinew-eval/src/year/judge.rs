@@ -12,7 +12,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::quantile;
-use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, first_passage};
+use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, TrendNow, first_passage};
 use sinew_rope::Catalogue;
 
 /// Days forecasts are made on.
@@ -121,7 +121,9 @@ fn record(session: &Session, joint: &str) -> Option<Record> {
     Some(Record {
         time_s: session.day as f64 * DAY_S,
         offset_rad: own.offset_rad,
+        shared: own.shared_error,
         temperature_c: Some(session.temperature_c),
+        reference_c: None,
         stiffness: Some(own.stiffness_ratio),
     })
 }
@@ -141,10 +143,10 @@ fn follow(
         let jump = failure.filter(|f| day >= f.day && f.day <= failed_by);
         year.creep_rad[day] + jump.map_or(0.0, |f| f.size_rad)
     };
-    let (mut squares, mut counted) = (0.0, 0.0);
+    let (mut squares, mut half_widths) = (0.0, 0.0);
     for record in records {
         let day = (record.time_s / DAY_S).round() as usize;
-        if let Some(event) = trend.add(*record)?.confirmed {
+        if let Some(event) = trend.add(out.forecaster.takes(*record))?.confirmed {
             let at = event.time_s / DAY_S;
             // A failure shows in the first session after it that could tell.
             match failure.filter(|f| (at - f.day as f64).abs() <= NEAR_DAYS) {
@@ -158,9 +160,16 @@ fn follow(
             }
         }
         if day.is_multiple_of(15) {
-            let error = mean_offset(&trend, &mut rng) - true_rad(day, day);
+            let found = TrendNow::of(&trend).offset_rad;
+            let error = found.mean - true_rad(day, day);
             squares += error * error;
-            counted += 1.0;
+            half_widths += found.half_width_95();
+            let days = match failure {
+                Some(failure) if day >= failure.day => &mut out.failed,
+                _ => &mut out.whole,
+            };
+            days.checked += 1;
+            days.inside_95 += usize::from(error.abs() <= found.half_width_95());
         }
         if FORECAST_DAYS.contains(&day) {
             let path: Vec<f64> = (day..year.creep_rad.len())
@@ -174,7 +183,10 @@ fn follow(
             }
         }
     }
-    out.error_rms_rad = (squares / f64::max(counted, 1.0)).sqrt();
+    let checked = out.whole.checked + out.failed.checked;
+    let counted = f64::max(checked as f64, 1.0);
+    out.error_rms_rad = (squares / counted).sqrt();
+    out.half_width_95_rad = half_widths / counted;
     Ok(())
 }
 
@@ -191,15 +203,6 @@ fn sudden(creep_rad: &[f64], day: usize) -> bool {
     let least = TrendConfig::default().least_jump_rad;
     (day.saturating_sub(1).max(2)..=day + 1)
         .any(|d| grown(d) - grown(d - 1).max(grown(d + 1)) >= least)
-}
-
-/// Mean of the present offset, rad.
-fn mean_offset(trend: &Trend, rng: &mut ChaCha8Rng) -> f64 {
-    const PATHS: usize = 100;
-    let paths = Paths::draw(trend, &[trend.time_s()], PATHS, &mut || {
-        StandardNormal.sample(rng)
-    });
-    paths.offset_rad.iter().map(|p| p[0]).sum::<f64>() / PATHS as f64
 }
 
 fn forecast(

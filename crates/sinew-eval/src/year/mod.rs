@@ -15,8 +15,8 @@ mod table;
 pub mod truth;
 
 pub use result::{
-    DayForecast, DayInterval, ForecastSummary, Forecaster, RobotYear, SessionSource, TendonResult,
-    YearReport, YearSummary,
+    DayForecast, DayInterval, DaysInside, ForecastSummary, Forecaster, RobotYear, SessionSource,
+    TendonResult, YearReport, YearSummary,
 };
 pub use summary::summary;
 pub use table::render_table;
@@ -37,7 +37,7 @@ use surrogate::SessionErrors;
 /// Other numbers or names: what older files hold can't go on.
 const YEARS: journal::Kind = journal::Kind {
     format: "sinew-years",
-    version: 3,
+    version: 4,
     holds: "simulated years",
 };
 
@@ -130,6 +130,11 @@ pub fn run(
             "errors",
             format!("{:?}", request.errors),
             "errors of other sessions (--session)",
+        ),
+        setting(
+            "forecasters",
+            format!("{:?}", request.forecasters),
+            "forecasters {} (--forecasters)",
         ),
     ];
     let (mut journal, kept) = Journal::open::<RobotYear>(out, &YEARS, &settings)?;

@@ -4,6 +4,7 @@ use super::chain::{FailureSeen, JointErrors, SessionKind};
 use super::surrogate::{Failure, SessionErrors};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
+use sinew_model::Gaussian;
 
 /// Simulated years of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,6 +58,9 @@ pub enum SessionSource {
 pub enum Forecaster {
     /// `sinew trend` with the rope named in the robot file.
     Rope,
+    /// The same, but every error is taken for its session's own, so that many sessions average it away: what it was
+    /// before sessions said what they share.
+    Alone,
     /// `sinew trend` without.
     Generic,
     /// Knows the law, how ropes, duties and errors are drawn, and lacks this tendon's numbers: what
@@ -66,7 +70,7 @@ pub enum Forecaster {
 
 impl Forecaster {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Rope, Self::Generic, Self::Oracle];
+    pub const ALL: [Self; 4] = [Self::Rope, Self::Alone, Self::Generic, Self::Oracle];
 }
 
 /// One robot's year.
@@ -100,6 +104,12 @@ pub struct TendonResult {
     pub sudden_creep_days: Vec<f64>,
     /// RMS of the filtered offset against the truth, rad.
     pub error_rms_rad: f64,
+    /// Days, every fifteenth, on which the filtered offset was held against the truth while the tendon was whole.
+    pub whole: DaysInside,
+    /// The same after its failure.
+    pub failed: DaysInside,
+    /// Mean half of the 95 % interval, rad.
+    pub half_width_95_rad: f64,
     /// Forecasts.
     pub forecasts: Vec<DayForecast>,
 }
@@ -114,8 +124,28 @@ impl TendonResult {
             false_alarm_days: Vec::new(),
             sudden_creep_days: Vec::new(),
             error_rms_rad: 0.0,
+            whole: DaysInside::default(),
+            failed: DaysInside::default(),
+            half_width_95_rad: 0.0,
             forecasts: Vec::new(),
         }
+    }
+}
+
+/// Days on which an interval was held against the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DaysInside {
+    /// How many.
+    pub checked: usize,
+    /// Those of them on which the truth was inside the 95 % interval.
+    pub inside_95: usize,
+}
+
+impl DaysInside {
+    /// Share of days inside; `None` of none.
+    pub fn share(self) -> Option<f64> {
+        (self.checked > 0).then(|| self.inside_95 as f64 / self.checked as f64)
     }
 }
 
@@ -176,6 +206,12 @@ pub struct YearSummary {
     pub false_alarms_per_robot_year: f64,
     /// RMS of the tracked offset against the truth, rad: median over tendons.
     pub tracking_rms_rad: f64,
+    /// Share of days, every fifteenth, on which the true offset of a whole tendon was inside the 95 % interval.
+    pub covered_95: Option<Gaussian>,
+    /// The same of tendons of which a strand has failed.
+    pub failed_covered_95: Option<Gaussian>,
+    /// Mean half of that interval, rad.
+    pub half_width_95_rad: Option<f64>,
     /// Forecasts by the day they were made.
     pub forecasts: Vec<ForecastSummary>,
 }
@@ -192,10 +228,10 @@ pub struct ForecastSummary {
     pub error_of_day_ratio: Option<f64>,
     /// Median of |error| over what was left until the true day.
     pub error_of_rest_ratio: Option<f64>,
-    /// Share of true days inside the 90 % interval.
-    pub covered_90_share: f64,
-    /// Share of true days inside the 95 % interval.
-    pub covered_95_share: f64,
+    /// Share of true days inside the 90 % interval, with its standard error.
+    pub covered_90: Gaussian,
+    /// Share of true days inside the 95 % interval, with its standard error.
+    pub covered_95: Gaussian,
     /// Median width of the 90 % interval over the true day.
     pub width_90_ratio: Option<f64>,
 }

@@ -3,7 +3,7 @@
 use super::chain::{FailureSeen, JointErrors};
 use super::result::{Forecaster, SessionSource, YearReport, YearSummary};
 use sinew_figure::rounded;
-use sinew_model::Z95;
+use sinew_model::{Gaussian, Z95};
 use sinew_report::text::{paragraph, plain, table};
 
 /// The years as tables.
@@ -26,6 +26,7 @@ pub fn render_table(report: &YearReport) -> String {
 fn forecaster_name(forecaster: Forecaster) -> String {
     let name = match forecaster {
         Forecaster::Rope => "rope known",
+        Forecaster::Alone => "errors alone",
         Forecaster::Generic => "no rope",
         Forecaster::Oracle => "true law known",
     };
@@ -41,6 +42,9 @@ fn render_summary(summaries: &[YearSummary]) -> String {
         "false alarms per year",
         "sudden creep",
         "tracking RMS\nmrad",
+        "± (95 %)\nmrad",
+        "inside ±\n%",
+        "failed: inside ±\n%",
     ];
     let rows = summaries
         .iter()
@@ -52,6 +56,9 @@ fn render_summary(summaries: &[YearSummary]) -> String {
                 rounded(s.false_alarms_per_robot_year, 2),
                 s.sudden_creep.to_string(),
                 rounded(1e3 * s.tracking_rms_rad, 2),
+                number(s.half_width_95_rad, 1e3),
+                share(s.covered_95),
+                share(s.failed_covered_95),
             ]
         })
         .collect();
@@ -75,19 +82,29 @@ fn render_summary(summaries: &[YearSummary]) -> String {
                 f.forecasts.to_string(),
                 number(f.error_of_day_ratio, 100.0),
                 number(f.error_of_rest_ratio, 100.0),
-                rounded(100.0 * f.covered_90_share, 2),
-                rounded(100.0 * f.covered_95_share, 2),
+                share(Some(f.covered_90)),
+                share(Some(f.covered_95)),
             ]);
         }
     }
     out.push_str(&table(&head, rows, 1));
     out.push('\n');
     out + &paragraph(
-        "Error: median of |forecast - true day| over the true day, and over what was left until it. \
+        "Inside ±: days, every fifteenth, on which the true offset was within the trend's 95 % interval, \
+         before and after the tendon's own failure. Brackets: standard errors; a tendon counts once. Errors alone: the same trend, taking every error for its session's own. \
+         Error: median of |forecast - true day| over the true day, and over what was left until it. \
          A forecast supposes no further failure and is held against the day without one. Sudden creep: \
          alarms on days on which the rope itself grew by a millirad more than on the days around.",
         0,
     )
+}
+
+/// A share in percent with its standard error.
+fn share(share: Option<Gaussian>) -> String {
+    share.map_or("–".into(), |share| {
+        let error = (100.0 * share.deviation).max(1.0);
+        format!("{:.0} ({error:.0})", 100.0 * share.mean)
+    })
 }
 
 /// Two digits of a number in a unit of which `factor` make one of SI, or a dash.

@@ -4,7 +4,8 @@
 //! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
 //! `parameter`, `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
 //! rows over the state), `batch` (a whole recording), `recursive` (block by block), [`beliefs`]
-//! (from one recording to the next), [`misfit`] (what fits nothing).
+//! (from one recording to the next), `shared_error` (what sessions since one baseline get wrong together),
+//! [`misfit`] (what fits nothing).
 
 mod batch;
 mod belief;
@@ -28,6 +29,7 @@ mod observer;
 mod parameter;
 mod prior;
 mod recursive;
+mod shared_error;
 mod state_entry;
 
 pub use batch::MapEstimator;
@@ -46,4 +48,5 @@ pub use observer::{OffsetObserver, Sample};
 pub use parameter::JointParameter;
 pub use prior::{JointPrior, Prior};
 pub use recursive::RecursiveOffsets;
+pub use shared_error::{SharedError, shared_errors};
 pub use state_entry::StateEntry;

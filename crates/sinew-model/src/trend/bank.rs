@@ -1,7 +1,9 @@
 //! Filters side by side: one per pair of curve and noise.
 
+use super::baseline_error::{BaselineError, SharedPart, Shares};
 use super::component::{
-    AMPLITUDE, Component, DRIFT, LEVEL, SHARED, SLOW, STATES, TAKEN_OUT, TRIANGLE, entry,
+    AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, SLOW, STATES, STIFFNESS,
+    TAKEN_OUT, TRIANGLE, entry,
 };
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
@@ -12,7 +14,10 @@ use alloc::vec::Vec;
 
 /// Standard deviation of a session's error in the offset per error of its stiffness, rad: half a
 /// millirad per percent. A starting guess.
-const SHARED_RAD: f64 = 0.05;
+const STIFFNESS_RAD: f64 = 0.05;
+/// Time in which the part of the error that comes with the baseline becomes another, s: ten years. What a baseline taught
+/// of friction and stiffness ages; in a year the sessions' error moves by half of it at most. A starting guess.
+const AGES_S: f64 = 3.2e8;
 /// A filter this much less likely than the likeliest, e^-18 = 1.5e-8, is let go.
 const NEGLIGIBLE: f64 = 18.0;
 
@@ -24,6 +29,35 @@ pub(super) struct Bank {
     pub components: Vec<Component>,
     /// The stiffness since the last jump.
     pub softened: Option<Softened>,
+    /// What sessions since the baseline get wrong together.
+    pub baseline: BaselineError,
+}
+
+/// What a time takes from the errors of one noise.
+struct Forgets {
+    /// Of the slow error.
+    slow: f64,
+    /// Variance that both states of the baseline's error get anew, rad².
+    baseline: [f64; 2],
+}
+
+/// What a time does to what a filter's states have answered to a jump.
+pub(super) struct Passing {
+    /// Per curve, rad.
+    creep: Vec<f64>,
+    /// Per noise.
+    slow: Vec<f64>,
+    ages: f64,
+}
+
+impl Passing {
+    pub(super) fn apply(&self, c: &Component, answer: &mut [f64; STATES]) {
+        let at = |of: &[f64], k: u32, none: f64| of.get(k as usize).copied().unwrap_or(none);
+        answer[LEVEL] += answer[AMPLITUDE] * at(&self.creep, c.curve, 0.0);
+        answer[SLOW] *= at(&self.slow, c.noise, 1.0);
+        answer[BASELINE] *= self.ages;
+        answer[EXCESS] *= self.ages;
+    }
 }
 
 /// An update chosen: evidence of the record and whether it was taken as off.
@@ -46,7 +80,7 @@ impl Bank {
                 covariance[entry(AMPLITUDE, AMPLITUDE)] = square(curve.amplitude_deviation);
                 covariance[entry(DRIFT, DRIFT)] = square(prior.temperature_deviation_rad_per_k);
                 covariance[entry(SLOW, SLOW)] = square(noise.slow_deviation_rad);
-                covariance[entry(SHARED, SHARED)] = square(SHARED_RAD);
+                covariance[entry(STIFFNESS, STIFFNESS)] = square(STIFFNESS_RAD);
                 components.push(Component {
                     curve: i as u32,
                     noise: k as u32,
@@ -62,6 +96,7 @@ impl Bank {
             time_s: prior.baseline_s,
             components,
             softened: None,
+            baseline: BaselineError::default(),
         }
     }
 
@@ -76,7 +111,8 @@ impl Bank {
             .sum()
     }
 
-    /// Time passes: the level creeps on, its pace may leave its curve, the slow error forgets.
+    /// Time passes: the level creeps on, its pace may leave its curve, the slow error forgets, what the baseline taught
+    /// ages.
     pub(super) fn advance(&mut self, prior: &Prior, time_s: f64) {
         let dt = time_s - self.time_s;
         if !(dt > 0.0) {
@@ -84,11 +120,20 @@ impl Bank {
         }
         let creep = creep(prior, self.time_s, time_s);
         let folds = folds(prior, self.time_s, time_s);
+        let ages = libm::exp(-dt / AGES_S);
+        let renewed = 1.0 - ages * ages;
+        let noises: Vec<Forgets> = (prior.noises.iter())
+            .map(|noise| Forgets {
+                slow: libm::exp(-dt / noise.slow_time_s),
+                baseline: self.baseline.variances(noise).map(|v| renewed * v),
+            })
+            .collect();
         for c in &mut self.components {
-            let (Some(step), Some(curve), Some(noise)) = (
+            let (Some(step), Some(curve), Some(noise), Some(forgets)) = (
                 creep.get(c.curve as usize),
                 prior.curves.get(c.curve as usize),
                 prior.noises.get(c.noise as usize),
+                noises.get(c.noise as usize),
             ) else {
                 continue;
             };
@@ -109,35 +154,29 @@ impl Bank {
             p[entry(LEVEL, LEVEL)] += walk * step * step / 3.0;
             // Creep comes in steps: a day of hard work does what ten others don't.
             p[entry(LEVEL, LEVEL)] += prior.step_rad * (c.mean[AMPLITUDE] * step).max(0.0);
-            let phi = libm::exp(-dt / noise.slow_time_s);
-            c.mean[SLOW] *= phi;
-            for k in (0..STATES).filter(|k| *k != SLOW) {
-                p[entry(SLOW, k)] *= phi;
-            }
-            let own = &mut p[entry(SLOW, SLOW)];
+            c.scale(SLOW, forgets.slow);
             let stationary = noise.slow_deviation_rad * noise.slow_deviation_rad;
-            *own = stationary + phi * phi * (*own - stationary);
+            c.open(SLOW, (1.0 - forgets.slow * forgets.slow) * stationary);
+            for (state, variance) in [BASELINE, EXCESS].into_iter().zip(forgets.baseline) {
+                if variance > 0.0 {
+                    c.scale(state, ages);
+                    c.open(state, variance);
+                }
+            }
         }
         self.time_s = time_s;
     }
 
-    /// [`Bank::advance`] with answers of the filters to a jump going along.
-    pub(super) fn advance_keeping(
-        &mut self,
-        prior: &Prior,
-        time_s: f64,
-        answers: &mut [[f64; STATES]],
-    ) {
+    /// What time up to `time_s` does to the filters' answers to a jump.
+    pub(super) fn passing(&self, prior: &Prior, time_s: f64) -> Passing {
         let dt = (time_s - self.time_s).max(0.0);
-        let creep = creep(prior, self.time_s, time_s);
-        for (c, answer) in self.components.iter().zip(answers) {
-            let step = creep.get(c.curve as usize).copied().unwrap_or(0.0);
-            answer[LEVEL] += answer[AMPLITUDE] * step;
-            if let Some(noise) = prior.noises.get(c.noise as usize) {
-                answer[SLOW] *= libm::exp(-dt / noise.slow_time_s);
-            }
+        Passing {
+            creep: creep(prior, self.time_s, time_s.max(self.time_s)),
+            slow: (prior.noises.iter())
+                .map(|noise| libm::exp(-dt / noise.slow_time_s))
+                .collect(),
+            ages: libm::exp(-dt / AGES_S),
         }
-        self.advance(prior, time_s);
     }
 
     /// Takes a record in without letting filters go, and adds what it says on a jump that the states
@@ -154,40 +193,67 @@ impl Bank {
         let Some(Gaussian { mean: offset, .. }) = record.offset_rad else {
             return;
         };
-        let h = self.sees(prior, record);
+        let Some((h, shares)) = self.sees(prior, record) else {
+            return;
+        };
         for ((c, answer), sum) in self.components.iter_mut().zip(answers).zip(sums) {
-            let (expected, variance) = c.predict(&h);
+            let expected = c.expect(&h);
+            let variance = expected.variance;
             let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
             // Where a jump as known so far leaves the record.
-            let left = offset - expected - d * sum[1] / sum[0];
-            let mut own = own_variance(prior, record, c);
-            let wide = own + config.off_deviation_rad * config.off_deviation_rad;
+            let left = offset - expected.mean - d * sum[1] / sum[0];
+            let mut own = own_variance(prior, record, &shares, c);
+            let off = config.off_deviation_rad * config.off_deviation_rad;
+            let wide = own + off;
             let free = variance + d * d / sum[0];
-            let odds = log_normal(left, free + wide) - log_normal(left, free + own);
+            let odds = log_normal(left, off) - log_normal(left, free + own);
             if odds + libm::log(config.off_share) > libm::log(1.0 - config.off_share) {
                 own = wide;
             }
-            let s = variance + own;
+            let (s, error) = (variance + own, offset - expected.mean);
             sum[0] += d * d / s;
-            sum[1] += d * (offset - expected) / s;
-            let gain = c.correct(&h, offset, own);
+            sum[1] += d * error / s;
+            c.correct(&expected, error, s);
+            c.log_weight += log_normal(error, s);
             for i in 0..STATES {
-                answer[i] -= gain[i] * d;
+                answer[i] -= expected.with_states[i] / s * d;
             }
         }
         self.take_stiffness(record);
     }
 
-    /// What a record sees of each state.
-    fn sees(&self, prior: &Prior, record: &Record) -> [f64; STATES] {
-        let warm = record
-            .temperature_c
-            .map_or(0.0, |t| t - prior.temperature_ref_c);
+    /// What a record with an offset sees of each state, and of the error that others share.
+    fn sees(&mut self, prior: &Prior, record: &Record) -> Option<([f64; STATES], Shares)> {
+        let part = SharedPart::of(prior, record)?;
+        let shares = self.baseline.meet(part, prior, &mut self.components);
+        let reference_c = record.reference_c.unwrap_or(prior.temperature_ref_c);
+        let warm = record.temperature_c.map_or(0.0, |t| t - reference_c);
         let off = self.softened.map_or(0.0, |s| s.off(record));
-        [1.0, 1.0, 0.0, warm, 1.0, off]
+        let [better, poorer] = shares.h;
+        Some(([1.0, 1.0, 0.0, warm, 1.0, off, better, poorer], shares))
     }
 
-    fn take_stiffness(&mut self, record: &Record) {
+    /// What every filter expects of a record with an offset, and what a record sees of each state.
+    pub(super) fn predict(
+        &mut self,
+        prior: &Prior,
+        record: &Record,
+    ) -> Option<([f64; STATES], Vec<Prediction>)> {
+        let (h, shares) = self.sees(prior, record)?;
+        let offset = record.offset_rad?.mean;
+        let of = |c: &Component| {
+            let expected = c.expect(&h);
+            let s = expected.variance + own_variance(prior, record, &shares, c);
+            Prediction {
+                expected,
+                s,
+                log_density: log_normal(offset - expected.mean, s),
+            }
+        };
+        Some((h, self.components.iter().map(of).collect()))
+    }
+
+    pub(super) fn take_stiffness(&mut self, record: &Record) {
         if let Some(softened) = &mut self.softened {
             softened.take(record);
         }
@@ -208,8 +274,21 @@ impl Bank {
     /// Opens the level (or what was taken out) to a change of `deviation_rad`.
     pub(super) fn open(&mut self, state: usize, deviation_rad: f64) {
         for c in &mut self.components {
-            c.covariance[entry(state, state)] += deviation_rad * deviation_rad;
+            c.open(state, deviation_rad * deviation_rad);
         }
+    }
+
+    /// A new baseline: the offset since then is 0, up to `deviation_rad`, and what its sessions will get wrong together
+    /// is another.
+    pub(super) fn rebase(&mut self, deviation_rad: f64) {
+        for c in &mut self.components {
+            c.make(TAKEN_OUT, -1.0, LEVEL);
+            c.open(TAKEN_OUT, deviation_rad * deviation_rad);
+            for state in [BASELINE, EXCESS] {
+                c.scale(state, 0.0);
+            }
+        }
+        self.baseline = BaselineError::default();
     }
 
     /// After a failed strand sessions may scatter as they didn't before: each filter also with the
@@ -251,29 +330,42 @@ impl Bank {
             log_evidence: 0.0,
             off: false,
         };
-        let Some(Gaussian { mean: offset, .. }) = record.offset_rad else {
+        let Some((_, expected)) = self.predict(prior, record) else {
             return none;
         };
-        let h = self.sees(prior, record);
-        let own = |c: &Component| own_variance(prior, record, c);
-        let add = config.off_deviation_rad * config.off_deviation_rad;
-        // Evidence of both readings of the record, over all filters.
-        let mut plain = LogSum::new();
-        let mut wide = LogSum::new();
+        let offset = record.offset_rad.map_or(f64::NAN, |offset| offset.mean);
         let mut all = LogSum::new();
-        for c in &self.components {
-            let (expected, variance) = c.predict(&h);
-            let r = own(c);
-            plain.add(c.log_weight + log_normal(offset - expected, variance + r));
-            wide.add(c.log_weight + log_normal(offset - expected, variance + r + add));
+        let mut plain = LogSum::new();
+        for (c, p) in self.components.iter().zip(&expected) {
             all.add(c.log_weight);
+            plain.add(c.log_weight + p.log_density);
         }
-        let plain_e = plain.value() - all.value() + libm::log(1.0 - config.off_share);
-        let wide_e = wide.value() - all.value() + libm::log(config.off_share);
+        let all = all.value();
+        let plain_e = plain.value() - all + libm::log(1.0 - config.off_share);
+        // A record that is off by itself says nothing of the tendon: what it is off by counts from the mean of all filters,
+        // whatever else may have happened. So it is at most this likely.
+        let off = config.off_deviation_rad;
+        let share = libm::log(config.off_share);
+        let mut wide_e = f64::NEG_INFINITY;
+        if !(plain_e > log_normal(0.0, off * off) + share) {
+            let mean: f64 = (self.components.iter().zip(&expected))
+                .map(|(c, p)| libm::exp(c.log_weight - all) * p.expected.mean)
+                .sum();
+            wide_e = log_normal(offset - mean, off * off) + share;
+        }
         let is_off = wide_e > plain_e;
-        for c in &mut self.components {
-            let r = own(c) + if is_off { add } else { 0.0 };
-            c.correct(&h, offset, r);
+        for (c, p) in self.components.iter_mut().zip(&expected) {
+            let error = offset - p.expected.mean;
+            if is_off {
+                // How far off it is must not choose filters.
+                const FAR: f64 = 3.0;
+                let (error, s) = (error.clamp(-FAR * off, FAR * off), p.s + off * off);
+                c.log_weight += log_normal(error, s);
+                c.correct(&p.expected, error, s);
+            } else {
+                c.log_weight += p.log_density;
+                c.correct(&p.expected, error, p.s);
+            }
         }
         self.let_go();
         self.take_stiffness(record);
@@ -293,31 +385,33 @@ impl Bank {
         let mut log_evidence = 0.0;
         let mut off = Vec::with_capacity(entries.len());
         for entry in entries {
+            self.advance(prior, entry.time_s());
             let mut is_off = false;
             match entry {
                 TrendEntry::Record(record) => {
-                    self.advance(prior, record.time_s);
                     let updated = self.update(prior, record, config);
                     log_evidence += updated.log_evidence;
                     is_off = updated.off;
                 }
-                TrendEntry::Jump {
-                    time_s,
-                    deviation_rad,
-                } => {
-                    self.advance(prior, *time_s);
-                    self.open(LEVEL, *deviation_rad);
-                    self.reconsider_errors(prior);
-                    self.jumped();
-                }
-                TrendEntry::Tensioned { time_s } => {
-                    self.advance(prior, *time_s);
-                    self.open(TAKEN_OUT, config.fall_deviation_rad);
-                }
+                other => self.undergo(prior, config, other),
             }
             off.push(is_off);
         }
         (log_evidence, off)
+    }
+
+    /// What happened between sessions, at the filters' time.
+    pub(super) fn undergo(&mut self, prior: &Prior, config: &TrendConfig, entry: &TrendEntry) {
+        match entry {
+            TrendEntry::Record(_) => {}
+            TrendEntry::Jump { deviation_rad, .. } => {
+                self.open(LEVEL, *deviation_rad);
+                self.reconsider_errors(prior);
+                self.jumped();
+            }
+            TrendEntry::Tensioned { .. } => self.open(TAKEN_OUT, config.fall_deviation_rad),
+            TrendEntry::Baseline { deviation_rad, .. } => self.rebase(*deviation_rad),
+        }
     }
 
     /// Drops filters that don't count any more and brings the likeliest to weight 0.
@@ -360,6 +454,7 @@ impl Bank {
             time_s: self.time_s,
             components,
             softened: self.softened,
+            baseline: self.baseline,
         }
     }
 }
@@ -380,18 +475,20 @@ pub(super) fn folds(prior: &Prior, from_s: f64, to_s: f64) -> f64 {
     libm::log(to_s.max(start) / from_s.max(start)).max(0.0)
 }
 
+/// What a filter expects of a record, and how likely it found it.
+pub(super) struct Prediction {
+    pub(super) expected: Expected,
+    /// Variance of the record in all, rad².
+    pub(super) s: f64,
+    /// Logarithm of the density of what was recorded.
+    pub(super) log_density: f64,
+}
+
 /// Variance of a record's own error as a filter sees it, rad².
-fn own_variance(prior: &Prior, record: &Record, c: &Component) -> f64 {
-    /// A temperature nobody wrote down is not known to some 5 K, and the drift blurs the record.
-    const UNKNOWN_K: f64 = 5.0;
-    let deviation = record.offset_rad.map_or(0.0, |offset| offset.deviation);
-    let scale = prior
-        .noises
-        .get(c.noise as usize)
-        .map_or(1.0, |n| n.white_scale);
-    let blur = match record.temperature_c {
-        Some(_) => 0.0,
-        None => UNKNOWN_K * prior.temperature_deviation_rad_per_k,
+fn own_variance(prior: &Prior, record: &Record, shares: &Shares, c: &Component) -> f64 {
+    let Some(noise) = prior.noises.get(c.noise as usize) else {
+        return 0.0;
     };
-    deviation * deviation * scale * scale + blur * blur
+    let own = noise.white_scale * record.own_deviation_rad(prior.temperature_deviation_rad_per_k);
+    own * own + shares.beyond(noise)
 }

@@ -6,12 +6,16 @@ use super::gauss::LogSum;
 use super::jump::jump_size;
 use super::prior::Prior;
 use super::record::{Event, TrendConfig, TrendEntry};
+use super::screen::Screen;
 use super::stiffness::Stiffness;
 
 /// Seconds of a day.
 const DAY_S: f64 = 86_400.0;
 /// Filters that jumps are judged with.
-const JUDGES: usize = 160;
+pub(super) const JUDGES: usize = 160;
+
+/// A jump less likely than this isn't weighed exactly.
+const UNLIKELY: f64 = 0.005;
 
 /// A jump that may have happened.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +57,14 @@ impl Window<'_> {
     /// Probability that there was a jump within the window, and the likeliest.
     pub(super) fn judge(&self) -> (f64, Option<Hypothesis>) {
         let start = self.anchor.thinned(JUDGES);
-        let (none, _) = start.clone().run(self.prior, self.config, self.entries);
+        let (none, off) = start.clone().run(self.prior, self.config, self.entries);
+        let jumped = |e: &TrendEntry| matches!(e, TrendEntry::Jump { .. });
+        if !off.contains(&true) && !self.entries.iter().any(jumped) {
+            let screened = self.screened(&start);
+            if screened < UNLIKELY {
+                return (screened, None);
+            }
+        }
         let mut all = LogSum::new();
         all.add(0.0);
         let mut jumps = LogSum::new();
@@ -97,6 +108,52 @@ impl Window<'_> {
             0.0
         };
         (probability, best)
+    }
+
+    /// Probability that there was a jump within the window, in one pass: exact as long as no record is off and the
+    /// stiffness since an earlier jump says nothing.
+    fn screened(&self, start: &Bank) -> f64 {
+        let config = self.config;
+        let rates = [
+            (config.jumps_per_day, config.jump_deviation_rad),
+            (config.falls_per_day, config.fall_deviation_rad),
+        ];
+        let with = self.odds(start, rates);
+        let odds = match start.softened {
+            None => with,
+            Some(_) => {
+                let mut forgetful = start.clone();
+                forgetful.softened = None;
+                with.max(self.odds(&forgetful, rates))
+            }
+        };
+        odds / (1.0 + odds)
+    }
+
+    /// Odds of any jump against none.
+    fn odds(&self, start: &Bank, rates: [(f64, f64); 2]) -> f64 {
+        let mut bank = start.clone();
+        let mut stiffness = self.stiffness;
+        let reference_c = self.prior.temperature_ref_c;
+        let inside = self.entries.iter().filter(|e| e.is_informative()).count() as u64;
+        let mut earlier = self.records - inside.min(self.records);
+        let mut last_s = bank.time_s;
+        let mut screen = Screen::default();
+        for (i, entry) in self.entries.iter().enumerate() {
+            if entry.is_informative() {
+                let follows_event = i > 0 && !matches!(self.entries[i - 1], TrendEntry::Record(_));
+                if earlier >= 2 && !follows_event {
+                    let days = ((entry.time_s() - last_s) / DAY_S).clamp(0.1, 30.0);
+                    let support = stiffness.support(&self.entries[i..], reference_c);
+                    screen.candidate(bank.components.len(), days, libm::exp(support));
+                }
+                earlier += 1;
+                last_s = entry.time_s();
+            }
+            bank.screen(self.prior, self.config, entry, &mut screen);
+            stiffness.take(entry, reference_c);
+        }
+        screen.odds(&bank, rates)
     }
 
     /// Time of the first record after a jump, s.
@@ -160,9 +217,12 @@ impl Window<'_> {
             deviation_rad,
             self.config,
         );
-        // A fall by much of what there was is somebody with a wrench, not a rope.
+        // A fall by much of what there was is somebody with a wrench, not a rope. By much more than there was, it is no
+        // tensioning either.
         const LEAST_RAD: f64 = 2e-3;
-        let tensioned = size_rad.mean < -LEAST_RAD.max(0.4 * offset_before);
+        const TIGHTER_RAD: f64 = 10e-3;
+        let fell = size_rad.mean < -LEAST_RAD.max(0.4 * offset_before);
+        let tensioned = fell && offset_before + size_rad.mean > -TIGHTER_RAD.max(offset_before);
         let entry = if tensioned {
             TrendEntry::Tensioned { time_s }
         } else {
@@ -180,6 +240,7 @@ impl Window<'_> {
                 size_rad,
                 confirmed_s: now_s,
                 probability,
+                sessions: if jump.agreed { 2 } else { 1 },
                 tensioned,
             },
         }

@@ -33,7 +33,11 @@ pub(super) fn jump_size(
     let mut answers: Vec<[f64; STATES]> = bank.components.iter().map(|_| UNIT).collect();
     let mut sums: Vec<[f64; 2]> = bank.components.iter().map(|_| [inverse, 0.0]).collect();
     for record in records {
-        bank.advance_keeping(prior, record.time_s, &mut answers);
+        let passing = bank.passing(prior, record.time_s);
+        for (c, answer) in bank.components.iter().zip(&mut answers) {
+            passing.apply(c, answer);
+        }
+        bank.advance(prior, record.time_s);
         bank.answer(prior, record, config, &mut answers, &mut sums);
     }
     let mut all = LogSum::new();
@@ -58,4 +62,4 @@ pub(super) fn jump_size(
 }
 
 /// A unit of level and nothing else.
-const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

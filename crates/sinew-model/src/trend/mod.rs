@@ -43,6 +43,7 @@
 //! None of this is a step of a control loop: it allocates. It doesn't panic on any input.
 
 mod bank;
+mod baseline_error;
 mod component;
 mod curve;
 mod detector;
@@ -52,11 +53,13 @@ mod jump;
 mod now;
 mod prior;
 mod record;
+mod screen;
 mod softened;
 mod state;
 mod stiffness;
 mod tracker;
 
+pub use baseline_error::{BaselineError, SharedPart};
 pub use component::{Component, STATES};
 pub use curve::{Curve, NODES, generic_curves, node_times_s};
 pub use forecast::{Paths, first_passage};

@@ -1,6 +1,6 @@
 //! Where a tendon stands after the last record.
 
-use super::component::{AMPLITUDE, Component, DRIFT, LEVEL, STATES, TAKEN_OUT};
+use super::component::{AMPLITUDE, BASELINE, DRIFT, LEVEL, STATES, TAKEN_OUT};
 use super::gauss::LogSum;
 use super::tracker::Trend;
 use crate::Gaussian;
@@ -18,7 +18,10 @@ pub struct TrendNow {
     pub rate_rad_per_s: Gaussian,
     /// Drift of the records with temperature, rad/K.
     pub drift_rad_per_k: Gaussian,
-    /// Deviation of the error that sessions share, rad: mean over what is still likely.
+    /// Error that all sessions since the baseline share, rad: what is left unknown of it is in the offset's deviation,
+    /// however many sessions there are.
+    pub baseline_error_rad: Gaussian,
+    /// Deviation of the error that neighbouring sessions share, rad: mean over what is still likely.
     pub slow_deviation_rad: f64,
     /// True over stated deviation of a record's own error: mean.
     pub white_scale: f64,
@@ -36,7 +39,7 @@ impl TrendNow {
             all.add(c.weight_above_zero());
         }
         let total = all.value();
-        let mut moments = [[0.0; 2]; 4];
+        let mut moments = [[0.0; 2]; 5];
         let (mut slow_deviation_rad, mut white_scale) = (0.0, 0.0);
         for c in trend.components() {
             let share = libm::exp(c.weight_above_zero() - total);
@@ -52,10 +55,13 @@ impl TrendNow {
             pace[AMPLITUDE] = rate;
             let mut drift = [0.0; STATES];
             drift[DRIFT] = 1.0;
-            for (sums, h) in moments.iter_mut().zip([offset, whole, pace, drift]) {
-                let (mean, variance) = Component::predict(c, &h);
-                sums[0] += share * mean;
-                sums[1] += share * (mean * mean + variance);
+            let mut baseline = [0.0; STATES];
+            baseline[BASELINE] = 1.0;
+            let seen = [offset, whole, pace, drift, baseline];
+            for (sums, h) in moments.iter_mut().zip(seen) {
+                let found = c.expect(&h);
+                sums[0] += share * found.mean;
+                sums[1] += share * (found.mean * found.mean + found.variance);
             }
             if let Some(noise) = prior.noises.get(c.noise as usize) {
                 slow_deviation_rad += share * noise.slow_deviation_rad;
@@ -70,6 +76,7 @@ impl TrendNow {
             whole_rad: of(moments[1]),
             rate_rad_per_s: of(moments[2]),
             drift_rad_per_k: of(moments[3]),
+            baseline_error_rad: of(moments[4]),
             slow_deviation_rad,
             white_scale,
         }

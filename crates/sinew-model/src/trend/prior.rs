@@ -1,6 +1,7 @@
 //! What is known before the first record.
 
 use super::curve::Curve;
+use crate::offset::TENSIONED_OFFSET_RAD;
 use alloc::vec::Vec;
 
 /// How far records may be wrong.
@@ -10,7 +11,8 @@ pub struct Noise {
     pub slow_deviation_rad: f64,
     /// `τ_u`: how long they share it, s.
     pub slow_time_s: f64,
-    /// `w`: true over stated standard deviation of a record's own error.
+    /// `w`: true standard deviation of a record's own error over the stated one; over the whole stated one where a
+    /// record doesn't say which part is its own.
     pub white_scale: f64,
     /// `δ`: how much the pace may leave its curve per e-fold of time, as a share of itself.
     pub pace_error: f64,
@@ -25,7 +27,7 @@ pub struct Prior {
     pub curves: Vec<Curve>,
     /// Ways to be wrong.
     pub noises: Vec<Noise>,
-    /// Standard deviation of the level at the baseline, rad: the baseline's own error.
+    /// Standard deviation of the level at the baseline, rad: zero by definition, up to what isn't known of when it was.
     pub level_deviation_rad: f64,
     /// Standard deviation of the drift with temperature, rad/K.
     pub temperature_deviation_rad_per_k: f64,
@@ -38,14 +40,14 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// A prior with the usual errors: a level known to 0.5 mrad, a drift of 0.3 mrad/K, the
+    /// A prior with the usual errors: a level that is zero at the baseline, a drift of 0.3 mrad/K, the
     /// baseline an hour after tensioning at 23 °C.
     #[must_use]
     pub fn new(curves: Vec<Curve>) -> Self {
         Self {
             curves,
             noises: generic_noises(),
-            level_deviation_rad: 0.5e-3,
+            level_deviation_rad: TENSIONED_OFFSET_RAD,
             temperature_deviation_rad_per_k: 0.3e-3,
             step_rad: 0.07e-3,
             temperature_ref_c: 23.0,

@@ -1,5 +1,6 @@
 //! What a trend remembers from one session to the next.
 
+use super::baseline_error::BaselineError;
 use super::component::Component;
 use super::record::{Event, TrendEntry};
 use super::softened::Softened;
@@ -17,6 +18,8 @@ pub struct TrendState {
     pub components: Vec<Component>,
     /// The stiffness since the last jump before the last entries, if there was one.
     pub softened: Option<Softened>,
+    /// What sessions since the baseline get wrong together, before the last entries.
+    pub baseline: BaselineError,
     /// The stiffness before the last entries.
     pub stiffness: Stiffness,
     /// Last entries.

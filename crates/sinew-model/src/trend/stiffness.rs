@@ -76,7 +76,7 @@ impl Stiffness {
                 self.open(0.0, LOSS.mean + LOSS.deviation);
                 0.0
             }
-            TrendEntry::Tensioned { .. } => {
+            TrendEntry::Tensioned { .. } | TrendEntry::Baseline { .. } => {
                 self.open(0.0, LOSS.deviation);
                 0.0
             }
@@ -167,6 +167,7 @@ mod tests {
             offset_rad: Some(Gaussian::new(0.0, 1e-3)),
             temperature_c: Some(celsius),
             stiffness: Some(Gaussian::new(stiffness, 0.02)),
+            ..Record::default()
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::bank::Bank;
 use super::component::Component;
-use super::detector::{Confirmed, Window};
+use super::detector::{Confirmed, JUDGES, Window};
 use super::prior::Prior;
 use super::record::{Added, Event, Record, TrendConfig, TrendEntry, TrendError};
 use super::state::TrendState;
@@ -69,6 +69,7 @@ impl Trend {
             || !state.time_s.is_finite()
             || !state.components.iter().all(possible)
             || !state.stiffness.is_possible()
+            || !state.baseline.is_possible()
             || state.softened.is_some_and(|s| !s.is_possible())
         {
             return Err(TrendError::State);
@@ -77,6 +78,7 @@ impl Trend {
             time_s: state.time_s,
             components: state.components,
             softened: state.softened,
+            baseline: state.baseline,
         };
         out.stiffness = state.stiffness;
         out.entries = state.entries;
@@ -94,6 +96,7 @@ impl Trend {
             time_s: self.anchor.time_s,
             components: self.anchor.components.clone(),
             softened: self.anchor.softened,
+            baseline: self.anchor.baseline,
             stiffness: self.stiffness,
             entries: self.entries.clone(),
             events: self.events.clone(),
@@ -145,12 +148,14 @@ impl Trend {
             suspected_s: None,
             off: false,
             confirmed: None,
+            withdrawn: None,
         };
         self.entries.push(TrendEntry::Record(record));
         self.current.advance(&self.prior, record.time_s);
         added.off = self.current.update(&self.prior, &record, &self.config).off;
         if record.offset_rad.is_some() {
             self.records += 1;
+            added.withdrawn = self.second();
             self.judge(record.time_s, &mut added);
         }
         self.roll();
@@ -167,19 +172,52 @@ impl Trend {
             return Err(TrendError::NotFinite);
         }
         self.in_order(time_s)?;
-        let entry = TrendEntry::Tensioned { time_s };
+        self.stated(TrendEntry::Tensioned { time_s });
+        Ok(())
+    }
+
+    /// States that sessions count from a new baseline from `time_s` on: the offset was zero then, as a standard
+    /// deviation up to `deviation_rad` (large where that time isn't known). What the rope remembers stays; what sessions
+    /// get wrong together is another from here on. An event, unless the tendon was stated as tensioned since the last
+    /// session.
+    ///
+    /// # Errors
+    /// [`TrendError::OutOfOrder`], [`TrendError::NotFinite`]; the trend is unchanged.
+    pub fn rebased(&mut self, time_s: f64, deviation_rad: f64) -> Result<(), TrendError> {
+        if !(time_s.is_finite() && deviation_rad.is_finite() && deviation_rad >= 0.0) {
+            return Err(TrendError::NotFinite);
+        }
+        self.in_order(time_s)?;
+        let just_tensioned = matches!(self.entries.last(), Some(TrendEntry::Tensioned { .. }));
+        let entry = TrendEntry::Baseline {
+            time_s,
+            deviation_rad,
+        };
+        match just_tensioned {
+            true => self.enter(entry),
+            false => self.stated(entry),
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, entry: TrendEntry) {
         self.entries.push(entry);
-        let after_s = self.current.time_s;
         self.current.run(&self.prior, &self.config, &[entry]);
+    }
+
+    /// Enters what somebody said, and writes it down.
+    fn stated(&mut self, entry: TrendEntry) {
+        let (time_s, after_s) = (entry.time_s(), self.current.time_s);
+        self.enter(entry);
         self.events.push(Event {
             time_s,
             after_s,
             size_rad: Gaussian::new(f64::NAN, f64::NAN),
             confirmed_s: time_s,
             probability: 1.0,
+            sessions: 0,
             tensioned: true,
         });
-        Ok(())
     }
 
     fn in_order(&self, time_s: f64) -> Result<(), TrendError> {
@@ -213,7 +251,8 @@ impl Trend {
         let (Some(best), true) = (best, jump_probability > 0.5) else {
             return;
         };
-        if !(best.is_agreed() && jump_probability > self.config.confirm) {
+        let agreed = best.is_agreed() && jump_probability > self.config.confirm;
+        if !(agreed || jump_probability >= self.config.confirm_at_once) {
             added.suspected_s = Some(window.time_s(&best));
             return;
         }
@@ -225,6 +264,35 @@ impl Trend {
             self.events.push(event);
             added.confirmed = Some(event);
         }
+    }
+
+    /// A change for which one session spoke meets the next one: it stays, or it is taken back, whichever explains both
+    /// sessions better. Returns what was taken back.
+    fn second(&mut self) -> Option<Event> {
+        let event = self.events.iter().rposition(|e| e.sessions == 1)?;
+        let time_s = self.events[event].time_s;
+        let is_its = |e: &TrendEntry| match e {
+            TrendEntry::Jump { .. } | TrendEntry::Tensioned { .. } => e.time_s() == time_s,
+            _ => false,
+        };
+        let Some(at) = self.entries.iter().position(is_its) else {
+            // It has left the window, so a session agreed long ago.
+            self.events[event].sessions = 2;
+            return None;
+        };
+        let mut without = self.entries.clone();
+        without.remove(at);
+        let start = self.anchor.thinned(JUDGES);
+        let evidence =
+            |entries: &[TrendEntry]| start.clone().run(&self.prior, &self.config, entries).0;
+        let (kept, taken_back) = (evidence(&self.entries), evidence(&without));
+        if kept + libm::log(self.config.falls_per_day) >= taken_back {
+            self.events[event].sessions = 2;
+            return None;
+        }
+        self.entries = without;
+        self.replay();
+        Some(self.events.remove(event))
     }
 
     /// Lets the oldest entries go into the filters.

@@ -24,5 +24,6 @@ mod spring_arms;
 mod strung;
 mod survival;
 mod trend;
+mod trend_baseline;
 mod trend_jumps;
 mod urdf;

@@ -1,6 +1,7 @@
 //! Sudden changes of a tendon: found, told apart, withdrawn; few records and bad ones.
 
 use sinew_model::Gaussian;
+use sinew_model::offset::SharedError;
 use sinew_model::trend::{
     Event, Paths, Prior, Record, Trend, TrendConfig, TrendError, TrendNow, generic_curves,
 };
@@ -30,7 +31,7 @@ fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) ->
         time_s: days * DAY_S,
         offset_rad: Some(Gaussian::new(offset_rad, deviation_rad)),
         temperature_c: Some(temperature_c),
-        stiffness: None,
+        ..Record::default()
     }
 }
 
@@ -79,6 +80,75 @@ fn a_jump_is_suspected_at_once_and_confirmed_by_the_next_record() {
         );
         assert!(event.size_rad.deviation < 0.6e-3, "seed {seed}: {event:?}");
     }
+}
+
+#[test]
+fn what_no_error_explains_is_an_alarm_at_once() {
+    // A rope breaks, or a clamp lets go, whichever way the reading goes.
+    for change in [-397e-3, 60e-3, 397e-3] {
+        let (trend, said) = watched(3, |day| if day >= 30 { change } else { 0.0 });
+        let [event] = trend.events() else {
+            panic!("{change}: {:?}", trend.events());
+        };
+        assert!(said[29].2, "{change}: confirmed by the session itself");
+        assert_eq!(event.confirmed_s, 30.0 * DAY_S);
+        assert!(!event.tensioned && event.sessions == 2, "{event:?}");
+        assert!((event.size_rad.mean - change).abs() < 1e-3, "{event:?}");
+        let now = TrendNow::of(&trend).offset_rad.mean;
+        assert!(
+            (now - change - 1e-3 * (24.0_f64 * 45.0).ln()).abs() < 1e-3,
+            "{now}"
+        );
+    }
+    // The level follows with the session itself.
+    let mut trend =
+        Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+    for day in 1..=10 {
+        let t = f64::from(day);
+        trend
+            .add(record(t, 1e-3 * (24.0 * t).ln(), 0.3e-3, 23.0))
+            .expect("in order");
+    }
+    let added = trend
+        .add(record(11.0, -0.39, 0.3e-3, 23.0))
+        .expect("in order");
+    assert_eq!(added.confirmed.map(|e| e.sessions), Some(1));
+    assert!((TrendNow::of(&trend).offset_rad.mean + 0.39).abs() < 1e-3);
+}
+
+#[test]
+fn an_alarm_that_the_next_session_does_not_bear_out_is_taken_back() {
+    let mut trend =
+        Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
+    let mut stored = trend.clone();
+    for day in 1..=20 {
+        let t = f64::from(day);
+        let glitch = if day == 12 { 0.25 } else { 0.0 };
+        let record = record(t, 1e-3 * (24.0 * t).ln() + glitch, 0.3e-3, 23.0);
+        let added = trend.add(record).expect("in order");
+        assert_eq!(added.confirmed.is_some(), day == 12, "day {day}: {added:?}");
+        assert_eq!(added.withdrawn.is_some(), day == 13, "day {day}: {added:?}");
+        let prior = stored.prior().clone();
+        stored = Trend::resume(prior, TrendConfig::default(), stored.state()).expect("its own");
+        assert_eq!(stored.add(record).expect("in order"), added);
+    }
+    assert!(trend.events().is_empty(), "{:?}", trend.events());
+    let now = TrendNow::of(&trend).offset_rad;
+    assert!((now.mean - 1e-3 * 480.0_f64.ln()).abs() < 0.3e-3, "{now:?}");
+    assert_eq!(trend, stored);
+}
+
+#[test]
+fn one_session_confirms_nothing_that_an_error_may_explain() {
+    // 15 mrad at once may be a session that is off: 2 in 1000 are, by some 6 mrad.
+    let (trend, said) = watched(3, |day| if day >= 30 { 15e-3 } else { 0.0 });
+    assert!(said[29].1 > 0.5 && !said[29].2, "{:?}", said[29]);
+    assert_eq!(trend.events().len(), 1);
+    // What is at all likely isn't confirmed by two sessions either.
+    let (trend, said) = watched(1, |day| if day >= 30 { 0.9e-3 } else { 0.0 });
+    let most = said.iter().map(|s| s.1).fold(0.0, f64::max);
+    assert!((0.05..0.95).contains(&most), "{most}");
+    assert!(trend.events().is_empty(), "{:?}", trend.events());
 }
 
 #[test]
@@ -151,10 +221,13 @@ fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
         }
     };
     let (mut with, mut without, mut slip) = (0.0, 0.0, 0.0);
-    for seed in 0..8 {
-        with += sure(&softened(seed, small, failed).1) / 8.0;
-        without += sure(&watched(seed, small).1) / 8.0;
-        slip += sure(&softened(seed, small, kept).1) / 8.0;
+    // Their errors are not the same: a stiffness draws numbers, too.
+    const SEEDS: u64 = 24;
+    for seed in 0..SEEDS {
+        let share = 1.0 / SEEDS as f64;
+        with += share * sure(&softened(seed, small, failed).1);
+        without += share * sure(&watched(seed, small).1);
+        slip += share * sure(&softened(seed, small, kept).1);
         // A stiffness that falls alone, a wrong model of the gripper, say, is no jump.
         let (trend, _) = softened(seed, none, failed);
         assert!(trend.events().is_empty(), "{:?}", trend.events());
@@ -168,7 +241,8 @@ fn a_small_jump_is_surer_where_the_stiffness_fell_with_it() {
 #[test]
 fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
     const FAILS: usize = 90;
-    for seed in 0..6 {
+    let mut alarms = 0;
+    for seed in 0..24 {
         let mut trend =
             Trend::new(Prior::new(generic_curves(0.03)), TrendConfig::default()).expect("a prior");
         let mut random = Random(seed);
@@ -180,14 +254,31 @@ fn a_failed_tendon_whose_sessions_scatter_more_does_not_alarm_again() {
             if day >= FAILS {
                 y += 4e-3 + if misread { by } else { 0.0 };
             }
-            trend.add(record(t, y, 0.9e-3, 23.0)).expect("in order");
+            // Most of what they state they share.
+            let shared = Some(SharedError {
+                baseline_rad: 0.8e-3,
+                drift_rad: 0.0,
+            });
+            let record = Record {
+                shared,
+                ..record(t, y, 0.9e-3, 23.0)
+            };
+            trend.add(record).expect("in order");
         }
-        let [event] = trend.events() else {
-            panic!("seed {seed}: {:?}", trend.events());
+        let Some((event, others)) = trend.events().split_first() else {
+            panic!("seed {seed}: nothing found");
         };
         let late_days = event.time_s / DAY_S - FAILS as f64;
         assert!((0.0..3.0).contains(&late_days), "seed {seed}: {event:?}");
+        if !others.is_empty() {
+            println!("seed {seed}: {} more", others.len());
+        }
+        alarms += others.len();
     }
+    println!("{alarms} false alarms in 24 times 150 days");
+    // One pair of sessions in 25 is misread twice in a row, and then two sessions agree. Errors taken for each session's
+    // own gave 12.
+    assert!(alarms <= 6, "{alarms}");
 }
 
 /// Half a year after a strand that failed on day 60; `late` are the offset's and the stiffness' own

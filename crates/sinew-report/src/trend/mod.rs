@@ -2,6 +2,7 @@
 
 mod csv;
 mod page;
+pub mod survival;
 mod table;
 mod terminal;
 mod words;

@@ -2,8 +2,9 @@
 
 use super::terminal::MONTH_S;
 use super::words::{
-    event_name, format_basis, format_limit, format_meaning, format_note, format_passage,
-    format_verdict, limit_name, plus_minus, plus_minus_or_dash, sessions,
+    event_name, format_basis, format_life, format_limit, format_meaning, format_note,
+    format_passage, format_sureness, format_verdict, format_when, limit_name, plus_minus,
+    plus_minus_or_dash, sessions,
 };
 use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
@@ -16,7 +17,13 @@ use sinew_model::Z95;
 pub fn figure(joint: &JointTrend) -> Figure {
     let s = &joint.series;
     let start = s.first().map_or(joint.last_utc_s, |p| p.time_utc_s);
-    let day = |t: f64| (t - start) / DAY_S;
+    // Cycles where sessions have no dates.
+    let per_s = joint
+        .cycles
+        .and_then(|c| c.per_s)
+        .filter(|_| !joint.is_dated());
+    let unit_s = per_s.map_or(DAY_S, |per_s| 1.0 / per_s);
+    let day = |t: f64| (t - start) / unit_s;
     let days: Vec<f64> = s.iter().map(|p| day(p.time_utc_s)).collect();
     let tracked = |z: f64| -> Vec<f64> {
         (s.iter().map(|p| p.tracked_rad))
@@ -27,12 +34,17 @@ pub fn figure(joint: &JointTrend) -> Figure {
         .map(|p| p.at_reference_rad.map_or(f64::NAN, |y| 1e3 * y))
         .collect();
     // As far ahead as it was watched, or until the first limit, at most four times as far.
-    let watched = days.last().copied().unwrap_or(0.0).max(14.0);
+    let watched = days.last().copied().unwrap_or(0.0);
+    let watched = if per_s.is_none() && watched > 2.0 {
+        watched.max(14.0)
+    } else {
+        watched.max(1e-3)
+    };
     let reach = joint
         .limits
         .iter()
         .filter_map(|l| l.after_high_s.or(l.after_s.map(|t| 1.3 * t)))
-        .map(|t| t / DAY_S)
+        .map(|t| t / unit_s)
         .fold(watched, f64::max)
         .min(3.0 * watched);
     let end = days.last().copied().unwrap_or(0.0) + reach;
@@ -43,7 +55,12 @@ pub fn figure(joint: &JointTrend) -> Figure {
     let median = shown().map(|f| 1e3 * f.offset_rad).collect();
     // A limit far above all that happens would flatten the curve.
     let top = (high.iter().copied()).fold((1e3 * joint.offset_rad.mean).abs(), f64::max);
-    let mut panel = Panel::new("", "days since the first session", "offset (mrad)")
+    let axis = match per_s {
+        Some(_) => "cycles since the first session".into(),
+        None if !joint.is_dated() => "days since the first session".into(),
+        None => format!("days since the first session, on {}", day_of(start)),
+    };
+    let mut panel = Panel::new("", axis, "offset (mrad)")
         .band(Band::new("forecast, 95 %", ahead.clone(), low, high).colour(Colour::Orange))
         .band(Band::new(
             "known then, 95 %",
@@ -66,8 +83,10 @@ pub fn figure(joint: &JointTrend) -> Figure {
                 .colour(Colour::Orange)
                 .dash(Dash::Dashed),
         )
-        .x_days_since(start)
         .x_range(0.0, end);
+    if joint.is_dated() {
+        panel = panel.x_days_since(start);
+    }
     for limit in &joint.limits {
         let limit_mrad = 1e3 * limit.limit_rad;
         if limit_mrad < 1.5 * top && matches!(limit.limit, Limit::Retension { .. }) {
@@ -75,7 +94,7 @@ pub fn figure(joint: &JointTrend) -> Figure {
         }
     }
     // The first session after a jump looks off until the next agrees with it.
-    let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * DAY_S);
+    let jumped = |t: f64| (joint.events.iter()).any(|e| (e.time_utc_s - t).abs() < 0.5 * unit_s);
     let last_off = s.iter().rposition(|p| p.is_off && !jumped(p.time_utc_s));
     if let Some(i) = last_off {
         panel = panel.note(day(s[i].time_utc_s), at_reference[i], "off by itself");
@@ -119,9 +138,10 @@ pub fn page(report: &TrendReport) -> Page {
     page.subtitle = report
         .joints
         .iter()
-        .map(|j| j.last_utc_s)
-        .reduce(f64::max)
-        .map_or(String::new(), |t| format!("as of {}", day_of(t)));
+        .max_by(|a, b| a.last_utc_s.total_cmp(&b.last_utc_s))
+        .map_or(String::new(), |j| {
+            format!("as of {}", format_when(j, j.last_utc_s))
+        });
     page.footer = format!("Sinew {}", report.sinew_version);
     let headlines = (report.joints.iter())
         .map(|j| {
@@ -174,7 +194,9 @@ pub fn page(report: &TrendReport) -> Page {
 
 fn level(verdict: TrendVerdict) -> Level {
     match verdict {
-        TrendVerdict::Retension | TrendVerdict::Replace => Level::Alarm,
+        TrendVerdict::Retension | TrendVerdict::Replace | TrendVerdict::ReplaceByAge => {
+            Level::Alarm
+        }
         TrendVerdict::Inspect | TrendVerdict::Watch => Level::Watch,
         TrendVerdict::Wait => Level::Good,
         TrendVerdict::NoLimit => Level::Open,
@@ -186,8 +208,8 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         Box::new(figure(joint)),
         format!(
             "{} to {}: {}; reference temperature {} °C",
-            day_of(joint.first_utc_s),
-            day_of(joint.last_utc_s),
+            format_when(joint, joint.first_utc_s),
+            format_when(joint, joint.last_utc_s),
             sessions(joint),
             rounded(joint.reference_c, 3)
         ),
@@ -195,20 +217,35 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
     if !joint.limits.is_empty() {
         blocks.push(Block::Table(Table {
             caption: "Limits; days count from the last session".into(),
-            head: ["limit", "value", "passed with probability", "passed"]
+            head: ["limit", "value", "passed with probability", "in days", "on"]
                 .map(String::from)
                 .to_vec(),
             rows: (joint.limits.iter())
                 .map(|l| {
+                    let days = l.after_s.map(|t| rounded(t / DAY_S, 3));
                     vec![
                         limit_name(l.limit).into(),
                         format_limit(l.limit),
                         format!("{:.2}", l.passed_probability),
-                        format_passage(l, joint.last_utc_s),
+                        days.unwrap_or_else(|| "–".into()),
+                        l.at_utc_s.map_or("–".into(), day_of),
                     ]
                 })
                 .collect(),
         }));
+        // Too long for a table's cell.
+        let passages = joint.limits.iter();
+        blocks.push(Block::List(
+            passages
+                .map(|l| format!("{}: {}", limit_name(l.limit), format_passage(l, joint)))
+                .collect(),
+        ));
+    }
+    if let Some(life) = &joint.life {
+        blocks.push(Block::List(vec![format!(
+            "Replace {}",
+            format_life(life, joint)
+        )]));
     }
     if !joint.events.is_empty() {
         blocks.push(Block::Table(Table {
@@ -219,7 +256,7 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
             rows: (joint.events.iter())
                 .map(|e| {
                     vec![
-                        day_of(e.time_utc_s),
+                        format_when(joint, e.time_utc_s),
                         event_name(e.kind).into(),
                         plus_minus_or_dash(e.size_rad, 1e3),
                         match e.kind {
@@ -227,7 +264,7 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
                             _ => format!(
                                 "{:.1} %, {}",
                                 100.0 * e.probability,
-                                day_of(e.confirmed_utc_s)
+                                format_when(joint, e.confirmed_utc_s)
                             ),
                         },
                     ]
@@ -238,7 +275,11 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         let meanings = joint.events.iter();
         blocks.push(Block::List(
             meanings
-                .map(|e| format!("{}: {}", day_of(e.time_utc_s), format_meaning(e)))
+                .map(|e| {
+                    let sure = format_sureness(e).map_or(String::new(), |s| format!("; {s}"));
+                    let day = format_when(joint, e.time_utc_s);
+                    format!("{day}: {}{sure}", format_meaning(e))
+                })
                 .collect(),
         ));
     }
@@ -248,16 +289,23 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
             "Tensioned".into(),
             format!(
                 "{}{}",
-                day_of(joint.tensioned_utc_s),
+                format_when(joint, joint.tensioned_utc_s),
                 if joint.tensioned_stated {
                     ""
                 } else {
-                    " (not stated: the first session)"
+                    " (not stated: an hour before its baseline or first session)"
                 }
             ),
         ],
         [
-            "Error that sessions share".into(),
+            "Error that all sessions since the baseline share, mrad".into(),
+            format!(
+                "± {}: it is in the offset's ±, however many sessions there are",
+                rounded(1e3 * Z95 * joint.baseline_error_rad.deviation, 2)
+            ),
+        ],
+        [
+            "Error that neighbouring sessions share, standard deviation".into(),
             format!("{} mrad", rounded(1e3 * joint.shared_error_rad, 2)),
         ],
         [

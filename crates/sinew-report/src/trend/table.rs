@@ -15,6 +15,7 @@ pub fn trend_series(report: &TrendReport) -> Table {
         ("day", CellKind::Text),
         ("time_s", CellKind::Number),
         ("time_utc_ns", CellKind::Integer),
+        ("cycle", CellKind::Number),
         ("level_rad", CellKind::Number),
         ("level_low_rad", CellKind::Number),
         ("level_high_rad", CellKind::Number),
@@ -33,20 +34,21 @@ pub fn trend_series(report: &TrendReport) -> Table {
 }
 
 /// What every row begins with; `time_s` counts from the joint's first session.
-fn time(joint: &JointTrend, kind: &str, time_utc_s: f64) -> Vec<Cell> {
+fn time(joint: &JointTrend, kind: &str, time_utc_s: f64, cycle: Option<f64>) -> Vec<Cell> {
     vec![
         joint.name.as_str().into(),
         kind.into(),
         day_of(time_utc_s).into(),
         (time_utc_s - joint.first_utc_s).into(),
         ((1e9 * time_utc_s).round() as i64).into(),
+        cycle.into(),
     ]
 }
 
 fn sessions(table: &mut Table, joint: &JointTrend) {
     for s in &joint.series {
         let level = s.tracked_rad.interval_95();
-        let mut row = time(joint, "session", s.time_utc_s);
+        let mut row = time(joint, "session", s.time_utc_s, s.cycle);
         row.extend::<[Cell; 9]>([
             s.tracked_rad.mean.into(),
             level.low.into(),
@@ -64,7 +66,10 @@ fn sessions(table: &mut Table, joint: &JointTrend) {
 
 fn forecast(table: &mut Table, joint: &JointTrend) {
     for ahead in &joint.forecast {
-        let mut row = time(joint, "forecast", ahead.time_utc_s);
+        let cycle = joint
+            .cycles
+            .and_then(|c| Some(c.last + c.per_s? * (ahead.time_utc_s - joint.last_utc_s)));
+        let mut row = time(joint, "forecast", ahead.time_utc_s, cycle);
         row.extend::<[Cell; 3]>([
             ahead.offset_rad.into(),
             ahead.interval_95_rad.low.into(),

@@ -1,5 +1,6 @@
 //! What a trend finds, in words.
 
+use sinew_estimate::trend::survival::LifeForecast;
 use sinew_estimate::trend::{
     JointTrend, JumpCause, Limit, LimitForecast, LimitState, MissingFromRobot, PriorBasis,
     TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
@@ -19,9 +20,42 @@ pub(super) fn plus_minus_or_dash(value: Option<Gaussian>, factor: f64) -> String
     value.map_or("–".into(), |v| plus_minus(v, factor))
 }
 
-/// Whole days of a time.
-pub(super) fn whole_days(time_s: f64) -> String {
-    format!("{:.0}", (time_s / DAY_S).round())
+/// Shorter times are told in hours, s.
+const HOURS_BELOW_S: f64 = 2.0 * DAY_S;
+
+/// A span of time: `83 days`, `5.2 hours`.
+pub(super) fn format_span(time_s: f64) -> String {
+    if time_s.abs() < HOURS_BELOW_S && time_s != 0.0 {
+        return format!("{} hours", rounded(time_s / 3600.0, 2));
+    }
+    format!("{:.0} days", (time_s / DAY_S).round())
+}
+
+/// The day of a time, or the machine's cycle where sessions have no dates.
+pub(super) fn format_when(joint: &JointTrend, utc_s: f64) -> String {
+    match (joint.is_dated(), joint.cycles) {
+        (false, Some(cycles)) => {
+            let since = cycles.per_s.unwrap_or(0.0) * (utc_s - joint.last_utc_s);
+            format!("cycle {:.0}", (cycles.last + since).round())
+        }
+        _ => day_of(utc_s),
+    }
+}
+
+/// A time from the last session on: in days and its date, in cycles where the machine counts them.
+pub(super) fn format_after(joint: &JointTrend, time_s: f64) -> String {
+    let span = format_span(time_s);
+    let cycles = joint
+        .cycles
+        .and_then(|c| c.per_s)
+        .map(|per_s| per_s * time_s);
+    let date = day_of(joint.last_utc_s + time_s);
+    match (joint.is_dated(), cycles) {
+        (true, None) => format!("{span} ({date})"),
+        (true, Some(cycles)) => format!("{span} ({date}, {cycles:.0} cycles)"),
+        (false, Some(cycles)) => format!("{cycles:.0} cycles ({span})"),
+        (false, None) => span,
+    }
 }
 
 pub(super) fn limit_name(limit: Limit) -> &'static str {
@@ -39,15 +73,9 @@ pub(super) fn format_limit(limit: Limit) -> String {
     }
 }
 
-/// When a limit is passed, in days from the last session, and on which date.
-pub(super) fn format_passage(limit: &LimitForecast, last_utc_s: f64) -> String {
-    let days = |time_s: f64| {
-        format!(
-            "{} days ({})",
-            whole_days(time_s),
-            day_of(last_utc_s + time_s)
-        )
-    };
+/// When a limit is passed, from the last session on, and on which date.
+pub(super) fn format_passage(limit: &LimitForecast, joint: &JointTrend) -> String {
+    let days = |time_s: f64| format_after(joint, time_s);
     let after = |time_s: Option<f64>| days(time_s.unwrap_or(0.0));
     match limit.state {
         LimitState::TooFewSessions => "when is unknown: too few sessions".into(),
@@ -103,6 +131,9 @@ pub(super) fn format_meaning(event: &TrendEvent) -> String {
         TrendEventKind::Tensioned { stated: false } => {
             "the offset fell: was it tensioned, and nobody wrote it down?".into()
         }
+        TrendEventKind::Jump { .. } if event.size_rad.is_some_and(|size| size.mean < 0.0) => {
+            "the reading fell: has the rope broken or come off, or an encoder moved?".into()
+        }
         TrendEventKind::Jump { cause } => match cause {
             JumpCause::StrandFailure => {
                 format!("it is softer too{change}: has a strand failed?")
@@ -118,6 +149,51 @@ pub(super) fn format_meaning(event: &TrendEvent) -> String {
     }
 }
 
+/// How sure an event is.
+pub(super) fn format_sureness(event: &TrendEvent) -> Option<&'static str> {
+    let at_once = event.is_jump() && event.sessions == 1;
+    at_once.then_some("no error explains it; the next session will bear it out or take it back")
+}
+
+/// When to replace a rope by its age.
+pub(super) fn format_life(life: &LifeForecast, joint: &JointTrend) -> String {
+    let percent = |share: f64| rounded(100.0 * share, 2);
+    let day = |after_s: f64| day_of(joint.last_utc_s + after_s);
+    let [low, high] = [life.after_low_s, life.after_high_s].map(day);
+    let when = match life.is_passed() {
+        true => format!(
+            "passed on {} ({:.0} % sure)",
+            day(life.after_s),
+            100.0 * life.passed_probability
+        ),
+        false => format!("in {}", format_after(joint, life.after_s)),
+    };
+    format!(
+        "by its age of {}, the day by which {} % of such ropes have broken is {when}; 95 %: {low} to {high}. \
+         By its age {} % have. It rests on {} ropes of {}, of which {} broke",
+        format_span(life.age_s),
+        percent(life.broken_ratio),
+        percent(life.broken_by_now_ratio),
+        life.ropes,
+        life.source,
+        life.broke
+    )
+}
+
+/// What of an interval no further session takes off, where that is much of it.
+pub(super) fn format_shared(joint: &JointTrend) -> Option<String> {
+    /// Less of the deviation isn't worth a word.
+    const MUCH: f64 = 0.5;
+    let shared_rad = joint.baseline_error_rad.deviation;
+    (shared_rad > MUCH * joint.offset_rad.deviation).then(|| {
+        format!(
+            "its ± holds {} mrad that all sessions since the baseline share: more sessions don't take it off, a better \
+             baseline does",
+            rounded(1e3 * Z95 * shared_rad, 2)
+        )
+    })
+}
+
 /// The limit a tendon's verdict is about: one that is passed, else the first.
 pub(super) fn limit_of_verdict(joint: &JointTrend) -> Option<&LimitForecast> {
     match joint.verdict {
@@ -125,15 +201,25 @@ pub(super) fn limit_of_verdict(joint: &JointTrend) -> Option<&LimitForecast> {
             (joint.limits.iter()).find(|l| l.state == LimitState::Passed)
         }
         TrendVerdict::Wait => joint.limits.first(),
-        TrendVerdict::Inspect | TrendVerdict::Watch | TrendVerdict::NoLimit => None,
+        TrendVerdict::Inspect
+        | TrendVerdict::Watch
+        | TrendVerdict::ReplaceByAge
+        | TrendVerdict::NoLimit => None,
     }
+}
+
+/// With a capital, to begin a sentence.
+fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().map(|c| c.to_ascii_uppercase());
+    first.into_iter().chain(rest).collect()
 }
 
 /// The tendon in one sentence.
 pub(super) fn format_verdict(joint: &JointTrend) -> String {
     let passed = |what: &str| {
         limit_of_verdict(joint).map(|l| {
-            let passage = format_passage(l, joint.last_utc_s);
+            let passage = format_passage(l, joint);
             let limit = format_limit(l.limit);
             format!("{what}: the limit of {limit} is {passage}")
         })
@@ -146,19 +232,32 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
                 let (size, half) = (1e3 * s.mean, 1e3 * Z95 * s.deviation);
                 format!(" by {} ± {} mrad", rounded(size, 2), rounded(half, 2))
             });
-            let (day, meaning) = (day_of(jump.time_utc_s), format_meaning(jump));
-            format!("look at it. It jumped{size} by {day}; {meaning}")
+            let (day, meaning) = (format_when(joint, jump.time_utc_s), format_meaning(jump));
+            let (now, sure) = match format_sureness(jump) {
+                Some(sure) => ("look at it now", format!(". {}", capitalised(sure))),
+                None => ("look at it", String::new()),
+            };
+            format!("{now}. It jumped{size} by {day}; {meaning}{sure}")
         }),
         TrendVerdict::Watch => joint.suspicion.map(|s| {
-            let (day, percent) = (day_of(s.time_utc_s), 100.0 * s.probability);
+            let (day, percent) = (format_when(joint, s.time_utc_s), 100.0 * s.probability);
             format!("watch it: it jumped by {day} with {percent:.0} %; the next session will tell")
         }),
+        TrendVerdict::Wait if joint.limits.is_empty() => {
+            joint.life.as_ref().map(|life| format_life(life, joint))
+        }
         TrendVerdict::Wait => limit_of_verdict(joint).map(|l| {
             let what = match l.limit {
                 Limit::Retension { .. } => "tension it again",
                 Limit::Replace { .. } => "replace the rope",
             };
-            format!("{what} {}", format_passage(l, joint.last_utc_s))
+            format!("{what} {}", format_passage(l, joint))
+        }),
+        TrendVerdict::ReplaceByAge => (joint.life.as_ref()).map(|life| {
+            format!(
+                "replace the rope before it breaks: {}",
+                format_life(life, joint)
+            )
         }),
         TrendVerdict::NoLimit => None,
     };
@@ -213,8 +312,8 @@ pub fn format_note(note: &TrendNote) -> String {
             format!("{places}: overlaps the session before it, left out")
         }
         TrendNote::TensioningNotStated { joint } => format!(
-            "{joint}: nobody said when it was tensioned (--tensioned DATE); the clock of its creep \
-             begins with the first session"
+            "{joint}: nobody said when it was tensioned (--tensioned DATE), nor when its baseline was; the clock of its \
+             creep begins with the first session"
         ),
         TrendNote::LongBefore {
             joint,

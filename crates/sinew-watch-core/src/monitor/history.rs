@@ -103,9 +103,6 @@ impl History {
         });
         later
             .map(|day| SessionRecord {
-                source: String::new(),
-                robot: None,
-                recording: None,
                 baseline: day.since.as_deref().map(str::to_string),
                 time_utc_s: day.time_utc_s,
                 duration_s: Some(day.duration_s),
@@ -113,6 +110,7 @@ impl History {
                 offset_rad: Some(day.offset_rad),
                 temperature_c: day.temperature_c,
                 stiffness_ratio: day.stiffness_ratio,
+                ..SessionRecord::default()
             })
             .collect()
     }

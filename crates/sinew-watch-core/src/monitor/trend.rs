@@ -22,6 +22,7 @@ pub(super) fn analyze_tendon(robot: &Robot, work: TrendWork) -> Option<Arc<Joint
             .filter(|stated| stated.time_utc_s <= last_utc_s)
             .collect(),
         duty: None,
+        life: None,
         horizon_days: HORIZON_DAYS,
         seed: SEED,
     };

@@ -13,7 +13,7 @@ use sinew_estimate::session::{
     estimate_recorded, learn_recorded,
 };
 use sinew_model::Gaussian;
-use sinew_model::offset::FeatureConfig;
+use sinew_model::offset::{FeatureConfig, SharedError};
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{Draw, Offset, OffsetKind, Shape};
 use sinew_sim::{Scenario, Simulation};
@@ -34,6 +34,8 @@ pub struct SessionJoint {
     pub truth_rad: f64,
     /// Offset estimated; `None`: it couldn't tell.
     pub offset_rad: Option<Gaussian>,
+    /// What of its error other sessions have too, as stated.
+    pub shared_error: Option<SharedError>,
     /// True stiffness over nominal less 1 at the baseline's temperature.
     pub true_stiffness_ratio: f64,
     /// The same estimated.
@@ -152,6 +154,7 @@ impl<'a> ChainRobot<'a> {
                     name: joint.name.clone(),
                     truth_rad: self.life.offset_rad(&joint.name, day),
                     offset_rad: can_tell.then_some(joint.offset_rad),
+                    shared_error: joint.shared_error.filter(|_| can_tell),
                     true_stiffness_ratio: stiffness - 1.0,
                     stiffness_ratio: joint.stiffness_change_ratio,
                     steps: joint.changes.len(),

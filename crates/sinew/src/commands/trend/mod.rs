@@ -1,5 +1,6 @@
 //! `sinew trend`: months of offsets, events, and the day a limit is passed.
 
+mod survival;
 mod year;
 
 use super::rope::Ropes;
@@ -7,6 +8,7 @@ use crate::files::{Named, check_outputs, write_table};
 use crate::terminal::{Failure, Finish, Word, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
+use sinew_estimate::trend::survival::LifePrior;
 use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions};
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
@@ -18,8 +20,9 @@ use std::path::PathBuf;
 /// Watch tendons over months: where they stand, what happened, when to tension or replace
 ///
 /// FILES are records of sessions: what sinew estimate LOG --baseline FILE --json prints, one per
-/// session, or a CSV with the columns time, joint, offset_mrad, interval_95_mrad and, optional,
-/// temperature_c, robot, baseline, duration_s. Exit code 3: a limit is passed or a jump confirmed.
+/// session, or a CSV with the columns time (or cycle), joint, offset_mrad, interval_95_mrad and, optional,
+/// shared_interval_95_mrad, temperature_c, robot, baseline, duration_s and more. Exit code 3: a limit is
+/// passed, a jump confirmed, or something happened that no error explains.
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -46,6 +49,16 @@ pub(crate) struct Trend {
     /// What the ropes have to do, a block table (TOML, CSV) [default: not known]
     #[arg(long, value_name = "FILE")]
     duty: Option<PathBuf>,
+    /// Length of a cycle, s, for a table that counts cycles and has no time
+    #[arg(long, value_name = "S", value_parser = crate::args::positive("s"), allow_negative_numbers = true)]
+    cycle_s: Option<f64>,
+    /// Table of what broke and what was replaced (as for sinew trend survival): when to replace a rope by its
+    /// age, where robot.toml has no limit of its strain
+    #[arg(long, value_name = "TABLE")]
+    life: Option<PathBuf>,
+    /// Replace by the age at which so many of such ropes have broken, %
+    #[arg(long, value_name = "PERCENT", default_value_t = 10, requires = "life", value_parser = clap::value_parser!(u8).range(1..=90))]
+    life_risk: u8,
     #[command(flatten)]
     ropes: Ropes,
     /// How far forecasts look, days from the last session
@@ -74,6 +87,7 @@ pub(crate) struct Trend {
 #[derive(Debug, Subcommand)]
 enum TrendCommand {
     SimulateYear(year::SimulateYear),
+    Survival(survival::Survival),
 }
 
 /// `DATE` or `JOINT=DATE`.
@@ -96,8 +110,10 @@ fn stated(text: &str) -> Result<Stated, String> {
 impl Trend {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        if let Some(TrendCommand::SimulateYear(year)) = &self.command {
-            return year.run();
+        match &self.command {
+            Some(TrendCommand::SimulateYear(year)) => return year.run(),
+            Some(TrendCommand::Survival(survival)) => return survival.run(),
+            None => {}
         }
         self.check_files()?;
         let loaded = match &self.robot {
@@ -105,13 +121,14 @@ impl Trend {
             None => None,
         };
         let robot = loaded.as_ref().map(|l| &l.robot);
-        let sorted = read_sessions(&self.files, robot)?;
+        let sorted = read_sessions(&self.files, robot, self.cycle_s)?;
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let request = TrendRequest {
             robot,
             catalogue: &catalogue,
             stated: self.stated(),
             duty: self.duty.as_deref().map(Duty::open).transpose()?,
+            life: self.life()?,
             horizon_days: f64::from(self.horizon),
             seed: self.seed,
         };
@@ -134,6 +151,16 @@ impl Trend {
         Ok(Finish::lossy(report.needs_attention))
     }
 
+    /// How long such ropes last, where a table says.
+    fn life(&self) -> Result<Option<LifePrior>, Failure> {
+        let Some(table) = &self.life else {
+            return Ok(None);
+        };
+        let (lives, name) = survival::lives_of(table)?;
+        let ratio = 0.01 * f64::from(self.life_risk);
+        Ok(Some(LifePrior::new(&lives, &name, ratio, self.seed)?))
+    }
+
     fn stated(&self) -> Vec<Stated> {
         let replaced = self.replaced.iter().cloned();
         let replaced = replaced.map(|stated| Stated {
@@ -150,7 +177,8 @@ impl Trend {
             ("--report", self.report.as_deref()),
         ];
         let named = |f| ("a file of records", Some(PathBuf::as_path(f)));
-        let inputs: Vec<Named<'_>> = self.files.iter().map(named).collect();
+        let mut inputs: Vec<Named<'_>> = self.files.iter().map(named).collect();
+        inputs.push(("the table of lives", self.life.as_deref()));
         check_outputs(&outputs, &inputs, self.quiet)
     }
 }

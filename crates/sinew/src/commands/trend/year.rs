@@ -1,13 +1,14 @@
 //! `sinew trend simulate-year`: how good the trend is on years whose truth is known.
 
+use crate::args::not_negative;
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::{Args, ValueEnum};
 use sinew_estimate::robot_dir;
 use sinew_eval::year;
-use sinew_eval::year::YearRequest;
 use sinew_eval::year::chain::{ChainRequest, SessionKind};
 use sinew_eval::year::surrogate::SessionErrors;
+use sinew_eval::year::{Forecaster, YearRequest};
 use sinew_rope::Catalogue;
 use std::path::PathBuf;
 
@@ -20,6 +21,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl\n  \
+    sinew trend simulate-year --robot robots/biorob-like --robots 60 --constant-mrad 0.44 --stated-shared-mrad 0.44\n  \
     sinew trend simulate-year --robot robots/biorob-like --robots 6 --chain --days 20\n\n\
     A run that was stopped goes on where it was with the same --out.")]
 pub(super) struct SimulateYear {
@@ -46,6 +48,8 @@ pub(super) struct SimulateYear {
     /// What the robot does while it is recorded
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Check)]
     session: Kind,
+    #[command(flatten)]
+    errors: Errors,
     /// Each session starts from what the last one learned, not from the first day's baseline
     #[arg(long, requires = "chain")]
     chained: bool,
@@ -55,6 +59,9 @@ pub(super) struct SimulateYear {
     /// Threads [default: as many as the machine has]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
+    /// Who forecasts [default: all]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_enum)]
+    forecasters: Vec<Who>,
     /// Keep years (with --chain: sessions) in a file, one JSON document a line
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -66,6 +73,45 @@ pub(super) struct SimulateYear {
     quiet: bool,
 }
 
+/// Errors of sessions that are drawn.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Errors of drawn sessions")]
+struct Errors {
+    /// Standard deviation of an error that stays the same all year [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    constant_mrad: Option<f64>,
+    /// Standard deviation, after a year, of an error that walks away from zero
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    wander_mrad: Option<f64>,
+    /// Standard deviation of an error that comes and goes with the season, and not with the temperature read
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    season_mrad: Option<f64>,
+    /// Standard deviation of the drift with temperature, per kelvin [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    drift_mrad_per_k: Option<f64>,
+    /// What sessions state of the error that all of them share, as a standard deviation [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    stated_shared_mrad: Option<f64>,
+    /// Sessions state the whole of their error, not which part is shared
+    #[arg(long, conflicts_with = "chain")]
+    whole_only: bool,
+}
+
+impl Errors {
+    fn of(self, kind: SessionErrors) -> SessionErrors {
+        let or = |stated: Option<f64>, kind: f64| stated.map_or(kind, |mrad| 1e-3 * mrad);
+        SessionErrors {
+            bias_rad: or(self.constant_mrad, kind.bias_rad),
+            wander_rad: or(self.wander_mrad, kind.wander_rad),
+            season_rad: or(self.season_mrad, kind.season_rad),
+            drift_rad_per_k: or(self.drift_mrad_per_k, kind.drift_rad_per_k),
+            stated_shared_rad: or(self.stated_shared_mrad, kind.stated_shared_rad),
+            parts_stated: kind.parts_stated && !self.whole_only,
+            ..kind
+        }
+    }
+}
+
 /// What a session is like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
@@ -75,6 +121,30 @@ enum Kind {
     Work,
     /// Errors larger than measured on either; not with --chain
     Hard,
+}
+
+/// Who forecasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Who {
+    /// sinew trend, the rope named in robot.toml
+    Rope,
+    /// The same, taking every error for its session's own
+    Alone,
+    /// sinew trend without a rope
+    Generic,
+    /// Knows the true law
+    Oracle,
+}
+
+impl From<Who> for Forecaster {
+    fn from(who: Who) -> Self {
+        match who {
+            Who::Rope => Self::Rope,
+            Who::Alone => Self::Alone,
+            Who::Generic => Self::Generic,
+            Who::Oracle => Self::Oracle,
+        }
+    }
 }
 
 impl Kind {
@@ -105,14 +175,17 @@ impl SimulateYear {
         let loaded = robot_dir::load(&self.robot, None)?;
         let catalogue = Catalogue::shipped()?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
-        let request = YearRequest {
+        let mut request = YearRequest {
             robots: self.robots,
             seed: self.seed,
             joints: self.joints.clone(),
-            errors: self.session.errors(),
+            errors: self.errors.of(self.session.errors()),
             jobs: self.jobs.unwrap_or(cores) as usize,
             ..YearRequest::default()
         };
+        if !self.forecasters.is_empty() {
+            request.forecasters = self.forecasters.iter().map(|who| (*who).into()).collect();
+        }
         let robot = &loaded.robot;
         let report = if self.chain {
             let chain = ChainRequest {

@@ -1,0 +1,151 @@
+//! When a rope should be replaced before it breaks, where nothing is known of it but its age.
+
+use super::analyze::ages;
+use super::lives::Lives;
+use super::result::AgeUnit;
+use crate::trend::AnalyzeError;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, Gamma};
+use serde::{Deserialize, Serialize};
+use sinew_model::statistics::quantile;
+use sinew_model::survival::{Weibull, WeibullFit};
+
+/// Laws drawn from what the lives say.
+const DRAWS: usize = 2000;
+/// Shapes looked at.
+const SHAPES: usize = 400;
+/// The first and the last of them.
+const SHAPE_RANGE: [f64; 2] = [0.05, 20.0];
+
+/// What lives of other ropes say of one, before anything is known of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifePrior {
+    /// Laws, equally likely.
+    laws: Vec<Weibull>,
+    /// Share of broken ropes at which to replace.
+    broken_ratio: f64,
+    ropes: usize,
+    broke: usize,
+    source: String,
+}
+
+/// When a rope should be replaced, from its age.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LifeForecast {
+    /// Share of such ropes that have broken by the age at which to replace.
+    pub broken_ratio: f64,
+    /// Age of this one at its last session, s.
+    pub age_s: f64,
+    /// Share of such ropes that have broken by that age: mean over what the lives leave open.
+    pub broken_by_now_ratio: f64,
+    /// Probability that the age at which to replace is passed.
+    pub passed_probability: f64,
+    /// Median of the time from the last session until it is, s; below 0: it was passed before.
+    pub after_s: f64,
+    /// 2.5 % quantile of it, s.
+    pub after_low_s: f64,
+    /// 97.5 % quantile of it, s.
+    pub after_high_s: f64,
+    /// Ropes it rests on.
+    pub ropes: usize,
+    /// Those of them that broke.
+    pub broke: usize,
+    /// Table they stand in.
+    pub source: String,
+}
+
+impl LifeForecast {
+    /// Whether the rope is likelier older than the age at which to replace than not.
+    pub fn is_passed(&self) -> bool {
+        self.passed_probability > 0.5
+    }
+}
+
+impl LifePrior {
+    /// From the lives of other ropes.
+    ///
+    /// Laws are drawn from the posterior of shape and scale, every order of size as likely before.
+    ///
+    /// # Errors
+    /// [`AnalyzeError::Lives`] where fewer than two broke, or ages are cycles.
+    pub fn new(
+        lives: &Lives,
+        source: &str,
+        broken_ratio: f64,
+        seed: u64,
+    ) -> Result<Self, AnalyzeError> {
+        let refuse = |why: &'static str| AnalyzeError::Lives {
+            source_name: source.into(),
+            why,
+        };
+        if lives.age_unit == AgeUnit::Cycles {
+            return Err(refuse("its ages are cycles, and a trend's clock is time"));
+        }
+        let own = ages(&lives.lives);
+        let fit = WeibullFit::new(&own).ok_or_else(|| {
+            refuse(
+                "fewer than two ropes broke in it, or all at one age; that says nothing of a third",
+            )
+        })?;
+        Ok(Self {
+            laws: draw(&fit, seed),
+            broken_ratio,
+            ropes: own.len(),
+            broke: own.iter().filter(|l| l.broke).count(),
+            source: source.into(),
+        })
+    }
+
+    /// The forecast for a rope of an age, s.
+    pub fn forecast(&self, age_s: f64) -> LifeForecast {
+        let mut after: Vec<f64> = (self.laws.iter())
+            .map(|law| law.quantile(self.broken_ratio) - age_s)
+            .collect();
+        after.sort_unstable_by(f64::total_cmp);
+        let count = after.len().max(1) as f64;
+        let broken: f64 = self.laws.iter().map(|law| 1.0 - law.survival(age_s)).sum();
+        let [after_low_s, after_s, after_high_s] =
+            [0.025, 0.5, 0.975].map(|share| quantile(&after, share));
+        LifeForecast {
+            broken_ratio: self.broken_ratio,
+            age_s,
+            broken_by_now_ratio: broken / count,
+            passed_probability: after.iter().filter(|a| **a <= 0.0).count() as f64 / count,
+            after_s,
+            after_low_s,
+            after_high_s,
+            ropes: self.ropes,
+            broke: self.broke,
+            source: self.source.clone(),
+        }
+    }
+}
+
+/// Laws drawn by their posterior probability: shapes systematically, the scale of each from its gamma distribution.
+fn draw(fit: &WeibullFit, seed: u64) -> Vec<Weibull> {
+    let [first, last] = SHAPE_RANGE.map(f64::ln);
+    let shapes: Vec<f64> = (0..SHAPES)
+        .map(|i| (first + (last - first) * (i as f64 + 0.5) / SHAPES as f64).exp())
+        .collect();
+    let logs: Vec<f64> = shapes.iter().map(|k| fit.log_shape_density(*k)).collect();
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logs.iter().map(|l| (l - most).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut out, mut reached) = (Vec::with_capacity(DRAWS), 0.0);
+    for (&shape, weight) in shapes.iter().zip(&weights) {
+        reached += weight / total;
+        let (log_rate, broke) = fit.rate(shape);
+        let Ok(gamma) = Gamma::new(broke, 1.0) else {
+            continue;
+        };
+        while out.len() < DRAWS && (out.len() as f64 + 0.5) / (DRAWS as f64) < reached {
+            let log: f64 = gamma.sample(&mut rng);
+            let scale = ((log_rate - log.ln()) / shape).exp();
+            out.push(Weibull { shape, scale });
+        }
+    }
+    out
+}

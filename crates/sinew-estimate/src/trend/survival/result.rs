@@ -1,0 +1,158 @@
+//! How long ropes last, as data: tables and pages are made from this alone.
+
+use serde::{Deserialize, Serialize};
+use sinew_files::JsonDocument;
+use sinew_model::Interval95;
+use sinew_model::survival::SurvivalPoint;
+
+/// How long ropes last.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SurvivalReport {
+    /// Version of the program that made it.
+    pub sinew_version: String,
+    /// Table it was made from.
+    pub source: String,
+    /// Unit of every age.
+    pub age_unit: AgeUnit,
+    /// All ropes together, then each group where the table has several.
+    pub groups: Vec<SurvivalGroup>,
+    /// What was left out or supposed.
+    pub notes: Vec<SurvivalNote>,
+}
+
+impl JsonDocument for SurvivalReport {
+    const SCHEMA: &'static str = "sinew/trend-survival/1";
+}
+
+/// Unit of ages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum AgeUnit {
+    /// s.
+    Seconds,
+    /// Cycles of a machine.
+    Cycles,
+}
+
+/// Ropes counted together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SurvivalGroup {
+    /// Name of the group; `None`: all.
+    pub name: Option<String>,
+    /// Ropes.
+    pub ropes: usize,
+    /// Ropes that broke; the others were replaced in time, or run still.
+    pub broke: usize,
+    /// Sum of their ages.
+    pub watched_age: f64,
+    /// Kaplan and Meier's curve, a point for every age at which a rope broke.
+    pub curve: Vec<SurvivalPoint>,
+    /// Age that half of them outlast, from the curve; its 95 % interval. `None`: open.
+    pub median: LifeQuantile,
+    /// The law fitted; `None`: fewer than two broke, or all at one age.
+    pub weibull: Option<FittedWeibull>,
+    /// What age says of breaking.
+    pub wear: Wear,
+}
+
+/// A Weibull law, `S(t) = exp(−(t/scale)^shape)`, with what the likelihood says of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FittedWeibull {
+    /// `k`.
+    pub shape: f64,
+    /// Its 95 % interval by profile likelihood; `None` at an end: open.
+    pub shape_interval_95: [Option<f64>; 2],
+    /// `λ`, an age.
+    pub scale: f64,
+    /// Its 95 % interval.
+    pub scale_interval_95: [Option<f64>; 2],
+    /// Logarithm of the likelihood.
+    pub log_likelihood: f64,
+    /// Ages by which 5, 10 and 50 % have broken.
+    pub broken_by: Vec<LifeQuantile>,
+    /// The law over age, with its band.
+    pub curve: Vec<FittedPoint>,
+    /// Points of Kaplan and Meier's curve whose band the law leaves.
+    pub outside_band: usize,
+}
+
+/// Age by which a share of the ropes has broken.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LifeQuantile {
+    /// The share.
+    pub broken_ratio: f64,
+    /// The age; `None`: not reached while they were watched.
+    pub age: Option<f64>,
+    /// Lower end of its 95 % interval; `None`: open.
+    pub age_low: Option<f64>,
+    /// Upper end; `None`: open.
+    pub age_high: Option<f64>,
+}
+
+/// A law at an age.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FittedPoint {
+    /// The age.
+    pub age: f64,
+    /// Share that lasts longer.
+    pub survival: f64,
+    /// Its 95 % interval.
+    pub interval_95: Interval95,
+}
+
+/// What the age of a rope says of its breaking.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Wear {
+    /// The shape's interval lies above 1: old ropes break sooner. Replacing in time helps.
+    WearsOut,
+    /// It lies below 1: those that break do so early. A rope that has lasted is better than a new one.
+    BreaksEarly,
+    /// 1 is inside: an old rope may be as good as a new one.
+    AgeSaysNothing,
+    /// Too few broke to say.
+    CannotTell,
+}
+
+/// What was left out or supposed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum SurvivalNote {
+    /// The first break at a place: when that rope was put in isn't known.
+    AgeUnknown {
+        /// How many.
+        breaks: usize,
+    },
+    /// Events without a place.
+    WithoutPlace {
+        /// How many.
+        events: usize,
+    },
+    /// Events that end no rope's life.
+    NoEnd {
+        /// How many.
+        events: usize,
+        /// Some of their words.
+        words: Vec<String>,
+    },
+    /// Ropes that broke on the day they were put in: half a day.
+    SameDay {
+        /// How many.
+        ropes: usize,
+    },
+    /// Until when ropes that didn't break were watched.
+    WatchEnds {
+        /// s since 1970; of the whole table.
+        utc_s: f64,
+        /// Column whose places were watched together, each until its last event.
+        by: Option<String>,
+    },
+}

@@ -1,0 +1,230 @@
+//! Lives of ropes from tables of ropes and of events.
+
+use sinew_estimate::trend::survival::{
+    AgeUnit, EventColumns, LifeEnd, SurvivalNote, SurvivalReport, Wear, analyze_lives, read_lives,
+};
+use sinew_files::JsonDocument as _;
+use sinew_report::trend::survival::{format_note, html, render_table};
+use std::path::PathBuf;
+
+/// A table in a folder of its own.
+fn table(text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("events.csv");
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+const EVENTS: &str = "date,unit,kind,event\n\
+    2024-01-01,a,lift,installed\n\
+    2024-04-10,a,lift,broken (crimp let go)\n\
+    2024-05-01,a,lift,loose; tensioned again\n\
+    2024-07-19,a,lift,replaced at the service\n\
+    2024-02-01,b,reach,broken\n\
+    2024-02-01,b,reach,torn again on the same day\n\
+    2024-03-02,c,reach,installed\n\
+    2024-12-31,c,reach,almost torn\n\
+    2024-11-01,d,lift,installed\n\
+    2024-11-11,d,lift,retired\n";
+
+#[test]
+fn events_at_places_are_lives_of_ropes() {
+    let (_folder, path) = table(EVENTS);
+    let lives = read_lives(&path, &EventColumns::default()).unwrap();
+    assert_eq!(lives.age_unit, AgeUnit::Seconds);
+    let found: Vec<(&str, f64, LifeEnd)> = (lives.lives.iter())
+        .map(|l| (l.unit.as_str(), l.age / 86_400.0, l.end))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            ("a", 100.0, LifeEnd::Broke),
+            ("a", 100.0, LifeEnd::Replaced),
+            ("a", 165.0, LifeEnd::Whole),
+            ("b", 0.5, LifeEnd::Broke),
+            ("b", 334.0, LifeEnd::Whole),
+            ("c", 304.0, LifeEnd::Whole),
+            ("d", 10.0, LifeEnd::Replaced),
+        ]
+    );
+    assert!(
+        lives
+            .notes
+            .contains(&SurvivalNote::AgeUnknown { breaks: 1 })
+    );
+    assert!(lives.notes.contains(&SurvivalNote::SameDay { ropes: 1 }));
+    let notes: Vec<String> = lives.notes.iter().map(format_note).collect();
+    for words in [
+        "half a day",
+        "loose; tensioned again",
+        "2024-12-31",
+        "first breaks",
+    ] {
+        assert!(
+            notes.iter().any(|n| n.contains(words)),
+            "{words}: {notes:?}"
+        );
+    }
+    // Watched until the last event of the same kind, or until a day.
+    let of = |columns: EventColumns| read_lives(&path, &columns).unwrap().lives[2].age / 86_400.0;
+    let by_kind = EventColumns {
+        watched: Some("kind".into()),
+        ..EventColumns::default()
+    };
+    assert_eq!(of(by_kind), 115.0);
+    let until = EventColumns {
+        until_utc_s: Some(1_735_689_600.0 + 86_400.0),
+        ..EventColumns::default()
+    };
+    assert_eq!(of(until), 167.0);
+}
+
+#[test]
+fn a_row_a_rope_is_read_in_days_hours_and_cycles() {
+    for (column, factor) in [
+        ("age_days", 86_400.0),
+        ("age_hours", 3600.0),
+        ("age_cycles", 1.0),
+    ] {
+        let (_folder, path) = table(&format!("{column},end,group\n10,broken,x\n12.5,Running,\n"));
+        let columns = EventColumns {
+            group: Some("group".into()),
+            ..EventColumns::default()
+        };
+        let lives = read_lives(&path, &columns).unwrap();
+        assert_eq!(lives.lives[1].age, 12.5 * factor);
+        assert_eq!(lives.lives[1].end, LifeEnd::Whole);
+        assert_eq!(lives.lives[0].group.as_deref(), Some("x"));
+    }
+}
+
+#[test]
+fn wrong_tables_are_refused_with_the_place_and_the_cure() {
+    let refused = |text: &str, columns: &EventColumns, words: &[&str]| {
+        let (_folder, path) = table(text);
+        let error = read_lives(&path, columns).unwrap_err().to_string();
+        for word in words.iter().chain(&["events.csv"]) {
+            assert!(error.contains(word), "{word}: {error}");
+        }
+    };
+    let plain = EventColumns::default();
+    refused(
+        "date,unit,event\nspring,a,broken\n",
+        &plain,
+        &["line 2", "no date", "spring"],
+    );
+    refused(
+        "day,unit,event\n2024-01-01,a,broken\n",
+        &plain,
+        &["date", "--date"],
+    );
+    refused(
+        "date,robot,event\n2024-01-01,a,broken\n",
+        &plain,
+        &["unit", "--unit"],
+    );
+    refused(
+        "date,unit,what\n2024-01-01,a,broken\n",
+        &plain,
+        &["event", "--event"],
+    );
+    refused(
+        "date,unit,event\n2024-01-01,a,broken\n",
+        &plain,
+        &["installed", "age_days"],
+    );
+    refused(
+        "age_days,end\n-3,broken\n",
+        &plain,
+        &["line 2", "age_days", "above 0"],
+    );
+    refused(
+        "age_days,end\n3,gone\n",
+        &plain,
+        &["line 2", "broken, replaced"],
+    );
+    refused("age_days,end\n,broken\n", &plain, &["line 2", "age_days"]);
+    let until = EventColumns {
+        until_utc_s: Some(1_672_531_200.0),
+        ..plain
+    };
+    refused(
+        EVENTS,
+        &until,
+        &["2023-01-01", "after the end of the watch"],
+    );
+}
+
+/// Ages at which ropes of a Weibull law break, evenly over its quantiles; every fourth is replaced at 0.7 of it.
+fn ropes(shape: f64, count: usize) -> String {
+    let mut text = String::from("age_days,end\n");
+    for i in 0..count {
+        let share = (i as f64 + 0.5) / count as f64;
+        let age = 200.0 * (-(1.0 - share).ln()).powf(1.0 / shape);
+        let (age, end) = match i % 4 {
+            3 => (0.7 * age, "replaced"),
+            _ => (age, "broken"),
+        };
+        text.push_str(&format!("{age},{end}\n"));
+    }
+    text
+}
+
+#[test]
+fn what_age_says_is_told_apart() {
+    for (text, wear, words) in [
+        (ropes(2.5, 40), Wear::WearsOut, "replacing in time helps"),
+        (ropes(0.5, 40), Wear::BreaksEarly, "better than a new one"),
+        (ropes(1.0, 20), Wear::AgeSaysNothing, "as good as a new one"),
+        (
+            "age_days,end\n5,broken\n9,running\n".into(),
+            Wear::CannotTell,
+            "too few",
+        ),
+    ] {
+        let (_folder, path) = table(&text);
+        let lives = read_lives(&path, &EventColumns::default()).unwrap();
+        let report = analyze_lives(&lives, "ropes.csv");
+        let [group] = report.groups.as_slice() else {
+            panic!("{:?}", report.groups);
+        };
+        assert_eq!(group.wear, wear, "{group:?}");
+        let shown = render_table(&report);
+        let one_line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(one_line.contains(words), "{shown}");
+        assert!(shown.lines().all(|l| l.chars().count() <= 80), "{shown}");
+        let page = html(&report);
+        assert!(page.contains("<svg") && !page.contains("NaN"), "{wear:?}");
+        // Results are data: they are read as they were written.
+        let read: SurvivalReport = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+        assert_eq!(read.groups.len(), 1);
+    }
+}
+
+#[test]
+fn groups_are_counted_apart_and_a_law_that_does_not_fit_says_so() {
+    // Half break within a week, half after 300 days.
+    let mut text = String::from("age_days,end,kind\n");
+    for i in 0..30 {
+        text.push_str(&format!("{},broken,early\n", 3.0 + 0.2 * f64::from(i)));
+        text.push_str(&format!("{},broken,late\n", 300.0 + 3.0 * f64::from(i)));
+    }
+    let (_folder, path) = table(&text);
+    let columns = EventColumns {
+        group: Some("kind".into()),
+        ..EventColumns::default()
+    };
+    let report = analyze_lives(&read_lives(&path, &columns).unwrap(), "ropes.csv");
+    let names: Vec<Option<&str>> = report.groups.iter().map(|g| g.name.as_deref()).collect();
+    assert_eq!(names, [None, Some("early"), Some("late")]);
+    assert_eq!(report.groups[0].ropes, 60);
+    assert!(report.groups[0].weibull.as_ref().unwrap().outside_band > 5);
+    assert!(render_table(&report).contains("leaves the curve's band"));
+    let late = &report.groups[2];
+    assert_eq!(late.wear, Wear::WearsOut);
+    assert!(
+        (late.median.age.unwrap() / 86_400.0 - 342.0).abs() < 4.0,
+        "{:?}",
+        late.median
+    );
+}
