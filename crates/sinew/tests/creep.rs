@@ -187,7 +187,12 @@ fn a_plan_of_tests_is_a_table_and_a_programme() {
     assert!(!tests.is_empty(), "{plan}");
     let of = |v: &serde_json::Value, key: &str| v[key].as_f64().unwrap();
     assert!(of(&plan, "bench_s") <= 5.0 * 3600.0, "{plan}");
-    assert!(of(&tests[0], "half_width_share") < of(&plan, "half_width_share"));
+    // One record may widen it: what is fitted starts from less than the entry knew. The programme narrows it.
+    let last = |plan: &serde_json::Value| {
+        let tests = plan["tests"].as_array().unwrap();
+        of(tests.last().unwrap(), "half_width_share")
+    };
+    assert!(last(&plan) < of(&plan, "half_width_share"));
     let text = std::fs::read_to_string(csv).unwrap();
     let mut lines = text.lines();
     assert_eq!(
@@ -204,7 +209,7 @@ fn a_plan_of_tests_is_a_table_and_a_programme() {
     // A record that is there already is fitted along.
     let known = json(&with(&asked, &["--json", "--with", "rope-A.csv"]));
     assert_eq!(known["known"], 1);
-    assert!(of(&known, "half_width_share") < of(&plan, "half_width_share"));
+    assert!(last(&known) < of(&known, "half_width_share"));
     let table = sinew(&asked);
     let table = String::from_utf8(table.stdout).unwrap();
     assert!(table.lines().all(|l| l.chars().count() <= 80), "{table}");

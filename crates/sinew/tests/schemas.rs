@@ -120,6 +120,7 @@ fn outputs() -> Vec<&'static str> {
         creep plan liros-dc000-0301 --tension 60 --length 700 --at 30d --loads 60 --temperatures 23 --durations 85min --check 1 --json
         excitation --robot robots/biorob-like --poses 3 --candidates 2 --seed 4 --json
         paper table1 --out OUT --json
+        paper ledger --out OUT --json
         scenarios run --scenario S7 --n 1 --no-steps --json
         simulate examples/scenarios/stretched-arm.toml --out OUT/a.mcap --duration 4 --json
         simulate examples/09-corrected/stretched-work.toml --out OUT/b.mcap --duration 8 --control --json

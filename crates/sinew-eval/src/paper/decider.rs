@@ -157,7 +157,7 @@ mod tests {
         let catalogue = Catalogue::shipped().expect("shipped");
         let name = "liros-dc000-0301";
         let laws = laws(&catalogue, name).expect("complete");
-        let of = |i: usize| laws[i].parameters().clone();
+        let of = |i: usize| *laws[i].parameters();
         let middle = of(0).jamming;
         let found = decide(&[(name, &laws)], |i| of(i).jamming > middle);
         let [

@@ -176,7 +176,7 @@ fn choices(laws: &[Law], cases: &Cases) -> Result<Table, PaperError> {
 fn held(laws: &[Law], parameter: Parameter, value: f64) -> Result<Vec<Law>, PaperError> {
     laws.iter()
         .map(|law| {
-            let mut parameters = law.parameters().clone();
+            let mut parameters = *law.parameters();
             parameters.set(parameter, value);
             Law::new(parameters).map_err(|e| PaperError::Rope(e.to_string()))
         })
