@@ -4,7 +4,7 @@
 //! everything else is the caller's promise, stated at each function. Nothing is computed here.
 //!
 //! Every function says its realtime class. Constructors allocate and may fail with a sentence; steps allocate, lock and
-//! log nothing. A panic, which would be a fault of Sinew, becomes [`Status::Panic`] and never crosses into C.
+//! log nothing. A panic, which would be a fault of Sinew, becomes `Status::Panic` and never crosses into C.
 //!
 //! Reading order: [`status`], `borrow` (pointers to references), [`robot`], [`offsets`], [`observer`], [`momentum`].
 //! `include/sinew.h` is made from this by `header/`.

@@ -370,7 +370,7 @@ pub(crate) fn predict_rope(
     // The curve between the readings is drawn when somebody looks.
     let curve = Arc::new(move |found: &predict::Prediction| {
         let more = predict::Request {
-            times_s: curve_times(&request.times_s),
+            times_s: curve_times(&request.times_s, request.duty.summary().duration_s),
             ..request.clone()
         };
         predict::predict(&rope, &more).unwrap_or_else(|_| found.clone())

@@ -80,6 +80,8 @@ pub(crate) fn trend(
             catalogue: &catalogue,
             stated: all,
             duty: duty.as_deref().map(Duty::open).transpose()?,
+            // How long such ropes last is asked of the command: sinew trend --life.
+            life: None,
             horizon_days,
             seed,
         };

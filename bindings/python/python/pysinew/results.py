@@ -95,6 +95,59 @@ class Analysis(Record):
     }
 
 
+class AnchorReading(Record):
+    """What one anchor said in one recording."""
+
+    __slots__ = ()
+
+    encoder_error_rad: Gaussian
+    """Error of the encoder it is read by: the joint's at a stop or joint mark, the motor's at a motor mark, rad."""
+    joint: str
+    """Joint."""
+    kind: AnchorKind
+    """What it is."""
+    offset_rad: Gaussian | None
+    """Offset of the tendon by the push alone, rad; `None` without a push or without the motor's torque."""
+    position_rad: float
+    """Where it is, rad (m for a joint that slides)."""
+    time_s: float
+    """When it was touched, s since the recording began."""
+
+    _fields = {
+        "encoder_error_rad": "Gaussian",
+        "joint": "",
+        "kind": "",
+        "offset_rad": "Gaussian",
+        "position_rad": "",
+        "time_s": "",
+    }
+
+
+class AnchoredOffset(Record):
+    """What anchors did to one tendon's estimate."""
+
+    __slots__ = ()
+
+    by_motion_rad: Gaussian
+    """Offset as motion alone shows it, rad."""
+    by_push_rad: Gaussian | None
+    """Offset as pushes alone show it, rad."""
+    correction_rad: Gaussian
+    """What the encoders were off by, and the offset has been corrected for, rad."""
+    readings: list[AnchorReading]
+    """What was touched, in the order of time."""
+    since_baseline: bool
+    """Whether the baseline had touched the same, so that what follows is a difference."""
+
+    _fields = {
+        "by_motion_rad": "Gaussian",
+        "by_push_rad": "Gaussian",
+        "correction_rad": "Gaussian",
+        "readings": "AnchorReading",
+        "since_baseline": "",
+    }
+
+
 class Arrhenius(Record):
     """`ln a_T = E/R (1/T − 1/T_ref)`."""
 
@@ -162,6 +215,8 @@ class BaselineResult(Record):
 
     baseline: str | None
     """First recording of the baseline; `None`: data-sheet priors only."""
+    baseline_time_utc_s: float | None
+    """When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say."""
     damaged: bool
     """Whether part of the file was lost."""
     duration_s: float
@@ -203,6 +258,7 @@ class BaselineResult(Record):
 
     _fields = {
         "baseline": "",
+        "baseline_time_utc_s": "",
         "damaged": "",
         "duration_s": "",
         "joints": "TendonEstimate",
@@ -546,6 +602,27 @@ class CautionLowLoad(Record):
     }
 
 
+class CautionReplace(Record):
+    """The rope stretches beyond the strain at which its maker says to replace it."""
+
+    __slots__ = ()
+
+    kind: Literal["replace"]
+    share: float
+    """Share of the draws that lie beyond it, or are broken, at the last time asked for, 0 to 1."""
+    strain_ratio: float
+    """That strain since it was new, m/m."""
+    time_s: float | None
+    """The first time asked for at which the middle lies beyond it, s; `None`: only draws do."""
+
+    _fields = {
+        "kind": "",
+        "share": "",
+        "strain_ratio": "",
+        "time_s": "",
+    }
+
+
 class CautionStartingGuesses(Record):
     """Parameters are starting guesses."""
 
@@ -849,6 +926,21 @@ class CreepErrorNoGroupColumn(Record):
     }
 
 
+class CreepErrorNoPlan(Record):
+    """No test can be planned."""
+
+    __slots__ = ()
+
+    kind: Literal["no-plan"]
+    reason: str
+    """Why."""
+
+    _fields = {
+        "kind": "",
+        "reason": "",
+    }
+
+
 class CreepErrorNoRope(Record):
     """The rope law without a rope to start from."""
 
@@ -1011,6 +1103,22 @@ class CreepWithheldResult(Record):
         "schema": "",
         "sources": "Source",
         "withheld": "Coverage",
+    }
+
+
+class CycleClock(Record):
+    """Cycles of a machine beside its time."""
+
+    __slots__ = ()
+
+    last: float
+    """Cycle of the last session that counts them."""
+    per_s: float | None
+    """Cycles a second of late; `None`: one session alone doesn't say."""
+
+    _fields = {
+        "last": "",
+        "per_s": "",
     }
 
 
@@ -1783,11 +1891,14 @@ class HeldJoint(Record):
 
     radius_m: float
     """Radius of the pulley at the joint, m."""
+    slides: bool | None
+    """Whether it slides: its torque is a force then, N, and its pulley's radius the rope's travel per metre."""
     torque_nm: float
     """Torque that the joint holds, N·m, at least 0."""
 
     _fields = {
         "radius_m": "",
+        "slides": "",
         "torque_nm": "",
     }
 
@@ -1954,6 +2065,8 @@ class JointEstimate(Record):
     """Standard deviation of the single estimates, rad."""
     series: Series
     """The estimate over time."""
+    slides: bool | None
+    """Whether it slides: rad is then m, and N·m is N."""
     standard_error_rad: float | None
     """Standard error of the mean that respects their correlation (batch means), rad; `None` when the recording
     is too short for one.
@@ -1980,6 +2093,7 @@ class JointEstimate(Record):
         "refused": "JointRefusal",
         "scatter_rad": "",
         "series": "Series",
+        "slides": "",
         "standard_error_rad": "",
         "stiffness_nm_per_rad": "",
         "strain_ratio": "",
@@ -2058,8 +2172,14 @@ class JointTrend(Record):
 
     __slots__ = ()
 
+    baseline_error_rad: Gaussian
+    """Error that all sessions since the baseline share: the offset's interval holds what is left unknown of it,
+    however many sessions there are.
+    """
     basis: PriorBasis
     """What the forecast rests on."""
+    cycles: CycleClock | None
+    """Cycles of the machine, where sessions count them."""
     drift_rad_per_k: Gaussian | None
     """Drift of the records with temperature; `None` without temperatures."""
     elongation_m: Gaussian | None
@@ -2072,6 +2192,8 @@ class JointTrend(Record):
     """Offset from the last session on."""
     last_utc_s: float
     """Start of the last session, s since 1970."""
+    life: LifeForecast | None
+    """When to replace the rope by its age, where its strain has no limit and lives of other ropes were given."""
     limits: list[LimitForecast]
     """Limits of robot.toml, re-tensioning first."""
     name: str
@@ -2087,7 +2209,7 @@ class JointTrend(Record):
     sessions: int
     """Sessions."""
     shared_error_rad: float
-    """Standard deviation of the error that sessions share, rad."""
+    """Standard deviation of the error that neighbouring sessions share, rad."""
     stated_width_ratio: float
     """True over stated width of the sessions' intervals."""
     strain_ratio: Gaussian | None
@@ -2104,13 +2226,16 @@ class JointTrend(Record):
     """Sessions that couldn't tell."""
 
     _fields = {
+        "baseline_error_rad": "Gaussian",
         "basis": "PriorBasis",
+        "cycles": "CycleClock",
         "drift_rad_per_k": "Gaussian",
         "elongation_m": "Gaussian",
         "events": "TrendEvent",
         "first_utc_s": "",
         "forecast": "ForecastPoint",
         "last_utc_s": "",
+        "life": "LifeForecast",
         "limits": "LimitForecast",
         "name": "",
         "offset_rad": "Gaussian",
@@ -2219,6 +2344,46 @@ class Life(Record):
     }
 
 
+class LifeForecast(Record):
+    """When a rope should be replaced, from its age."""
+
+    __slots__ = ()
+
+    after_high_s: float
+    """97.5 % quantile of it, s."""
+    after_low_s: float
+    """2.5 % quantile of it, s."""
+    after_s: float
+    """Median of the time from the last session until it is, s; below 0: it was passed before."""
+    age_s: float
+    """Age of this one at its last session, s."""
+    broke: int
+    """Those of them that broke."""
+    broken_by_now_ratio: float
+    """Share of such ropes that have broken by that age: mean over what the lives leave open."""
+    broken_ratio: float
+    """Share of such ropes that have broken by the age at which to replace."""
+    passed_probability: float
+    """Probability that the age at which to replace is passed."""
+    ropes: int
+    """Ropes it rests on."""
+    source: str
+    """Table they stand in."""
+
+    _fields = {
+        "after_high_s": "",
+        "after_low_s": "",
+        "after_s": "",
+        "age_s": "",
+        "broke": "",
+        "broken_by_now_ratio": "",
+        "broken_ratio": "",
+        "passed_probability": "",
+        "ropes": "",
+        "source": "",
+    }
+
+
 class LimitForecastReplace(Record):
     """Replace at this strain since the first tensioning."""
 
@@ -2230,6 +2395,12 @@ class LimitForecastReplace(Record):
     """2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
     after_s: float | None
     """Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown."""
+    at_high_utc_s: float | None
+    """The 97.5 % quantile as a date."""
+    at_low_utc_s: float | None
+    """The 2.5 % quantile as a date."""
+    at_utc_s: float | None
+    """The median as a date, s since 1970; `None`: as above, or sessions have no dates."""
     limit_rad: float | None
     """The limit as an offset, rad."""
     passed_probability: float | None
@@ -2244,6 +2415,9 @@ class LimitForecastReplace(Record):
         "after_high_s": "",
         "after_low_s": "",
         "after_s": "",
+        "at_high_utc_s": "",
+        "at_low_utc_s": "",
+        "at_utc_s": "",
         "limit_rad": "",
         "passed_probability": "",
         "state": "",
@@ -2263,6 +2437,12 @@ class LimitForecastRetension(Record):
     """2.5 % quantile of that time, s; `None`: beyond the horizon, or unknown."""
     after_s: float | None
     """Median of the time from the last session until it is passed, s; `None`: beyond the horizon, or unknown."""
+    at_high_utc_s: float | None
+    """The 97.5 % quantile as a date."""
+    at_low_utc_s: float | None
+    """The 2.5 % quantile as a date."""
+    at_utc_s: float | None
+    """The median as a date, s since 1970; `None`: as above, or sessions have no dates."""
     limit_rad: float | None
     """The limit as an offset, rad."""
     passed_probability: float | None
@@ -2277,6 +2457,9 @@ class LimitForecastRetension(Record):
         "after_high_s": "",
         "after_low_s": "",
         "after_s": "",
+        "at_high_utc_s": "",
+        "at_low_utc_s": "",
+        "at_utc_s": "",
         "limit_rad": "",
         "passed_probability": "",
         "state": "",
@@ -2755,6 +2938,8 @@ class PredictionResult(Record):
     """How long it lasts, and which portion wears out first."""
     parameters: int
     """All parameters of the law."""
+    pulleys: list[PulleyPlace]
+    """The guiding pulleys along the rope, in order from the drive."""
     read_at_c: float
     """Temperature the readings refer to, °C."""
     read_at_n: float
@@ -2787,6 +2972,7 @@ class PredictionResult(Record):
         "length_m": "",
         "life": "Life",
         "parameters": "",
+        "pulleys": "PulleyPlace",
         "read_at_c": "",
         "read_at_n": "",
         "readings": "Reading",
@@ -2947,6 +3133,28 @@ class Published(Record):
         "breaking_load_n": "CatalogueValue",
         "diameter_m": "CatalogueValue",
         "weight_kg_per_m": "CatalogueValue",
+    }
+
+
+class PulleyPlace(Record):
+    """A guiding pulley along a strand, and how it bends the rope."""
+
+    __slots__ = ()
+
+    at_m: float
+    """Where the rope first touches it with the drive at rest, m from the drive."""
+    bend_ratio: float | None
+    """Diameter that the rope is bent to, over its own; `None` where that isn't published."""
+    radius_m: float
+    """Radius of the rope's path, m."""
+    wrap_rad: float
+    """Wrap angle, rad."""
+
+    _fields = {
+        "at_m": "",
+        "bend_ratio": "",
+        "radius_m": "",
+        "wrap_rad": "",
     }
 
 
@@ -4069,9 +4277,7 @@ class SelectionResult(Record):
     __slots__ = ()
 
     candidates: list[Candidate]
-    """Ropes that meet everything: first those that last in 97.5 % of the draws, then the others, each by least
-    elongation.
-    """
+    """Ropes that meet everything, by `Candidate::rank` and then by least elongation."""
     duty: str
     """The duty in words."""
     rejected: list[Rejected]
@@ -4133,6 +4339,8 @@ class SessionEstimate(Record):
 
     baseline: str | None
     """First recording of the baseline; `None`: data-sheet priors only."""
+    baseline_time_utc_s: float | None
+    """When that ended, s since 1970 UTC: every offset was zero then. `None` where its clock doesn't say."""
     damaged: bool
     """Whether part of the file was lost."""
     duration_s: float
@@ -4172,6 +4380,7 @@ class SessionEstimate(Record):
 
     _fields = {
         "baseline": "",
+        "baseline_time_utc_s": "",
         "damaged": "",
         "duration_s": "",
         "joints": "TendonEstimate",
@@ -4200,6 +4409,8 @@ class SessionPoint(Record):
 
     at_reference_rad: float | None
     """At the reference temperature, with the drift found in the end."""
+    cycle: float | None
+    """Cycle of the machine."""
     is_off: bool
     """Whether the record looked off by itself."""
     jump_probability: float
@@ -4209,12 +4420,13 @@ class SessionPoint(Record):
     temperature_c: float | None
     """Temperature, °C."""
     time_utc_s: float
-    """Its start, s since 1970."""
+    """Its start, s since 1970; from cycle 0 where only cycles are known."""
     tracked_rad: Gaussian
     """Offset as the trend knew it then."""
 
     _fields = {
         "at_reference_rad": "",
+        "cycle": "",
         "is_off": "",
         "jump_probability": "",
         "offset_rad": "Gaussian",
@@ -4252,6 +4464,22 @@ class Settings(Record):
         "source": "",
         "tau_ext": "",
         "velocity_filter_rad_per_s": "",
+    }
+
+
+class SharedError(Record):
+    """Parts of an offset's error that other sessions have too, as standard deviations, rad."""
+
+    __slots__ = ()
+
+    baseline_rad: float
+    """What comes with the baseline: the same in every session since then."""
+    drift_rad: float
+    """What zero and stiffness do with temperature: proportional to its change since then."""
+
+    _fields = {
+        "baseline_rad": "",
+        "drift_rad": "",
     }
 
 
@@ -4751,6 +4979,8 @@ class TendonEstimate(Record):
 
     __slots__ = ()
 
+    anchored: AnchoredOffset | None
+    """What an end stop or a mark said, where one was touched."""
     changes: list[TendonChange]
     """Sudden changes within the recording."""
     elongation_m: Gaussian | None
@@ -4765,8 +4995,12 @@ class TendonEstimate(Record):
     """Offset at the end of the recording, rad."""
     retension: RetensionLimit | None
     """The elongation at which the owner wants to tension again, where robot.toml says."""
+    shared_error: SharedError | None
+    """What of its error other sessions have too; `None` in files of programs that didn't say."""
     slack_rad: Gaussian | None
     """Half the dead zone of an antagonistic pair, rad."""
+    slides: bool | None
+    """Whether it slides: rad is then m, and N·m is N."""
     stiffness_change_ratio: Gaussian
     """Stiffness as the recording sees it over nominal, less one."""
     stiffness_since_before: StiffnessSinceBefore | None
@@ -4779,6 +5013,7 @@ class TendonEstimate(Record):
     """What that comes to."""
 
     _fields = {
+        "anchored": "AnchoredOffset",
         "changes": "TendonChange",
         "elongation_m": "Gaussian",
         "misfit_rad": "",
@@ -4786,7 +5021,9 @@ class TendonEstimate(Record):
         "noise_rad": "",
         "offset_rad": "Gaussian",
         "retension": "RetensionLimit",
+        "shared_error": "SharedError",
         "slack_rad": "Gaussian",
+        "slides": "",
         "stiffness_change_ratio": "Gaussian",
         "stiffness_since_before": "StiffnessSinceBefore",
         "strain_ratio": "Gaussian",
@@ -4892,6 +5129,8 @@ class TrendEventJump(Record):
     """Session that confirmed it, s since 1970."""
     probability: float | None
     """Posterior probability when it was confirmed."""
+    sessions: int | None
+    """Sessions that speak for it: one where it is beyond every error; 0 for a stated one."""
     size_rad: Gaussian | None
     """Change of the offset; `None` for a stated one."""
     stiffness_change_ratio: Gaussian | None
@@ -4905,6 +5144,7 @@ class TrendEventJump(Record):
     _fields = {
         "confirmed_utc_s": "",
         "probability": "",
+        "sessions": "",
         "size_rad": "Gaussian",
         "stiffness_change_ratio": "Gaussian",
         "time_utc_s": "",
@@ -4922,6 +5162,8 @@ class TrendEventTensioned(Record):
     """Session that confirmed it, s since 1970."""
     probability: float | None
     """Posterior probability when it was confirmed."""
+    sessions: int | None
+    """Sessions that speak for it: one where it is beyond every error; 0 for a stated one."""
     size_rad: Gaussian | None
     """Change of the offset; `None` for a stated one."""
     stiffness_change_ratio: Gaussian | None
@@ -4935,6 +5177,7 @@ class TrendEventTensioned(Record):
     _fields = {
         "confirmed_utc_s": "",
         "probability": "",
+        "sessions": "",
         "size_rad": "Gaussian",
         "stiffness_change_ratio": "Gaussian",
         "time_utc_s": "",
@@ -5287,6 +5530,27 @@ class UnusableTooFewReadings(Record):
     }
 
 
+class WarningAnchorDisagrees(Record):
+    """A push against an end stop shows another offset than motion does."""
+
+    __slots__ = ()
+
+    by_motion_rad: Gaussian
+    """By motion, corrected for the encoders, rad."""
+    by_push_rad: Gaussian
+    """By the push, rad."""
+    joint: str
+    """Joint."""
+    kind: Literal["anchor-disagrees"]
+
+    _fields = {
+        "by_motion_rad": "Gaussian",
+        "by_push_rad": "Gaussian",
+        "joint": "",
+        "kind": "",
+    }
+
+
 class WarningChangeMayEnd(Record):
     """A change came so late that it may be a contact."""
 
@@ -5305,6 +5569,30 @@ class WarningChangeMayEnd(Record):
         "joint": "",
         "kind": "",
         "time_s": "",
+    }
+
+
+class WarningDriftUnknown(Record):
+    """The temperature differs from the baseline's, and what that does to an offset is most of its interval."""
+
+    __slots__ = ()
+
+    frame_is_stated: bool
+    """Whether robot.toml states the frame's expansion."""
+    half_width_95_rad: float
+    """Half of the 95 % interval for that, rad."""
+    joint: str
+    """Joint of which it leaves most unknown."""
+    kind: Literal["drift-unknown"]
+    warmer_k: float
+    """Warmer than the baseline, K."""
+
+    _fields = {
+        "frame_is_stated": "",
+        "half_width_95_rad": "",
+        "joint": "",
+        "kind": "",
+        "warmer_k": "",
     }
 
 
@@ -5645,18 +5933,19 @@ class Wlf(Record):
     }
 
 
+AnchorKind = Literal["stop", "joint-mark", "motor-mark"]
 BaselineSource = Union[BaselineSourceAssumed, BaselineSourceGiven]
 BreakCause = Literal["creep-rupture", "bending-fatigue"]
 Cause = Union[Literal["motor-encoder", "joint-encoder", "rope"], CauseUnknown]
-Caution = Union[CautionBeyondData, CautionBreakingLoadGuessed, CautionCreepsApart, CautionEndsNotStated, CautionExtrapolated, CautionHighLoad, CautionHot, CautionLoadShare, CautionLowLoad, CautionStartingGuesses, CautionTightBend, CautionWornOut]
+Caution = Union[CautionBeyondData, CautionBreakingLoadGuessed, CautionCreepsApart, CautionEndsNotStated, CautionExtrapolated, CautionHighLoad, CautionHot, CautionLoadShare, CautionLowLoad, CautionReplace, CautionStartingGuesses, CautionTightBend, CautionWornOut]
 Comparison = Literal["matched", "paper"]
 ConditionSource = Literal["held", "stated"]
-CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
+CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoPlan, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
 Ends = Literal["not-stated", "spliced", "knotted"]
 EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspicion"]
 Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
-Format = Literal["mcap", "csv", "parquet", "db3"]
+Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointMotion = Literal["revolute", "prismatic"]
 JointRefusal = Union[Literal["rigid", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
@@ -5694,11 +5983,11 @@ TorqueSource = Literal["observer", "torque-sensor", "motor"]
 TrendEvent = Union[TrendEventJump, TrendEventTensioned]
 TrendLimitState = Literal["passed", "forecast", "not-before", "not-within-horizon", "too-few-sessions"]
 TrendNote = Union[TrendNoteLongBefore, TrendNoteOtherBaseline, TrendNoteOverlapping, TrendNoteRepeated, TrendNoteTensioningNotStated]
-TrendVerdict = Literal["retension", "replace", "inspect", "watch", "wait", "no-limit"]
+TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "watch", "wait", "no-limit"]
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningChangeMayEnd, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -5706,6 +5995,8 @@ Forecaster = Union[Literal["combined"], Law]
 _CLASSES: Mapping[str, Any] = {
     "Ambiguity": Ambiguity,
     "Analysis": Analysis,
+    "AnchorReading": AnchorReading,
+    "AnchoredOffset": AnchoredOffset,
     "Arrhenius": Arrhenius,
     "At": At,
     "BaselineMergeResult": BaselineMergeResult,
@@ -5727,6 +6018,7 @@ _CLASSES: Mapping[str, Any] = {
     "CautionHot": CautionHot,
     "CautionLoadShare": CautionLoadShare,
     "CautionLowLoad": CautionLowLoad,
+    "CautionReplace": CautionReplace,
     "CautionStartingGuesses": CautionStartingGuesses,
     "CautionTightBend": CautionTightBend,
     "CautionWornOut": CautionWornOut,
@@ -5742,6 +6034,7 @@ _CLASSES: Mapping[str, Any] = {
     "CreepErrorNoEntry": CreepErrorNoEntry,
     "CreepErrorNoForecast": CreepErrorNoForecast,
     "CreepErrorNoGroupColumn": CreepErrorNoGroupColumn,
+    "CreepErrorNoPlan": CreepErrorNoPlan,
     "CreepErrorNoRope": CreepErrorNoRope,
     "CreepErrorNotFinite": CreepErrorNotFinite,
     "CreepErrorNothingAnalysed": CreepErrorNothingAnalysed,
@@ -5751,6 +6044,7 @@ _CLASSES: Mapping[str, Any] = {
     "CreepFitResult": CreepFitResult,
     "CreepShiftResult": CreepShiftResult,
     "CreepWithheldResult": CreepWithheldResult,
+    "CycleClock": CycleClock,
     "Damage": Damage,
     "Difference": Difference,
     "DutySummary": DutySummary,
@@ -5800,6 +6094,7 @@ _CLASSES: Mapping[str, Any] = {
     "LeftAlone": LeftAlone,
     "LeftOut": LeftOut,
     "Life": Life,
+    "LifeForecast": LifeForecast,
     "LimitForecastReplace": LimitForecastReplace,
     "LimitForecastRetension": LimitForecastRetension,
     "Load": Load,
@@ -5831,6 +6126,7 @@ _CLASSES: Mapping[str, Any] = {
     "PriorBasisRope": PriorBasisRope,
     "Procedure": Procedure,
     "Published": Published,
+    "PulleyPlace": PulleyPlace,
     "Rank": Rank,
     "Reading": Reading,
     "RecordingInfo": RecordingInfo,
@@ -5883,6 +6179,7 @@ _CLASSES: Mapping[str, Any] = {
     "SessionEstimate": SessionEstimate,
     "SessionPoint": SessionPoint,
     "Settings": Settings,
+    "SharedError": SharedError,
     "Shift": Shift,
     "SignalCount": SignalCount,
     "SignalSource": SignalSource,
@@ -5931,7 +6228,9 @@ _CLASSES: Mapping[str, Any] = {
     "UnusableSwapped": UnusableSwapped,
     "UnusableTemperature": UnusableTemperature,
     "UnusableTooFewReadings": UnusableTooFewReadings,
+    "WarningAnchorDisagrees": WarningAnchorDisagrees,
     "WarningChangeMayEnd": WarningChangeMayEnd,
+    "WarningDriftUnknown": WarningDriftUnknown,
     "WarningFarFromPrior": WarningFarFromPrior,
     "WarningFewPoses": WarningFewPoses,
     "WarningFewPosesOfBaseline": WarningFewPosesOfBaseline,
@@ -5954,8 +6253,8 @@ _CLASSES: Mapping[str, Any] = {
     "Wlf": Wlf,
     "BaselineSource": {"given": BaselineSourceGiven, "assumed": BaselineSourceAssumed},
     "Cause": {"unknown": CauseUnknown},
-    "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-guessed": CautionBreakingLoadGuessed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "ends-not-stated": CautionEndsNotStated, "beyond-data": CautionBeyondData, "starting-guesses": CautionStartingGuesses},
-    "CreepError": {"too-few": CreepErrorTooFew, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
+    "Caution": {"low-load": CautionLowLoad, "high-load": CautionHighLoad, "hot": CautionHot, "breaking-load-guessed": CautionBreakingLoadGuessed, "extrapolated": CautionExtrapolated, "creeps-apart": CautionCreepsApart, "worn-out": CautionWornOut, "replace": CautionReplace, "tight-bend": CautionTightBend, "load-share": CautionLoadShare, "ends-not-stated": CautionEndsNotStated, "beyond-data": CautionBeyondData, "starting-guesses": CautionStartingGuesses},
+    "CreepError": {"too-few": CreepErrorTooFew, "no-plan": CreepErrorNoPlan, "flat": CreepErrorFlat, "not-finite": CreepErrorNotFinite, "specimen": CreepErrorSpecimen, "nothing-analysed": CreepErrorNothingAnalysed, "no-group-column": CreepErrorNoGroupColumn, "no-rope": CreepErrorNoRope, "incomplete-rope": CreepErrorIncompleteRope, "no-entry": CreepErrorNoEntry, "no-forecast": CreepErrorNoForecast, "isotherm": CreepErrorIsotherm, "one-temperature": CreepErrorOneTemperature},
     "Fault": {"slip": FaultSlip, "outlier": FaultOutlier, "load-drift": FaultLoadDrift, "no-force": FaultNoForce, "no-ramp": FaultNoRamp, "slow-ramp": FaultSlowRamp, "repeated-stamps": FaultRepeatedStamps, "clock-goes-back": FaultClockGoesBack, "gap": FaultGap, "doubtful-strain": FaultDoubtfulStrain, "shortens": FaultShortens, "doubtful-time": FaultDoubtfulTime},
     "JointRefusal": {"no-usable-frame": JointRefusalNoUsableFrame},
     "LimitForecast": {"retension": LimitForecastRetension, "replace": LimitForecastReplace},
@@ -5970,7 +6269,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES
