@@ -65,7 +65,7 @@ static int save(const sinew_offsets *offsets, double end_s, const char *path) {
     const bool closed = file != NULL && fclose(file) == 0;
     free(text);
     if (written && closed) return EXIT_SUCCESS;
-    fprintf(stderr, "%s isn't written: %s\n", path, sinew_status_text(status));
+    fprintf(stderr, "%s isn't written: %s\n", path, sinew_status_text((int)status));
     return EXIT_FAILURE;
 }
 
@@ -104,7 +104,7 @@ int main(int count, char **arguments) {
 
         /* Output. */
         if (stepped != SINEW_STATUS_REFUSED && stepped != SINEW_STATUS_OK) {
-            fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text(stepped));
+            fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text((int)stepped));
             break;
         }
         before_s = t_s;
