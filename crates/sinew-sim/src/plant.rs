@@ -47,8 +47,8 @@ pub struct Drive {
     pub joint_friction: Friction,
     /// At the motor.
     pub motor_friction: Friction,
-    /// End stop of the joint.
-    pub stop: Option<EndStop>,
+    /// Lower and upper end stop of the joint.
+    pub stops: [Option<EndStop>; 2],
 }
 
 impl Drive {
@@ -302,7 +302,8 @@ impl Plant {
             let stiffness = drive.stiffness_nm_per_rad * scale;
             k.dcreep[i] = (drive.viscoelastic_fraction * tau_el / stiffness - s.creep[i])
                 / drive.viscoelastic_time_s;
-            let stop = drive.stop.map_or(0.0, |stop| stop.torque(s.q[i], s.dq[i]));
+            let stops = drive.stops.iter().flatten();
+            let stop: f64 = stops.map(|stop| stop.torque(s.q[i], s.dq[i])).sum();
             self.tau[i] =
                 tau_el - drive.joint_friction.torque(s.z_joint[i], s.dq[i], tau_el) + stop;
         }

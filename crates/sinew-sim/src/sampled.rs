@@ -235,20 +235,23 @@ pub(super) fn drives(
             motor_inertia_kg_m2: nominal[i].motor_inertia_kg_m2.unwrap_or(0.0) * inertia[i],
             joint_friction: joint[i],
             motor_friction: motor[i],
-            stop: end_stop(scenario, &names[i], nominal[i].stiffness_nm_per_rad),
+            stops: end_stops(scenario, &names[i], nominal[i].stiffness_nm_per_rad),
         })
         .collect()
 }
 
-/// The end stop of a joint; a thousand times as stiff as its spring where nothing is said.
-fn end_stop(scenario: &Scenario, joint: &str, spring_nm_per_rad: f64) -> Option<EndStop> {
+/// The lower and the upper end stop of a joint; a thousand times as stiff as its spring where nothing is said.
+fn end_stops(scenario: &Scenario, joint: &str, spring_nm_per_rad: f64) -> [Option<EndStop>; 2] {
     const STIFFER: f64 = 1000.0;
-    let stop = scenario.stops.iter().find(|s| s.joint == *joint)?;
-    let stiffness = stop.stiffness_nm_per_rad;
-    Some(EndStop {
-        at_rad: stop.at_rad,
-        is_upper: stop.is_upper,
-        stiffness_nm_per_rad: stiffness.unwrap_or(STIFFER * spring_nm_per_rad),
+    [false, true].map(|is_upper| {
+        let mut own = scenario.stops.iter();
+        let stop = own.find(|s| s.joint == *joint && s.is_upper == is_upper)?;
+        let stiffness = stop.stiffness_nm_per_rad;
+        Some(EndStop {
+            at_rad: stop.at_rad,
+            is_upper,
+            stiffness_nm_per_rad: stiffness.unwrap_or(STIFFER * spring_nm_per_rad),
+        })
     })
 }
 

@@ -28,7 +28,7 @@ fn drives(robot: &Robot, cubic_per_rad2: f64) -> Vec<Drive> {
                 motor_inertia_kg_m2: t.motor_inertia_kg_m2.expect("given"),
                 joint_friction: FREE,
                 motor_friction: FREE,
-                stop: None,
+                stops: [None; 2],
             }
         })
         .collect()
