@@ -28,7 +28,28 @@ fn filled(text: &str, subject: &Subject<'_>) -> String {
         .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
         .replace("@settling@", &number(subject.settling_s()))
         .replace("@version@", env!("CARGO_PKG_VERSION"))
-        .replace("@robot@", &subject.robot.name)
+        .replace("@robot@", &comment(&subject.robot.name))
+}
+
+/// A name in a comment, which it can't end.
+fn comment(name: &str) -> String {
+    let name = name.replace(|c: char| c.is_control(), " ");
+    name.replace("*/", "* /")
+}
+
+/// A name as a string of C99: what isn't plain ASCII byte by byte in octal.
+fn quoted(name: &str) -> String {
+    let mut out = String::from("\"");
+    for byte in name.bytes() {
+        match byte {
+            // `?` too: two of them and another sign are a trigraph.
+            b' '..=b'~' if !matches!(byte, b'"' | b'\\' | b'?') => out.push(char::from(byte)),
+            _ => {
+                let _ = write!(out, "\\{byte:03o}");
+            }
+        }
+    }
+    out + "\""
 }
 
 fn header(subject: &Subject<'_>) -> String {
@@ -36,7 +57,7 @@ fn header(subject: &Subject<'_>) -> String {
     for (i, joint) in subject.robot.joint_names().iter().enumerate() {
         let stiffness = subject.stiffness(i);
         let drive = stiffness.map_or("rigid: no offset".to_owned(), |k| format!("{k} N m/rad"));
-        let _ = writeln!(joints, " *   {i}  {joint}, {drive}");
+        let _ = writeln!(joints, " *   {i}  {}, {drive}", comment(joint));
     }
     filled(HEADER, subject).replace("@LIST@\n", &joints)
 }
@@ -53,7 +74,7 @@ fn source(subject: &Subject<'_>) -> String {
     let each = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
     let elastic = |i: usize| subject.stiffness(i);
     let names = subject.robot.joint_names().iter();
-    let names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
+    let names: Vec<String> = names.map(|name| quoted(name)).collect();
     let finite = each(&|i| {
         let theta = elastic(i).map_or(String::new(), |_| format!(" + fabs(theta[{i}])"));
         format!("    sum += fabs(q[{i}]){theta};\n")
@@ -349,3 +370,14 @@ int @name@_is_settled(const @name@_observer *o)
     return o->started && o->since_start_s >= @settling@;
 }
 "#;
+
+#[cfg(test)]
+mod tests {
+    use super::{comment, quoted};
+
+    #[test]
+    fn a_name_is_no_code() {
+        assert_eq!(comment("a */ int x; /* b\nc"), "a * / int x; /* b c");
+        assert_eq!(quoted("j\u{200b}1?\"\\"), r#""j\342\200\2131\077\042\134""#);
+    }
+}

@@ -13,11 +13,14 @@ pub(crate) fn files(subject: &Subject<'_>) -> Vec<File> {
 }
 
 fn filled(text: &str, subject: &Subject<'_>) -> String {
-    text.replace("@robot@", &subject.robot.name)
-        .replace("@version@", env!("CARGO_PKG_VERSION"))
-        .replace("@gain@", &number(subject.gain_per_s))
-        .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
-        .replace("@settling@", &number(subject.settling_s()))
+    text.replace(
+        "@robot@",
+        &subject.robot.name.replace(|c: char| c.is_control(), " "),
+    )
+    .replace("@version@", env!("CARGO_PKG_VERSION"))
+    .replace("@gain@", &number(subject.gain_per_s))
+    .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
+    .replace("@settling@", &number(subject.settling_s()))
 }
 
 fn source(subject: &Subject<'_>) -> String {
