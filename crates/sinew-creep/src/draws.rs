@@ -10,9 +10,9 @@ use super::importance;
 use super::model::Model;
 use super::sample::Around;
 
-/// Draws by an ensemble that starts around `centre`; coefficients and the size of the noise from
+/// Draws around `centre` and the `others` that a search found nearly as good; coefficients and the size of the noise from
 /// their own distributions given the rest.
-pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
+pub(super) fn draw(model: &Model, centre: &[f64], others: &[Vec<f64>], seed: u64) -> Vec<Draw> {
     /// Draws of coefficients for each point of the ensemble.
     const PER_POINT: usize = 3;
     /// Draws of a law without nonlinear parameters.
@@ -21,6 +21,7 @@ pub(super) fn draw(model: &Model, centre: &[f64], seed: u64) -> Vec<Draw> {
     let points = importance::draws(
         &|x| model.log_restricted(x),
         &around(model, centre),
+        others,
         &mut random,
     );
     let per_point = if centre.is_empty() {

@@ -13,7 +13,7 @@ use super::parameter::{Parameter, parameters};
 use super::profile;
 use super::rope_base::FixedParameter;
 use super::search::Search;
-use super::solver::{Ending, LeastSquares, TrustRegion};
+use super::solver::{Ending, LeastSquares, Minimum, TrustRegion};
 use super::span::extremes;
 use super::starts::starts;
 
@@ -103,12 +103,15 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     }
     let solver = TrustRegion::default();
     let starts = starts(&model);
-    let minimum = starts
+    let mut minima: Vec<Minimum> = starts
         .iter()
         .map(|start| solver.minimum(&Search(&model), start))
         .filter(|m| m.cost.is_finite())
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .ok_or(CreepError::NotFinite { law })?;
+        .collect();
+    minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut minima = minima.into_iter();
+    let minimum = minima.next().ok_or(CreepError::NotFinite { law })?;
+    let others = others(&model, &minimum.x, minima.map(|m| m.x));
 
     let point = model.solve(&minimum.x, false);
     // Strain zeros that the rope law explains and other laws leave to ε₀ are readings that those
@@ -132,7 +135,7 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
     let k = (fitted + zeros.len()) as f64;
     let best = Draw::at(&model, &minimum.x);
     let draws = if options.intervals {
-        draw(&model, &minimum.x, options.seed)
+        draw(&model, &minimum.x, &others, options.seed)
     } else {
         Vec::new()
     };
@@ -173,4 +176,21 @@ pub fn fit(law: Law, curves: &[Curve], options: &FitOptions) -> Result<Fit, Cree
         level: options.level,
         seed: options.seed,
     })
+}
+
+/// Optima beside the best that draws must not miss: likely ones, each apart from those before.
+fn others(model: &Model, best: &[f64], found: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
+    /// Less likely ones count for nothing, in logarithms.
+    const LIKELY: f64 = 20.0;
+    /// Nearer ones are the same, in shares of the searched ranges.
+    const SAME: f64 = 0.02;
+    let least = model.log_restricted(best) - LIKELY;
+    let mut out = vec![best.to_vec()];
+    for x in found {
+        let apart = |y: &Vec<f64>| x.iter().zip(y).any(|(a, b)| (a - b).abs() > SAME);
+        if out.iter().all(apart) && model.log_restricted(&x) > least {
+            out.push(x);
+        }
+    }
+    out.split_off(1)
 }

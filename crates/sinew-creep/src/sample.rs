@@ -58,8 +58,8 @@ impl Around {
         super::importance::cholesky(&covariance, d, times * times)
     }
 
-    /// A point at so many standard deviations, within the box.
-    fn point(&self, z: &[f64]) -> Vec<f64> {
+    /// A point at so many standard deviations from a centre, within the box.
+    fn point(&self, centre: &[f64], z: &[f64]) -> Vec<f64> {
         let d = z.len();
         let mut x = z.to_vec();
         for i in (0..d).rev() {
@@ -69,14 +69,15 @@ impl Around {
             x[i] /= self.factor[i][i];
         }
         let within = |(c, x): (&f64, f64)| (c + x).clamp(1e-6, 1.0 - 1e-6);
-        self.centre.iter().zip(x).map(within).collect()
+        centre.iter().zip(x).map(within).collect()
     }
 }
 
-/// Draws, from walkers spread around an optimum.
+/// Draws, from walkers spread around an optimum and around `others`, in turn.
 pub(super) fn ensemble(
     log_density: &dyn Fn(&[f64]) -> f64,
     start: &Around,
+    others: &[Vec<f64>],
     plan: Plan,
     random: &mut impl Rng,
 ) -> Vec<Vec<f64>> {
@@ -97,7 +98,11 @@ pub(super) fn ensemble(
                 return (0..d).map(|_| random.random()).collect();
             }
             let mut normal = || -> f64 { StandardNormal.sample(random) };
-            start.point(&(0..d).map(|_| 1.5 * normal()).collect::<Vec<_>>())
+            let centre = match w % (others.len() + 1) {
+                0 => &start.centre,
+                other => &others[other - 1],
+            };
+            start.point(centre, &(0..d).map(|_| 1.5 * normal()).collect::<Vec<_>>())
         })
         .collect();
     let mut densities: Vec<f64> = points.iter().map(|p| log_density(p)).collect();
@@ -181,7 +186,7 @@ mod tests {
             centre: vec![0.5, 0.5],
             factor: vec![vec![30.0, 0.0], vec![0.0, 30.0]],
         };
-        let draws = ensemble(&density, &start, plan, &mut random);
+        let draws = ensemble(&density, &start, &[], plan, &mut random);
         let n = draws.len() as f64;
         let mean = draws.iter().map(|d| d[0]).sum::<f64>() / n;
         let variance = draws.iter().map(|d| (d[0] - mean).powi(2)).sum::<f64>() / n;

@@ -210,6 +210,8 @@ fn a_plan_of_tests_is_a_table_and_a_programme() {
     let known = json(&with(&asked, &["--json", "--with", "rope-A.csv"]));
     assert_eq!(known["known"], 1);
     assert!(last(&known) < of(&known, "half_width_share"));
+    // A record that knows less than the entry takes nothing from what the entry knows.
+    assert!(of(&known, "half_width_share") <= of(&plan, "half_width_share"));
     let table = sinew(&asked);
     let table = String::from_utf8(table.stdout).unwrap();
     assert!(table.lines().all(|l| l.chars().count() <= 80), "{table}");

@@ -86,8 +86,8 @@ pub struct Plan {
     pub duty: String,
     /// Time that counts, s.
     pub time_s: f64,
-    /// Half width of the interval before these tests, as a share of the stretch since tensioned; a fit of the records taken
-    /// as given is made.
+    /// Half width of the interval before these tests, as a share of the stretch since tensioned: what the catalogue's entry
+    /// leaves, or a fit of the records taken as given, whichever is narrower.
     pub half_width_share: f64,
     /// Part of it beyond the data behind it.
     pub beyond_share: f64,
@@ -99,6 +99,9 @@ pub struct Plan {
     pub reading_ratio: f64,
     /// Records taken as given.
     pub known: usize,
+    /// Half width that a fit of those records alone leaves, where it is wider than before them: the entry knows more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub known_half_width_share: Option<f64>,
     /// Ropes drawn.
     pub truths: usize,
     /// The plan carried out on virtual ropes, where it was asked for.
@@ -157,11 +160,22 @@ pub fn plan(
         let left = truths.iter();
         mean(left.map(|t| t.duty.variance_now().sqrt().hypot(beyond_now)))
     };
-    // Records that are there already are worth what a fit of them leaves.
-    let (now, beyond_now) = match request.known.is_empty() {
-        true => (unknown(), beyond_now),
-        false => expected(request, &duty, &truths, &[]).unwrap_or_else(|| (unknown(), beyond_now)),
-    };
+    // Records that are there already are worth what a fit of them leaves, where that is less than the entry leaves open.
+    let entry = (unknown(), beyond_now);
+    let (mut now, mut beyond_now) = entry;
+    let mut known_wider = None;
+    if !request.known.is_empty() {
+        let of_known = expected(request, &duty, &truths, &[]);
+        let Some(of_known) = of_known.filter(|(width, _)| width.is_finite()) else {
+            return Err(refuse(
+                "the rope law can't be fitted to the records given: they need the force of every reading, and minutes under load".into(),
+            ));
+        };
+        match of_known.0 <= now {
+            true => (now, beyond_now) = of_known,
+            false => known_wider = Some(share(of_known.0)),
+        }
+    }
     let mut chosen: Vec<usize> = Vec::new();
     let mut tests = Vec::new();
     let mut left_s = request.bench_s;
@@ -180,6 +194,7 @@ pub fn plan(
         )
         .into_iter()
         .flatten()
+        .filter(|(_, width, _)| width.is_finite())
         .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         let Some(&(_, least, _)) = found.first() else {
@@ -211,10 +226,16 @@ pub fn plan(
         });
     }
     if tests.is_empty() {
-        return Err(refuse(format!(
-            "no test fits into {:.1} h on the bench, or none can be fitted to this rope",
-            request.bench_s / 3600.0
-        )));
+        let hours = request.bench_s / 3600.0;
+        let fits = |test: &BenchTest| test.bench_s() <= request.bench_s;
+        let fitting = request.candidates.iter().filter(|test| fits(test));
+        return Err(refuse(match (request.candidates.len(), fitting.count()) {
+            (0, _) => "no load is 1.5 times the preload or more".into(),
+            (_, 0) => format!("no test fits into {hours:.1} h on the bench"),
+            _ => "the rope law can't be fitted to any of these tests: loads that break the rope, held too shortly, or readings \
+                  finer than a double holds"
+                .into(),
+        }));
     }
     Ok(Plan {
         rope: request.base.entry.name.clone(),
@@ -229,6 +250,7 @@ pub fn plan(
         tests,
         reading_ratio: request.reading_ratio,
         known: request.known.len(),
+        known_half_width_share: known_wider,
         truths: truths.len(),
         check: None,
     })

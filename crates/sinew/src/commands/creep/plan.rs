@@ -77,6 +77,13 @@ impl Plan {
             .map(|f| ("--with", Some(f.as_path())))
             .collect();
         check_outputs(&[("--csv", self.csv.as_deref())], &inputs, self.quiet)?;
+        /// The first reading is 5 s after the load: a test is ten times as long and more.
+        const SHORTEST_S: f64 = 60.0;
+        if let Some(short) = self.durations.iter().find(|s| **s < SHORTEST_S) {
+            return Err(Failure::Refused(format!(
+                "--durations {short} s: hold a load for {SHORTEST_S} s or longer; the first reading is 5 s after it"
+            )));
+        }
         let request = self.request()?;
         let bar = Bar::new("ropes", self.quiet);
         let mut plan = sinew_creep::plan(&request, |done, of| bar.set(done as f64, of as f64))?;
@@ -91,7 +98,11 @@ impl Plan {
         }
         write_table(self.csv.as_deref(), || creep::plan_programme(&plan))?;
         answer_as(self.json, &plan, creep::plan_table)?;
-        Ok(Finish::lossy(false))
+        // A check that could fit nothing has shown nothing.
+        Ok(match &plan.check {
+            Some(check) if check.ropes == 0 => Finish::Refused,
+            _ => Finish::Complete,
+        })
     }
 
     fn request(&self) -> Result<PlanRequest, Failure> {
@@ -146,13 +157,15 @@ impl Plan {
         if loads.is_empty() {
             loads.extend(SHARES.map(|share| two_digits(share * breaking_load_n)));
             loads.extend([duty.tension_mean_n, duty.tension_max_n]);
+            distinct(&mut loads, |n| 0.05 * n);
         }
         let mut celsius = self.temperatures.clone();
         if celsius.is_empty() {
             celsius.extend([23.0, duty.temperature_mean_c, duty.temperature_max_c]);
+            distinct(&mut celsius, |_| 2.0);
         }
-        distinct(&mut loads, 0.05);
-        distinct(&mut celsius, 0.1);
+        distinct(&mut loads, |_| 0.0);
+        distinct(&mut celsius, |_| 0.0);
         let mut out = Vec::new();
         for &load_n in loads.iter().filter(|n| **n > 1.5 * self.preload) {
             for &temperature_c in &celsius {
@@ -181,8 +194,8 @@ fn two_digits(n: f64) -> f64 {
     (n / unit).round() * unit
 }
 
-/// Rising, without values that are the same within a share.
-fn distinct(values: &mut Vec<f64>, share: f64) {
+/// Rising, without values that are the same: nearer than `apart` of one.
+fn distinct(values: &mut Vec<f64>, apart: impl Fn(f64) -> f64) {
     values.sort_unstable_by(f64::total_cmp);
-    values.dedup_by(|b, a| (*b - *a).abs() <= share * a.abs());
+    values.dedup_by(|b, a| (*b - *a).abs() <= apart(*a));
 }
