@@ -35,6 +35,9 @@ pub enum EstimateError {
     /// `--inject` with a joint or value nobody has.
     #[error("can't inject an offset: {0}")]
     Injection(String),
+    /// A mark is said to be passed where none is, or when nothing was recorded.
+    #[error("no mark is read: {0}")]
+    Touch(String),
 }
 
 /// Why there is no session estimate.

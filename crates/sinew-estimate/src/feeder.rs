@@ -278,7 +278,8 @@ impl<O: FrameObserver> Feeder<O> {
     /// # Realtime
     /// No allocation, lock, panic or clock of its own; the observer's step besides.
     pub fn frame(&mut self, frame: &Frame) -> Fed<O::Output> {
-        let since_start_ns = frame.time_ns - *self.start_ns.get_or_insert(frame.time_ns);
+        let start_ns = *self.start_ns.get_or_insert(frame.time_ns);
+        let since_start_ns = frame.time_ns.saturating_sub(start_ns);
         if self.segment != Some(frame.segment) {
             self.segment = Some(frame.segment);
             self.segments += 1;

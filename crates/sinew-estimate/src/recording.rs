@@ -40,6 +40,7 @@ impl Opened {
             warnings.push(RecordingWarning::UnknownJoints { joints: unknown });
         }
         check_injections(request, &loaded)?;
+        check_touches(request, &loaded)?;
         let selection: Vec<&str> = names.iter().map(String::as_str).collect();
         recording.select(&selection)?;
         Ok(Self {
@@ -121,14 +122,7 @@ fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), Estim
     for injection in &request.injections {
         let place = loaded.robot.arm.joint_index(&injection.joint);
         let Some(i) = place else {
-            let names = loaded.robot.joint_names();
-            let hint = nearest(&injection.joint, names)
-                .map_or(String::new(), |name| format!("; did you mean '{name}'?"));
-            return Err(EstimateError::Injection(format!(
-                "the robot has no joint '{}'; it has {}{hint}",
-                injection.joint,
-                names.join(", ")
-            )));
+            return Err(EstimateError::Injection(no_joint(&injection.joint, loaded)));
         };
         if loaded.robot.transmissions[i].is_none() {
             return Err(EstimateError::Injection(format!(
@@ -144,6 +138,43 @@ fn check_injections(request: &Request, loaded: &LoadedRobot) -> Result<(), Estim
         }
     }
     Ok(())
+}
+
+/// Marks that are said to be passed are marks of robot.toml.
+fn check_touches(request: &Request, loaded: &LoadedRobot) -> Result<(), EstimateError> {
+    for touch in &request.touches {
+        let Some(i) = loaded.robot.arm.joint_index(&touch.joint) else {
+            return Err(EstimateError::Touch(no_joint(&touch.joint, loaded)));
+        };
+        let anchors = loaded.robot.transmissions[i]
+            .iter()
+            .flat_map(|t| &t.anchors);
+        if !anchors.clone().any(|a| a.kind.is_mark()) {
+            return Err(EstimateError::Touch(format!(
+                "{} states no mark of joint '{}'; write one as [[joints.{}.anchors]] with kind = \"joint-mark\" or \"motor-mark\", position_rad and deviation_rad",
+                loaded.file.display(),
+                touch.joint,
+                touch.joint
+            )));
+        }
+        if !touch.time_s.is_finite() {
+            return Err(EstimateError::Touch(format!(
+                "the time of the mark of '{}', {} s, must be a finite number",
+                touch.joint, touch.time_s
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn no_joint(joint: &str, loaded: &LoadedRobot) -> String {
+    let names = loaded.robot.joint_names();
+    let hint = nearest(joint, names);
+    let hint = hint.map_or(String::new(), |name| format!("; did you mean '{name}'?"));
+    format!(
+        "the robot has no joint '{joint}'; it has {}{hint}",
+        names.join(", ")
+    )
 }
 
 fn quoted(names: &[&str]) -> String {

@@ -176,6 +176,7 @@ fn marks_tell_which_encoder_slipped() {
     let offsets = "[[offsets]]\njoint = \"elbow\"\nkind = \"motor-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.006\n";
     let touch = |time_s| Touch {
         joint: "elbow".into(),
+        kind: None,
         time_s,
     };
     let plain = biorob_like();
@@ -201,4 +202,51 @@ fn marks_tell_which_encoder_slipped() {
     let anchored = said.joints[ELBOW].anchored.as_ref().expect("passed");
     assert!(anchored.correction_rad.mean.abs() < 1e-9);
     assert_eq!(said.joints[ELBOW].verdict, Verdict::Longer);
+}
+
+/// A mark nobody wrote down, or that is passed when nothing was recorded, is not passed over in silence.
+#[test]
+fn a_mark_that_cannot_be_read_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("robot");
+    std::fs::create_dir(&place).unwrap();
+    let shipped = repository().join("robots/biorob-like");
+    for file in std::fs::read_dir(&shipped).unwrap() {
+        let file = file.unwrap().path();
+        std::fs::copy(&file, place.join(file.file_name().unwrap())).unwrap();
+    }
+    let text = std::fs::read_to_string(place.join("robot.toml")).unwrap();
+    let mark = "\n[[joints.elbow.anchors]]\nkind = \"joint-mark\"\nposition_rad = 0.9\ndeviation_rad = 1e-3\n\
+        [[joints.elbow.anchors]]\nkind = \"motor-mark\"\nposition_rad = 0.95\ndeviation_rad = 1e-3\n";
+    std::fs::write(place.join("robot.toml"), text + mark).unwrap();
+    let log = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let estimated = |joint: &str, time_s: f64| {
+        let mut request = sinew_estimate::Request::new(log.clone());
+        request.robot = Some(place.clone());
+        let (joint, kind) = match joint.split_once(':') {
+            Some((joint, _)) => (joint, Some(AnchorKind::JointMark)),
+            None => (joint, None),
+        };
+        let joint = joint.into();
+        request.touches = vec![Touch {
+            joint,
+            kind,
+            time_s,
+        }];
+        let window = session::Window::default();
+        let options = SessionOptions::default();
+        session::estimate(&request, window, None, &options, &mut |_| {})
+            .map(|(estimate, _)| estimate)
+            .map_err(|e| e.to_string())
+    };
+    let refused = |joint, time_s| estimated(joint, time_s).unwrap_err();
+    assert!(refused("elbo", 3.0).contains("did you mean 'elbow'"));
+    assert!(refused("wrist", 3.0).contains("joints.wrist.anchors"));
+    assert!(refused("elbow", 400.0).contains("no positions at 400 s"));
+    // The arm begins at rest at 0.9 rad, and is elsewhere later.
+    assert!(refused("elbow", 0.5).contains("two marks"));
+    assert!(refused("elbow:joint-mark", 11.0).contains("from its marks at 0.9 rad, 0.95 rad"));
+    let read = estimated("elbow:joint-mark", 0.5).unwrap();
+    let elbow = read.joints.iter().find(|j| j.name == "elbow").unwrap();
+    assert_eq!(elbow.anchored.as_ref().unwrap().readings.len(), 1);
 }

@@ -1,7 +1,8 @@
 //! Lives of ropes from tables of ropes and of events.
 
 use sinew_estimate::trend::survival::{
-    AgeUnit, EventColumns, LifeEnd, SurvivalNote, SurvivalReport, Wear, analyze_lives, read_lives,
+    AgeUnit, EventColumns, LifeEnd, LifePrior, SurvivalNote, SurvivalReport, Wear, analyze_lives,
+    read_lives,
 };
 use sinew_files::JsonDocument as _;
 use sinew_report::trend::survival::{format_note, html, render_table};
@@ -227,4 +228,83 @@ fn groups_are_counted_apart_and_a_law_that_does_not_fit_says_so() {
         "{:?}",
         late.median
     );
+}
+
+#[test]
+fn a_word_that_is_denied_or_part_of_another_ends_no_life() {
+    let spared = [
+        "not broken",
+        "unbroken",
+        "nothing tore",
+        "tension restored",
+        "almost snapped",
+        "not replaced",
+    ];
+    for words in spared {
+        let (_folder, path) = table(&format!(
+            "date,unit,event\n2024-01-01,a,installed\n2024-02-01,a,{words}\n2024-03-01,a,seen\n"
+        ));
+        let lives = read_lives(&path, &EventColumns::default()).unwrap().lives;
+        let found: Vec<_> = lives.iter().map(|l| (l.age / 86_400.0, l.end)).collect();
+        assert_eq!(found, [(60.0, LifeEnd::Whole)], "{words}");
+    }
+    // What else may have broken is read aloud.
+    let (_folder, path) = table(
+        "date,unit,event\n2024-01-01,a,installed\n2024-02-01,a,housing broken\n2024-03-01,a,broken\n",
+    );
+    let notes = read_lives(&path, &EventColumns::default()).unwrap().notes;
+    assert!(notes.contains(&SurvivalNote::TakenForBroken {
+        events: 1,
+        words: vec!["housing broken".into()],
+    }));
+}
+
+/// A break and the rope that was put in for it stand on one day in most logs, in either order.
+#[test]
+fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
+    let ends = |text: &str| {
+        let (_folder, path) = table(&format!("date,unit,event\n{text}"));
+        let lives = read_lives(&path, &EventColumns::default()).unwrap().lives;
+        let days = lives.iter().map(|l| (l.age / 86_400.0, l.end));
+        days.collect::<Vec<_>>()
+    };
+    let expected = [(335.0, LifeEnd::Broke), (31.0, LifeEnd::Whole)];
+    for day in [
+        "2024-12-01,a,broken\n2024-12-01,a,installed\n",
+        "2024-12-01,a,installed\n2024-12-01,a,broken\n",
+        "2024-12-01,a,broken\n2024-12-01,a,replaced\n",
+    ] {
+        let text = format!("2024-01-01,a,installed\n{day}2025-01-01,a,seen\n");
+        assert_eq!(ends(&text), expected, "{day}");
+    }
+    // It stood without a rope for 19 days: that is no life.
+    let text =
+        "2024-01-01,a,installed\n2024-06-01,a,broken\n2024-06-20,a,installed\n2024-07-20,a,seen\n";
+    assert_eq!(
+        ends(text),
+        [(152.0, LifeEnd::Broke), (30.0, LifeEnd::Whole)]
+    );
+}
+
+#[test]
+fn a_column_that_is_not_there_and_ropes_that_break_early_are_refused() {
+    let (_folder, path) = table(EVENTS);
+    let odd = EventColumns {
+        group: Some("kindd".into()),
+        ..EventColumns::default()
+    };
+    let why = read_lives(&path, &odd).unwrap_err().to_string();
+    assert!(why.contains("'kindd'") && why.contains("--group"), "{why}");
+    let mut early = String::from("age_days,end\n");
+    for i in 0..20 {
+        early += &format!("{},broken\n700,running\n", 1.0 + f64::from(i * i) / 10.0);
+    }
+    let (_folder, path) = table(&early);
+    let lives = read_lives(&path, &EventColumns::default()).unwrap();
+    let report = analyze_lives(&lives, "early");
+    assert_eq!(report.groups[0].wear, Wear::BreaksEarly);
+    let why = LifePrior::new(&lives, "early", 0.1, 1)
+        .unwrap_err()
+        .to_string();
+    assert!(why.contains("no reason to replace"), "{why}");
 }

@@ -146,6 +146,13 @@ pub enum AnchorKind {
     MotorMark,
 }
 
+impl AnchorKind {
+    /// Whether it is passed when its owner says so; stops are found by themselves.
+    pub fn is_mark(self) -> bool {
+        matches!(self, Self::JointMark | Self::MotorMark)
+    }
+}
+
 /// A place where a joint or its motor is known to stand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {

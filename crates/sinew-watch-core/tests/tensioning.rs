@@ -190,3 +190,36 @@ fn commands_that_can_t_be_are_refused_and_change_nothing() {
     watched.say(What::Note, "greased the wrist").unwrap();
     assert_eq!(watched.store.journal.len(), before + 1);
 }
+
+/// What waits then is motion for the baseline of the rope before: it has no last word on any tendon.
+#[test]
+fn a_rope_tensioned_while_a_baseline_is_learned_counts_once() {
+    let mut watched = Watched::new(tensioned());
+    watched.session(&stretched(seconds(60, 120), 8.0, 10.0));
+    watched.say(tension(&["elbow"]), "").unwrap();
+    watched.play(&stretched(seconds(0, 30), 8.0, 0.0));
+    watched.say(tension(&["shoulder_pitch"]), "").unwrap();
+    let then = watched
+        .store
+        .stored
+        .belief
+        .as_ref()
+        .unwrap()
+        .tendons
+        .clone();
+    watched.session(&later(seconds(0, 120), 100.0));
+    watched.session(&stretched(seconds(120, 180), 2.0, 1.0));
+    let now = &watched.store.stored.belief.as_ref().unwrap().tendons;
+    for (joint, i) in [("shoulder_pitch", PITCH), ("elbow", ELBOW)] {
+        // Every session since counts from there, the rest of the one that taught the baseline as well.
+        let own = watched.store.records.iter().filter(|r| r.joint == joint);
+        for record in own.skip(1) {
+            assert_eq!(record.baseline, now[i].since, "{joint}: {record:?}");
+        }
+        assert_eq!(watched.last(joint).baseline, now[i].since, "{joint}");
+        assert_eq!(now[i].since, then[i].since, "{joint}");
+        assert_eq!(now[i].before_m, then[i].before_m, "{joint}");
+        assert!(now[i].last_rad.is_some(), "{joint}");
+    }
+    assert_near(&watched, "shoulder_pitch", 2.0);
+}

@@ -35,7 +35,7 @@ fn every_key_is_read() {
          joint_topic = \"js\"\nmotor_topic = \"ms\"\nmotor_interface = \"position\"\njoint_effort = \"tau-m\"\n\
          stamps = \"simulated\"\nmotor_torque = false\nempty_gripper = true\ntemperature_c = 21\n\
          dds = { domain = 3, namespace = \"arm7/\", interfaces = [\"192.168.1.5\"] }\n\
-         alarm = { clear_below = 0.7, near_d = 7, jump = { raise_after_s = 3 } }\n\
+         alarm = { clear_below = 0.7, near_d = 7, limit_near = { raise_after_s = 3 } }\n\
          times = { stale_after_s = 3 }\n\
          [[robot]]\nname = \"b\"\ndir = \"b\"\nmcap = { path = \"runs\", from = \"start\" }\n",
     )
@@ -61,7 +61,7 @@ fn every_key_is_read() {
         clear_after_s: 2.0,
     };
     assert_eq!(
-        robot.alarms.delays(Condition::Jump, usual),
+        robot.alarms.delays(Condition::LimitNear, usual),
         Delays {
             raise_after_s: 3.0,
             clear_after_s: 2.0
@@ -113,6 +113,14 @@ fn what_is_wrong_is_told_with_its_place_and_its_cure() {
         (
             &format!("{ROBOT}dds = {{}}\nalarm.jump.raise_after = 3\n"),
             "unknown key 'raise_after'; did you mean 'raise_after_s'",
+        ),
+        (
+            &format!("{ROBOT}dds = {{}}\nalarm.jump.raise_after_s = 3\n"),
+            "a jump has waited for a second session already",
+        ),
+        (
+            &format!("{ROBOT}dds = {{}}\ntemperature_deviation_k = 3\n"),
+            "temperature_deviation_k says how sure temperature_c is",
         ),
         (
             &format!("{ROBOT}dds = {{}}\nalarm.clear_below = 1.5\n"),

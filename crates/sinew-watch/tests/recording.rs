@@ -196,6 +196,34 @@ fn a_configuration_that_is_read_again_loses_no_sample() {
     assert!(!stored.is_empty());
 }
 
+/// Another topic: the robot begins anew from what is stored, and what is said to it then is kept.
+#[test]
+fn a_robot_that_begins_anew_goes_on_from_its_last_session() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
+    let mut runtime = start(folder.path());
+    runtime.configure(&config(folder.path(), ""));
+    until("frames", || frames(&runtime) > 200);
+    for round in 0..3 {
+        let topic = ["/joint_states", "/other", "/joint_states"][round];
+        runtime.configure(&config(
+            folder.path(),
+            &format!("joint_topic = \"{topic}\"\n"),
+        ));
+    }
+    runtime.end();
+    let place = Place::Folder(folder.path().join("store"));
+    let asked = JournalQuery {
+        most: 1000,
+        ..JournalQuery::default()
+    };
+    let journal = Reader::open(&place).unwrap().journal(&asked).unwrap();
+    let began = |e: &&JournalEntry| matches!(e.entry.event, Event::Started { .. });
+    let restored = |e: &&JournalEntry| matches!(e.entry.event, Event::Started { restored: true });
+    assert_eq!(journal.iter().filter(began).count(), 4, "{journal:?}");
+    assert_eq!(journal.iter().filter(restored).count(), 3, "{journal:?}");
+}
+
 #[test]
 fn months_that_are_over_become_parquet_that_others_read() {
     let folder = tempfile::tempdir().unwrap();

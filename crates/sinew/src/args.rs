@@ -6,6 +6,7 @@ use sinew_estimate::feeder::Injection;
 use sinew_estimate::session::Touch;
 use sinew_log::{JointEffort, LogError, Mapping, OpenOptions};
 use sinew_model::offset::{Comparison, TorqueSource, VelocityFilter};
+use sinew_model::transmission::AnchorKind;
 use std::path::{Path, PathBuf};
 
 /// A finite number of `unit`.
@@ -63,8 +64,13 @@ pub(crate) fn velocity_filter(text: &str) -> Result<VelocityFilter, String> {
 
 /// `JOINT@SECONDS`: when a joint or its motor passes its mark.
 pub(crate) fn touch(text: &str) -> Result<Touch, String> {
-    let form = "write JOINT@SECONDS, such as elbow@12.35";
+    let form = "write JOINT@SECONDS or JOINT:motor-mark@SECONDS, such as elbow@12.35";
     let (joint, time) = text.rsplit_once('@').ok_or(form)?;
+    let (joint, kind) = match joint.rsplit_once(':') {
+        Some((joint, "joint-mark")) => (joint, Some(AnchorKind::JointMark)),
+        Some((joint, "motor-mark")) => (joint, Some(AnchorKind::MotorMark)),
+        _ => (joint, None),
+    };
     if joint.is_empty() {
         return Err(form.into());
     }
@@ -72,6 +78,7 @@ pub(crate) fn touch(text: &str) -> Result<Touch, String> {
         time_s if time_s < 0.0 => Err(format!("{time_s} s is before the recording")),
         time_s => Ok(Touch {
             joint: joint.into(),
+            kind,
             time_s,
         }),
     }
@@ -265,9 +272,14 @@ mod tests {
     fn touches_name_joint_and_time() {
         let t = touch("left@elbow@20.5").unwrap();
         assert_eq!((t.joint.as_str(), t.time_s), ("left@elbow", 20.5));
+        let t = touch("elbow:motor-mark@3").unwrap();
+        assert_eq!(
+            (t.joint.as_str(), t.kind),
+            ("elbow", Some(AnchorKind::MotorMark))
+        );
         for (bad, word) in [
-            ("elbow", "JOINT@S"),
-            ("@3", "JOINT@S"),
+            ("elbow", "JOINT@SECONDS"),
+            ("@3", "JOINT@SECONDS"),
             ("elbow@x", "(s)"),
             ("elbow@-1", "before"),
         ] {

@@ -5186,6 +5186,24 @@ class TrendEventTensioned(Record):
     }
 
 
+class TrendNoteLifeNotUsed(Record):
+    """How long such ropes last was stated, and says nothing of this one."""
+
+    __slots__ = ()
+
+    joint: str
+    """Joint."""
+    kind: Literal["life-not-used"]
+    why: LifeNotUsed
+    """Why."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "why": "",
+    }
+
+
 class TrendNoteLongBefore(Record):
     """The first session comes so long after the tensioning that the date may be wrong."""
 
@@ -5951,6 +5969,7 @@ JointMotion = Literal["revolute", "prismatic"]
 JointRefusal = Union[Literal["rigid", "no-motor-position", "no-joint-torque", "no-motor-torque", "no-motor-inertia"], JointRefusalNoUsableFrame]
 JumpCause = Literal["strand-failure", "slip", "unknown"]
 Law = Literal["log-time", "findley", "burgers", "kelvin-voigt", "stretched", "line", "rope"]
+LifeNotUsed = Literal["age-unknown", "strain-limit"]
 LimitForecast = Union[LimitForecastReplace, LimitForecastRetension]
 LimitState = Literal["passed", "not-passed", "cannot-tell"]
 LoadQuantity = Literal["force", "stress"]
@@ -5982,7 +6001,7 @@ TopicUse = Literal["joint-side", "motor-side", "external-torque", "robot-descrip
 TorqueSource = Literal["observer", "torque-sensor", "motor"]
 TrendEvent = Union[TrendEventJump, TrendEventTensioned]
 TrendLimitState = Literal["passed", "forecast", "not-before", "not-within-horizon", "too-few-sessions"]
-TrendNote = Union[TrendNoteLongBefore, TrendNoteOtherBaseline, TrendNoteOverlapping, TrendNoteRepeated, TrendNoteTensioningNotStated]
+TrendNote = Union[TrendNoteLifeNotUsed, TrendNoteLongBefore, TrendNoteOtherBaseline, TrendNoteOverlapping, TrendNoteRepeated, TrendNoteTensioningNotStated]
 TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "watch", "wait", "no-limit"]
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
@@ -6206,6 +6225,7 @@ _CLASSES: Mapping[str, Any] = {
     "Touch": Touch,
     "TrendEventJump": TrendEventJump,
     "TrendEventTensioned": TrendEventTensioned,
+    "TrendNoteLifeNotUsed": TrendNoteLifeNotUsed,
     "TrendNoteLongBefore": TrendNoteLongBefore,
     "TrendNoteOtherBaseline": TrendNoteOtherBaseline,
     "TrendNoteOverlapping": TrendNoteOverlapping,
@@ -6267,7 +6287,7 @@ _CLASSES: Mapping[str, Any] = {
     "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-not-known": RejectionBendRatioNotKnown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
     "StrainZero": {"before-load": StrainZeroBeforeLoad, "as-recorded": StrainZeroAsRecorded},
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
-    "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
+    "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
     "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},

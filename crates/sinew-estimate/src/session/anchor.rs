@@ -7,7 +7,7 @@
 //! at a stop or joint mark   e = q_measured − q_s                               error of the joint's encoder
 //! at a motor mark           m = theta_measured − theta_s                       error of the motor's encoder
 //! tendon                    delta_e = (offset seen by motion) + e − m
-//! pushed against a stop     LP[theta_measured − q_measured] + e = delta_e + κ (LP[u] − J LP[ddtheta]) − κ F LP[z]
+//! pushed against a stop     LP[theta_measured − q_measured] + e − m = delta_e + κ (LP[u] − J LP[ddtheta]) − κ F LP[z]
 //! ```
 //!
 //! The last line needs the motor's torque `u`. It knows nothing of masses, payload and contacts, which the
@@ -17,7 +17,7 @@
 //! What it rests on: the stop doesn't move, gives less than its deviation, and what the joint pushed against
 //! was the stop.
 
-use super::recorder::Recorded;
+use super::recorder::{Recorded, TouchReading};
 use super::result::{LimitState, RetensionLimit, SessionEstimate, TendonEstimate, Verdict};
 use super::warning::Warning;
 use crate::baseline::Baseline;
@@ -26,6 +26,7 @@ use sinew_model::Gaussian;
 use sinew_model::offset::{Belief, Block, JointParameter, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Anchor, AnchorKind, Transmission};
+use std::cmp::Ordering;
 
 /// A joint whose reading is further than this from a stop's position has not touched it, rad.
 const NEAR_RAD: f64 = 0.05;
@@ -86,7 +87,8 @@ pub(super) fn readings(
         let Some(t) = transmission else { continue };
         let name = &robot.joint_names()[i];
         for anchor in &t.anchors {
-            let touched = recorded.touches.iter().filter(|x| x.joint == *name);
+            let touched = (recorded.touches.iter())
+                .filter(|x| x.joint == *name && nearest(t, x) == Some(anchor));
             match anchor.kind {
                 AnchorKind::Stop => {
                     let joint = Pushed {
@@ -124,6 +126,54 @@ pub(super) fn readings(
         }
     }
     out
+}
+
+/// How far a touch's reading is from a mark, rad; `None`: it isn't said to be that mark.
+fn from_mark(anchor: &Anchor, touch: &TouchReading) -> Option<f64> {
+    let read = match anchor.kind {
+        AnchorKind::Stop => return None,
+        AnchorKind::JointMark => touch.q,
+        AnchorKind::MotorMark => touch.theta_measured,
+    };
+    let meant = touch.kind.is_none_or(|kind| kind == anchor.kind);
+    meant.then(|| (read - anchor.position_rad).abs())
+}
+
+/// The mark that a touch is of: of those it may be, the nearest.
+fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&'a Anchor> {
+    let apart = |a: &&Anchor| from_mark(a, touch);
+    let marks = t.anchors.iter().filter(|a| apart(a).is_some());
+    marks.min_by(|a, b| apart(a).partial_cmp(&apart(b)).unwrap_or(Ordering::Equal))
+}
+
+/// Whether a touch is of exactly one mark of robot.toml.
+///
+/// # Errors
+/// In words: no mark is where joint or motor stood then, or two are.
+pub(super) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
+    let transmission = robot.arm.joint_index(&touch.joint);
+    let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
+    let anchors = transmission.map_or(&[][..], |t| &t.anchors);
+    let near = |a: &&Anchor| from_mark(a, touch).is_some_and(|apart| apart < NEAR_RAD);
+    let stood = format!(
+        "the joint stood at {:.4} rad and the motor at {:.4} rad",
+        touch.q, touch.theta_measured
+    );
+    match anchors.iter().filter(near).count() {
+        1 => Ok(()),
+        0 => {
+            let marks = anchors.iter().filter(|a| a.kind.is_mark());
+            let places: Vec<String> = marks.map(|a| format!("{} rad", a.position_rad)).collect();
+            Err(format!(
+                "{stood}, more than {NEAR_RAD} rad from its marks at {}; check the time, the unit and whose mark it is",
+                places.join(", ")
+            ))
+        }
+        _ => Err(format!(
+            "{stood}, where two marks are; say which: {joint}:joint-mark@… or {joint}:motor-mark@…",
+            joint = touch.joint
+        )),
+    }
 }
 
 /// Keeps what an earlier part of the same recording touched and this one didn't.
@@ -322,30 +372,53 @@ pub(super) fn apply(
             Some(then) => Gaussian::new(now.mean - then.mean, now.deviation.hypot(then.deviation)),
             None => Gaussian::new(now.mean, now.deviation.hypot(zero_rad)),
         };
-        // Of several readings of an encoder each is a look at the same error.
+        // Every anchor is a look at its encoder's error; a reading of it taken again is no new look.
         let error = |is_motor: bool| {
-            let of_it = own
-                .iter()
-                .filter(|r| (r.kind == AnchorKind::MotorMark) == is_motor);
-            let each = of_it
-                .map(|r| difference(r.encoder_error_rad, before(r).map(|b| b.encoder_error_rad)));
-            each.reduce(fused)
+            let of_it = |r: &&&AnchorReading| (r.kind == AnchorKind::MotorMark) == is_motor;
+            let mut each: Vec<Vec<&AnchorReading>> = Vec::new();
+            for r in own.iter().filter(of_it) {
+                match each.iter_mut().find(|same| same[0].is_of(r)) {
+                    Some(same) => same.push(r),
+                    None => each.push(vec![r]),
+                }
+            }
+            // Those that the baseline touched too need no zero; of the others all share it.
+            let known = each.iter().any(|same| before(same[0]).is_some());
+            each.retain(|same| !known || before(same[0]).is_some());
+            let read = each.iter().map(|same| {
+                let now = mean_of(same.iter().map(|r| r.encoder_error_rad));
+                let then = before(same[0]).map(|b| b.encoder_error_rad);
+                then.map_or(now, |then| {
+                    Gaussian::new(now.mean - then.mean, now.deviation.hypot(then.deviation))
+                })
+            });
+            let fused = read.reduce(fused)?;
+            let zero_rad = if known { 0.0 } else { zero_rad };
+            Some(Gaussian::new(fused.mean, fused.deviation.hypot(zero_rad)))
         };
         let (joint, motor) = (error(false), error(true));
         let none = Gaussian::new(0.0, 0.0);
         let (e, m) = (joint.unwrap_or(none), motor.unwrap_or(none));
         let correction_rad = Gaussian::new(e.mean - m.mean, e.deviation.hypot(m.deviation));
+        // A push is read by the motor's encoder: what that is off by is in it.
         let pushes = own.iter().filter_map(|r| {
             let then = before(r).and_then(|b| b.offset_rad);
-            Some(difference(r.offset_rad?, then))
+            let push = difference(r.offset_rad?, then);
+            Some(Gaussian::new(push.mean - m.mean, push.deviation))
         });
-        let by_push_rad = pushes.reduce(fused);
+        let push_alone = pushes.reduce(fused);
+        let by_push_rad = push_alone.map(|p| Gaussian::new(p.mean, p.deviation.hypot(m.deviation)));
         let by_motion_rad = estimate.joints[k].offset_rad;
         let corrected = Gaussian::new(
             by_motion_rad.mean + correction_rad.mean,
             by_motion_rad.deviation.hypot(correction_rad.deviation),
         );
-        let offset_rad = by_push_rad.map_or(corrected, |push| fused(corrected, push));
+        // The motor's encoder is in both: it is no second look.
+        let own_alone = Gaussian::new(corrected.mean, by_motion_rad.deviation.hypot(e.deviation));
+        let offset_rad = push_alone.map_or(corrected, |push| {
+            let both = fused(own_alone, push);
+            Gaussian::new(both.mean, both.deviation.hypot(m.deviation))
+        });
         if let Some(push) = by_push_rad.filter(|push| disagree(corrected, *push)) {
             estimate.warnings.push(Warning::AnchorDisagrees {
                 joint: estimate.joints[k].name.clone(),
@@ -374,6 +447,14 @@ pub(super) fn apply(
 /// Whether two readings of one thing lie further apart than three deviations.
 fn disagree(a: Gaussian, b: Gaussian) -> bool {
     (a.mean - b.mean).abs() > 3.0 * a.deviation.hypot(b.deviation)
+}
+
+/// Readings of one anchor: their mean, and as sure as one of them, for what is wrong with it is in all.
+fn mean_of(readings: impl Iterator<Item = Gaussian> + Clone) -> Gaussian {
+    let count = readings.clone().count() as f64;
+    let mean = readings.clone().map(|r| r.mean).sum::<f64>() / count;
+    let apart = readings.map(|r| r.deviation.max((r.mean - mean).abs()));
+    Gaussian::new(mean, apart.fold(0.0, f64::max))
 }
 
 /// Two readings of one thing: by their weights, and where they contradict each other as wide as they lie apart.

@@ -12,7 +12,9 @@ use sinew_model::robot::Robot;
 /// [`FeatureObserver`](sinew_model::offset::FeatureObserver) with [`FeatureConfig::default`](sinew_model::offset::FeatureConfig) go into
 /// [`RecursiveOffsets::step`].
 ///
-/// Blocks carry the temperature; where they don't, [`SessionOptions::temperature_c`] states it. Allocates here only. `examples/live_offsets.rs` runs it sample by sample.
+/// Blocks carry the temperature; one that [`SessionOptions::temperature_c`] states takes its place. While neither is known the
+/// intervals hold what a temperature nobody knows makes of the offsets, as those of a recording do. Allocates here only.
+/// `examples/live_offsets.rs` runs it sample by sample.
 ///
 /// # Errors
 /// [`SessionError`] when the baseline is of another robot.
@@ -29,6 +31,10 @@ pub fn live(
     };
     let change_k = temperature::change_deviation_k(robot, baseline, temperature, options);
     beliefs::age(estimator.prior(), &mut belief);
+    let unknown = TemperatureSource::Unknown;
+    let unknown_k = temperature::change_deviation_k(robot, baseline, unknown, options);
+    let unknown_rad =
+        beliefs::unknown_temperature(estimator.prior(), &mut belief.clone(), unknown_k);
     let added_rad = open(estimator.prior(), &mut belief, options, change_k);
     let mut filter =
         RecursiveOffsets::new(estimator, belief).map_err(|error| SessionError::Map {
@@ -36,6 +42,8 @@ pub fn live(
             error,
         })?;
     filter.add_deviation(&added_rad);
+    let stated_c = options.temperature_c.map_or(f64::NAN, |t| t.mean);
+    filter.expect_temperature(stated_c, &unknown_rad);
     filter.expect_noise(&baseline.noise_rad, &baseline.motor_noise_nm);
     Ok(filter)
 }
@@ -85,6 +93,7 @@ pub fn live_saved(
     let noise = filter.noise().map(<[f64]>::to_vec);
     let mut next = Baseline::new(robot, recordings, end_time_ns, &belief, noise);
     next.before.clone_from(&before.before);
+    next.temperature_deviation_k = before.temperature_deviation_k;
     next.zero_time_ns = before.zero_time();
     Ok(next)
 }

@@ -1,5 +1,6 @@
 //! A recording as blocks of features.
 
+use super::anchor;
 use crate::error::EstimateError;
 use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
 use crate::jumps::Jumps;
@@ -9,6 +10,7 @@ use crate::robot_dir::LoadedRobot;
 use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
+use sinew_model::transmission::AnchorKind;
 use std::ops::ControlFlow;
 
 /// Which part of a recording is used, s from its start.
@@ -61,6 +63,8 @@ pub struct Recorded {
 pub struct Touch {
     /// Joint.
     pub joint: String,
+    /// Whose mark it is, the joint's or the motor's; `None`: the joint has one mark there.
+    pub kind: Option<AnchorKind>,
     /// When, s since the recording began.
     pub time_s: f64,
 }
@@ -70,6 +74,8 @@ pub struct Touch {
 pub struct TouchReading {
     /// Joint.
     pub joint: String,
+    /// Whose mark it is said to be.
+    pub kind: Option<AnchorKind>,
     /// When, s since the recording began.
     pub time_s: f64,
     /// Joint position, rad.
@@ -82,6 +88,8 @@ pub struct TouchReading {
 #[derive(Debug, Clone, Default)]
 struct Touches {
     ahead: Vec<(usize, Touch)>,
+    /// Nothing is read across a longer pause, s.
+    gap_s: f64,
     last: Option<(f64, Vec<f64>, Vec<f64>)>,
 }
 
@@ -97,12 +105,13 @@ impl Touches {
                 let share = (touch.time_s - before_s) / (time_s - before_s);
                 let between =
                     |a: &[f64], b: &[f64]| Some(a.get(*i)? + share * (b.get(*i)? - a.get(*i)?));
-                if !(0.0..=1.0).contains(&share) {
+                if !(0.0..=1.0).contains(&share) || time_s - before_s > self.gap_s {
                     return true;
                 }
                 if let (Some(q), Some(theta_measured)) = (between(q0, q), between(theta0, theta)) {
                     out.push(TouchReading {
                         joint: touch.joint.clone(),
+                        kind: touch.kind,
                         time_s: touch.time_s,
                         q,
                         theta_measured,
@@ -157,7 +166,10 @@ impl Recorder {
             feeder: Feeder::new(features, &robot.transmissions, options),
             block_s: config.block_s,
             first_s: None,
-            touches: Touches::default(),
+            touches: Touches {
+                gap_s,
+                ..Touches::default()
+            },
             out: Recorded {
                 elastic: (0..robot.arm.dof())
                     .filter(|&i| robot.transmissions[i].is_some())
@@ -278,6 +290,11 @@ impl Recorder {
         self.feeder.restart();
     }
 
+    /// The first mark that was to be passed and wasn't: its time is in a pause, or not of this recording.
+    pub fn missed_touch(&self) -> Option<&Touch> {
+        self.touches.ahead.first().map(|(_, touch)| touch)
+    }
+
     /// What was recorded.
     pub fn finish(self) -> Recorded {
         self.out
@@ -341,6 +358,7 @@ impl<'a> Blocks<'a> {
             request, window, ..
         } = self;
         let config = FeatureConfig::default();
+        let missed = self.recorder.missed_touch().cloned();
         let mut out = self.recorder.finish();
         out.damaged = opened.recording.health().is_damaged();
         let mapping = request.open.mapping.as_ref();
@@ -349,16 +367,41 @@ impl<'a> Blocks<'a> {
             return Err(mismatch(
                 request,
                 format!(
-                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; record longer, or look for gaps with sinew log info",
+                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; {}, or look for gaps with sinew log info",
                     7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
                     window.from_s,
                     if window.to_s.is_finite() {
                         format!(" up to {} s", window.to_s)
                     } else {
                         String::new()
+                    },
+                    match out.damaged {
+                        true =>
+                            "the file is damaged, and what it lost is missing here: copy it again",
+                        false => "record longer",
                     }
                 ),
             ));
+        }
+        if let Some(Touch { joint, time_s, .. }) = missed {
+            return Err(EstimateError::Touch(format!(
+                "{}: joint '{joint}' has no positions at {time_s} s; what was read lasts {:.1} s, from {} s on, and a pause of more than {} s is no place to read",
+                request.name(),
+                out.duration_s,
+                window.from_s,
+                request.open.gap_s
+            )));
+        }
+        for touch in &out.touches {
+            anchor::mark_of(&opened.loaded.robot, touch).map_err(|why| {
+                let at = format!(
+                    "{}: --touch {}@{}",
+                    request.name(),
+                    touch.joint,
+                    touch.time_s
+                );
+                EstimateError::Touch(format!("{at}: {why}"))
+            })?;
         }
         Ok(out)
     }

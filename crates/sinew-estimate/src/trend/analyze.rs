@@ -6,8 +6,8 @@ use super::limits;
 use super::prior::{RopePrior, days, rope_prior};
 use super::records::{SessionRecord, Sorted};
 use super::result::{
-    CycleClock, JointTrend, Limit, LimitForecast, LimitState, PriorBasis, SessionPoint, Suspicion,
-    TrendEvent, TrendEventKind, TrendNote, TrendReport, TrendVerdict,
+    CycleClock, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState, PriorBasis,
+    SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote, TrendReport, TrendVerdict,
 };
 use super::stiffness;
 use super::survival::{LifeForecast, LifePrior};
@@ -120,12 +120,18 @@ fn joint(
     let last_utc_s = time_of(records.last());
     let limits = limits::limits(tendon, &trend, &paths, rope_known, last_utc_s);
     let is_strain = |l: &LimitForecast| matches!(l.limit, Limit::Replace { .. });
-    let life = match &request.life {
-        Some(life) if clock.stated && !limits.iter().any(is_strain) => {
-            Some(life.forecast(last_utc_s - clock.start_utc_s))
-        }
-        _ => None,
+    let unused = match limits.iter().any(is_strain) {
+        true => Some(LifeNotUsed::StrainLimit),
+        false => (!clock.stated).then_some(LifeNotUsed::AgeUnknown),
     };
+    let life = request.life.as_ref().and_then(|life| match unused {
+        None => Some(life.forecast(last_utc_s - clock.start_utc_s)),
+        Some(why) => {
+            let joint = name.into();
+            notes.push(TrendNote::LifeNotUsed { joint, why });
+            None
+        }
+    });
     let mut out = JointTrend {
         name: name.into(),
         verdict: TrendVerdict::NoLimit,

@@ -22,7 +22,7 @@ pub use error::AnalyzeError;
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{RecordError, SessionRecord, Sorted, sort};
 pub use result::{
-    CycleClock, ForecastPoint, JointTrend, JumpCause, Limit, LimitForecast, LimitState,
-    MissingFromRobot, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote,
-    TrendReport, TrendVerdict,
+    CycleClock, ForecastPoint, JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast,
+    LimitState, MissingFromRobot, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind,
+    TrendNote, TrendReport, TrendVerdict,
 };

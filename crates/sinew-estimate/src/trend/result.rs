@@ -28,6 +28,17 @@ impl JsonDocument for TrendReport {
     const SCHEMA: &'static str = "sinew/trend/1";
 }
 
+/// Why what is known of other ropes' lives says nothing of one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum LifeNotUsed {
+    /// Nobody said when it was put in.
+    AgeUnknown,
+    /// A strain says when to replace it.
+    StrainLimit,
+}
+
 /// What was dropped or assumed on the way to a trend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -51,6 +62,13 @@ pub enum TrendNote {
     TensioningNotStated {
         /// Joint.
         joint: String,
+    },
+    /// How long such ropes last was stated, and says nothing of this one.
+    LifeNotUsed {
+        /// Joint.
+        joint: String,
+        /// Why.
+        why: LifeNotUsed,
     },
     /// The first session comes so long after the tensioning that the date may be wrong.
     LongBefore {

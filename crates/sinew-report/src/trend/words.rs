@@ -2,8 +2,8 @@
 
 use sinew_estimate::trend::survival::LifeForecast;
 use sinew_estimate::trend::{
-    JointTrend, JumpCause, Limit, LimitForecast, LimitState, MissingFromRobot, PriorBasis,
-    TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
+    JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast, LimitState, MissingFromRobot,
+    PriorBasis, TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
 };
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
@@ -169,10 +169,10 @@ pub(super) fn format_life(life: &LifeForecast, joint: &JointTrend) -> String {
         false => format!("in {}", format_after(joint, life.after_s)),
     };
     format!(
-        "by its age of {}, the day by which {} % of such ropes have broken is {when}; 95 %: {low} to {high}. \
-         By its age {} % have. It rests on {} ropes of {}, of which {} broke",
-        format_span(life.age_s),
+        "by its age: the day by which {} % of such ropes have broken is {when}; 95 %: {low} to {high}. It is {} since it \
+         was put in or tensioned, by which {} % have. It rests on {} ropes of {}, of which {} broke",
         percent(life.broken_ratio),
+        format_span(life.age_s),
         percent(life.broken_by_now_ratio),
         life.ropes,
         life.source,
@@ -323,6 +323,14 @@ pub fn format_note(note: &TrendNote) -> String {
             "{joint}: its first session is {days:.0} days after the tensioning on {}; is the year right? What it crept until then is not known",
             day_of(*time_utc_s)
         ),
+        TrendNote::LifeNotUsed { joint, why } => match why {
+            LifeNotUsed::AgeUnknown => format!(
+                "{joint}: --life says nothing of it, as nobody said when its rope was put in; state --replaced {joint}=DATE"
+            ),
+            LifeNotUsed::StrainLimit => format!(
+                "{joint}: --life says nothing of it: its rope is replaced by its strain, replace_at_strain_percent"
+            ),
+        },
         TrendNote::OtherBaseline { joint, time_utc_s } => format!(
             "{joint}: another baseline from {} on; taken as a tensioning",
             day_of(*time_utc_s)

@@ -79,6 +79,12 @@ impl Clocks {
         (self.stamps_are_not_time && !was).then_some(ClockEvent::NotTime(rate))
     }
 
+    /// Whether a session of so much motion came in `passed_s`: a recording that is caught up with, too short for its rate to
+    /// be seen. Its date is not that of now. Pauses and stamps that jump are no motion.
+    pub(super) fn is_caught_up(motion_s: f64, passed_s: f64) -> bool {
+        motion_s - passed_s > RATE_WITHIN * RATE_OVER_S && motion_s > (1.0 + RATE_WITHIN) * passed_s
+    }
+
     /// Stamps begin anew: a gap, another start of the robot.
     pub(super) fn restart(&mut self) {
         self.from = None;

@@ -72,6 +72,8 @@ pub(super) struct Learns {
 /// What a tendon's trend needs.
 #[derive(Debug)]
 pub(super) struct TrendWork {
+    /// After how many tensionings it was begun.
+    pub(super) of: u32,
     /// Place among the elastic joints.
     pub(super) tendon: usize,
     pub(super) joint: String,
@@ -92,6 +94,8 @@ pub(super) enum Outcome {
         result: Result<Box<Estimated>, String>,
     },
     Trend {
+        /// After how many tensionings it was begun.
+        of: u32,
         tendon: usize,
         trend: Option<Arc<JointTrend>>,
     },
@@ -127,9 +131,10 @@ impl Job {
                 }
             }
             Work::Trend(work) => {
-                let tendon = work.tendon;
+                let (of, tendon) = (work.of, work.tendon);
                 let trend = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
                 Outcome::Trend {
+                    of,
                     tendon,
                     trend: trend.unwrap_or_default(),
                 }

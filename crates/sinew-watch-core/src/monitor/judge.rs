@@ -2,7 +2,7 @@
 
 use super::Monitor;
 use super::limits;
-use crate::alarm::{AlarmCause, AlarmKey, Condition, JumpKind, Trouble};
+use crate::alarm::{AlarmCause, AlarmKey, Condition, Delays, JumpKind, Trouble};
 use crate::instant::Instant;
 use crate::journal::Event;
 use crate::journal::SessionEnd;
@@ -57,6 +57,7 @@ impl Monitor {
         let transmission = self.robot.transmissions[self.elastic[i]].as_ref();
         let geometry = transmission.and_then(|t| t.tendon.as_ref());
         let clear_below = self.config.alarms.clear_below;
+        let mut over = Vec::new();
         // Against the encoders' zero nobody can say how long a rope has become.
         let known = tendon.since.is_some() && self.belief.learns.is_none();
         if let (Some(geometry), Some(offset), true) = (geometry, tendon.last_rad, known) {
@@ -68,9 +69,13 @@ impl Monitor {
                 (Condition::ReplaceLimit, limits.replace_ratio, whole),
             ];
             for (condition, limit, value) in both {
-                if let Some(limit) = limit {
-                    let (holds, cause) = limits::passed(value, limit, clear_below);
-                    self.conditions.set(Some(joint), condition, holds, cause);
+                match limit {
+                    Some(limit) => {
+                        let (holds, cause) = limits::passed(value, limit, clear_below);
+                        self.conditions.set(Some(joint), condition, holds, cause);
+                    }
+                    // Taken out of the configuration: it can't be passed.
+                    None => over.push(condition),
                 }
             }
         }
@@ -79,23 +84,32 @@ impl Monitor {
             self.conditions
                 .set(Some(joint), Condition::Suspicion, Some(true), cause);
         } else {
-            let joint = joint.to_string();
-            self.over(Some(&joint), Condition::Suspicion);
+            over.push(Condition::Suspicion);
         }
         let near_s = self.config.alarms.near_s;
-        if let Some((holds, cause)) = self.trends.get(i).and_then(|trend| near(trend, near_s)) {
-            let joint = self.names[i].as_str();
-            self.conditions
-                .set(Some(joint), Condition::LimitNear, holds, cause);
+        match self.trends.get(i).map(|trend| near(trend, near_s)) {
+            Some(Some((holds, cause))) => {
+                let joint = self.names[i].as_str();
+                self.conditions
+                    .set(Some(joint), Condition::LimitNear, holds, cause);
+            }
+            // No limit is ahead: none is stated, or it is passed.
+            Some(None) => over.push(Condition::LimitNear),
+            None => {}
+        }
+        for condition in over {
+            self.over(i, condition);
         }
     }
 
+    /// A condition of a tendon is over, if it was there.
+    fn over(&mut self, tendon: usize, condition: Condition) {
+        self.over_of(Some(self.names[tendon].clone()), condition);
+    }
+
     /// A condition is over, if it was there.
-    fn over(&mut self, joint: Option<&str>, condition: Condition) {
-        let key = AlarmKey {
-            joint: joint.map(str::to_string),
-            condition,
-        };
+    fn over_of(&mut self, joint: Option<String>, condition: Condition) {
+        let key = AlarmKey { joint, condition };
         if let Some((holds, _)) = self.conditions.known.get_mut(&key) {
             *holds = Some(false);
         } else if let Some(alarm) = self.alarms.get(&key) {
@@ -115,8 +129,9 @@ impl Monitor {
             joint: Some(self.names[i].clone()),
             condition,
         };
-        let delays = self.config.alarms.delays(condition);
-        self.alarms.condition(&key, Some(true), &cause, delays, now);
+        // It waited for a second session: no delay more, which would pass it over.
+        self.alarms
+            .condition(&key, Some(true), &cause, Delays::NONE, now);
         // It happened once: what remains is that nobody has looked.
         self.conditions.known.insert(key, (Some(false), cause));
     }
@@ -132,7 +147,7 @@ impl Monitor {
                 self.conditions
                     .set(None, Condition::Data, Some(true), cause);
             }
-            None if self.health.last().is_some() => self.over(None, Condition::Data),
+            None if self.health.last().is_some() => self.over_of(None, Condition::Data),
             None => {}
         }
         let Some(verdict) = self.health.last() else {
@@ -146,7 +161,7 @@ impl Monitor {
                     self.conditions
                         .set(Some(&joint), Condition::Data, Some(true), cause);
                 }
-                None => self.over(Some(&joint), Condition::Data),
+                None => self.over_of(Some(joint), Condition::Data),
             }
         }
     }
@@ -157,7 +172,7 @@ impl Monitor {
             self.doors = troubles.to_vec();
             self.judge_data();
             if self.doors.is_empty() && self.health.last().is_none() {
-                self.over(None, Condition::Data);
+                self.over_of(None, Condition::Data);
             }
             self.tick(now);
         }
@@ -172,7 +187,7 @@ impl Monitor {
                 self.conditions
                     .set(None, Condition::Store, Some(true), cause);
             }
-            None => self.over(None, Condition::Store),
+            None => self.over_of(None, Condition::Store),
         }
         self.judge(now);
     }
@@ -199,7 +214,7 @@ impl Monitor {
                 self.end_session(SessionEnd::Lost, now);
             }
         } else if self.feed.last.is_some() {
-            self.over(None, Condition::NoData);
+            self.over_of(None, Condition::NoData);
         }
         if self.health.verdict(&self.names, now) {
             self.judge_data();
@@ -212,7 +227,7 @@ impl Monitor {
                     self.conditions
                         .set(None, Condition::Suspicion, Some(true), cause);
                 }
-                false => self.over(None, Condition::Suspicion),
+                false => self.over_of(None, Condition::Suspicion),
             }
         }
         self.tell_losses(now);

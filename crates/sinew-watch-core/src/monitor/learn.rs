@@ -19,6 +19,11 @@ use std::sync::Arc;
 const POSES_NEEDED: usize = 12;
 /// Motion it needs, s.
 const MOTION_NEEDED_S: f64 = 60.0;
+/// What a session without an estimate says of a stiffness.
+const UNKNOWN_STIFFNESS: Gaussian = Gaussian {
+    mean: 0.0,
+    deviation: 1.0,
+};
 /// A session with less motion says nothing, s.
 const TOO_SHORT_S: f64 = 10.0;
 
@@ -184,7 +189,7 @@ impl Monitor {
                 }
                 continue;
             }
-            self.working = true;
+            (self.working, self.hears) = (true, stretch.baseline_of.is_none());
             return Some(Job {
                 robot: Arc::clone(&self.robot),
                 work: Work::Stretch(Box::new(self.stretch_work(stretch))),
@@ -243,9 +248,13 @@ impl Monitor {
 
     /// Takes what a [`Job`] gave.
     pub fn done(&mut self, done: Done, now: Instant) {
-        self.working = false;
+        (self.working, self.hears) = (false, false);
         match done.0 {
-            Outcome::Trend { tendon, trend } => self.trends.set(tendon, trend),
+            // A rope was tensioned since: what was to come of it isn't any more.
+            Outcome::Trend { of, tendon, .. } if of != self.tensionings => {
+                self.trends.changed(tendon);
+            }
+            Outcome::Trend { tendon, trend, .. } => self.trends.set(tendon, trend),
             Outcome::Stretch {
                 stretch,
                 learned: true,
@@ -367,7 +376,7 @@ impl Monitor {
                 start_utc_s: stretch.session.start.utc_s(),
                 end_utc_s: end_utc_s(stretch),
                 offset_rad: told.ok(),
-                stiffness_ratio: joint.map_or(0.0, |j| j.stiffness_change_ratio.mean),
+                stiffness_ratio: joint.map_or(UNKNOWN_STIFFNESS, |j| j.stiffness_change_ratio),
             };
             let changes = heard.changes.get(i).map_or(&[][..], Vec::as_slice);
             if let Verdict::Confirmed(suspected) = tendon.judge(&said, changes, geometry) {

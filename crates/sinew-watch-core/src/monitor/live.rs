@@ -112,9 +112,9 @@ impl Live {
         self.known
     }
 
-    /// Motion for which it has been in doubt, s; `None`: it hasn't been out of it yet, or there is none.
+    /// Motion for which it has been in doubt, s; `None`: there is no estimate.
     pub(super) fn doubt_s(&self) -> Option<f64> {
-        (self.known && self.filter.is_some()).then_some(self.doubt_s)
+        self.filter.is_some().then_some(self.doubt_s)
     }
 
     /// Offset of a joint, rad.

@@ -93,6 +93,8 @@ pub struct Monitor {
     empty: Option<Recorded>,
     /// Whether a job is under way.
     working: bool,
+    /// Whether that is the estimate of motion from before the last tensioning, whose last word on the tendons is to come.
+    hears: bool,
 
     belief: Arc<Belief>,
     /// What the session under way said so far, tendon by tendon.
@@ -199,6 +201,7 @@ impl Monitor {
             waiting: VecDeque::with_capacity(take::STRETCHES_WAITING + 1),
             empty: None,
             working: false,
+            hears: false,
             heard: Heard::default(),
             tensionings: 0,
             learning: Learning::of(&belief, robot.arm.dof()),

@@ -101,8 +101,9 @@ impl Monitor {
                 self.trends.forget(i);
             }
         }
-        // What waits was recorded before: its last word on the tendons is still to come.
-        if self.working || !self.waiting.is_empty() {
+        // Motion from before is estimated still, or waits for it: its last word on the tendons is to come. What was for a
+        // baseline says nothing of them, and a trend doesn't either.
+        if self.hears || self.waiting.iter().any(|s| s.baseline_of.is_none()) {
             self.pending.push(pending);
         }
         self.live.stop();

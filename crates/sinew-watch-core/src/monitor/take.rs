@@ -1,6 +1,6 @@
 //! Frames in: what is recorded, and where a stretch ends.
 
-use super::clock::ClockEvent;
+use super::clock::{ClockEvent, Clocks};
 use super::job::Stretch;
 use super::{Feed, Monitor};
 use crate::instant::Instant;
@@ -155,6 +155,11 @@ impl Monitor {
 
     /// The session under way ends, if there is one.
     pub(super) fn end_session(&mut self, end: SessionEnd, now: Instant) {
+        if let (Some(session), Some(last)) = (self.sessions.now(), self.feed.last)
+            && Clocks::is_caught_up(session.motion_s, last.since_s(session.start))
+        {
+            self.sessions.set_clock(Clock::Stamp);
+        }
         let Some(session) = self.sessions.now().copied() else {
             return;
         };

@@ -69,7 +69,7 @@ pub(super) struct Said {
     /// Offset at the end, rad; `None`: it couldn't tell.
     pub(super) offset_rad: Option<Gaussian>,
     /// Stiffness over nominal less 1.
-    pub(super) stiffness_ratio: f64,
+    pub(super) stiffness_ratio: Gaussian,
 }
 
 /// What became of a suspicion.
@@ -167,9 +167,10 @@ impl TendonBelief {
             lasts(suspected.size_rad, suspected.before_rad, offset, creep)
         } else {
             // Stiffness alone: it is believed until a session sees it come back.
-            let lost = suspected.stiffness_ratio.unwrap_or(0.0);
-            let now = said.stiffness_ratio - suspected.stiffness_before_ratio;
-            Some(now / lost > 0.5)
+            suspected.stiffness_ratio.and_then(|lost| {
+                let before = Gaussian::new(suspected.stiffness_before_ratio, 0.0);
+                lasts(Gaussian::new(lost, 0.0), before, said.stiffness_ratio, 0.0)
+            })
         };
         match lasts {
             Some(true) => {
@@ -216,7 +217,7 @@ impl TendonBelief {
             },
             cause: None,
             stiffness_ratio: None,
-            stiffness_before_ratio: said.stiffness_ratio,
+            stiffness_before_ratio: said.stiffness_ratio.mean,
             session: said.session,
             undecided: 0,
         })
@@ -284,7 +285,7 @@ fn within(changes: &[Found], said: &Said, last: Option<Gaussian>) -> Option<Susp
             what,
             cause: change.cause,
             stiffness_ratio: lost,
-            stiffness_before_ratio: said.stiffness_ratio - lost.unwrap_or(0.0),
+            stiffness_before_ratio: said.stiffness_ratio.mean - lost.unwrap_or(0.0),
             session: said.session,
             undecided: 0,
         })

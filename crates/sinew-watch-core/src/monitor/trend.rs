@@ -127,6 +127,7 @@ impl Monitor {
             let replaced = belief.replaced_utc_s;
             let tensioned = belief.tensioned_utc_s.iter().copied();
             return Some(TrendWork {
+                of: self.tensionings,
                 tendon,
                 joint: joint.clone(),
                 records,

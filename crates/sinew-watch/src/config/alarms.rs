@@ -1,7 +1,7 @@
 //! When alarms are raised and cleared, where the owner wants it otherwise.
 
 use sinew_files::date::DAY_S;
-use sinew_files::{Bound, Fields as _, Located, Section};
+use sinew_files::{Bound, Fault, Fields as _, Located, Section};
 use sinew_watch_core::alarm::{Condition, Delays};
 use std::collections::BTreeMap;
 
@@ -50,7 +50,14 @@ pub(super) fn read(s: &Section<'_>) -> Result<AlarmSettings, Located> {
     for (key, condition) in KEYS {
         let own = s.read(key, |s| {
             let delay = |key| s.number(key, Bound::Within(0.0, LONGEST_S));
-            Ok::<_, Located>([delay("raise_after_s")?, delay("clear_after_s")?])
+            let raise = delay("raise_after_s")?;
+            if raise.is_some() && matches!(condition, Condition::Jump | Condition::StrandFailed) {
+                let why = format!(
+                    "{key}.raise_after_s: a jump has waited for a second session already, and waits no longer; leave it out"
+                );
+                return Err(s.here(Fault::Contradiction, why));
+            }
+            Ok::<_, Located>([raise, delay("clear_after_s")?])
         })?;
         if let Some(own) = own {
             delays.insert(condition, own);

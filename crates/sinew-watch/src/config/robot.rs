@@ -3,7 +3,7 @@
 use super::alarms::{self, AlarmSettings};
 use super::door::{self, DoorSettings};
 use super::path;
-use sinew_files::{Bound, Fields as _, Located, Section};
+use sinew_files::{Bound, Fault, Fields as _, Located, Section};
 use sinew_log::JointEffort;
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
@@ -147,7 +147,14 @@ fn estimate(s: &Section<'_>) -> Result<EstimateSettings, Located> {
     /// As a room thermometer tells it, K.
     const THERMOMETER_K: f64 = 2.0;
     let temperature_c = s.number("temperature_c", WORKS_AT)?;
-    let deviation_k = s.number_or("temperature_deviation_k", Bound::NotNegative, THERMOMETER_K)?;
+    let deviation_k = s.number("temperature_deviation_k", Bound::Positive)?;
+    if deviation_k.is_some() && temperature_c.is_none() {
+        return Err(s.here(
+            Fault::Contradiction,
+            "temperature_deviation_k says how sure temperature_c is, which is missing",
+        ));
+    }
+    let deviation_k = deviation_k.unwrap_or(THERMOMETER_K);
     Ok(EstimateSettings {
         motor_torque: s.flag_or("motor_torque", true)?,
         empty_gripper: s.flag("empty_gripper")?,

@@ -40,7 +40,12 @@ pub enum Control {
         reply: SyncSender<Result<(), MonitorError>>,
     },
     /// Watch it no more; its session ends and is stored.
-    Remove(RobotId),
+    Remove {
+        /// Robot.
+        robot: RobotId,
+        /// Dropped when all is stored.
+        gone: SyncSender<()>,
+    },
     /// Somebody says something.
     Command {
         /// Robot.
@@ -153,6 +158,8 @@ struct Robot {
     storing: bool,
     /// Watched no more: it goes when all is stored.
     leaves: bool,
+    /// Dropped with it: somebody waits for that.
+    gone: Option<SyncSender<()>>,
 }
 
 /// A core thread.
@@ -285,7 +292,12 @@ impl CoreThread {
                 let _gone = reply.send(result);
                 self.pump(robot.index());
             }
-            Control::Remove(robot) => self.leave(robot.index()),
+            Control::Remove { robot, gone } => {
+                if let Some(robot) = self.robots.get_mut(&robot.index()) {
+                    robot.gone = Some(gone);
+                }
+                self.leave(robot.index());
+            }
             Control::Command {
                 robot,
                 command,
@@ -331,6 +343,7 @@ impl CoreThread {
             working: false,
             storing: false,
             leaves: false,
+            gone: None,
         };
         self.robots.insert(at, robot);
         self.show(at);

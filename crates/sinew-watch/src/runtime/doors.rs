@@ -90,7 +90,9 @@ impl Doors {
         health: &Health,
     ) -> Vec<(DoorKey, DoorError)> {
         self.open.retain(|key, open| {
-            let stays = wanted.contains_key(key) && open.publish == publish;
+            // A recording publishes nothing: opened anew it would be read again.
+            let same = matches!(key, DoorKey::Mcap { .. }) || open.publish == publish;
+            let stays = wanted.contains_key(key) && same;
             if !stays {
                 tell.remove(key);
             }

@@ -39,7 +39,7 @@ use sinew_watch_core::{Monitor, MonitorConfig};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Sender, sync_channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc::{Receiver, channel};
@@ -315,7 +315,10 @@ impl Runtime {
                 Ok(Ok(())) | Err(_) => return,
             }
         }
-        self.forget(name);
+        if !self.forget(name) {
+            let why = "the session before is still being stored; read the configuration again";
+            return self.not_watched(settings, why.into());
+        }
         let now = self.start.pace.instant(self.start.clock.now());
         let made = self.reader.stored(name).map_err(|e| e.to_string());
         let made =
@@ -404,12 +407,17 @@ impl Runtime {
         }
     }
 
-    fn forget(&mut self, name: &str) {
+    /// Watches a robot no more; whether all of it is stored. What begins anew goes on from what is stored, so it waits.
+    fn forget(&mut self, name: &str) -> bool {
         let known = self.robots.remove(name);
-        if let Some(State::Watched { core, queue }) = known.map(|known| known.state) {
-            self.cores[core].0.tell(Control::Remove(queue.id));
-            self.board.slot(name).set_address(None);
-        }
+        let Some(State::Watched { core, queue }) = known.map(|known| known.state) else {
+            return true;
+        };
+        let (gone, ended) = sync_channel(0);
+        let robot = queue.id;
+        self.cores[core].0.tell(Control::Remove { robot, gone });
+        self.board.slot(name).set_address(None);
+        ended.recv_timeout(END_WITHIN) != Err(RecvTimeoutError::Timeout)
     }
 
     fn open_doors(&mut self) {

@@ -102,7 +102,7 @@ fn fitted(fit: &WeibullFit, age: f64) -> FittedPoint {
     }
 }
 
-fn wear(fit: Option<&WeibullFit>) -> Wear {
+pub(super) fn wear(fit: Option<&WeibullFit>) -> Wear {
     let Some(fit) = fit else {
         return Wear::CannotTell;
     };

@@ -1,6 +1,6 @@
 //! Lifetimes from dated events at places of robots.
 
-use super::lives::{LifeEnd, Lives, RopeLife, no_column};
+use super::lives::{LifeEnd, Lives, RopeLife, end_of, no_column};
 use super::result::{AgeUnit, SurvivalNote};
 use crate::trend::RecordError;
 use sinew_files::csv::{Row, Table};
@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 
 /// Dates say the day: a rope that broke on the day it was put in lasted about half of one, s.
 const SAME_DAY_S: f64 = 0.5 * DAY_S;
+
+/// Words of a table that a note repeats.
+const WORDS_TOLD: usize = 5;
 
 /// Which columns of a table say what.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,14 +78,8 @@ impl Meaning {
     /// From words, as they stand in a ticket: "broken (crimp let go)", "loose; retensioned".
     fn of(words: &str) -> Self {
         let words = words.to_lowercase();
-        let says = |any: &[&str]| any.iter().any(|w| words.contains(w));
-        if says(&["not broken", "almost torn", "almost broken"]) {
-            if says(&["replaced", "rebuilt", "renewed"]) {
-                return Self::Replaced;
-            }
-            return Self::Seen;
-        }
-        if says(&["broken", "broke", "torn", "tore", "snapped", "ruptured"]) {
+        let says = |any: &[&str]| any.iter().any(|word| is_said(&words, word));
+        if says(&["broke", "torn", "tore", "snapped", "ruptured"]) {
             Self::Broke
         } else if says(&["replaced", "rebuilt", "renewed"]) {
             Self::Replaced
@@ -94,6 +91,22 @@ impl Meaning {
             Self::Seen
         }
     }
+}
+
+/// Whether a word begins with `beginning` and isn't denied: "broken" and "it broke", not "unbroken", "not broken" or
+/// "almost broken"; "tore" is not in "restored".
+fn is_said(words: &str, beginning: &str) -> bool {
+    const DENIES: [&str; 8] = [
+        "not", "no", "nothing", "never", "almost", "nearly", "isn't", "yet",
+    ];
+    words.match_indices(beginning).any(|(at, _)| {
+        let before = &words[..at];
+        let begins = !before.ends_with(char::is_alphanumeric);
+        let mut last = before
+            .trim_end()
+            .rsplit(|c: char| !c.is_alphanumeric() && c != '\'');
+        begins && !last.next().is_some_and(|word| DENIES.contains(&word))
+    })
 }
 
 #[derive(Debug, Clone)]
@@ -114,12 +127,13 @@ struct Place {
 pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<Lives, RecordError> {
     let (mut places, mut notes) = (BTreeMap::<String, Place>::new(), Vec::new());
     let mut words = BTreeMap::<String, usize>::new();
+    let mut broke = BTreeMap::<String, usize>::new();
     let mut unplaced = 0;
     for row in table.rows() {
         let text = |name: &str, why: &str| row.text(name).ok_or_else(|| no_column(&row, name, why));
         let date = text(
             &columns.date,
-            "every event has a day; name its column with --date",
+            "every event has a day; name its column with --date. A table with a row a rope has age_days, age_hours or age_cycles",
         )?;
         let utc_s = parse_utc_s(date).ok_or_else(|| {
             let problem = format!(
@@ -154,8 +168,12 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
             continue;
         };
         let meaning = Meaning::of(what);
-        if meaning == Meaning::Seen {
-            *words.entry(what.to_string()).or_default() += 1;
+        match meaning {
+            Meaning::Seen => *words.entry(what.to_string()).or_default() += 1,
+            Meaning::Broke if end_of(what).is_none() => {
+                *broke.entry(what.to_string()).or_default() += 1;
+            }
+            _ => {}
         }
         let place = places.entry(unit).or_default();
         place.group = place.group.take().or(columns.group_of(&row));
@@ -182,13 +200,21 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
             place,
             unit,
             from_utc_s: None,
+            supposed: false,
             lives: &mut lives,
             first_breaks: &mut first_breaks,
             same_day: &mut same_day,
         };
         let mut events = place.events.clone();
-        events.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s).then(a.meaning.cmp(&b.meaning)));
-        events.iter().for_each(|event| of_place.take(event));
+        events.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s));
+        for day in events.chunk_by_mut(|a, b| a.utc_s == b.utc_s) {
+            // The rope that runs broke before the next was put in; where none runs, one was put in before it broke.
+            match of_place.from_utc_s {
+                Some(_) => day.sort_by_key(|e| (e.meaning != Meaning::Broke, e.meaning)),
+                None => day.sort_by_key(|e| e.meaning),
+            }
+            day.iter().for_each(|event| of_place.take(event));
+        }
         of_place.ends(watch_ends(place), LifeEnd::Whole);
     }
     if first_breaks > 0 {
@@ -199,11 +225,17 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
     if same_day > 0 {
         notes.push(SurvivalNote::SameDay { ropes: same_day });
     }
+    if !broke.is_empty() {
+        notes.push(SurvivalNote::TakenForBroken {
+            events: broke.values().sum(),
+            words: broke.into_keys().take(WORDS_TOLD).collect(),
+        });
+    }
     if !words.is_empty() {
         let events = words.values().sum();
         notes.push(SurvivalNote::NoEnd {
             events,
-            words: words.into_keys().take(5).collect(),
+            words: words.into_keys().take(WORDS_TOLD).collect(),
         });
     }
     notes.push(SurvivalNote::WatchEnds {
@@ -228,6 +260,8 @@ struct PlaceLives<'a> {
     unit: &'a str,
     /// When the rope that runs was put in; `None`: before the table begins, or none runs.
     from_utc_s: Option<f64>,
+    /// Whether that is only supposed, because the one before broke then.
+    supposed: bool,
     lives: &'a mut Vec<RopeLife>,
     first_breaks: &'a mut usize,
     same_day: &'a mut usize,
@@ -238,20 +272,24 @@ impl PlaceLives<'_> {
         let at = event.utc_s;
         match event.meaning {
             Meaning::Seen => {}
+            // It stood without one since the break.
+            Meaning::Installed if self.supposed => {
+                (self.from_utc_s, self.supposed) = (Some(at), false);
+            }
             Meaning::Installed | Meaning::Replaced => {
                 self.ends(at, LifeEnd::Replaced);
-                self.from_utc_s = Some(at);
+                (self.from_utc_s, self.supposed) = (Some(at), false);
             }
             Meaning::Broke => {
                 if self.from_utc_s.is_none() {
                     *self.first_breaks += 1;
                 }
                 self.ends(at, LifeEnd::Broke);
-                self.from_utc_s = Some(at);
+                (self.from_utc_s, self.supposed) = (Some(at), true);
             }
             Meaning::Retired => {
                 self.ends(at, LifeEnd::Replaced);
-                self.from_utc_s = None;
+                (self.from_utc_s, self.supposed) = (None, false);
             }
         }
     }

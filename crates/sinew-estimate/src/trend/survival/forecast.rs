@@ -1,8 +1,8 @@
 //! When a rope should be replaced before it breaks, where nothing is known of it but its age.
 
-use super::analyze::ages;
+use super::analyze::{ages, wear};
 use super::lives::Lives;
-use super::result::AgeUnit;
+use super::result::{AgeUnit, Wear};
 use crate::trend::AnalyzeError;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -69,7 +69,7 @@ impl LifePrior {
     /// Laws are drawn from the posterior of shape and scale, every order of size as likely before.
     ///
     /// # Errors
-    /// [`AnalyzeError::Lives`] where fewer than two broke, or ages are cycles.
+    /// [`AnalyzeError::Lives`] where fewer than two broke, ages are cycles, or ropes break early.
     pub fn new(
         lives: &Lives,
         source: &str,
@@ -86,9 +86,14 @@ impl LifePrior {
         let own = ages(&lives.lives);
         let fit = WeibullFit::new(&own).ok_or_else(|| {
             refuse(
-                "fewer than two ropes broke in it, or all at one age; that says nothing of a third",
+                "fewer than two ropes broke in it, or all at nearly one age; no law is fitted to that",
             )
         })?;
+        if wear(Some(&fit)) == Wear::BreaksEarly {
+            return Err(refuse(
+                "those that break do so early, and one that has lasted is better than a new one: its age is no reason to replace it",
+            ));
+        }
         Ok(Self {
             laws: draw(&fit, seed),
             broken_ratio,

@@ -55,9 +55,28 @@ pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lives, RecordEr
         ("age_hours", AgeUnit::Seconds, 3600.0),
         ("age_cycles", AgeUnit::Cycles, 1.0),
     ];
+    let named = [
+        (&columns.group, "--group names a column that is there"),
+        (&columns.watched, "--watched names a column that is there"),
+    ];
+    for (column, why) in named {
+        if let (Some(name), Some(row)) = (column, table.rows().next())
+            && table.column(name).is_none()
+        {
+            return Err(no_column(&row, name, why));
+        }
+    }
     let aged = ages
         .into_iter()
         .find(|(name, ..)| table.column(name).is_some());
+    if let (Some((name, ..)), Some(row)) = (aged, table.rows().next())
+        && (columns.until_utc_s.is_some() || columns.watched.is_some())
+    {
+        let problem = format!(
+            "a table with '{name}' says how old every rope became; --until and --watched are for events"
+        );
+        return Err(row.here(Fault::Contradiction, problem).into());
+    }
     let lives = match aged {
         Some((column, age_unit, factor)) => Lives {
             age_unit,
@@ -99,7 +118,7 @@ fn aged_rope(
 }
 
 /// How a life ended, from a word.
-fn end_of(word: &str) -> Option<LifeEnd> {
+pub(super) fn end_of(word: &str) -> Option<LifeEnd> {
     Some(match word.to_lowercase().as_str() {
         "broken" | "broke" | "torn" | "failed" | "1" | "true" | "yes" => LifeEnd::Broke,
         "replaced" | "retired" | "removed" => LifeEnd::Replaced,

@@ -136,6 +136,13 @@ pub enum SurvivalNote {
         /// How many.
         events: usize,
     },
+    /// Events whose words, beside others, say that something broke: taken for the rope.
+    TakenForBroken {
+        /// How many.
+        events: usize,
+        /// Some of their words.
+        words: Vec<String>,
+    },
     /// Events that end no rope's life.
     NoEnd {
         /// How many.

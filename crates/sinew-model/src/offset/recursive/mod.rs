@@ -87,6 +87,12 @@ pub struct RecursiveOffsets {
     from: usize,
     /// What is unknown of every joint's offset and looks the same in every block, rad.
     added_rad: Vec<f64>,
+    /// The same where no temperature is known.
+    unknown_rad: Vec<f64>,
+    /// Temperature that is stated, °C: it takes the place of the blocks'. NaN: none is.
+    stated_c: f64,
+    /// Whether the last block's temperature is known.
+    temperature_known: bool,
 }
 
 /// What the challenger does.
@@ -153,6 +159,9 @@ impl RecursiveOffsets {
             opened: false,
             from: 0,
             added_rad: alloc::vec![0.0; n],
+            unknown_rad: alloc::vec![0.0; n],
+            stated_c: f64::NAN,
+            temperature_known: true,
             model,
         })
     }
@@ -177,6 +186,14 @@ impl RecursiveOffsets {
         copy(&mut self.added_rad, added_rad);
     }
 
+    /// What is known of the temperature: `stated_c`, °C, takes the place of the blocks' (NaN: none is stated); while neither
+    /// is known, `unknown_rad` is added to every joint's deviation instead of what
+    /// [`RecursiveOffsets::add_deviation`] says.
+    pub fn expect_temperature(&mut self, stated_c: f64, unknown_rad: &[f64]) {
+        self.stated_c = stated_c;
+        copy(&mut self.unknown_rad, unknown_rad);
+    }
+
     /// Noise of every joint's link (rad) and motor (N·m) equations, as the next filter may
     /// [expect](RecursiveOffsets::expect_noise) it.
     pub fn noise(&self) -> [&[f64]; 2] {
@@ -192,6 +209,10 @@ impl RecursiveOffsets {
     /// No allocation, lock, panic or clock.
     pub fn step(&mut self, block: &Block) -> Result<f64, StepError> {
         let number = self.ring.push(block, self.model.inflation)?;
+        if self.stated_c.is_finite() {
+            self.ring.state_temperature(number, self.stated_c);
+        }
+        self.temperature_known = self.stated_c.is_finite() || block.temperature_c.is_finite();
         take(
             &mut self.incumbent,
             &self.model,
@@ -368,7 +389,11 @@ impl RecursiveOffsets {
         let own = self.stiffness.offset(joint);
         let mut own = own.unwrap_or_else(|| self.incumbent.belief().entry(place));
         let misfit = misfit_rad(self.incumbent.unexplained_rad(joint));
-        let added = self.added_rad.get(joint).copied().unwrap_or_default();
+        let added = match self.temperature_known {
+            true => &self.added_rad,
+            false => &self.unknown_rad,
+        };
+        let added = added.get(joint).copied().unwrap_or_default();
         own.deviation = libm::hypot(own.deviation, libm::hypot(misfit, added));
         if !self.is_provisional() {
             return own;

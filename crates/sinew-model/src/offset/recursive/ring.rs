@@ -72,6 +72,13 @@ impl BlockRing {
         Ok(number)
     }
 
+    /// A block's temperature is another one, °C.
+    pub(super) fn state_temperature(&mut self, number: usize, temperature_c: f64) {
+        if let Some(kept) = self.blocks.get_mut(number % KEPT) {
+            kept.block.temperature_c = temperature_c;
+        }
+    }
+
     /// How much of a block's information counts: the blocks of a stand share that of one.
     fn share_of_pose(&mut self, block: &Block, inflation: f64) -> f64 {
         const STAND_RAD: f64 = 0.01;

@@ -23,8 +23,11 @@ pub(super) fn format_age(age: f64, unit: AgeUnit) -> String {
     }
 }
 
-/// `120 (60 to 200)`, ends that are open as dots.
+/// `120 (60 to 200)`, ends that are open as dots; a dash where nothing is known.
 pub(super) fn format_quantile(quantile: &LifeQuantile, factor: f64) -> String {
+    if [quantile.age, quantile.age_low, quantile.age_high] == [None; 3] {
+        return "–".into();
+    }
     let number = |age: Option<f64>| age.map_or("…".into(), |age| rounded(factor * age, 3));
     format!(
         "{} ({} to {})",
@@ -58,6 +61,10 @@ pub(super) fn format_wear(group: &SurvivalGroup, unit: AgeUnit) -> String {
         (Wear::AgeSaysNothing, Some(_)) => {
             "an old rope may be as good as a new one: these data don't show that replacing by age helps".into()
         }
+        _ if group.broke > 1 => format!(
+            "{} of {} broke, all at nearly one age: no law is fitted",
+            group.broke, group.ropes
+        ),
         _ => format!(
             "{} of {} broke: too few to say how they age",
             group.broke, group.ropes
@@ -106,6 +113,10 @@ pub fn format_note(note: &SurvivalNote) -> String {
         SurvivalNote::WithoutPlace { events } => {
             format!("{events} events name no place and are left out")
         }
+        SurvivalNote::TakenForBroken { events, words } => format!(
+            "{events} events are taken for a rope that broke: {}. Reword those where something else did",
+            words.join("; ")
+        ),
         SurvivalNote::NoEnd { events, words } => {
             format!("{events} events end no rope's life: {}", words.join("; "))
         }

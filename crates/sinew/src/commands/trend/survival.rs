@@ -104,6 +104,10 @@ impl Survival {
             }
             answer(&render_table(&report))?;
         }
-        Ok(Finish::Complete)
+        // Without one that broke nothing is estimated.
+        Ok(match report.groups.iter().all(|group| group.broke == 0) {
+            true => Finish::Refused,
+            false => Finish::Complete,
+        })
     }
 }
