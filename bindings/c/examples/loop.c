@@ -96,6 +96,7 @@ int main(int count, char **arguments) {
 
     double q[MOST_JOINTS], theta[MOST_JOINTS];
     double t_s = 0.0, first_s = NAN, before_s = NAN, say_s = SAY_S;
+    int answer = EXIT_SUCCESS;
     while (sample_of(stdin, joints, &t_s, q, theta)) {
         if (isnan(first_s)) first_s = before_s = t_s;
 
@@ -105,6 +106,7 @@ int main(int count, char **arguments) {
         /* Output. */
         if (stepped != SINEW_STATUS_REFUSED && stepped != SINEW_STATUS_OK) {
             fprintf(stderr, "at %g s: %s\n", t_s, sinew_status_text((int)stepped));
+            answer = EXIT_FAILURE;
             break;
         }
         before_s = t_s;
@@ -113,7 +115,12 @@ int main(int count, char **arguments) {
             say(robot, offsets, t_s - first_s);
         }
     }
-    const int answer = count > 3 ? save(offsets, t_s, arguments[3]) : EXIT_SUCCESS;
+    if (answer == EXIT_SUCCESS && (isnan(first_s) || !feof(stdin))) {
+        fprintf(stderr, isnan(first_s) ? "no samples\n" : "after %g s: no number where one is due\n", t_s);
+        answer = EXIT_FAILURE;
+    }
+    /* After a fault nothing is saved: the file from before stays. */
+    if (answer == EXIT_SUCCESS && count > 3) answer = save(offsets, t_s, arguments[3]);
     sinew_offsets_free(offsets);
     sinew_robot_free(robot);
     return answer;

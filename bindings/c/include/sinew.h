@@ -245,8 +245,8 @@ sinew_status sinew_offsets_stiffness_changed(const sinew_offsets *offsets, size_
 // Writes what is known now as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
 //
 // `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero included; it
-// may be null. With `text` null or `capacity` too small nothing is written and the answer is `SINEW_SHORT`. While the offsets
-// are in doubt the answer is `SINEW_IN_DOUBT`.
+// may be null. With `text` null or `capacity` too small nothing is written and the answer is `SINEW_STATUS_SHORT`. While the offsets
+// are in doubt the answer is `SINEW_STATUS_IN_DOUBT`.
 //
 // Realtime: no, it allocates.
 //

@@ -159,6 +159,10 @@ pub(crate) unsafe fn explained(
             }
         })
     });
+    // Never without a word.
+    if sentence.is_empty() && status != Status::Ok {
+        sentence = status.text().to_string_lossy().into_owned();
+    }
     if !why.is_null() && why_len > 0 {
         let mut end = sentence.len().min(why_len - 1);
         // Never half a letter.

@@ -84,7 +84,7 @@ impl Status {
                 c"an array is not as long as the robot has joints, or there is no such joint"
             }
             Self::NotFinite => c"an input is NaN or infinite",
-            Self::TimeStep => c"the time step must be above 0 s and at most 1e9 s",
+            Self::TimeStep => c"the time step must be 1e-9 s to 1e9 s",
             Self::Refused => c"the sample can't be used",
             Self::Invalid => c"a text or a value was refused",
             Self::Encoding => c"a text is not UTF-8",

@@ -232,6 +232,14 @@ impl Asked<'_> {
             None => {}
         }
         if let Some(reference) = &self.reference {
+            // They are told apart by what they are called.
+            let in_memory = |log: &LogArg<'_>| matches!(log, LogArg::Opened(_));
+            if reference.name() == log.name() && (in_memory(reference) || in_memory(log)) {
+                return Err(Failure::new(format!(
+                    "the recording and its reference are both called '{}'; give one of them another name=",
+                    log.name().display()
+                )));
+            }
             request.reference = Some(reference.name());
             given = reference.give(given);
         }

@@ -125,10 +125,11 @@ impl Recording {
         })
     }
 
-    /// Opens it from its start, whenever asked.
+    /// Opens it from its start, whenever asked; as it was opened, whoever asks: a reference has its own mapping.
     fn opener(&self) -> Opener {
         let (name, source) = (self.name.clone(), self.source.clone());
-        Arc::new(move |options| source.open(&name, options))
+        let options = self.options.clone();
+        Arc::new(move |_| source.open(&name, &options))
     }
 
     /// Reads all frames into columns.
@@ -275,12 +276,44 @@ impl Opening {
     }
 }
 
-/// An array of floats as NumPy has it: the same one where it is one already.
+/// An array of floats as NumPy has it: the same one where it is one already. What is masked is NaN: not recorded.
 fn floats<'py>(
     numpy: &Bound<'py, PyAny>,
     array: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    numpy.call_method1("asarray", (array, numpy.getattr("float64")?))
+    let float64 = numpy.getattr("float64")?;
+    let masks = numpy.getattr("ma")?;
+    if masks.call_method1("isMaskedArray", (array,))?.is_truthy()? {
+        let array = array.call_method1("astype", (float64,))?;
+        return array.call_method1("filled", (f64::NAN,));
+    }
+    let array = numpy.call_method1("asarray", (array,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !matches!(kind.as_str(), "f" | "i" | "u") {
+        let dtype = array.getattr("dtype")?.str()?;
+        let why = format!("an array of {dtype} holds no numbers; give floats");
+        return Err(PyTypeError::new_err(why));
+    }
+    numpy.call_method1("asarray", (array, float64))
+}
+
+/// Nanoseconds that a time may have, up to the year 2262.
+const LAST_NS: f64 = 9.2e18;
+
+/// Refuses times that are none, and names the row of the first.
+fn refuse_odd_times(numpy: &Bound<'_, PyAny>, what: &str, ns: &Bound<'_, PyAny>) -> PyResult<()> {
+    let within = numpy.call_method1("abs", (ns,))?.le(LAST_NS)?;
+    let odd = numpy.call_method1(
+        "flatnonzero",
+        (numpy.call_method1("logical_not", (within,))?,),
+    )?;
+    if odd.len()? == 0 {
+        return Ok(());
+    }
+    let row: u64 = odd.get_item(0)?.extract()?;
+    let why =
+        format!("{what}: row {row} is no time; every row needs one, at most 9.2e18 ns from 1970");
+    Err(Failure::new(why).into())
 }
 
 /// Times in whole nanoseconds, from those or from seconds.
@@ -298,8 +331,21 @@ fn times<'py>(
             let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
             match kind.as_str() {
                 // Dates of any unit.
-                "M" => whole(array.call_method1("astype", ("datetime64[ns]",))?)?,
-                "i" | "u" => numpy.call_method1("asarray", (array, numpy.getattr("int64")?))?,
+                "M" => {
+                    let missing = numpy
+                        .call_method1("flatnonzero", (numpy.call_method1("isnat", (&array,))?,))?;
+                    if missing.len()? > 0 {
+                        let row: u64 = missing.get_item(0)?.extract()?;
+                        let why = format!("time_ns: row {row} is NaT; every row needs a time");
+                        return Err(Failure::new(why).into());
+                    }
+                    whole(array.call_method1("astype", ("datetime64[ns]",))?)?
+                }
+                "u" => {
+                    refuse_odd_times(numpy, "time_ns", &floats(numpy, &array)?)?;
+                    whole(array)?
+                }
+                "i" => numpy.call_method1("asarray", (array, numpy.getattr("int64")?))?,
                 _ => {
                     let why =
                         "time_ns must hold whole numbers or datetime64; give seconds as time_s";
@@ -309,6 +355,7 @@ fn times<'py>(
         }
         (None, Some(time_s)) => {
             let ns = floats(numpy, &time_s)?.mul(1e9)?;
+            refuse_odd_times(numpy, "time_s", &ns)?;
             whole(numpy.call_method1("rint", (ns,))?)?
         }
         _ => return Err(PyTypeError::new_err("give time_ns or time_s, one of them")),
