@@ -302,7 +302,7 @@ const LAST_NS: f64 = 9.2e18;
 
 /// Refuses times that are none, and names the row of the first.
 fn refuse_odd_times(numpy: &Bound<'_, PyAny>, what: &str, ns: &Bound<'_, PyAny>) -> PyResult<()> {
-    let within = numpy.call_method1("abs", (ns,))?.le(LAST_NS)?;
+    let within = numpy.call_method1("less_equal", (numpy.call_method1("abs", (ns,))?, LAST_NS))?;
     let odd = numpy.call_method1(
         "flatnonzero",
         (numpy.call_method1("logical_not", (within,))?,),

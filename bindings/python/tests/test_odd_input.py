@@ -30,8 +30,8 @@ def test_a_reference_of_the_same_name_is_refused(columns: dict) -> None:
     with pytest.raises(ValueError, match="both called 'arrays'"):
         sn.estimate(made(columns, theta=longer), ROBOT, reference=made(columns))
     told = sn.estimate(made(columns, "now", theta=longer), ROBOT, reference=made(columns))
-    elbow = next(j for j in told.estimate.joints if j.name == "elbow")
-    assert elbow.change.difference_rad == pytest.approx(0.02, abs=1e-3)
+    elbow = next(j for j in told.reading.joints if j.name == "elbow")
+    assert elbow.difference.difference_rad == pytest.approx(0.02, abs=1e-3)
 
 
 @pytest.mark.parametrize("row", [0, 1000])

@@ -91,7 +91,7 @@ class Answer(Record):
         return isinstance(other, Answer) and self.to_json() == other.to_json()
 
     # Equal ones would have to have equal hashes.
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         raise TypeError(f"{type(self).__name__} can't be pickled; keep to_json()")
