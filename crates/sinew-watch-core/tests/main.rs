@@ -2,7 +2,9 @@
 
 mod alarms;
 mod clocks;
+mod health;
 mod jumps;
+mod limits;
 mod properties;
 mod replay;
 mod restart;
