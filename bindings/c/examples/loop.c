@@ -14,6 +14,8 @@
 #include <stdlib.h>
 
 #define MOST_JOINTS 64
+/* The longest time between samples, s: a step then does a small, fixed part of a block's work. */
+static const double PERIOD_MAX_S = 0.005;
 /* Between two lines, s. */
 static const double SAY_S = 10.0;
 
@@ -86,6 +88,7 @@ int main(int count, char **arguments) {
     }
     status = sinew_offsets_new(robot, baseline, NULL, &offsets, why, sizeof why);
     free(baseline);
+    if (status == SINEW_STATUS_OK) status = sinew_offsets_bound_work(offsets, PERIOD_MAX_S);
     const size_t joints = sinew_robot_joints(robot);
     if (status != SINEW_STATUS_OK || joints > MOST_JOINTS) {
         fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? why : "too many joints");

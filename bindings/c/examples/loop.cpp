@@ -16,6 +16,8 @@
 
 namespace {
 
+/// The longest time between samples, s: a step then does a small, fixed part of a block's work.
+constexpr double PERIOD_MAX_S = 0.005;
 constexpr double SAY_S = 10.0;
 
 std::string text_of(const char *path) {
@@ -37,6 +39,7 @@ void run(const char *folder, const char *baseline) {
     sinew::require_version();
     const auto robot = sinew::robot::open(folder);
     sinew::offsets offsets(robot, text_of(baseline));
+    offsets.bound_work(PERIOD_MAX_S);
     sinew::observer observer(robot);
     const std::size_t n = robot.joints();
     std::vector<double> t_s(1), q_rad(n), theta_rad(n), delta_e_rad(n);

@@ -198,6 +198,26 @@ sinew_status sinew_offsets_new(const sinew_robot *robot,
 // The caller sees to it: `offsets` is null or was made here and not freed before.
 void sinew_offsets_free(sinew_offsets *offsets);
 
+// Bounds the work of every step that follows: a small, fixed part of a block's, so that the same offsets come one block,
+// 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
+//
+// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block that finds
+// the one before undone is left out; `sinew_offsets_left_out` counts these.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile.
+sinew_status sinew_offsets_bound_work(sinew_offsets *offsets,
+                                      double period_max_s);
+
+// Blocks left out because work on the one before wasn't done; 0 unless samples come at longer times than
+// `sinew_offsets_bound_work` was told.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `offsets` are offsets; `blocks` is null or may be written.
+sinew_status sinew_offsets_left_out(const sinew_offsets *offsets, uint64_t *blocks);
+
 // Takes a sample, `dt_s` after the one before; of the first that doesn't matter.
 //
 // `q_rad`, `theta_rad`: joint and motor positions, `joints` each, in the robot's order. `tau_m_nm`: motor torques, or null;

@@ -124,6 +124,10 @@ public:
                       double temperature_c, sinew_stepped *stepped = nullptr) noexcept {
         return sinew_offsets_step(handle_.get(), dt_s, q_rad, theta_rad, tau_m_nm, temperature_c, joints_, stepped);
     }
+    /// Bounds the work of a step; the longest time between samples. The offsets come 0.2 s later. Realtime.
+    sinew_status bound_work(double period_max_s) noexcept {
+        return sinew_offsets_bound_work(handle_.get(), period_max_s);
+    }
     /// Realtime. The next sample doesn't go on where the last one was.
     void interrupt() noexcept { sinew_offsets_interrupt(handle_.get()); }
     /// Realtime. NaN where there is no such joint.

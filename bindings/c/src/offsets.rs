@@ -167,6 +167,47 @@ pub unsafe extern "C" fn sinew_offsets_free(offsets: *mut SinewOffsets) {
     unsafe { take(offsets) }
 }
 
+/// Bounds the work of every step that follows: a small, fixed part of a block's, so that the same offsets come one block,
+/// 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
+///
+/// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block that finds
+/// the one before undone is left out; `sinew_offsets_left_out` counts these.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `offsets` is used by nobody else meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_bound_work(
+    offsets: *mut SinewOffsets,
+    period_max_s: f64,
+) -> Status {
+    // SAFETY: the caller's promise.
+    guarded(|| unsafe {
+        unique(offsets)?.0.bound_work(period_max_s)?;
+        Ok(())
+    })
+}
+
+/// Blocks left out because work on the one before wasn't done; 0 unless samples come at longer times than
+/// `sinew_offsets_bound_work` was told.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `offsets` are offsets; `blocks` is null or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_left_out(
+    offsets: *const SinewOffsets,
+    blocks: *mut u64,
+) -> Status {
+    // SAFETY: the caller's promises, handed on.
+    guarded(|| unsafe {
+        put(blocks, shared(offsets)?.0.blocks_left_out());
+        Ok(())
+    })
+}
+
 /// Takes a sample, `dt_s` after the one before; of the first that doesn't matter.
 ///
 /// `q_rad`, `theta_rad`: joint and motor positions, `joints` each, in the robot's order. `tau_m_nm`: motor torques, or null;

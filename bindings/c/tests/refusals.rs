@@ -54,6 +54,8 @@ fn null_is_told_everywhere() {
         let stepped = sinew_offsets_step(null_mut(), 0.1, at, at, null(), 0.0, N, null_mut());
         assert_eq!(stepped, Status::Null);
         assert_eq!(sinew_offsets_interrupt(null_mut()), Status::Null);
+        assert_eq!(sinew_offsets_bound_work(null_mut(), 1e-3), Status::Null);
+        assert_eq!(sinew_offsets_left_out(null(), null_mut()), Status::Null);
         let read = sinew_offsets_read(null(), 0, null_mut(), null_mut(), null_mut());
         assert_eq!(read, Status::Null);
         assert_eq!(
@@ -284,6 +286,14 @@ fn options_and_samples_that_cant_be_are_refused() {
         let saved = sinew_offsets_save(offsets, c"x".as_ptr(), 0, null_mut(), 0, null_mut());
         assert_eq!(saved, Status::InDoubt);
         assert_eq!(sinew_offsets_interrupt(offsets), Status::Ok);
+        for period_s in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
+            let bound = sinew_offsets_bound_work(offsets, period_s);
+            assert_eq!(bound, Status::TimeStep, "{period_s} s");
+        }
+        assert_eq!(sinew_offsets_bound_work(offsets, 1e-3), Status::Ok);
+        let mut left_out = 1;
+        let read = sinew_offsets_left_out(offsets, &mut left_out);
+        assert_eq!((read, left_out), (Status::Ok, 0));
         sinew_offsets_free(offsets);
     }
 }

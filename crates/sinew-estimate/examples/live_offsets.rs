@@ -19,6 +19,10 @@ use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use std::error::Error;
 use std::path::Path;
 
+/// Samples of a block, at most 5 ms apart, less one: a sample does that part of a block's work, so that the offsets come a
+/// block, 0.2 s, later. `sinew_estimate::live::LiveOffsets` counts them from a period.
+const SAMPLES_OF_BLOCK: usize = 39;
+
 /// Between two lines, s.
 const SAY_S: f64 = 10.0;
 
@@ -49,6 +53,8 @@ fn run() -> Result<(), Box<dyn Error>> {
     let mut feeder = Feeder::new(features, &robot.transmissions, FeederOptions::default());
     let mut offsets = session::live(&robot, (&baseline, file), &SessionOptions::default())?;
 
+    let slices = offsets.slices_per_block().div_ceil(SAMPLES_OF_BLOCK);
+
     let mut first_ns = None;
     let mut last_ns = None;
     let mut say_s = SAY_S;
@@ -61,8 +67,10 @@ fn run() -> Result<(), Box<dyn Error>> {
 
         // Sample. What can't be used is refused, with a reason, and changes nothing.
         if feeder.frame(frame).output() == Some(true) {
-            let _weight = offsets.step(feeder.observer().block())?;
+            // A block that comes while the one before isn't done with is left out.
+            let _taken = offsets.begin(feeder.observer().block())?;
         }
+        offsets.advance(slices);
 
         // Output.
         if t - from_s >= say_s {

@@ -19,13 +19,17 @@ pub enum Stepped {
     Taken,
     /// It was taken as the first one: at the start, or after a pause.
     Restarted,
-    /// It was taken, and the offsets with it: a block of some 0.2 s is complete.
+    /// It was taken, and the offsets are new: those of a block of some 0.2 s that is complete, or, where work is
+    /// [bounded](LiveOffsets::bound_work), of the block before.
     Updated,
     /// It was not taken, and changed nothing. Its time has passed all the same: the next `dt_s` counts from it.
     Refused(Refusal),
 }
 
 /// The absolute offsets of a robot since a baseline, sample by sample.
+///
+/// The sample that completes a block does all the block's work: milliseconds on an arm of seven joints. A loop that can't wait
+/// that long [bounds](LiveOffsets::bound_work) the work of a call.
 ///
 /// # Realtime
 /// [`LiveOffsets::step`] and what reads: no allocation, lock, panic or clock.
@@ -37,6 +41,9 @@ pub struct LiveOffsets {
     filter: RecursiveOffsets,
     frame: Frame,
     started: bool,
+    /// Slices of a block's work that a call does; none: all at once.
+    slices_per_step: Option<usize>,
+    blocks_left_out: u64,
 }
 
 impl LiveOffsets {
@@ -57,8 +64,39 @@ impl LiveOffsets {
             filter,
             before: baseline,
             started: false,
+            slices_per_step: None,
+            blocks_left_out: 0,
             robot,
         })
+    }
+
+    /// From now on every call does a small, fixed part of a block's work, so that it is done within the time of the next
+    /// block: the answers are the same, 0.2 s later. Returns how many slices that are; a slice is `O(d²)` of `d` parameters.
+    ///
+    /// * `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block
+    ///   that finds the one before undone is [left out](LiveOffsets::blocks_left_out).
+    ///
+    /// # Errors
+    /// [`StepError::TimeStep`] when that is no time step; nothing has changed.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn bound_work(&mut self, period_max_s: f64) -> Result<usize, StepError> {
+        if !(period_max_s > 0.0 && period_max_s.is_finite()) {
+            return Err(StepError::TimeStep);
+        }
+        // One sample less: the filters' start takes it, and rounding.
+        let samples = (FeatureConfig::default().block_s / period_max_s).floor() - 1.0;
+        let slices = self.filter.slices_per_block();
+        let slices = slices.div_ceil((samples.max(1.0)) as usize);
+        self.slices_per_step = Some(slices);
+        Ok(slices)
+    }
+
+    /// Blocks that were left out because work on the one before wasn't done: 0 unless samples come at longer times than
+    /// [stated](LiveOffsets::bound_work).
+    pub fn blocks_left_out(&self) -> u64 {
+        self.blocks_left_out
     }
 
     /// The robot.
@@ -106,14 +144,29 @@ impl LiveOffsets {
             stated => self.frame.tau_m.copy_from_slice(stated),
         }
         self.frame.temperature_c = temperature_c;
-        Ok(match self.feeder.frame(&self.frame) {
-            Fed::Taken(true) | Fed::Restarted(true) => {
+        let fed = self.feeder.frame(&self.frame);
+        let complete = fed.output() == Some(true);
+        let updated = match self.slices_per_step {
+            None if complete => {
                 self.filter.step(self.feeder.observer().block())?;
-                Stepped::Updated
+                true
             }
-            Fed::Taken(false) => Stepped::Taken,
-            Fed::Restarted(false) => Stepped::Restarted,
+            None => false,
+            Some(slices) => {
+                if complete && !self.filter.begin(self.feeder.observer().block())? {
+                    self.blocks_left_out = self.blocks_left_out.saturating_add(1);
+                }
+                // Of a sample that is refused too: its time has passed.
+                let was_busy = self.filter.is_busy();
+                self.filter.advance(slices);
+                was_busy && !self.filter.is_busy()
+            }
+        };
+        Ok(match fed {
             Fed::Refused(why) => Stepped::Refused(why),
+            _ if updated => Stepped::Updated,
+            Fed::Taken(_) => Stepped::Taken,
+            Fed::Restarted(_) => Stepped::Restarted,
         })
     }
 

@@ -188,6 +188,69 @@ fn a_slip_is_doubted_and_then_followed() {
     assert!(3 * doubts <= seeds(3), "{doubts}");
 }
 
+/// With the work of a call bounded the offsets are those of a loop that does it at once, a block later; nothing is left out, and
+/// what is saved in the middle of a block's work is what the other saves.
+#[test]
+fn bounded_work_says_the_same_a_block_later() {
+    let robot = biorob_like();
+    let options = SessionOptions::default();
+    let file = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let mut recording = sinew_log::open(&file, &OpenOptions::default()).unwrap();
+    let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), 0.5);
+    let mut frames = Vec::new();
+    while let Some(frame) = recording.next_frame().unwrap() {
+        recorder.push(frame, 0.002 * frames.len() as f64);
+        frames.push(frame.clone());
+    }
+    let learning = session::Learning::default();
+    let learned = session::learn_recorded(&robot, &recorder.finish(), "A", &learning);
+    let (baseline, _) = learned.unwrap();
+    let mut whole = LiveOffsets::new(robot.clone(), (baseline.clone(), "A"), &options).unwrap();
+    let mut bounded = LiveOffsets::new(robot.clone(), (baseline, "A"), &options).unwrap();
+    for period_s in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
+        assert!(bounded.bound_work(period_s).is_err(), "{period_s}");
+    }
+    let period_s = frames
+        .windows(2)
+        .map(|pair| pair[1].time_ns - pair[0].time_ns);
+    let period_s = period_s.max().unwrap() as f64 * 1e-9;
+    let slices = bounded.bound_work(period_s).unwrap();
+    assert!(slices > 1);
+    let told = |live: &LiveOffsets| -> Vec<_> {
+        (0..robot.arm.dof())
+            .map(|i| (live.offset(i), live.stiffness_changed(i)))
+            .collect()
+    };
+    let mut last_ns = frames[0].time_ns;
+    let (mut before, mut updates) = (told(&whole), [0, 0]);
+    let mut saved = 0;
+    for frame in &frames {
+        let dt_s = (frame.time_ns - last_ns) as f64 * 1e-9;
+        last_ns = frame.time_ns;
+        let step = |live: &mut LiveOffsets| {
+            let stepped = live.step(dt_s, &frame.q, &frame.theta, &frame.tau_m, f64::NAN);
+            usize::from(stepped.unwrap() == Stepped::Updated)
+        };
+        let now = step(&mut whole);
+        updates[0] += now;
+        if now == 1 {
+            // The last slice of a block is done before the next block is complete.
+            assert_eq!(told(&bounded), before);
+            assert_eq!(updates[1] + 1, updates[0]);
+            before = told(&whole);
+        }
+        updates[1] += step(&mut bounded);
+        if now == 1 && updates[0] % 50 == 0 {
+            let texts = [&whole, &bounded].map(|live| live.save("run", last_ns));
+            let [one, other] = texts.map(|saved| saved.map(|next| next.to_text()).ok());
+            assert_eq!(one, other);
+            saved += usize::from(one.is_some());
+        }
+    }
+    assert_eq!(bounded.blocks_left_out(), 0);
+    assert!(updates[0] > 100 && saved > 0, "{updates:?}, {saved} saved");
+}
+
 /// Samples one by one are what frames of a recording are.
 #[test]
 fn live_offsets_are_those_of_the_feeder() {

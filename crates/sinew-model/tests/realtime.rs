@@ -250,7 +250,13 @@ fn features_and_the_recursive_estimate_allocate_nothing() {
             for (y, calm) in block.y.iter_mut().zip(&calm.y) {
                 *y = calm + pushed + 1e-4 * (0.7 * k as f64).sin();
             }
-            filter.step(&block).unwrap();
+            // At once, or in slices.
+            if k % 2 == 0 {
+                filter.step(&block).unwrap();
+            } else {
+                assert_eq!(filter.begin(&block), Ok(true));
+                while filter.advance(7) == 7 {}
+            }
         }
     });
     assert_eq!(count, 0, "{count} allocator calls");

@@ -79,6 +79,9 @@ pub fn live_saved(
     filter: &RecursiveOffsets,
     (recording, end_time_ns): (&str, i64),
 ) -> Result<Baseline, SessionError> {
+    // What is left of a block's work is done on a copy: nothing is lost, and the filter goes on where it was.
+    let mut filter = filter.clone();
+    filter.finish();
     if filter.is_provisional() {
         return Err(SessionError::Provisional {
             recording: recording.into(),

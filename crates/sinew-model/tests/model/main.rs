@@ -3,6 +3,7 @@
 //! `realtime.rs` beside this folder is a binary of its own: it counts allocations, for which it brings a
 //! global allocator.
 
+mod bounded_work;
 mod closed_forms;
 mod contact;
 mod correction;

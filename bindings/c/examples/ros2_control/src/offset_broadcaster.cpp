@@ -52,6 +52,9 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
     motor_interface_ = parameter("motor_interface");
     robot_.emplace(sinew::robot::of(text_of(parameter("robot_toml")), get_robot_description()));
     offsets_.emplace(*robot_, text_of(parameter("baseline")));
+    // The longest time between updates, s: an update then does a small, fixed part of a block's work.
+    constexpr double PERIOD_MAX_S = 0.005;
+    offsets_->bound_work(PERIOD_MAX_S);
   } catch (const std::exception & error) {
     RCLCPP_ERROR(get_node()->get_logger(), "%s", error.what());
     return CallbackReturn::ERROR;

@@ -36,7 +36,7 @@ pub(crate) struct Equation {
 }
 
 /// Equations of one block, reused from block to block.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Equations {
     layout: Layout,
     pub(crate) list: Vec<Equation>,
@@ -44,6 +44,22 @@ pub(crate) struct Equations {
     carried: Vec<f64>,
     /// Changes that have happened by the block's time, with their first column.
     active: Vec<(usize, ChangeKind)>,
+}
+
+/// A copy has the same room: [`Equations::push`] never makes any.
+impl Clone for Equations {
+    fn clone(&self) -> Self {
+        let mut list = Vec::with_capacity(self.list.capacity());
+        list.extend_from_slice(&self.list);
+        let mut active = Vec::with_capacity(self.active.capacity());
+        active.extend_from_slice(&self.active);
+        Self {
+            layout: self.layout,
+            list,
+            carried: self.carried.clone(),
+            active,
+        }
+    }
 }
 
 impl Equations {

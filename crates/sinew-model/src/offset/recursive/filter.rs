@@ -157,18 +157,21 @@ impl Filter {
         (WIDE * libm::exp(-self.blocks / FALL)).max(SCALE)
     }
 
-    /// Takes a block, and the share of it that counts, for the first time.
-    pub(super) fn update(
-        &mut self,
-        model: &EstimationModel,
-        work: &mut Workspace,
-        (block, share): (&Block, f64),
-        slot: usize,
-    ) {
-        work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
+    /// The scale a block is weighed with that comes now: one block more.
+    pub(super) fn begin_update(&mut self) -> f64 {
         let scale = self.scale();
         self.blocks += 1.0;
-        work.project(&self.belief);
+        scale
+    }
+
+    /// Weight of the projected equations at work of a block that comes for the first time; noise and innovations follow
+    /// them.
+    pub(super) fn weigh_new(
+        &mut self,
+        model: &EstimationModel,
+        work: &Workspace,
+        (share, scale): (f64, f64),
+    ) -> f64 {
         let mut chi = 0.0;
         let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
         for (e, gain) in work.equations.list.iter().zip(gains) {
@@ -182,18 +185,17 @@ impl Filter {
             }
         }
         let chi = chi / work.equations.list.len().max(1) as f64;
-        self.insert_new(work, (redescending_weight(chi, scale), share), slot);
+        redescending_weight(chi, scale)
     }
 
-    /// Takes a block in a pass over it, weighed against where the pass before ended.
-    pub(super) fn update_in_pass(
+    /// Equations of a block in a pass over it, around where the pass before ended; returns its weight.
+    pub(super) fn weigh_in_pass(
         &mut self,
         model: &EstimationModel,
         work: &mut Workspace,
-        (block, share): (&Block, f64),
-        slot: usize,
+        block: &Block,
         scale: f64,
-    ) {
+    ) -> f64 {
         work.linearise(model, block, self.belief.temperature_c, &self.reference);
         let chi = self.chi(work);
         for e in &work.equations.list {
@@ -203,10 +205,7 @@ impl Filter {
             }
         }
         self.blocks += 1.0;
-        if share > 0.0 {
-            work.project(&self.belief);
-        }
-        self.insert_new(work, (redescending_weight(chi, scale), share), slot);
+        redescending_weight(chi, scale)
     }
 
     /// Noise from the residuals of the pass before.
@@ -220,26 +219,20 @@ impl Filter {
         }
     }
 
-    /// Cost of these blocks, `Σ ½ m c² χ/(c² + χ) + Σ ln σ`, of `m` equations
-    /// each.
-    pub(super) fn cost<'a>(
+    /// Adds the cost of a block, `½ m c² χ/(c² + χ) + Σ ln σ`, of `m` equations.
+    pub(super) fn add_cost(
         &self,
         model: &EstimationModel,
         work: &mut Workspace,
-        blocks: impl Iterator<Item = (&'a Block, f64)>,
-    ) -> f64 {
-        let mut cost = 0.0;
-        for (block, share) in blocks {
-            if share > 0.0 {
-                work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
-                let chi = self.chi(work);
-                let of_all = SCALE * SCALE * chi / (SCALE * SCALE + chi);
-                for e in &work.equations.list {
-                    cost += 0.5 * share * (of_all + libm::log(self.variance(e)));
-                }
-            }
+        (block, share): (&Block, f64),
+        cost: &mut f64,
+    ) {
+        work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
+        let chi = self.chi(work);
+        let of_all = SCALE * SCALE * chi / (SCALE * SCALE + chi);
+        for e in &work.equations.list {
+            *cost += 0.5 * share * (of_all + libm::log(self.variance(e)));
         }
-        cost
     }
 
     /// Mean normalised square of the equations at work.
@@ -251,53 +244,44 @@ impl Filter {
         sum / work.equations.list.len().max(1) as f64
     }
 
-    /// The equations at work go in for the first time.
-    fn insert_new(&mut self, work: &mut Workspace, (weight, share): (f64, f64), slot: usize) {
+    /// A block of this weight goes in for the first time; whether it has anything to say.
+    pub(super) fn note_new(&mut self, (weight, share): (f64, f64), slot: usize) -> bool {
         self.weight = weight;
         self.mean_weight += 0.05 * (weight - self.mean_weight);
         if let Some(recent) = self.recent.get_mut(slot) {
             recent.share = share;
             recent.information.fill(0.0);
         }
-        if share > 0.0 {
-            self.insert(work, slot, weight * share);
-        }
+        share > 0.0
     }
 
-    /// Weighs a block again that went in at `slot`, with what is known by now.
-    pub(super) fn reweight(
+    /// Weighs a block again that went in at `slot`, with what is known by now: the weight of its equations, which are at work;
+    /// `None` where that isn't worth a change.
+    pub(super) fn weigh_again(
         &mut self,
         model: &EstimationModel,
         work: &mut Workspace,
         block: &Block,
         slot: usize,
-    ) {
-        let Some(recent) = self.recent.get_mut(slot) else {
-            return;
-        };
-        let share = recent.share;
+    ) -> Option<f64> {
+        let share = self.recent.get(slot)?.share;
         if !(share > 0.0 && self.is_consistent()) {
-            return;
+            return None;
         }
         work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
         let weight = redescending_weight(self.chi(work), SCALE) * share;
-        let recent = self.recent.get(slot);
-        let inside = recent.map(|y| y.information.as_slice()).unwrap_or_default();
+        let inside = self.recent.get(slot)?.information.as_slice();
         let mut pairs = work.equations.list.iter().zip(inside);
-        if pairs.any(|(e, before)| differs(weight / self.variance(e), *before)) {
-            work.project(&self.belief);
-            self.insert(work, slot, weight);
-        }
+        let changes = pairs.any(|(e, before)| differs(weight / self.variance(e), *before));
+        changes.then_some(weight)
     }
 
-    /// Equations at work, projected, go in with `weight`, less what they went in with before: one
-    /// scalar measurement after the other, whose information may be less than nothing. `P` is
-    /// written once, after the last.
-    fn insert(&mut self, work: &mut Workspace, slot: usize, weight: f64) {
+    /// One of the equations at work, projected, goes in with `weight`, less what it went in with before: a scalar
+    /// measurement, whose information may be less than nothing. `P` is written once, after the last.
+    pub(super) fn insert(&mut self, work: &mut Workspace, slot: usize, k: usize, weight: f64) {
         /// Nothing can take back more than is known.
         const LEAST: f64 = 0.5;
         let d = self.belief.mean.len().max(1);
-        work.taken.fill(0.0);
         let Workspace {
             equations,
             origin,
@@ -305,50 +289,55 @@ impl Filter {
             taken,
             ..
         } = work;
-        for (k, e) in equations.list.iter().enumerate() {
-            let information = weight / self.variance(e);
-            let recent = self.recent.get(slot);
-            let Some(before) = recent.and_then(|y| y.information.get(k)).copied() else {
-                break;
-            };
-            let (Some((done, open)), Some((taken, open_taken))) = (
-                gains.split_at_mut_checked(k * d),
-                taken.split_at_mut_checked(k),
-            ) else {
-                break;
-            };
-            let (Some(gain), Some(own)) = (open.get_mut(..d), open_taken.first_mut()) else {
-                break;
-            };
-            if !differs(information, before) {
-                continue;
-            }
-            // What those before it have taken off `P`, and moved.
-            for (gain_before, taken) in done.chunks_exact(d).zip(taken.iter()) {
-                if *taken != 0.0 {
-                    let share = taken * equations.dot(e, gain_before);
-                    for (g, before) in gain.iter_mut().zip(gain_before) {
-                        *g -= share * before;
-                    }
+        let Some(e) = equations.list.get(k) else {
+            return;
+        };
+        let information = weight / self.variance(e);
+        let recent = self.recent.get(slot);
+        let Some(before) = recent.and_then(|y| y.information.get(k)).copied() else {
+            return;
+        };
+        let (Some((done, open)), Some((taken, open_taken))) = (
+            gains.split_at_mut_checked(k * d),
+            taken.split_at_mut_checked(k),
+        ) else {
+            return;
+        };
+        let (Some(gain), Some(own)) = (open.get_mut(..d), open_taken.first_mut()) else {
+            return;
+        };
+        if !differs(information, before) {
+            return;
+        }
+        // What those before it have taken off `P`, and moved.
+        for (gain_before, taken) in done.chunks_exact(d).zip(taken.iter()) {
+            if *taken != 0.0 {
+                let share = taken * equations.dot(e, gain_before);
+                for (g, before) in gain.iter_mut().zip(gain_before) {
+                    *g -= share * before;
                 }
             }
-            let moved = equations.dot(e, &self.belief.mean) - equations.dot(e, origin);
-            let residual = e.residual - moved;
-            let more = information - before;
-            let left = 1.0 + more * equations.dot(e, gain);
-            if !(left > LEAST && left.is_finite()) {
-                continue;
-            }
-            *own = more / left;
-            for (x, g) in self.belief.mean.iter_mut().zip(gain.iter()) {
-                *x += g * residual * *own;
-            }
-            let recent = self.recent.get_mut(slot);
-            if let Some(inside) = recent.and_then(|y| y.information.get_mut(k)) {
-                *inside = information;
-            }
         }
-        downdate(&mut self.belief, gains, taken);
+        let moved = equations.dot(e, &self.belief.mean) - equations.dot(e, origin);
+        let residual = e.residual - moved;
+        let more = information - before;
+        let left = 1.0 + more * equations.dot(e, gain);
+        if !(left > LEAST && left.is_finite()) {
+            return;
+        }
+        *own = more / left;
+        for (x, g) in self.belief.mean.iter_mut().zip(gain.iter()) {
+            *x += g * residual * *own;
+        }
+        let recent = self.recent.get_mut(slot);
+        if let Some(inside) = recent.and_then(|y| y.information.get_mut(k)) {
+            *inside = information;
+        }
+    }
+
+    /// A band of `P` falls by what went in.
+    pub(super) fn downdate(&mut self, work: &Workspace, band: usize) {
+        downdate(&mut self.belief, (&work.gains, &work.taken), band);
     }
 
     fn variance(&self, e: &Equation) -> f64 {

@@ -1,12 +1,15 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 //!
-//! Reading order: this file, `filter` (one filter over blocks), `workspace` (what its step computes
-//! with), `ring` (the last blocks), `robust_noise`, `stiffness` (the average over lost stiffness).
+//! Reading order: this file, `slices` (what is done with a block, in order), `task` (a filter's part of it), `filter` (one
+//! filter over blocks), `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness`
+//! (the average over lost stiffness).
 
 mod filter;
 mod ring;
 mod robust_noise;
+mod slices;
 mod stiffness;
+mod task;
 mod workspace;
 
 use super::batch::MapEstimator;
@@ -20,7 +23,9 @@ use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
 use filter::Filter;
 use ring::{BlockRing, KEPT, SEGMENT};
+use slices::Next;
 use stiffness::StiffnessAverage;
+use task::{Kind, Task};
 use workspace::Workspace;
 
 /// Recursive form of [`MapEstimator::solve`]: the same equations, priors and block weights, one
@@ -61,8 +66,13 @@ use workspace::Workspace;
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
 /// have changed, as [`MapEstimator::search`] does.
 ///
+/// **Bounded work.** [`RecursiveOffsets::step`] does a block's work at once. A fast loop does it in slices:
+/// [`RecursiveOffsets::begin`] takes a block, every [`RecursiveOffsets::advance`] after it does as many slices as it is told,
+/// a slice `O(d²)`. The answers are the same to the last bit, and stay those of the block before until the last slice is
+/// done. [`RecursiveOffsets::slices_per_block`] is the most a block takes.
+///
 /// # Realtime
-/// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, eleven times that while
+/// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, up to thirty times that while
 /// the challenger replays. Keeps 150 blocks, `1200 n (r + 30)` bytes of `r` base parameters, and
 /// five covariances, `40 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
@@ -93,6 +103,11 @@ pub struct RecursiveOffsets {
     stated_c: f64,
     /// Whether the last block's temperature is known.
     temperature_known: bool,
+    /// What is left to do with the last block.
+    next: Next,
+    /// Offsets and whether they are provisional, of the last block that is done with.
+    told: Vec<Gaussian>,
+    told_provisional: bool,
 }
 
 /// What the challenger does.
@@ -146,7 +161,7 @@ impl RecursiveOffsets {
             (0..n).map(|i| 3.0 * model.motor_floor(i)).collect(),
         ];
         let filter = Filter::new(&start, &start_noise, KEPT);
-        Ok(Self {
+        let mut made = Self {
             challenger: filter.clone(),
             incumbent: filter,
             stage: Stage::Idle,
@@ -162,8 +177,13 @@ impl RecursiveOffsets {
             unknown_rad: alloc::vec![0.0; n],
             stated_c: f64::NAN,
             temperature_known: true,
+            next: Next::Rest,
+            told: alloc::vec![Gaussian::new(f64::NAN, f64::NAN); n],
+            told_provisional: true,
             model,
-        })
+        };
+        made.tell();
+        Ok(made)
     }
 
     /// Starts from the noise an earlier recording left ([`super::MapEstimate::noise_rad`],
@@ -178,12 +198,14 @@ impl RecursiveOffsets {
             }
         }
         self.incumbent.expect_noise(&self.start_noise);
+        self.tell_at_rest();
     }
 
     /// Adds to the deviation of every joint's offset, rad, what looks the same in every block
     /// ([`super::beliefs::unknown_temperature`]).
     pub fn add_deviation(&mut self, added_rad: &[f64]) {
         copy(&mut self.added_rad, added_rad);
+        self.tell_at_rest();
     }
 
     /// What is known of the temperature: `stated_c`, °C, takes the place of the blocks' (NaN: none is stated); while neither
@@ -192,6 +214,7 @@ impl RecursiveOffsets {
     pub fn expect_temperature(&mut self, stated_c: f64, unknown_rad: &[f64]) {
         self.stated_c = stated_c;
         copy(&mut self.unknown_rad, unknown_rad);
+        self.tell_at_rest();
     }
 
     /// Noise of every joint's link (rad) and motor (N·m) equations, as the next filter may
@@ -200,82 +223,19 @@ impl RecursiveOffsets {
         self.incumbent.noise()
     }
 
-    /// Takes a block; returns its weight, 0 (left out as disturbed) to 1.
+    /// Takes a block and does all its work, and what is left of the one before; returns its weight, 0 (left out as
+    /// disturbed) to 1.
     ///
     /// # Errors
-    /// [`StepError`] when the block is of another arm or not finite; the state is then unchanged.
+    /// [`StepError`] when the block is of another arm or not finite; what is known is then unchanged.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn step(&mut self, block: &Block) -> Result<f64, StepError> {
-        let number = self.ring.push(block, self.model.inflation)?;
-        if self.stated_c.is_finite() {
-            self.ring.state_temperature(number, self.stated_c);
-        }
-        self.temperature_known = self.stated_c.is_finite() || block.temperature_c.is_finite();
-        take(
-            &mut self.incumbent,
-            &self.model,
-            &mut self.work,
-            &self.ring,
-            number,
-        );
-        self.advance_challenger();
-        self.stiffness.average(&self.start, self.incumbent.belief());
+        self.finish();
+        self.begin(block)?;
+        self.finish();
         Ok(self.incumbent.weight())
-    }
-
-    /// What the challenger does while a block comes.
-    fn advance_challenger(&mut self) {
-        /// Blocks the challenger goes over while one comes.
-        const AT_ONCE: usize = 10;
-        match self.stage {
-            Stage::Idle => {
-                if self.ring.taken() == SEGMENT {
-                    self.begin_replay();
-                } else if self.ring.taken() > SEGMENT && self.incumbent.is_inconsistent() {
-                    self.await_segment();
-                }
-            }
-            // What disturbed it is over.
-            Stage::Waiting { .. } | Stage::Replaying { .. }
-                if self.opened && self.incumbent.is_consistent() =>
-            {
-                self.stage = Stage::Idle;
-            }
-            Stage::Waiting { until } => {
-                if self.ring.taken() >= until {
-                    self.begin_replay();
-                }
-            }
-            Stage::Replaying { .. } => {
-                for _ in 0..AT_ONCE {
-                    self.replay_block();
-                }
-            }
-            Stage::Tracking => {
-                let number = self.ring.taken() - 1;
-                take(
-                    &mut self.challenger,
-                    &self.model,
-                    &mut self.work,
-                    &self.ring,
-                    number,
-                );
-                if self
-                    .ring
-                    .taken()
-                    .saturating_sub(self.from)
-                    .is_multiple_of(AT_ONCE)
-                {
-                    self.compare();
-                }
-                // It began with blocks from before what it should explain.
-                if self.stage == Stage::Tracking && self.challenger.is_inconsistent() {
-                    self.await_segment();
-                }
-            }
-        }
     }
 
     /// The challenger will begin when most of the last blocks are from after the disturbance.
@@ -298,78 +258,6 @@ impl RecursiveOffsets {
         };
     }
 
-    /// One block for the challenger.
-    fn replay_block(&mut self) {
-        let Stage::Replaying { to, pass, at } = self.stage else {
-            return;
-        };
-        let Some((slot, kept)) = self.ring.get(at) else {
-            return;
-        };
-        let (mut pass, mut at) = (pass, at);
-        if let Some(&scale) = SCALES.get(pass) {
-            self.challenger.update_in_pass(
-                &self.model,
-                &mut self.work,
-                (&kept.block, kept.share),
-                slot,
-                scale,
-            );
-            at += if pass < COARSE { 2 } else { 1 };
-            if at >= to {
-                pass += 1;
-                if pass > NOISE_SEEN {
-                    self.challenger.find_noise(&self.model);
-                }
-                if pass < SCALES.len() {
-                    at = self.from;
-                    self.challenger.begin_pass(&self.start);
-                }
-            }
-        } else {
-            take(
-                &mut self.challenger,
-                &self.model,
-                &mut self.work,
-                &self.ring,
-                at,
-            );
-            at += 1;
-        }
-        self.stage = Stage::Replaying { to, pass, at };
-        if pass == SCALES.len() && at >= self.ring.taken() {
-            self.stage = Stage::Tracking;
-            self.compare();
-        }
-    }
-
-    /// Whether the challenger replaces the incumbent, or rests.
-    fn compare(&mut self) {
-        /// By how much it must explain its blocks better, half chi-square: it has every entry to
-        /// itself. A slip of a millirad is worth more in 15 s.
-        const BETTER: f64 = 60.0;
-        /// From so many blocks that carry new information: two or three stands say little of an arm.
-        const ENOUGH: f64 = 15.0;
-        let opening = self.from == 0;
-        let seen = self.ring.taken().saturating_sub(KEPT).max(self.from)..self.ring.taken();
-        let blocks = seen.filter_map(|number| self.ring.get(number));
-        let blocks = blocks.map(|(_, k)| (&k.block, k.share));
-        let news: f64 = blocks.clone().map(|(_, share)| share).sum();
-        let fit = news * self.model.inflation > ENOUGH && self.challenger.is_consistent();
-        let margin = if opening { 0.0 } else { BETTER };
-        let (model, work) = (&self.model, &mut self.work);
-        let better = (opening || fit)
-            && self.challenger.cost(model, work, blocks.clone()) + margin
-                < self.incumbent.cost(model, work, blocks);
-        if better {
-            core::mem::swap(&mut self.challenger, &mut self.incumbent);
-        }
-        self.opened |= opening;
-        if better || opening || self.incumbent.is_consistent() {
-            self.stage = Stage::Idle;
-        }
-    }
-
     /// Offset of a joint, rad, averaged over which joints' stiffness has changed since the belief the
     /// filter started from; NaN for a joint there isn't. Its deviation holds what
     /// [fits nothing](super::misfit).
@@ -381,6 +269,12 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn offset(&self, joint: usize) -> Gaussian {
+        let none = Gaussian::new(f64::NAN, f64::NAN);
+        self.told.get(joint).copied().unwrap_or(none)
+    }
+
+    /// What [`RecursiveOffsets::offset`] says once all of a block's work is done.
+    fn offset_now(&self, joint: usize) -> Gaussian {
         let layout = self.model.reduced.layout;
         if joint >= layout.joints {
             return Gaussian::new(f64::NAN, f64::NAN);
@@ -395,7 +289,7 @@ impl RecursiveOffsets {
         };
         let added = added.get(joint).copied().unwrap_or_default();
         own.deviation = libm::hypot(own.deviation, libm::hypot(misfit, added));
-        if !self.is_provisional() {
+        if !self.is_provisional_now() {
             return own;
         }
         if self.stage == Stage::Tracking {
@@ -417,6 +311,10 @@ impl RecursiveOffsets {
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn is_provisional(&self) -> bool {
+        self.told_provisional
+    }
+
+    fn is_provisional_now(&self) -> bool {
         let disturbed = self.stage != Stage::Idle || self.incumbent.is_inconsistent();
         !self.opened || disturbed
     }
@@ -430,13 +328,19 @@ impl RecursiveOffsets {
         self.stiffness.probability(joint).unwrap_or_default()
     }
 
-    /// The posterior, averaged over which stiffness has changed. Allocates: no step.
+    /// The posterior, averaged over which stiffness has changed, with all work done that is [left](RecursiveOffsets::advance).
+    /// Allocates: no step.
     ///
     /// While the offsets are [provisional](RecursiveOffsets::is_provisional) this may be wrong by more than it says.
     ///
     /// # Errors
     /// [`MapError::Prior`] when the prior's covariance has no inverse.
     pub fn belief(&self) -> Result<Belief, MapError> {
+        if self.is_busy() {
+            let mut done = self.clone();
+            done.finish();
+            return done.belief();
+        }
         let now = &self.stiffness.averaged(self.incumbent.belief())?;
         let (mean, covariance) =
             self.model
@@ -447,23 +351,5 @@ impl RecursiveOffsets {
             covariance,
             temperature_c: now.temperature_c,
         })
-    }
-}
-
-/// The filter takes block `number`, and weighs again those that came [`AGAIN`] blocks before.
-fn take(
-    filter: &mut Filter,
-    model: &EstimationModel,
-    work: &mut Workspace,
-    ring: &BlockRing,
-    number: usize,
-) {
-    for age in AGAIN {
-        if let Some((slot, old)) = number.checked_sub(age).and_then(|before| ring.get(before)) {
-            filter.reweight(model, work, &old.block, slot);
-        }
-    }
-    if let Some((slot, new)) = ring.get(number) {
-        filter.update(model, work, (&new.block, new.share), slot);
     }
 }

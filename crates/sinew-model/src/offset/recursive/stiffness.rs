@@ -86,19 +86,44 @@ impl StiffnessAverage {
     /// # Realtime
     /// No allocation, lock, panic or clock. O(n d²).
     pub(super) fn average(&mut self, start: &Belief, now: &Belief) {
+        for joint in 0..self.joints.len() {
+            self.share(joint, now);
+        }
+        self.weigh(start, now);
+    }
+
+    /// Joints whose stiffness was known.
+    pub(super) fn count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The `i`-th row of `P Aᵀ`.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(d²).
+    pub(super) fn share(&mut self, i: usize, now: &Belief) {
+        let d = now.mean.len().max(1);
+        let row = i * d..(i + 1) * d;
+        let shared = self.shared.get_mut(row.clone()).unwrap_or_default();
+        shared.fill(0.0);
+        // Row by row, so that a processor adds side by side.
+        let own = self.towards.get(row).unwrap_or_default();
+        for (a, line) in own.iter().zip(now.covariance.chunks_exact(d)) {
+            for (to, p) in shared.iter_mut().zip(line) {
+                *to += a * p;
+            }
+        }
+    }
+
+    /// Averages the posterior, of which all joints' rows are [shared](StiffnessAverage::share).
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n² d).
+    pub(super) fn weigh(&mut self, start: &Belief, now: &Belief) {
         let (n, d) = (self.joints.len(), now.mean.len().max(1));
         let at = |x: &[f64], i: usize| x.get(i).copied().unwrap_or(f64::NAN);
         let rows = self.towards.chunks_exact(d);
-        self.shared.fill(0.0);
-        for (own, shared) in rows.clone().zip(self.shared.chunks_exact_mut(d)) {
-            // Row by row, so that a processor adds side by side.
-            for (a, line) in own.iter().zip(now.covariance.chunks_exact(d)) {
-                for (to, p) in shared.iter_mut().zip(line) {
-                    *to += a * p;
-                }
-            }
-        }
-        let changes = rows.clone().map(|own| {
+        let changes = rows.map(|own| {
             let from = now.mean.iter().zip(&start.mean).map(|(x, m)| x - m);
             own.iter().zip(from).map(|(a, x)| a * x).sum()
         });

@@ -47,8 +47,8 @@ impl Workspace {
         copy(&mut self.origin, around);
     }
 
-    /// `P hᵀ` of the equations at self.
-    pub(super) fn project(&mut self, belief: &Belief) {
+    /// `P hᵀ` of the equations at work of one joint, from the `first` on; returns the first of the next joint.
+    pub(super) fn project(&mut self, belief: &Belief, first: usize) -> usize {
         let d = belief.mean.len().max(1);
         let layout = self.equations.layout();
         let lines = |range: Range<usize>| {
@@ -60,65 +60,112 @@ impl Workspace {
                 *to += factor * p;
             }
         };
-        let mut at_work = None;
-        let gains = self.gains.chunks_exact_mut(d);
-        for (e, gain) in self.equations.list.iter().zip(gains) {
-            // Link and motor row of a joint are the same over bodies and load, but for their torque gain.
-            if at_work != Some(e.joint) {
-                at_work = Some(e.joint);
-                self.carried.fill(0.0);
-                let carried = self.equations.carried(e.joint);
-                for (value, line) in carried.iter().zip(lines(layout.carried())) {
-                    if *value != 0.0 {
-                        add(&mut self.carried, *value, line);
-                    }
-                }
+        let of_joint = self.equations.list.get(first..).unwrap_or_default();
+        let Some(joint) = of_joint.first().map(|e| e.joint) else {
+            return first + 1;
+        };
+        // Link and motor row of a joint are the same over bodies and load, but for their torque gain.
+        self.carried.fill(0.0);
+        let carried = self.equations.carried(joint);
+        for (value, line) in carried.iter().zip(lines(layout.carried())) {
+            if *value != 0.0 {
+                add(&mut self.carried, *value, line);
             }
+        }
+        let mut next = first;
+        let gains = self.gains.chunks_exact_mut(d).skip(first);
+        for (e, gain) in of_joint
+            .iter()
+            .zip(gains)
+            .take_while(|(e, _)| e.joint == joint)
+        {
+            next += 1;
             gain.fill(0.0);
             add(gain, e.torque_gain, &self.carried);
-            for (value, line) in e.own.iter().zip(lines(layout.own(e.joint))) {
+            for (value, line) in e.own.iter().zip(lines(layout.own(joint))) {
                 if *value != 0.0 {
                     add(gain, *value, line);
                 }
             }
         }
+        next.max(first + 1)
     }
 }
 
-/// `P ← P − Σ taken P hᵀ h P`, four at a time: a row of `P` is read and written once for four.
-pub(super) fn downdate(belief: &mut Belief, gains: &[f64], taken: &[f64]) {
-    const FOUR: usize = 4;
+/// Rows of `P` that are written at once.
+const BAND: usize = 8;
+
+/// Slices a [`downdate`] of a covariance of `d` rows takes.
+pub(super) fn bands(d: usize) -> usize {
+    d.div_ceil(BAND).div_ceil(2)
+}
+
+/// `P ← P − Σ taken P hᵀ h P`, the `slice`-th of [`bands`]: a band of rows from the top and one from the bottom, so that all
+/// slices are as much work. Of every row what lies left of the diagonal is computed, and copied to its mirror place.
+pub(super) fn downdate(belief: &mut Belief, (gains, taken): (&[f64], &[f64]), slice: usize) {
     let d = belief.mean.len().max(1);
-    let fours = gains.chunks_exact(FOUR * d).zip(taken.chunks_exact(FOUR));
-    for (gains, taken) in fours {
-        let (Some((g0, gains)), [t0, t1, t2, t3]) = (gains.split_at_checked(d), taken) else {
-            return;
-        };
-        let Some((g1, gains)) = gains.split_at_checked(d) else {
-            return;
-        };
-        let Some((g2, g3)) = gains.split_at_checked(d) else {
-            return;
-        };
-        let rows = belief.covariance.chunks_exact_mut(d);
-        let own = g0.iter().zip(g1).zip(g2.iter().zip(g3));
-        for (line, ((a0, a1), (a2, a3))) in rows.zip(own) {
-            let (a0, a1, a2, a3) = (a0 * t0, a1 * t1, a2 * t2, a3 * t3);
-            let columns = g0.iter().zip(g1).zip(g2.iter().zip(g3));
-            for (p, ((g0, g1), (g2, g3))) in line.iter_mut().zip(columns) {
-                *p -= (a0 * g0 + a1 * g1) + (a2 * g2 + a3 * g3);
+    let last = d.div_ceil(BAND).saturating_sub(1);
+    let mirror = last.saturating_sub(slice);
+    downdate_band(&mut belief.covariance, d, (gains, taken), slice);
+    if mirror != slice {
+        downdate_band(&mut belief.covariance, d, (gains, taken), mirror);
+    }
+}
+
+/// Four equations at a time over a tile of a band, which stays in the processor's first cache.
+fn downdate_band(covariance: &mut [f64], d: usize, (gains, taken): (&[f64], &[f64]), band: usize) {
+    const FOUR: usize = 4;
+    const TILE: usize = 64;
+    let (first, end) = (band * BAND, d.min((band + 1) * BAND));
+    let Some((above, below)) = covariance.split_at_mut_checked(first * d) else {
+        return;
+    };
+    let rows = below.get_mut(..end.saturating_sub(first) * d);
+    let rows = rows.unwrap_or_default();
+    for tile in (0..end).step_by(TILE) {
+        let columns = tile..end.min(tile + TILE);
+        for (four, taken) in gains.chunks(FOUR * d).zip(taken.chunks(FOUR)) {
+            let gain = |k: usize| four.get(k * d..(k + 1) * d).unwrap_or_default();
+            let of_tile = |k: usize| gain(k).get(columns.clone()).unwrap_or_default();
+            let factor = |k: usize| taken.get(k).copied().unwrap_or_default();
+            if taken.iter().all(|t| *t == 0.0) {
+                continue;
+            }
+            for (i, line) in rows.chunks_exact_mut(d).enumerate() {
+                let own = |k: usize| {
+                    let own = gain(k).get(first + i).copied().unwrap_or_default();
+                    own * factor(k)
+                };
+                let (a0, a1, a2, a3) = (own(0), own(1), own(2), own(3));
+                let line = line.get_mut(columns.clone()).unwrap_or_default();
+                if taken.len() == FOUR {
+                    let pairs = of_tile(0).iter().zip(of_tile(1));
+                    let pairs = pairs.zip(of_tile(2).iter().zip(of_tile(3)));
+                    for (p, ((g0, g1), (g2, g3))) in line.iter_mut().zip(pairs) {
+                        *p -= (a0 * g0 + a1 * g1) + (a2 * g2 + a3 * g3);
+                    }
+                } else {
+                    for (k, a) in [a0, a1, a2].into_iter().enumerate().take(taken.len()) {
+                        for (p, g) in line.iter_mut().zip(of_tile(k)) {
+                            *p -= a * g;
+                        }
+                    }
+                }
             }
         }
     }
-    let left = FOUR * (taken.len() / FOUR);
-    let gains = gains.get(left * d..).unwrap_or_default().chunks_exact(d);
-    let left = gains.zip(taken.get(left..).unwrap_or_default());
-    for (gain, taken) in left {
-        let rows = belief.covariance.chunks_exact_mut(d);
-        for (line, own) in rows.zip(gain) {
-            let scaled = own * taken;
-            for (p, g) in line.iter_mut().zip(gain) {
-                *p -= scaled * g;
+    // What lies right of the diagonal, above the band and in it.
+    for (j, line) in above.chunks_exact_mut(d).enumerate() {
+        let to = line.get_mut(first..end).unwrap_or_default();
+        for (to, row) in to.iter_mut().zip(rows.chunks_exact(d)) {
+            *to = row.get(j).copied().unwrap_or_default();
+        }
+    }
+    for i in 0..end.saturating_sub(first) {
+        for j in 0..i {
+            let below = rows.get(i * d + first + j).copied();
+            if let (Some(to), Some(below)) = (rows.get_mut(j * d + first + i), below) {
+                *to = below;
             }
         }
     }

@@ -1,0 +1,361 @@
+//! What is done with a block: in which order, and slice by slice.
+//!
+//! A slice costs `O(d²)` at most: a block's equations, a joint's rows times `P`, two bands of `P` written. So a loop with
+//! little time does some per sample, and all of them within the time of a block.
+
+use super::{
+    AGAIN, COARSE, KEPT, Kind, NOISE_SEEN, RecursiveOffsets, SCALES, SEGMENT, Stage, Task,
+};
+use crate::StepError;
+use crate::offset::block::Block;
+
+/// Blocks the challenger goes over while one comes.
+const AT_ONCE: usize = 10;
+
+/// What is done next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Next {
+    /// Nothing is left.
+    Rest,
+    /// The incumbent takes the new block.
+    Incumbent(Taking),
+    /// The challenger decides what to do.
+    Challenge,
+    /// The challenger takes the new block.
+    Track(Taking),
+    /// The challenger goes over so many blocks more.
+    Replay(usize),
+    /// One of these in a pass.
+    Pass(usize, Task),
+    /// One of these after the last pass.
+    CatchUp(usize, Taking),
+    /// Which one explains the blocks better: what they cost the challenger and the incumbent up to block `at`.
+    Compare {
+        at: usize,
+        costs: [f64; 2],
+        tracking: bool,
+    },
+    /// Whether the challenger began too early.
+    Tracked,
+    /// Averages over lost stiffness, from this one on.
+    Average(usize),
+}
+
+/// A filter takes a block: it weighs again those that came [`AGAIN`] blocks before, then the new one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Taking {
+    number: usize,
+    /// Of [`AGAIN`]; behind its end: the new one.
+    nth: usize,
+    task: Task,
+}
+
+impl Taking {
+    fn new(number: usize) -> Self {
+        Self::nth(number, 0)
+    }
+
+    /// The first that is there, from the `nth` on.
+    fn nth(number: usize, nth: usize) -> Self {
+        let mut ages = AGAIN.iter().enumerate().skip(nth);
+        let old = ages.find_map(|(k, age)| Some((k, number.checked_sub(*age)?)));
+        let (nth, task) = match old {
+            Some((k, old)) => (k, Task::new(Kind::Again, old)),
+            None => (AGAIN.len(), Task::new(Kind::Update, number)),
+        };
+        Self { number, nth, task }
+    }
+
+    /// What follows the task at work.
+    fn following(self) -> Option<Self> {
+        (self.nth < AGAIN.len()).then(|| Self::nth(self.number, self.nth + 1))
+    }
+}
+
+impl RecursiveOffsets {
+    /// Takes a block; its work is done by [`RecursiveOffsets::advance`]. `false`: the block is left out, as work on the
+    /// one before isn't done; nothing has changed.
+    ///
+    /// # Errors
+    /// [`StepError`] when the block is of another arm or not finite; the state is then unchanged.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n r): the block is copied.
+    pub fn begin(&mut self, block: &Block) -> Result<bool, StepError> {
+        if self.is_busy() {
+            return Ok(false);
+        }
+        let number = self.ring.push(block, self.model.inflation)?;
+        if self.stated_c.is_finite() {
+            self.ring.state_temperature(number, self.stated_c);
+        }
+        self.temperature_known = self.stated_c.is_finite() || block.temperature_c.is_finite();
+        self.next = Next::Incumbent(Taking::new(number));
+        Ok(true)
+    }
+
+    /// Does so many slices of the work that is left; returns how many it did: fewer mean that nothing is left, and that the
+    /// offsets are those of the last block.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(d²) a slice.
+    pub fn advance(&mut self, slices: usize) -> usize {
+        for done in 0..slices {
+            if !self.is_busy() {
+                return done;
+            }
+            self.slice();
+        }
+        slices
+    }
+
+    /// Whether work on the last block is left.
+    pub fn is_busy(&self) -> bool {
+        self.next != Next::Rest
+    }
+
+    /// The most slices a block takes.
+    pub fn slices_per_block(&self) -> usize {
+        let task = Task::slices(self.model.reduced.layout);
+        let taking = (AGAIN.len() + 1) * task;
+        // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and what
+        // follows it, the average.
+        let compared = KEPT + 2;
+        taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.stiffness.count() + 1
+    }
+
+    /// Does all that is left.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. Not bounded as [`RecursiveOffsets::advance`] is.
+    pub fn finish(&mut self) {
+        while self.is_busy() {
+            self.slice();
+        }
+    }
+
+    /// A slice of work.
+    fn slice(&mut self) {
+        self.next = match self.next {
+            Next::Rest => Next::Rest,
+            Next::Incumbent(mut taking) => {
+                let (model, work) = (&self.model, &mut self.work);
+                if !(taking.task).advance(&mut self.incumbent, model, work, &self.ring) {
+                    Next::Incumbent(taking)
+                } else {
+                    taking.following().map_or(Next::Challenge, Next::Incumbent)
+                }
+            }
+            Next::Challenge => self.challenge(),
+            Next::Track(taking) => match self.challenger_takes(taking) {
+                Some(taking) => Next::Track(taking),
+                None => {
+                    let since = self.ring.taken().saturating_sub(self.from);
+                    match since.is_multiple_of(AT_ONCE) {
+                        true => self.compare(true),
+                        false => Next::Tracked,
+                    }
+                }
+            },
+            Next::Replay(left) => self.replay(left),
+            Next::Pass(left, mut task) => {
+                let (model, work) = (&self.model, &mut self.work);
+                match task.advance(&mut self.challenger, model, work, &self.ring) {
+                    false => Next::Pass(left, task),
+                    true => self.passed(left),
+                }
+            }
+            Next::CatchUp(left, taking) => match self.challenger_takes(taking) {
+                Some(taking) => Next::CatchUp(left, taking),
+                None => self.caught_up(left),
+            },
+            Next::Compare {
+                at,
+                costs,
+                tracking,
+            } => self.compare_block(at, costs, tracking),
+            Next::Tracked => {
+                // It began with blocks from before what it should explain.
+                if self.stage == Stage::Tracking && self.challenger.is_inconsistent() {
+                    self.await_segment();
+                }
+                Next::Average(0)
+            }
+            Next::Average(joint) if joint < self.stiffness.count() => {
+                self.stiffness.share(joint, self.incumbent.belief());
+                Next::Average(joint + 1)
+            }
+            Next::Average(_) => {
+                self.stiffness.weigh(&self.start, self.incumbent.belief());
+                self.tell();
+                Next::Rest
+            }
+        };
+    }
+
+    /// What the challenger does while a block comes.
+    fn challenge(&mut self) -> Next {
+        match self.stage {
+            Stage::Idle => {
+                if self.ring.taken() == SEGMENT {
+                    self.begin_replay();
+                } else if self.ring.taken() > SEGMENT && self.incumbent.is_inconsistent() {
+                    self.await_segment();
+                }
+            }
+            // What disturbed it is over.
+            Stage::Waiting { .. } | Stage::Replaying { .. }
+                if self.opened && self.incumbent.is_consistent() =>
+            {
+                self.stage = Stage::Idle;
+            }
+            Stage::Waiting { until } => {
+                if self.ring.taken() >= until {
+                    self.begin_replay();
+                }
+            }
+            Stage::Replaying { .. } => return Next::Replay(AT_ONCE),
+            Stage::Tracking => return Next::Track(Taking::new(self.ring.taken() - 1)),
+        }
+        Next::Average(0)
+    }
+
+    /// A slice of the challenger's taking a block; what is left of it.
+    fn challenger_takes(&mut self, mut taking: Taking) -> Option<Taking> {
+        let (model, work) = (&self.model, &mut self.work);
+        match (taking.task).advance(&mut self.challenger, model, work, &self.ring) {
+            false => Some(taking),
+            true => taking.following(),
+        }
+    }
+
+    /// One block for the challenger, of `left`.
+    fn replay(&self, left: usize) -> Next {
+        let Stage::Replaying { pass, at, .. } = self.stage else {
+            return Next::Average(0);
+        };
+        match (left.checked_sub(1), SCALES.get(pass)) {
+            (None, _) => Next::Average(0),
+            (Some(left), Some(&scale)) => Next::Pass(left, Task::new(Kind::Pass { scale }, at)),
+            (Some(left), None) => Next::CatchUp(left, Taking::new(at)),
+        }
+    }
+
+    /// The challenger has gone over a block in a pass.
+    fn passed(&mut self, left: usize) -> Next {
+        let Stage::Replaying {
+            to,
+            mut pass,
+            mut at,
+        } = self.stage
+        else {
+            return Next::Average(0);
+        };
+        at += if pass < COARSE { 2 } else { 1 };
+        if at >= to {
+            pass += 1;
+            if pass > NOISE_SEEN {
+                self.challenger.find_noise(&self.model);
+            }
+            if pass < SCALES.len() {
+                at = self.from;
+                self.challenger.begin_pass(&self.start);
+            }
+        }
+        self.replayed(left, (to, pass, at))
+    }
+
+    /// The challenger has taken a block after the last pass.
+    fn caught_up(&mut self, left: usize) -> Next {
+        let Stage::Replaying { to, pass, at } = self.stage else {
+            return Next::Average(0);
+        };
+        self.replayed(left, (to, pass, at + 1))
+    }
+
+    fn replayed(&mut self, left: usize, (to, pass, at): (usize, usize, usize)) -> Next {
+        self.stage = Stage::Replaying { to, pass, at };
+        if pass == SCALES.len() && at >= self.ring.taken() {
+            self.stage = Stage::Tracking;
+            return self.compare(false);
+        }
+        Next::Replay(left)
+    }
+
+    /// The comparison begins, after a block of `tracking` or of a replay.
+    fn compare(&self, tracking: bool) -> Next {
+        Next::Compare {
+            at: self.ring.taken().saturating_sub(KEPT).max(self.from),
+            costs: [0.0; 2],
+            tracking,
+        }
+    }
+
+    /// One block of it, or the verdict.
+    fn compare_block(&mut self, at: usize, mut costs: [f64; 2], tracking: bool) -> Next {
+        if at >= self.ring.taken() {
+            self.judge(costs);
+            return match tracking {
+                true => Next::Tracked,
+                false => Next::Average(0),
+            };
+        }
+        if let Some((_, kept)) = self.ring.get(at)
+            && kept.share > 0.0
+        {
+            let filters = [&self.challenger, &self.incumbent];
+            for (filter, cost) in filters.into_iter().zip(&mut costs) {
+                let block = (&kept.block, kept.share);
+                filter.add_cost(&self.model, &mut self.work, block, cost);
+            }
+        }
+        Next::Compare {
+            at: at + 1,
+            costs,
+            tracking,
+        }
+    }
+
+    /// Whether the challenger replaces the incumbent, or rests.
+    fn judge(&mut self, [challenger, incumbent]: [f64; 2]) {
+        /// By how much it must explain its blocks better, half chi-square: it has every entry to
+        /// itself. A slip of a millirad is worth more in 15 s.
+        const BETTER: f64 = 60.0;
+        /// From so many blocks that carry new information: two or three stands say little of an arm.
+        const ENOUGH: f64 = 15.0;
+        let opening = self.from == 0;
+        let seen = self.ring.taken().saturating_sub(KEPT).max(self.from)..self.ring.taken();
+        let news: f64 = seen
+            .filter_map(|number| self.ring.get(number))
+            .map(|(_, kept)| kept.share)
+            .sum();
+        let fit = news * self.model.inflation > ENOUGH && self.challenger.is_consistent();
+        let margin = if opening { 0.0 } else { BETTER };
+        let better = (opening || fit) && challenger + margin < incumbent;
+        if better {
+            core::mem::swap(&mut self.challenger, &mut self.incumbent);
+        }
+        self.opened |= opening;
+        if better || opening || self.incumbent.is_consistent() {
+            self.stage = Stage::Idle;
+        }
+    }
+
+    /// From now on the offsets are those of the last block.
+    pub(super) fn tell(&mut self) {
+        for joint in 0..self.told.len() {
+            let offset = self.offset_now(joint);
+            if let Some(told) = self.told.get_mut(joint) {
+                *told = offset;
+            }
+        }
+        self.told_provisional = self.is_provisional_now();
+    }
+
+    /// The same if no work is left: else its last slice does it.
+    pub(super) fn tell_at_rest(&mut self) {
+        if !self.is_busy() {
+            self.tell();
+        }
+    }
+}
