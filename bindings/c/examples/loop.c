@@ -8,6 +8,7 @@
  * Nothing between "Sample" and "Output" allocates, locks or prints: it may stand in a control thread. */
 #include <sinew.h>
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,7 +16,7 @@
 
 #define MOST_JOINTS 64
 /* The longest time between samples, s: a step then does a small, fixed part of a block's work. */
-static const double PERIOD_MAX_S = 0.005;
+static const double PERIOD_MAX_S = 0.02;
 /* Between two lines, s. */
 static const double SAY_S = 10.0;
 
@@ -122,6 +123,9 @@ int main(int count, char **arguments) {
         fprintf(stderr, isnan(first_s) ? "no samples\n" : "after %g s: no number where one is due\n", t_s);
         answer = EXIT_FAILURE;
     }
+    uint64_t left_out = 0;
+    if (sinew_offsets_left_out(offsets, &left_out) == SINEW_STATUS_OK && left_out > 0)
+        fprintf(stderr, "%" PRIu64 " blocks left out: samples come more than %g s apart\n", left_out, PERIOD_MAX_S);
     /* After a fault nothing is saved: the file from before stays. */
     if (answer == EXIT_SUCCESS && count > 3) answer = save(offsets, t_s, arguments[3]);
     sinew_offsets_free(offsets);

@@ -128,6 +128,12 @@ public:
     sinew_status bound_work(double period_max_s) noexcept {
         return sinew_offsets_bound_work(handle_.get(), period_max_s);
     }
+    /// Blocks left out, because samples came later than `bound_work` was told. Realtime.
+    std::uint64_t left_out() const noexcept {
+        std::uint64_t blocks = 0;
+        sinew_offsets_left_out(handle_.get(), &blocks);
+        return blocks;
+    }
     /// Realtime. The next sample doesn't go on where the last one was.
     void interrupt() noexcept { sinew_offsets_interrupt(handle_.get()); }
     /// Realtime. NaN where there is no such joint.

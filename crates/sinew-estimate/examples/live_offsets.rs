@@ -19,9 +19,9 @@ use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use std::error::Error;
 use std::path::Path;
 
-/// Samples of a block, at most 5 ms apart, less one: a sample does that part of a block's work, so that the offsets come a
+/// Samples of a block, at most 20 ms apart, less one: a sample does that part of a block's work, so that the offsets come a
 /// block, 0.2 s, later. `sinew_estimate::live::LiveOffsets` counts them from a period.
-const SAMPLES_OF_BLOCK: usize = 39;
+const SAMPLES_OF_BLOCK: usize = 9;
 
 /// Between two lines, s.
 const SAY_S: f64 = 10.0;

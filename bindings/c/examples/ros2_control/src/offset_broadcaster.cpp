@@ -52,8 +52,9 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
     motor_interface_ = parameter("motor_interface");
     robot_.emplace(sinew::robot::of(text_of(parameter("robot_toml")), get_robot_description()));
     offsets_.emplace(*robot_, text_of(parameter("baseline")));
-    // The longest time between updates, s: an update then does a small, fixed part of a block's work.
-    constexpr double PERIOD_MAX_S = 0.005;
+    // The longest time between updates, s: an update then does a fixed part of a block's work. A controller that runs below
+    // 50 Hz needs more, or blocks are left out.
+    constexpr double PERIOD_MAX_S = 0.02;
     offsets_->bound_work(PERIOD_MAX_S);
   } catch (const std::exception & error) {
     RCLCPP_ERROR(get_node()->get_logger(), "%s", error.what());
@@ -106,10 +107,10 @@ CallbackReturn OffsetBroadcaster::on_activate(const rclcpp_lifecycle::State &)
   for (const auto & joint : message_.joint_names) {
     q_at_.push_back(place(joint, joint_interface_));
     theta_at_.push_back(place(joint, motor_interface_));
-    if (q_at_.back() == none) {
+    if (q_at_.back() == none || theta_at_.back() == none) {
+      const std::string & missing = q_at_.back() == none ? joint_interface_ : motor_interface_;
       RCLCPP_ERROR(
-        get_node()->get_logger(), "the hardware has no state interface %s/%s", joint.c_str(),
-        joint_interface_.c_str());
+        get_node()->get_logger(), "the hardware has no state interface %s/%s", joint.c_str(), missing.c_str());
       return CallbackReturn::ERROR;
     }
   }
