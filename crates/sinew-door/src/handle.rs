@@ -34,6 +34,14 @@ pub enum DoorError {
         /// Why.
         source: std::io::Error,
     },
+    /// What is there isn't what is looked for.
+    #[error("{door}: can't be read: {why}")]
+    Content {
+        /// Which.
+        door: String,
+        /// Why.
+        why: String,
+    },
 }
 
 /// What a door says of itself.

@@ -84,6 +84,53 @@ pub fn open(options: &TailOptions, routes: &Routes, clock: Clock) -> Result<Door
     Door::run(Shared::new(name), move |shared| tail.follow(shared))
 }
 
+/// Looks whether there is a recording that can be read, as far as its first bytes tell: a file that has begun to be
+/// written, or a folder, which may be empty yet.
+///
+/// # Errors
+/// [`DoorError::Io`]: nothing is there, or the system refuses. [`DoorError::Content`]: it is no MCAP, or its records
+/// are broken.
+pub fn check(path: &Path) -> Result<(), DoorError> {
+    let door = format!("mcap:{}", path.display());
+    let io = |source| DoorError::Io {
+        door: door.clone(),
+        source,
+    };
+    let content = |why| DoorError::Content {
+        door: door.clone(),
+        why,
+    };
+    if path.is_dir() {
+        return std::fs::read_dir(path).map(drop).map_err(io);
+    }
+    let mut head = Vec::new();
+    let file = File::open(path).map_err(io)?;
+    let length = file.metadata().map_err(io)?.len();
+    file.take(PIECE as u64).read_to_end(&mut head).map_err(io)?;
+    let known = head.len().min(mcap::MAGIC.len());
+    if head[..known] != mcap::MAGIC[..known] {
+        return Err(content("it is no MCAP".into()));
+    }
+    let mut records = Records::new();
+    let mut rest = &head[..];
+    loop {
+        let available = length.saturating_sub(records.read);
+        match records.piece(rest, available) {
+            Piece::Broken(why) => return Err(content(why)),
+            Piece::Whole(length) if length <= rest.len() => {
+                let (piece, after) = rest.split_at(length);
+                match records.feed(piece, |_| true) {
+                    State::Broken(why) => return Err(content(why)),
+                    State::Ended => return Ok(()),
+                    State::Wants => rest = after,
+                }
+            }
+            // Torn, or longer than what was looked at.
+            Piece::Whole(_) | Piece::Torn => return Ok(()),
+        }
+    }
+}
+
 struct Tail {
     options: TailOptions,
     every: Duration,

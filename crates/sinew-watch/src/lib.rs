@@ -62,7 +62,7 @@ fn check_file(file: &Path) -> Result<ExitCode, String> {
     let config = Config::read(file).map_err(|e| e.to_string())?;
     let faults = check::faults(&config);
     for fault in &faults {
-        eprintln!("error: {fault}");
+        eprintln!("error: {}: {fault}", file.display());
     }
     let robots = match config.robots.len() {
         1 => "1 robot".into(),

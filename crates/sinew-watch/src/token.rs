@@ -9,14 +9,19 @@ use std::path::{Path, PathBuf};
 /// Bytes of a token that is made.
 const BYTES: usize = 32;
 /// A token that somebody wrote has at least so many characters, so that nobody guesses it.
-const SHORTEST: usize = 16;
+pub const SHORTEST: usize = 16;
 /// Characters of a token at most.
 const LONGEST: u64 = 4096;
 
 /// Where the token is.
 pub fn place(settings: &WebSettings, store: &Path) -> PathBuf {
     let own = settings.token_file.clone();
-    own.unwrap_or_else(|| store.join("web-token"))
+    own.unwrap_or_else(|| usual_place(store))
+}
+
+/// Where it is when nothing is said.
+pub fn usual_place(store: &Path) -> PathBuf {
+    store.join("web-token")
 }
 
 /// The token of a file, which is made where it isn't there.
@@ -24,6 +29,17 @@ pub fn place(settings: &WebSettings, store: &Path) -> PathBuf {
 /// # Errors
 /// What is wrong with it, in words.
 pub fn read_or_make(path: &Path) -> Result<String, String> {
+    match read(path)? {
+        Some(token) => Ok(token),
+        None => make(path).map_err(|e| format!("{}: {e}", path.display())),
+    }
+}
+
+/// The token of a file; `None`: there is no such file.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn read(path: &Path) -> Result<Option<String>, String> {
     let refuse = |why: String| format!("{}: {why}", path.display());
     match std::fs::File::open(path) {
         Ok(file) => {
@@ -37,12 +53,10 @@ pub fn read_or_make(path: &Path) -> Result<String, String> {
                     token.len()
                 ))),
                 n if n as u64 > LONGEST => Err(refuse("too long for a token".into())),
-                _ => Ok(token.to_owned()),
+                _ => Ok(Some(token.to_owned())),
             }
         }
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            make(path).map_err(|e| refuse(e.to_string()))
-        }
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(refuse(error.to_string())),
     }
 }

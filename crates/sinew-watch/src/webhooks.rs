@@ -11,6 +11,7 @@ use hyper_util::rt::TokioIo;
 use serde::Serialize;
 use sinew_watch_core::alarm::{AlarmState, Condition, TransitionWhy};
 use sinew_watch_core::journal::{Entry, Event};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -150,12 +151,7 @@ async fn post(hook: &Webhook, body: Bytes) -> Result<(), String> {
             concat!("sinew-watch/", env!("CARGO_PKG_VERSION")),
         );
     if let Some(path) = &hook.token_file {
-        let read = sinew_files::read_text(path, &sinew_files::limits::SETTINGS);
-        let token = read.map_err(|e| said(&e))?;
-        let token = token.trim();
-        if token.len() > TOKEN_MOST {
-            return Err("the token is too long".into());
-        }
+        let token = token(path)?;
         request = request.header(AUTHORIZATION, format!("Bearer {token}"));
     }
     let request = request.body(Full::new(body)).map_err(|e| said(&e))?;
@@ -164,5 +160,22 @@ async fn post(hook: &Webhook, body: Bytes) -> Result<(), String> {
     match answer?.status() {
         status if status.is_success() => Ok(()),
         status => Err(format!("it answered {status}")),
+    }
+}
+
+/// The token that goes along, from its file.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn token(path: &Path) -> Result<String, String> {
+    let read = sinew_files::read_text(path, &sinew_files::limits::SETTINGS);
+    let text = read.map_err(|e| e.to_string())?;
+    match text.trim() {
+        "" => Err("it is empty; write the receiver's token into it".into()),
+        token if token.len() > TOKEN_MOST => Err(format!(
+            "the token has {} characters; {TOKEN_MOST} at most",
+            token.len()
+        )),
+        token => Ok(token.to_owned()),
     }
 }

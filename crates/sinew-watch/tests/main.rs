@@ -1,5 +1,6 @@
 //! Tests of the monitor, in one binary.
 
+mod check;
 #[cfg(feature = "schema")]
 #[path = "../../sinew/tests/checker.rs"]
 mod checker;

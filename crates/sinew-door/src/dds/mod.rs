@@ -83,6 +83,20 @@ pub fn open(
     Ok((door, publisher))
 }
 
+/// Joins the network and leaves it again: whether a door could be opened there now.
+///
+/// # Errors
+/// A domain above 232; a network or interface that can't be used, with what the system says.
+pub fn check(options: &DdsOptions) -> Result<(), DoorError> {
+    options.check()?;
+    let joined = participant::join(options);
+    let refused = |why| DoorError::Refused {
+        door: options.name(),
+        why,
+    };
+    joined.map(drop).map_err(refused)
+}
+
 fn open_with(
     options: &DdsOptions,
     routes: &Routes,

@@ -17,6 +17,7 @@ use rustdds::{
     StatusEvented as _, Subscriber, TopicKind,
 };
 use std::collections::{BTreeMap, HashMap};
+use std::net::UdpSocket;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::task::{Wake, Waker};
@@ -144,12 +145,7 @@ struct Participant<'a> {
 
 impl<'a> Participant<'a> {
     fn new(listening: &'a Listening, shared: &'a Shared) -> Result<Self, String> {
-        let options = &listening.options;
-        let mut builder = DomainParticipantBuilder::new(options.domain);
-        if !options.interfaces.is_empty() {
-            builder = builder.with_only_networks(options.interfaces.iter().copied());
-        }
-        let participant = builder.build().map_err(|e| e.to_string())?;
+        let participant = join(&listening.options)?;
         let subscriber = participant
             .create_subscriber(&QosPolicies::default())
             .map_err(|e| e.to_string())?;
@@ -414,6 +410,20 @@ impl<'a> Participant<'a> {
             None => id(guid),
         }
     }
+}
+
+/// Joins the network; nothing is read or published yet.
+pub(super) fn join(options: &DdsOptions) -> Result<DomainParticipant, String> {
+    let mut builder = DomainParticipantBuilder::new(options.domain);
+    if !options.interfaces.is_empty() {
+        for address in &options.interfaces {
+            // The library takes any address, and hears nothing at one of another computer.
+            UdpSocket::bind((*address, 0))
+                .map_err(|e| format!("interface {address} can't be used: {e}"))?;
+        }
+        builder = builder.with_only_networks(options.interfaces.iter().copied());
+    }
+    builder.build().map_err(|e| e.to_string())
 }
 
 /// Takes what a topic brought; how many messages.

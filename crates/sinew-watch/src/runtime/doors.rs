@@ -187,6 +187,33 @@ fn open(
     }
 }
 
+/// Looks whether a door could be opened now; nothing is started.
+///
+/// # Errors
+/// Why not.
+pub fn check(key: &DoorKey) -> Result<(), DoorError> {
+    match key {
+        DoorKey::Dds { domain, interfaces } => check_dds(*domain, interfaces),
+        DoorKey::Zenoh { domain, .. } => Err(without(format!("zenoh:{domain}"), "zenoh")),
+        DoorKey::Mcap { path, .. } => tail::check(path),
+    }
+}
+
+#[cfg(feature = "dds")]
+fn check_dds(domain: u16, interfaces: &[IpAddr]) -> Result<(), DoorError> {
+    sinew_door::dds::check(&sinew_door::dds::DdsOptions {
+        domain,
+        interfaces: interfaces.to_vec(),
+        publishing: Publishing::NOTHING,
+        ..Default::default()
+    })
+}
+
+#[cfg(not(feature = "dds"))]
+fn check_dds(domain: u16, _: &[IpAddr]) -> Result<(), DoorError> {
+    Err(without(format!("dds:{domain}"), "dds"))
+}
+
 #[cfg(feature = "dds")]
 fn dds(
     domain: u16,

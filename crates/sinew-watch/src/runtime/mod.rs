@@ -22,7 +22,7 @@ mod worker;
 
 pub use board::{Board, Seen, Slot};
 pub use core_thread::{Answer, Control, CoreHandle, Reply};
-pub use doors::{DoorKey, Doors};
+pub use doors::{DoorKey, Doors, check as check_door};
 pub use health::{Health, StoreNow};
 pub use pace::Pace;
 pub use store_thread::Request;

@@ -33,6 +33,11 @@ pub enum Place {
 }
 
 impl Place {
+    /// Of the database, for messages.
+    pub fn name(&self) -> String {
+        self.file()
+    }
+
     /// Of the database.
     fn file(&self) -> String {
         match self {

@@ -76,6 +76,15 @@ impl Reader {
         Ok(Self { connection })
     }
 
+    /// Looks whether it is a store that this program can go on with.
+    ///
+    /// # Errors
+    /// [`StoreError`]: another program's, a newer one's, or it can't be read.
+    pub fn check(&self) -> Result<(), StoreError> {
+        let path = self.connection.path().unwrap_or_default();
+        super::schema::version(&self.connection, path).map(drop)
+    }
+
     pub(super) fn connection(&self) -> &Connection {
         &self.connection
     }

@@ -77,8 +77,11 @@ CREATE TABLE exported (
 /// Version that this program writes.
 pub const VERSION: usize = STEPS.len();
 
-/// Brings a database to this program's version, in one transaction.
-pub(super) fn migrate(connection: &mut Connection, file: &str) -> Result<(), StoreError> {
+/// Version of a database; 0: it is empty.
+///
+/// # Errors
+/// [`StoreError`]: another program's, or a newer one's.
+pub(super) fn version(connection: &Connection, file: &str) -> Result<i64, StoreError> {
     let application: i32 = connection.pragma_query_value(None, "application_id", |r| r.get(0))?;
     let version: i64 = connection.pragma_query_value(None, "user_version", |r| r.get(0))?;
     let tables: i64 =
@@ -94,6 +97,13 @@ pub(super) fn migrate(connection: &mut Connection, file: &str) -> Result<(), Sto
             known,
         });
     }
+    Ok(version)
+}
+
+/// Brings a database to this program's version, in one transaction.
+pub(super) fn migrate(connection: &mut Connection, file: &str) -> Result<(), StoreError> {
+    let version = version(connection, file)?;
+    let known = i64::try_from(VERSION).unwrap_or(i64::MAX);
     if version == known {
         return Ok(());
     }
