@@ -187,6 +187,7 @@ impl Tail {
             if let Some(next) = self.next(now) {
                 // Channels are numbered anew in each file.
                 self.targets.clear();
+                shared.set_shut(None);
                 following = Some(next);
                 continue;
             }
@@ -222,7 +223,7 @@ impl Tail {
         let (got, available) = match now.fill(&mut self.piece) {
             Ok(filled) => filled,
             Err(error) => {
-                self.give_up(now, error.to_string());
+                self.give_up(now, error.to_string(), shared);
                 return true;
             }
         };
@@ -234,7 +235,7 @@ impl Tail {
             let length = match now.records.piece(rest, available - at as u64) {
                 Piece::Torn => break,
                 Piece::Broken(why) => {
-                    self.give_up(now, why);
+                    self.give_up(now, why, shared);
                     break;
                 }
                 Piece::Whole(length) if length > rest.len() => {
@@ -259,7 +260,7 @@ impl Tail {
                     now.tries += 1;
                     break;
                 }
-                State::Broken(why) => self.give_up(now, why),
+                State::Broken(why) => self.give_up(now, why, shared),
             }
             now.tries = 0;
         }
@@ -277,10 +278,14 @@ impl Tail {
         has_read
     }
 
-    fn give_up(&self, now: &mut Following, why: String) {
+    fn give_up(&self, now: &mut Following, why: String, shared: &Shared) {
         now.is_done = true;
         let file = now.path.display().to_string();
         let offset = now.records.read;
+        // Nothing more comes of it, until there is another.
+        shared.set_shut(Some(format!(
+            "{file} is damaged from byte {offset} on: {why}; the next recording is waited for"
+        )));
         self.tell(&Trouble::Damaged { file, offset, why });
     }
 

@@ -286,7 +286,8 @@ fn severities_are_those_of_the_table() {
             Condition::ReplaceLimit,
             Condition::StrandFailed,
             Condition::Jump,
-            Condition::Store
+            Condition::Store,
+            Condition::Door
         ]
     );
 }

@@ -157,3 +157,25 @@ fn a_stretch_that_never_fits_is_a_record_without_an_offset_or_a_wide_one() {
     assert!(wide, "{record:?}");
     let _other = longer(&[], 0, 0.0);
 }
+
+#[test]
+fn a_door_that_is_shut_is_a_fault_of_its_own_and_over_when_it_opens() {
+    let mut watched = Watched::new(tensioned());
+    let why = ("dds:0", "interface 192.0.2.7 can't be used");
+    watched.monitor.door(Some(why), watched.now);
+    watched.pass(4.0);
+    assert_eq!(watched.alarm(None, Condition::Door), None);
+    watched.pass(60.0);
+    let state = watched.alarm(None, Condition::Door);
+    assert_eq!(state, Some(AlarmState::Active));
+    let robot = watched.snapshot();
+    // The robot may well run: what is said first is that the monitor is deaf, not that the robot is silent.
+    assert_eq!(robot.alarms[0].key.condition, Condition::Door);
+    assert_eq!(robot.level, Level::Error);
+    assert!(
+        matches!(&robot.alarms[0].cause, AlarmCause::Door { door, why } if door == "dds:0" && why.contains("192.0.2.7"))
+    );
+    watched.monitor.door(None, watched.now);
+    watched.pass(3.0);
+    assert_eq!(watched.alarm(None, Condition::Door), None);
+}

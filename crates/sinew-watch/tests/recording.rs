@@ -4,6 +4,7 @@ use sinew_watch::config::Config;
 use sinew_watch::runtime::{Runtime, Seen, Start};
 use sinew_watch::store::{JournalEntry, JournalQuery, Place, Reader, RecordQuery};
 use sinew_watch_core::RobotSnapshot;
+use sinew_watch_core::alarm::{AlarmCause, Condition};
 use sinew_watch_core::journal::Event;
 use sinew_watch_core::snapshot::{Freshness, NotNow};
 use std::io::Write as _;
@@ -255,6 +256,82 @@ fn months_that_are_over_become_parquet_that_others_read() {
     assert!(std::fs::read(file).unwrap().ends_with(b"PAR1"));
     until("that it is remembered", || {
         write(time + 40.0 * 86_400.0).is_empty()
+    });
+    runtime.end();
+}
+
+/// Why the robot's door is shut, if that is an alarm.
+fn shut(runtime: &Runtime) -> Option<(String, String)> {
+    let robot = seen(runtime)?;
+    let alarm = robot
+        .alarms
+        .iter()
+        .find(|a| a.key.condition == Condition::Door)?;
+    match &alarm.cause {
+        AlarmCause::Door { door, why } => Some((door.clone(), why.clone())),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut runtime = start(folder.path());
+    runtime.configure(&config(folder.path(), ""));
+    until("the door's alarm", || {
+        runtime.look();
+        shut(&runtime).is_some()
+    });
+    let (door, why) = shut(&runtime).unwrap();
+    assert!(door.ends_with("run.mcap") && why.contains("No such file"));
+    let doors = runtime.health().doors();
+    assert!(doors.len() == 1 && doors[0].shut.as_deref() == Some(why.as_str()));
+    let metrics = sinew_watch::web::metrics::render(runtime.board(), runtime.health());
+    let line = format!("sinew_door_open{{door=\"{door}\"}} 0\n");
+    assert!(metrics.contains(&line), "{metrics}");
+    let robot = seen(&runtime).unwrap();
+    let said = sinew_watch::words::robot(&robot);
+    assert_eq!(said, "the monitor can't listen to it");
+    // It is tried again.
+    std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
+    until("frames", || frames(&runtime) > 100);
+    until("the end of the alarm", || {
+        runtime.look();
+        shut(&runtime).is_none()
+    });
+    assert_eq!(runtime.health().doors()[0].shut, None);
+    runtime.end();
+}
+
+#[test]
+fn a_door_that_can_not_even_be_tried_is_shown_as_shut_with_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut runtime = start(folder.path());
+    let config = config(folder.path(), "");
+    let mut other = config.clone();
+    let text = format!(
+        "[[robot]]\nname = \"arm\"\ndir = {:?}\nzenoh = {{}}\n",
+        repository().join("robots/biorob-like")
+    );
+    other.robots = Config::parse(&text, "watch.toml", folder.path())
+        .unwrap()
+        .robots;
+    runtime.configure(&other);
+    until("the door's alarm", || {
+        runtime.look();
+        shut(&runtime).is_some()
+    });
+    let (door, why) = shut(&runtime).unwrap();
+    assert!(
+        door == "zenoh:0" && why.contains("built without it"),
+        "{door}: {why}"
+    );
+    // Another door, and the fault is over.
+    std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
+    runtime.configure(&config);
+    until("the end of the alarm", || {
+        runtime.look();
+        frames(&runtime) > 0 && shut(&runtime).is_none()
     });
     runtime.end();
 }

@@ -85,6 +85,7 @@ fn the_reference_names_every_key_of_the_configuration() {
         "strand_failed",
         "jump",
         "store",
+        "door",
         "retension_limit",
         "limit_near",
         "suspicion",

@@ -23,17 +23,20 @@ pub enum Condition {
     Data,
     /// What is learned can't be stored.
     Store,
+    /// The door that its messages come through is shut: the monitor hears nothing, whatever the robot does.
+    Door,
     /// Nothing is received.
     NoData,
 }
 
 impl Condition {
     /// All, the most severe first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::ReplaceLimit,
         Self::StrandFailed,
         Self::Jump,
         Self::Store,
+        Self::Door,
         Self::RetensionLimit,
         Self::LimitNear,
         Self::Suspicion,
@@ -48,6 +51,7 @@ impl Condition {
             Self::StrandFailed => 800,
             Self::Jump => 700,
             Self::Store => 650,
+            Self::Door => 620,
             Self::RetensionLimit => 600,
             Self::LimitNear => 400,
             Self::Suspicion | Self::Data => 300,
@@ -61,16 +65,16 @@ impl Condition {
     }
 
     /// Whether somebody has to have seen it, once it is over. A robot that is switched off every night
-    /// needs no look every morning.
+    /// needs no look every morning, nor does a network that came up later than the monitor.
     pub fn needs_look(self) -> bool {
-        self != Self::NoData
+        !matches!(self, Self::NoData | Self::Door)
     }
 
     /// What `/diagnostics` shows.
     pub fn level(self) -> Level {
         match self {
             Self::NoData => Level::Stale,
-            _ if self.latches() || self == Self::Store => Level::Error,
+            _ if self.latches() || matches!(self, Self::Store | Self::Door) => Level::Error,
             _ => Level::Warn,
         }
     }

@@ -30,6 +30,7 @@ impl Delays {
             }
             Condition::Data => (15.0, 60.0),
             Condition::Store => (5.0, 60.0),
+            Condition::Door => (5.0, 1.0),
             Condition::StrandFailed
             | Condition::Jump
             | Condition::Suspicion

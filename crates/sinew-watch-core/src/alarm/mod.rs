@@ -132,6 +132,16 @@ pub enum AlarmCause {
     },
     /// Storing failed.
     Store {
+        /// What kind of failure.
+        #[serde(default)]
+        fault: StoreFault,
+        /// What the system said.
+        why: String,
+    },
+    /// A door is shut, and is tried again.
+    Door {
+        /// Which, such as `dds:0` or `mcap:run.mcap`.
+        door: String,
         /// What the system said.
         why: String,
     },
@@ -140,6 +150,24 @@ pub enum AlarmCause {
         /// Since then, s since 1970 UTC; `None`: since the start.
         since_utc_s: Option<f64>,
     },
+}
+
+/// Why nothing can be stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum StoreFault {
+    /// The disk has no room.
+    Full,
+    /// The folder or its disk can't be written.
+    ReadOnly,
+    /// The disk fails.
+    Disk,
+    /// The database is damaged.
+    Damaged,
+    /// Something else.
+    #[default]
+    Other,
 }
 
 /// What a sudden change may be.

@@ -2,7 +2,7 @@
 
 use super::Monitor;
 use super::limits;
-use crate::alarm::{AlarmCause, AlarmKey, Condition, Delays, JumpKind, Trouble};
+use crate::alarm::{AlarmCause, AlarmKey, Condition, Delays, JumpKind, StoreFault, Trouble};
 use crate::instant::Instant;
 use crate::journal::Event;
 use crate::journal::SessionEnd;
@@ -178,12 +178,27 @@ impl Monitor {
         }
     }
 
+    /// Whether the robot's door is shut, and why: `dds:0` and what the system said.
+    pub fn door(&mut self, shut: Option<(&str, &str)>, now: Instant) {
+        match shut {
+            Some((door, why)) => {
+                let (door, why) = (door.into(), why.into());
+                let cause = AlarmCause::Door { door, why };
+                self.conditions
+                    .set(None, Condition::Door, Some(true), cause);
+            }
+            None => self.over_of(None, Condition::Door),
+        }
+        self.tick(now);
+    }
+
     /// Whether what is learned can be stored.
-    pub(super) fn store_trouble(&mut self, why: Option<&str>, now: Instant) {
+    pub(super) fn store_trouble(&mut self, why: Option<(StoreFault, &str)>, now: Instant) {
         self.store_fails = why.is_some();
         match why {
-            Some(why) => {
-                let cause = AlarmCause::Store { why: why.into() };
+            Some((fault, why)) => {
+                let why = why.into();
+                let cause = AlarmCause::Store { fault, why };
                 self.conditions
                     .set(None, Condition::Store, Some(true), cause);
             }

@@ -32,7 +32,7 @@ pub use config::{AlarmOptions, ClockChoice, MonitorConfig, MonitorError, Stored,
 pub use history::History;
 pub use job::{Done, Job};
 
-use crate::alarm::{Alarms, Trouble};
+use crate::alarm::{Alarms, StoreFault, Trouble};
 use crate::instant::Instant;
 use crate::journal::{Entry, Event};
 use crate::record::Record;
@@ -295,9 +295,9 @@ impl Monitor {
     }
 
     /// A transaction could not be stored; it is handed out again with the next one.
-    pub fn refused(&mut self, id: u64, why: &str, now: Instant) {
+    pub fn refused(&mut self, id: u64, fault: StoreFault, why: &str, now: Instant) {
         if self.outbox.refused(id) {
-            self.store_trouble(Some(why), now);
+            self.store_trouble(Some((fault, why)), now);
         }
     }
 }

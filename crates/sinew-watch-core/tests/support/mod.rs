@@ -11,7 +11,7 @@ use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use sinew_sim::{Scenario, Simulation};
-use sinew_watch_core::alarm::{AlarmKey, AlarmState, Condition};
+use sinew_watch_core::alarm::{AlarmKey, AlarmState, Condition, StoreFault};
 use sinew_watch_core::command::{Command, CommandError, What};
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::{
@@ -232,7 +232,8 @@ impl Watched {
         while let Some(transaction) = self.monitor.transaction() {
             let id = transaction.id;
             if self.store.fails {
-                self.monitor.refused(id, "disk full", self.now);
+                self.monitor
+                    .refused(id, StoreFault::Full, "disk full", self.now);
                 return false;
             }
             self.store.keep(transaction);

@@ -63,6 +63,9 @@ export function Fleet({ live }) {
         <label class="search">Find <input type="search" value={search} placeholder="robot, type, joint, alarm"
           onInput={event => setSearch(event.target.value)} /></label>
       )}
+      {(live.fleet.doors ?? []).filter(door => door.shut).map(door => (
+        <p key={door.door} class="banner alarm"><strong>{door.door} is shut:</strong> {door.shut}</p>
+      ))}
       {(live.fleet.not_watched ?? []).map(robot => (
         <p key={robot.robot} class="banner alarm"><strong>{robot.robot} is not watched:</strong> {robot.why}</p>
       ))}

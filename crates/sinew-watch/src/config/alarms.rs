@@ -30,11 +30,12 @@ impl AlarmSettings {
 }
 
 /// Keys of the conditions.
-const KEYS: [(&str, Condition); 9] = [
+const KEYS: [(&str, Condition); 10] = [
     ("replace_limit", Condition::ReplaceLimit),
     ("strand_failed", Condition::StrandFailed),
     ("jump", Condition::Jump),
     ("store", Condition::Store),
+    ("door", Condition::Door),
     ("retension_limit", Condition::RetensionLimit),
     ("limit_near", Condition::LimitNear),
     ("suspicion", Condition::Suspicion),

@@ -178,6 +178,7 @@ impl Demo {
                 .doors()
                 .adopt(DoorKey::of(&settings(arm.name).door), door, routes);
         }
+        runtime.look();
         let (_hooks, webhooks) = tokio::sync::watch::channel(Vec::new());
         let web = WebStart {
             settings: web,

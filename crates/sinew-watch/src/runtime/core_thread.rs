@@ -3,12 +3,15 @@
 //! It never waits for the disk, an estimate or a browser: it waits for messages, and for answers to what it gave away.
 
 use super::board::{Seen, Slot};
+use super::doors::Shut;
 use super::health::Health;
 use super::pace::Pace;
 use super::store_thread::Request;
 use super::troubles::Troubles;
 use super::worker::Work;
+use crate::store::StoreError;
 use sinew_door::{Batch, Clock, Inbox, Intake, Received, RobotId, Taken};
+use sinew_watch_core::alarm::StoreFault;
 use sinew_watch_core::command::{Command, CommandError};
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::snapshot::Freshness;
@@ -62,7 +65,14 @@ pub enum Control {
         /// Which.
         transaction: Box<Transaction>,
         /// Why not.
-        result: Result<(), String>,
+        result: Result<(), NotStored>,
+    },
+    /// A robot's door is shut, or is open.
+    Door {
+        /// Robot.
+        robot: RobotId,
+        /// Why it is shut; `None`: it is open.
+        shut: Option<Shut>,
     },
     /// An estimate was made.
     Done {
@@ -81,6 +91,25 @@ pub enum Control {
         /// Until when.
         by: Instant,
     },
+}
+
+/// Why a transaction wasn't stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NotStored {
+    /// What kind of failure.
+    pub fault: StoreFault,
+    /// In words.
+    pub why: String,
+}
+
+impl NotStored {
+    /// Of what the store says.
+    pub fn of(error: &StoreError) -> Self {
+        Self {
+            fault: error.fault(),
+            why: error.in_words(),
+        }
+    }
 }
 
 /// What became of a command.
@@ -263,7 +292,7 @@ impl CoreThread {
         } = &mut robot.watched;
         intake.feed(&self.batch, |taken| {
             if let Some(line) = feed(monitor, slot, troubles, taken, (pace, now)) {
-                health.say(&line);
+                health.say_once(&line);
             }
         });
         self.pump(id.index());
@@ -308,6 +337,14 @@ impl CoreThread {
                 transaction,
                 result,
             } => self.stored(robot, *transaction, result),
+            Control::Door { robot, shut } => {
+                if let Some(robot) = self.robots.get_mut(&robot.index()) {
+                    let shut = shut.as_ref();
+                    let shut = shut.map(|shut| (shut.door.as_str(), shut.why.as_str()));
+                    robot.watched.monitor.door(shut, now);
+                }
+                self.pump(robot.index());
+            }
             Control::Done { robot: at, done } => {
                 if let Some(robot) = self.robots.get_mut(&at) {
                     robot.working = false;
@@ -387,7 +424,7 @@ impl CoreThread {
         self.pump(at);
     }
 
-    fn stored(&mut self, at: usize, transaction: Transaction, result: Result<(), String>) {
+    fn stored(&mut self, at: usize, transaction: Transaction, result: Result<(), NotStored>) {
         let now = self.now();
         let Some(robot) = self.robots.get_mut(&at) else {
             return;
@@ -396,7 +433,7 @@ impl CoreThread {
         let id = transaction.id;
         let answer = match &result {
             Ok(()) => Answer::Stored,
-            Err(why) => Answer::NotStored(why.clone()),
+            Err(not) => Answer::NotStored(not.why.clone()),
         };
         for at in (0..robot.commands.len()).rev() {
             if robot.commands[at].1 == Some(id) {
@@ -419,7 +456,9 @@ impl CoreThread {
                 self.show(at);
             }
             // Tried again at the next tick.
-            Err(why) => return robot.watched.monitor.refused(id, &why, now),
+            Err(NotStored { fault, why }) => {
+                return robot.watched.monitor.refused(id, fault, &why, now);
+            }
         }
         self.pump(at);
     }

@@ -3,11 +3,13 @@
 use super::health::Health;
 use super::tell::TellHandle;
 use crate::config::{DoorSettings, Publish};
+use serde::Serialize;
 use sinew_door::tail::{From, TailOptions};
-use sinew_door::{Clock, Door, DoorError, DoorStatus, Publisher, Publishing, Route, Routes, tail};
+use sinew_door::{Clock, Door, DoorError, Publisher, Publishing, Route, Routes, tail};
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// Which door; robots with the same share it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,28 +69,74 @@ impl DoorKey {
     }
 }
 
+impl DoorKey {
+    /// As records and messages name it.
+    fn name(&self) -> String {
+        match self {
+            Self::Dds { domain, .. } => format!("dds:{domain}"),
+            Self::Zenoh { domain, .. } => format!("zenoh:{domain}"),
+            Self::Mcap { path, .. } => format!("mcap:{}", path.display()),
+        }
+    }
+}
+
 struct Open {
     door: Door,
     routes: Routes,
     publish: Publish,
 }
 
-/// The doors that stand open.
+/// One that can't be opened is tried again after so long.
+const TRY_AGAIN: Duration = Duration::from_secs(30);
+
+/// Why a door is shut.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shut {
+    /// Which, such as `dds:0`.
+    pub door: String,
+    /// What the system said.
+    pub why: String,
+}
+
+/// How a door is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DoorNow {
+    /// Its name, such as `dds:0` or `mcap:run.mcap`.
+    pub door: String,
+    /// Why nothing can come through it; `None`: it is open.
+    pub shut: Option<String>,
+    /// Messages received so far of topics that some robot wants.
+    #[serde(skip)]
+    pub messages: u64,
+}
+
+/// What couldn't be opened.
+struct Failed {
+    error: DoorError,
+    routes: Routes,
+    publish: Publish,
+    next_try: Instant,
+}
+
+/// The doors that stand open, and those that should.
 #[derive(Default)]
 pub struct Doors {
     open: BTreeMap<DoorKey, Open>,
+    failed: BTreeMap<DoorKey, Failed>,
+    /// Why they were shut when that was said last.
+    said: BTreeMap<DoorKey, Option<String>>,
 }
 
 impl Doors {
     /// From now on these robots are behind these doors. A door that stays loses no message; one that no robot is
-    /// behind is shut; what can't be opened is given back with why.
+    /// behind is shut; what can't be opened is tried again.
     pub fn set(
         &mut self,
         wanted: BTreeMap<DoorKey, Vec<Route>>,
         publish: Publish,
         (clock, tell): (Clock, &TellHandle),
-        health: &Health,
-    ) -> Vec<(DoorKey, DoorError)> {
+    ) {
         self.open.retain(|key, open| {
             // A recording publishes nothing: opened anew it would be read again.
             let same = matches!(key, DoorKey::Mcap { .. }) || open.publish == publish;
@@ -98,45 +146,100 @@ impl Doors {
             }
             stays
         });
-        let mut faults = Vec::new();
+        self.failed.clear();
+        self.said.retain(|key, _| wanted.contains_key(key));
         for (key, routes) in wanted {
-            if let Some(open) = self.open.get(&key) {
-                open.routes.replace(routes);
-                continue;
+            match self.open.get(&key) {
+                Some(open) => open.routes.replace(routes),
+                None => self.try_open(key, Routes::new(routes), publish, (clock, tell)),
             }
-            let routes = Routes::new(routes);
-            match open(&key, &routes, publish, clock) {
-                Ok((door, publisher)) => {
-                    health.say(&format!("{}: open", door.status().name));
-                    if let Some(publisher) = publisher {
-                        tell.add(key.clone(), publisher);
-                    }
-                    self.open.insert(
-                        key,
-                        Open {
-                            door,
-                            routes,
-                            publish,
-                        },
-                    );
+        }
+    }
+
+    fn try_open(
+        &mut self,
+        key: DoorKey,
+        routes: Routes,
+        publish: Publish,
+        (clock, tell): (Clock, &TellHandle),
+    ) {
+        match open(&key, &routes, publish, clock) {
+            Ok((door, publisher)) => {
+                if let Some(publisher) = publisher {
+                    tell.add(key.clone(), publisher);
                 }
-                Err(error) => {
-                    health.say(&error.to_string());
-                    faults.push((key, error));
+                let open = Open {
+                    door,
+                    routes,
+                    publish,
+                };
+                self.open.insert(key, open);
+            }
+            Err(error) => {
+                let failed = Failed {
+                    error,
+                    routes,
+                    publish,
+                    next_try: Instant::now() + TRY_AGAIN,
+                };
+                self.failed.insert(key, failed);
+            }
+        }
+    }
+
+    /// Tries again what couldn't be opened, and tells the log what became shut or open.
+    pub fn look(&mut self, with: (Clock, &TellHandle), health: &Health) {
+        let now = Instant::now();
+        let failed = std::mem::take(&mut self.failed);
+        for (key, failed) in failed {
+            match failed.next_try <= now {
+                true => self.try_open(key, failed.routes, failed.publish, with),
+                false => {
+                    self.failed.insert(key, failed);
                 }
             }
         }
-        faults
+        let all = self.now();
+        for (key, door) in &all {
+            let said = self.said.get(key);
+            if said != Some(&door.shut) {
+                match &door.shut {
+                    Some(why) => health.say(&format!("{}: shut: {why}; tried again", door.door)),
+                    // A door that is just opened may find that it can't be: it says so at once.
+                    None => health.say(&format!("{}: open", door.door)),
+                }
+                self.said.insert(key.clone(), door.shut.clone());
+            }
+        }
+        health.set_doors(all.into_values().collect());
     }
 
-    /// What they say of themselves.
-    pub fn status(&self) -> Vec<DoorStatus> {
-        self.open.values().map(|open| open.door.status()).collect()
+    /// How they are.
+    pub fn now(&self) -> BTreeMap<DoorKey, DoorNow> {
+        let open = self.open.iter().map(|(key, open)| {
+            let status = open.door.status();
+            let door = DoorNow {
+                door: status.name,
+                shut: status.shut,
+                messages: status.messages,
+            };
+            (key.clone(), door)
+        });
+        let failed = self.failed.iter().map(|(key, failed)| {
+            let door = DoorNow {
+                door: key.name(),
+                shut: Some(failed.error.to_string()),
+                messages: 0,
+            };
+            (key.clone(), door)
+        });
+        open.chain(failed).collect()
     }
 
     /// Shuts all.
     pub fn shut(&mut self) {
         self.open.clear();
+        self.failed.clear();
     }
 
     /// One that was opened elsewhere: of the demonstration.

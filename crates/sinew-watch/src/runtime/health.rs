@@ -1,6 +1,8 @@
 //! How the monitor itself is: its threads, its store, what it has to say.
 
+use super::doors::DoorNow;
 use crate::store::StoreError;
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -14,6 +16,10 @@ pub struct Health {
     /// Of each core thread: when it last went round, ms since the start.
     beats: Vec<AtomicU64>,
     store: Mutex<StoreNow>,
+    /// The doors, as they were when they were looked at last.
+    doors: Mutex<Vec<DoorNow>>,
+    /// Lines said of late.
+    said: Mutex<VecDeque<(Instant, String)>>,
     /// Transactions stored, and tries that failed.
     pub transactions: AtomicU64,
     /// Tries to store that failed.
@@ -30,6 +36,15 @@ pub struct Health {
     pub webhooks: AtomicU64,
     /// Webhooks that were given up.
     pub webhooks_lost: AtomicU64,
+}
+
+/// A line is not said again within this time.
+const SAID_FOR: Duration = Duration::from_secs(10);
+/// Lines that are remembered for that.
+const SAID_MOST: usize = 256;
+
+fn lock<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// How the store is.
@@ -49,6 +64,8 @@ impl Health {
             ends: AtomicBool::new(false),
             beats: (0..cores).map(|_| AtomicU64::new(0)).collect(),
             store: Mutex::default(),
+            doors: Mutex::default(),
+            said: Mutex::default(),
             transactions: AtomicU64::new(0),
             failures: AtomicU64::new(0),
             commits: AtomicU64::new(0),
@@ -105,6 +122,22 @@ impl Health {
         }
     }
 
+    /// One transaction can't be stored, others can: the store works.
+    pub fn refused(&self, robot: &str, error: &StoreError) {
+        self.failures.fetch_add(1, Ordering::Relaxed);
+        self.say_once(&format!("{robot}: can't be stored: {}", error.in_words()));
+    }
+
+    /// The doors, as they were when they were looked at last.
+    pub fn doors(&self) -> Vec<DoorNow> {
+        lock(&self.doors).clone()
+    }
+
+    /// The doors are so now.
+    pub fn set_doors(&self, doors: Vec<DoorNow>) {
+        *lock(&self.doors) = doors;
+    }
+
     /// How the store is.
     pub fn store(&self) -> StoreNow {
         self.store
@@ -118,6 +151,25 @@ impl Health {
         self.jobs.fetch_add(1, Ordering::Relaxed);
         self.job_us
             .fetch_add(took.as_micros() as u64, Ordering::Relaxed);
+    }
+
+    /// A line that a thousand robots may have to say at the same time: one of a kind within a few seconds is enough.
+    pub fn say_once(&self, line: &str) {
+        let now = Instant::now();
+        {
+            let mut said = lock(&self.said);
+            while said.front().is_some_and(|(at, _)| now - *at > SAID_FOR) {
+                said.pop_front();
+            }
+            if said.iter().any(|(_, known)| known == line) {
+                return;
+            }
+            if said.len() >= SAID_MOST {
+                said.pop_front();
+            }
+            said.push_back((now, line.to_owned()));
+        }
+        self.say(line);
     }
 
     /// A line for whoever reads the log: stderr, which systemd keeps.

@@ -21,8 +21,8 @@ mod troubles;
 mod worker;
 
 pub use board::{Board, Seen, Slot};
-pub use core_thread::{Answer, Control, CoreHandle, Reply};
-pub use doors::{DoorKey, Doors, check as check_door};
+pub use core_thread::{Answer, Control, CoreHandle, NotStored, Reply};
+pub use doors::{DoorKey, DoorNow, Doors, Shut, check as check_door};
 pub use health::{Health, StoreNow};
 pub use pace::Pace;
 pub use store_thread::Request;
@@ -48,6 +48,10 @@ use tokio::sync::mpsc::{Receiver, channel};
 const TOLD_WAITING: usize = 1000;
 /// What is left is stored within this time when the monitor ends.
 const END_WITHIN: Duration = Duration::from_secs(20);
+
+/// Why a robot isn't watched yet.
+const WAITS_FOR_URDF: &str =
+    "waits for its URDF: robot.toml names none, so /robot_description has to come";
 
 /// How a monitor is started.
 #[derive(Debug, Clone)]
@@ -97,6 +101,8 @@ pub enum StartError {
 struct Known {
     settings: RobotSettings,
     state: State,
+    /// What it was told of its door; `None`: nothing yet.
+    door: Option<Option<Shut>>,
 }
 
 enum State {
@@ -346,8 +352,12 @@ impl Runtime {
 
     fn put(&mut self, settings: &RobotSettings, state: State) {
         let settings = settings.clone();
-        self.robots
-            .insert(settings.name.clone(), Known { settings, state });
+        let known = Known {
+            settings,
+            state,
+            door: None,
+        };
+        self.robots.insert(known.settings.name.clone(), known);
     }
 
     fn not_watched(&mut self, settings: &RobotSettings, why: String) {
@@ -368,15 +378,16 @@ impl Runtime {
             Ok(intake) => Box::new(intake),
             Err(error) => return self.not_watched(settings, error.to_string()),
         };
-        let why = "waits for its URDF: robot.toml names none, so /robot_description has to come";
-        self.board.slot(name).put(Seen::NotWatched(why.into()));
+        let slot = self.board.slot(name);
+        slot.put(Seen::NotWatched(WAITS_FOR_URDF.into()));
         let (id, sender) = self.waiting.robot(QueueLimits::default());
         let queue = Queued { id, sender, live };
         self.put(settings, State::WaitsForUrdf { queue, intake });
     }
 
-    /// Looks whether URDFs came that robots wait for.
+    /// Looks at the doors, and whether URDFs came that robots wait for.
     pub fn look(&mut self) {
+        self.look_at_doors();
         let mut came = Vec::new();
         let mut batch = Batch::default();
         while let Some(id) = self.waiting.wait(Duration::ZERO) {
@@ -438,17 +449,40 @@ impl Runtime {
         }
         self.tell.0.set(behind);
         let with = (self.start.clock, &self.tell.0);
-        let faults = self.doors.set(wanted, self.publish, with, &self.health);
-        for (key, error) in faults {
-            let of_door = self
-                .robots
-                .values()
-                .filter(|k| DoorKey::of(&k.settings.door) == key);
-            for known in of_door {
-                self.board
-                    .slot(&known.settings.name)
-                    .put(Seen::NotWatched(error.to_string()));
+        self.doors.set(wanted, self.publish, with);
+        self.look_at_doors();
+    }
+
+    /// Tells robots whose door became shut or open.
+    fn look_at_doors(&mut self) {
+        self.doors
+            .look((self.start.clock, &self.tell.0), &self.health);
+        let doors = self.doors.now();
+        for known in self.robots.values_mut() {
+            let door = doors.get(&DoorKey::of(&known.settings.door));
+            let shut = door.and_then(|door| {
+                let (door, why) = (door.door.clone(), door.shut.clone()?);
+                Some(Shut { door, why })
+            });
+            if known.door.as_ref() == Some(&shut) {
+                continue;
             }
+            match &known.state {
+                State::Watched { core, queue } => self.cores[*core].0.tell(Control::Door {
+                    robot: queue.id,
+                    shut: shut.clone(),
+                }),
+                State::WaitsForUrdf { .. } => {
+                    let why = match &shut {
+                        Some(Shut { door, why }) => format!("{door} is shut: {why}"),
+                        None => WAITS_FOR_URDF.into(),
+                    };
+                    let slot = self.board.slot(&known.settings.name);
+                    slot.put(Seen::NotWatched(why));
+                }
+                State::Fault => {}
+            }
+            known.door = Some(shut);
         }
     }
 

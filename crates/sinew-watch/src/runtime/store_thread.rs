@@ -1,8 +1,8 @@
 //! The thread that stores: nobody waits for it but what it stores.
 
-use super::core_thread::{Control, CoreHandle};
+use super::core_thread::{Control, CoreHandle, NotStored};
 use super::health::Health;
-use crate::store::{Store, StoreError};
+use crate::store::Store;
 use sinew_watch_core::Transaction;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -106,23 +106,80 @@ fn commit(
 ) {
     let begun = Instant::now();
     let together = store.commit(&transactions);
-    health.committed(transactions.len(), begun.elapsed(), together.as_ref().err());
     let alone = transactions.len() > 1
         && together
             .as_ref()
             .is_err_and(|error| !error.is_of_the_disk());
+    if !alone {
+        health.committed(transactions.len(), begun.elapsed(), together.as_ref().err());
+    }
     for (transaction, (robot, core)) in transactions.into_iter().zip(whose) {
         let result = match (&together, alone) {
             (Ok(()), _) => Ok(()),
-            (Err(_), true) => store
-                .commit(std::slice::from_ref(&transaction))
-                .map_err(|e| e.in_words()),
-            (Err(error), false) => Err(StoreError::in_words(error)),
+            (Err(_), true) => {
+                let begun = Instant::now();
+                let own = store.commit(std::slice::from_ref(&transaction));
+                match &own {
+                    Ok(()) => health.committed(1, begun.elapsed(), None),
+                    Err(error) if error.is_of_the_disk() => {
+                        health.committed(1, begun.elapsed(), Some(error));
+                    }
+                    // It is this one that can't be stored: the store works.
+                    Err(error) => health.refused(&transaction.robot, error),
+                }
+                own.map_err(|e| NotStored::of(&e))
+            }
+            (Err(error), false) => Err(NotStored::of(error)),
         };
         core.tell(Control::Stored {
             robot,
             transaction: Box::new(transaction),
             result,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::Place;
+    use sinew_door::Inbox;
+    use sinew_watch_core::journal::{Entry, Event};
+
+    fn of(robot: &str, time_utc_s: f64) -> Transaction {
+        Transaction {
+            id: 1,
+            robot: robot.into(),
+            records: Vec::new(),
+            belief: None,
+            alarms: None,
+            journal: vec![Entry {
+                time_utc_s,
+                event: Event::Silent,
+            }],
+        }
+    }
+
+    #[test]
+    fn one_transaction_that_can_not_be_stored_makes_no_store_bad() {
+        let mut store = Store::open(Place::Memory(7_000_001)).unwrap();
+        let health = Health::new(1);
+        let (core, answers) = CoreHandle::new(Inbox::new());
+        // A time that is no number is none in the database, and none is refused.
+        let three = vec![of("a", 1.0), of("b", f64::NAN), of("c", 1.0)];
+        let whose = (0..3).map(|robot| (robot, core.clone())).collect();
+        commit(&mut store, three, whose, &health);
+        let stored: Vec<bool> = answers
+            .try_iter()
+            .map(|answer| matches!(answer, Control::Stored { result: Ok(()), .. }))
+            .collect();
+        assert_eq!(stored, [true, false, true]);
+        assert_eq!(health.store().fails, None, "the store works");
+        let count =
+            |of: &std::sync::atomic::AtomicU64| of.load(std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(
+            (count(&health.transactions), count(&health.failures)),
+            (2, 1)
+        );
     }
 }

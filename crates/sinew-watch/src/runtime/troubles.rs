@@ -63,7 +63,8 @@ impl Troubles {
                 self.all.remove(&(topic.clone(), publisher.clone()));
                 return None;
             }
-            Door::PublisherFound { .. } => return None,
+            // Of every robot behind it: the monitor says it once.
+            Door::PublisherFound { .. } | Door::Open { .. } | Door::Shut { .. } => return None,
             other => return Some(other.to_string()),
         };
         let trouble = trouble?;
@@ -100,5 +101,24 @@ impl Troubles {
         }
         self.told = now;
         Some(&self.told)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_door_that_opens_is_no_line_for_each_robot_behind_it() {
+        let mut troubles = Troubles::default();
+        let door = || "dds:0".to_owned();
+        assert_eq!(troubles.take(&Door::Open { door: door() }), None);
+        let why = "no network".into();
+        assert_eq!(troubles.take(&Door::Shut { door: door(), why }), None);
+        let wrong = Door::WrongType {
+            topic: "/joint_states".into(),
+            found: "a/msg/B".into(),
+        };
+        assert!(troubles.take(&wrong).is_some());
     }
 }

@@ -17,6 +17,7 @@ pub use row::COLUMNS;
 pub use schema::VERSION;
 pub use write::Store;
 
+use sinew_watch_core::alarm::StoreFault;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -151,6 +152,22 @@ impl StoreError {
             )
         };
         self.is_damaged() || matches!(self, Self::Sqlite(e) if of_sqlite(e))
+    }
+
+    /// What kind of failure.
+    pub fn fault(&self) -> StoreFault {
+        use rusqlite::ErrorCode::{CannotOpen, PermissionDenied, ReadOnly, SystemIoFailure};
+        let code = match self {
+            Self::Sqlite(error) => error.sqlite_error_code(),
+            _ => None,
+        };
+        match code {
+            _ if self.is_full() => StoreFault::Full,
+            _ if self.is_damaged() => StoreFault::Damaged,
+            Some(ReadOnly | CannotOpen | PermissionDenied) => StoreFault::ReadOnly,
+            Some(SystemIoFailure) => StoreFault::Disk,
+            _ => StoreFault::Other,
+        }
     }
 
     /// In words that fit an alarm.

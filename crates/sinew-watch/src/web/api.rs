@@ -1,6 +1,6 @@
 //! What the HTTP API says: types of its answers. SI, with standard deviations; words beside them for people.
 
-use crate::runtime::{Seen, Slot};
+use crate::runtime::{DoorNow, Seen, Slot};
 use crate::store::JournalEntry;
 use crate::words;
 use serde::{Deserialize, Serialize};
@@ -23,6 +23,8 @@ pub struct Fleet {
     pub time_utc_s: f64,
     /// How the store is.
     pub store: StoreState,
+    /// The doors that messages come through.
+    pub doors: Vec<DoorNow>,
     /// Robots by name; in a `change` event those that changed.
     pub robots: Vec<RobotRow>,
     /// Robots that aren't watched, and why.

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 type About = (&'static str, &'static str, &'static str);
 
 /// All metrics, in their order; the reference is made of this.
-pub const ABOUT: [About; 36] = [
+pub const ABOUT: [About; 38] = [
     (
         "sinew_build_info",
         "gauge",
@@ -70,6 +70,16 @@ pub const ABOUT: [About; 36] = [
     ),
     ("sinew_webhooks_total", "counter", "Webhooks delivered."),
     ("sinew_webhooks_lost_total", "counter", "Webhooks given up."),
+    (
+        "sinew_door_open",
+        "gauge",
+        "1: messages can come through this door; 0: it is shut, and is tried again.",
+    ),
+    (
+        "sinew_door_messages_total",
+        "counter",
+        "Messages received through this door of topics that some robot wants.",
+    ),
     ("sinew_robots", "gauge", "Robots that are watched."),
     (
         "sinew_robots_not_watched",
@@ -221,6 +231,12 @@ impl Samples {
 pub fn render(board: &Board, health: &Health) -> String {
     let mut out = Samples::new();
     own(&mut out, health);
+    for door in health.doors() {
+        let labels = [("door", door.door.as_str())];
+        let open = f64::from(u8::from(door.shut.is_none()));
+        out.put("sinew_door_open", &labels, open);
+        out.put("sinew_door_messages_total", &labels, door.messages as f64);
+    }
     let (mut watched, mut not_watched) = (0, 0);
     for (name, slot) in board.all() {
         match slot.seen() {

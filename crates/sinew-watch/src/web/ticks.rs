@@ -90,6 +90,7 @@ impl Ticker {
             demo: self.demo.clone(),
             time_utc_s,
             store,
+            doors: self.health.doors(),
             robots: changed,
             not_watched,
             gone,

@@ -4,7 +4,7 @@ use super::{plus_minus, rounded, span, when};
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_model::Gaussian;
 use sinew_watch_core::alarm::{
-    Alarm, AlarmCause, AlarmState, Condition, JumpKind, LimitOrigin, Trouble,
+    Alarm, AlarmCause, AlarmState, Condition, JumpKind, LimitOrigin, StoreFault, Trouble,
 };
 
 /// A condition in two or three words.
@@ -18,6 +18,7 @@ pub fn condition_name(condition: Condition) -> &'static str {
         Condition::Suspicion => "look at it",
         Condition::Data => "the data are wrong",
         Condition::Store => "nothing can be stored",
+        Condition::Door => "the monitor can't listen to it",
         Condition::NoData => "nothing is received",
     }
 }
@@ -113,7 +114,8 @@ pub fn said(alarm: &Alarm) -> String {
             span(*for_s)
         ),
         AlarmCause::Data { trouble } => format!("{}.", data(trouble)),
-        AlarmCause::Store { why } => format!("{why}. The estimate goes on in memory."),
+        AlarmCause::Store { why, .. } => format!("{why}. The estimate goes on in memory."),
+        AlarmCause::Door { door, why } => format!("{door} is shut: {why}. It is tried again."),
         AlarmCause::Silence { since_utc_s } => match since_utc_s {
             Some(since) => format!("the last data came at {}.", when(*since)),
             None => "no data came since the monitor began.".into(),
@@ -216,8 +218,50 @@ pub fn advice(alarm: &Alarm) -> Option<&'static str> {
             },
             _,
         ) => "Change the publisher's quality of service.",
-        (_, Condition::Store) => "Make room on the disk.",
+        (AlarmCause::Store { fault, .. }, _) => match fault {
+            StoreFault::Full => "Make room on the disk.",
+            StoreFault::ReadOnly => {
+                "Let the monitor's user write in the folder of [store] dir; is its disk mounted for reading alone?"
+            }
+            StoreFault::Disk => "Look at the disk: the system's log names its faults.",
+            StoreFault::Damaged => {
+                "Move watch.db away, keep it, and start the monitor again: `sqlite3 FILE .recover` may save its records."
+            }
+            StoreFault::Other => "Look at the monitor's log.",
+        },
+        (_, Condition::Door) => {
+            "Look at the monitor's network and configuration, not at the robot: `sinew watch --check FILE`."
+        }
         (_, Condition::NoData) => "Is the robot on, and its driver running?",
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_watch_core::alarm::AlarmKey;
+
+    #[test]
+    fn what_to_do_about_a_store_follows_what_is_wrong_with_it() {
+        let alarm = |fault| Alarm {
+            key: AlarmKey {
+                joint: None,
+                condition: Condition::Store,
+            },
+            state: AlarmState::Active,
+            acknowledged: false,
+            raised_utc_s: 0.0,
+            cause: AlarmCause::Store {
+                fault,
+                why: "the store can't be written".into(),
+            },
+            shelved_until_utc_s: None,
+            shelved_for_s: None,
+        };
+        let advice = |fault| advice(&alarm(fault)).unwrap();
+        assert!(advice(StoreFault::Full).contains("room on the disk"));
+        assert!(!advice(StoreFault::ReadOnly).contains("room"));
+        assert!(advice(StoreFault::ReadOnly).contains("mounted for reading alone"));
+    }
 }
