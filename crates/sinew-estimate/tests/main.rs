@@ -19,6 +19,7 @@ mod robot_check;
 mod simulated_recordings;
 mod slip_cause;
 mod slips;
+mod stands;
 mod support;
 mod survival;
 mod trend;

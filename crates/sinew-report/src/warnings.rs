@@ -58,6 +58,7 @@ fn recording_joint(warning: &RecordingWarning) -> Option<&str> {
 fn session_joint(warning: &Warning) -> Option<&str> {
     match warning {
         Warning::TorqueHardlyChanged { joint, .. }
+        | Warning::StandsAtEnd { joint, .. }
         | Warning::RopeCreeps { joint, .. }
         | Warning::Unexplained { joint, .. }
         | Warning::Stuck { joint, .. }
@@ -186,6 +187,14 @@ pub fn session_warning(warning: &Warning) -> String {
             before_end_s,
         } => format!(
             "{joint}: the change at {time_s:.0} s came {before_end_s:.0} s before the end; a contact that lasts looks the same, so the interval holds both"
+        ),
+        Warning::StandsAtEnd {
+            joint,
+            from_s,
+            hidden_rad,
+        } => format!(
+            "the arm stands from {from_s:.0} s to the end: friction may hide a slip there, at {joint} one of up to {:.1} mrad; the next motion shows it",
+            1e3 * hidden_rad
         ),
         Warning::RopeCreeps {
             joint,

@@ -19,12 +19,14 @@ const MUCH: f64 = 0.35;
 /// data is seen.
 const LIKELY: f64 = 0.3;
 
-/// Warnings for an estimate; `far` are those of parameters far from what was believed.
+/// Warnings for an estimate; `far` are those of parameters far from what was believed, `hidden_rad` what the friction of
+/// every elastic joint may hide in a stand.
 pub(super) fn warnings(
     estimate: &SessionEstimate,
     inflations: &[Inflation],
     recorded: &Recorded,
     far: Vec<Warning>,
+    hidden_rad: &[f64],
 ) -> Vec<Warning> {
     let joints = &estimate.joints;
     let mut out = Vec::new();
@@ -36,6 +38,7 @@ pub(super) fn warnings(
     for (joint, travel) in joints.iter().zip(travels(recorded)) {
         out.extend(of_torque_and_changes(joint, travel.deflection, recorded));
     }
+    out.extend(stands_at_end(joints, recorded, hidden_rad));
     for (joint, inflation) in joints.iter().zip(inflations) {
         if inflation.creep_95_rad > 0.0 {
             out.push(Warning::RopeCreeps {
@@ -109,6 +112,35 @@ fn of_torque_and_changes(
         before_end_s: recorded.end_s() - change.time_s,
     }));
     out
+}
+
+/// Where the arm stood until the end, and friction may hold more there than the interval says of the joint.
+///
+/// A joint that stands is held by up to its friction `F`, on either side, so a slip of up to `2 F/K` may move nothing.
+fn stands_at_end(
+    joints: &[TendonEstimate],
+    recorded: &Recorded,
+    hidden_rad: &[f64],
+) -> Option<Warning> {
+    /// A shorter stand at the end is usual, and a change so late is left to the next session anyway, s.
+    const LONG_S: f64 = 5.0;
+    let last = recorded.blocks.last()?;
+    if last.stood_s < LONG_S {
+        return None;
+    }
+    let own = recorded.elastic.iter().zip(joints).zip(hidden_rad);
+    let worst = own
+        // One that never slid is unknown anyway.
+        .filter(|((i, _), _)| last.z_unknown[**i] < 0.5)
+        .map(|((_, joint), hidden)| (joint, *hidden))
+        .filter(|(joint, hidden)| *hidden > joint.offset_rad.half_width_95())
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let (joint, hidden_rad) = worst?;
+    Some(Warning::StandsAtEnd {
+        joint: joint.name.clone(),
+        from_s: (recorded.end_s() - last.stood_s).max(0.0),
+        hidden_rad,
+    })
 }
 
 /// Stiffness that has, or may have, changed before the recording began.

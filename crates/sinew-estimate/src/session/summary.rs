@@ -92,10 +92,26 @@ pub(super) fn summarise(
         warnings: Vec::new(),
     };
     let far = far_from_prior(prior, robot, segments);
-    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far);
+    let hidden_rad: Vec<f64> = elastic.iter().map(|&i| hidden_rad(context, i)).collect();
+    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far, &hidden_rad);
     let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
     estimate.warnings.extend(late.and_then(out_of_step));
     estimate
+}
+
+/// The largest slip in a stand at the end that is not told from friction, rad: `4 (F_c + μ K |y|)/K`. Friction may hold half of
+/// that, and a change is believed when it is twice as large.
+fn hidden_rad(context: &Context<'_>, joint: usize) -> f64 {
+    let prior = context.estimator.prior();
+    let at = |p| {
+        let place = prior.place(joint, p);
+        context.segments.belief.entry(place).mean.abs()
+    };
+    let transmission = context.robot.transmissions[joint].as_ref();
+    let stiffness = transmission.map_or(f64::INFINITY, |t| t.stiffness_nm_per_rad);
+    let last = context.recorded.blocks.last();
+    let load = at(JointParameter::LoadFriction) * last.map_or(0.0, |b| b.y[joint].abs());
+    4.0 * (at(JointParameter::Coulomb) / stiffness + load)
 }
 
 /// Seconds since 1970 of a recording's clock, where that tells the date.

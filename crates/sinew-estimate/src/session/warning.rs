@@ -51,6 +51,15 @@ pub enum Warning {
         /// So long before the end, s.
         before_end_s: f64,
     },
+    /// The arm stands at the end of the recording: friction may hide a slip there.
+    StandsAtEnd {
+        /// Joint of which it may hide most.
+        joint: String,
+        /// Since when, s.
+        from_s: f64,
+        /// The largest slip that may be hidden, rad.
+        hidden_rad: f64,
+    },
     /// A rope follows its load slowly, and what it carried before isn't known.
     RopeCreeps {
         /// Joint.

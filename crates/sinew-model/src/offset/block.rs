@@ -5,12 +5,18 @@ use alloc::vec::Vec;
 
 /// Signals that are averaged.
 const SUMS: usize = 17;
+/// Motion of a joint below this is a stand, rad: well above an encoder's step and friction's stroke.
+pub(crate) const STAND_RAD: f64 = 0.01;
+/// A shorter stand is part of motion, s.
+const LONG_STAND_S: f64 = 3.0;
 
 /// Averages over one block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Middle of the block, s since the first sample.
     pub time_s: f64,
+    /// For how long the arm has stood at the end of the block, s: no joint has moved by 10 mrad.
+    pub stood_s: f64,
     /// Filtered joint position at the end of the block, `n`, rad.
     pub q: Vec<f64>,
     /// Filtered `theta_measured − q`, `n`, rad.
@@ -65,6 +71,7 @@ impl Block {
         let zero = || alloc::vec![0.0; n];
         Self {
             time_s: 0.0,
+            stood_s: 0.0,
             q: zero(),
             y: zero(),
             y_slow: zero(),
@@ -87,6 +94,14 @@ impl Block {
         }
     }
 
+    /// Whether the arm has stood for so long that friction may have turned round since it moved.
+    ///
+    /// A controller that settles slowly lets a joint creep back by a friction's stroke. Short stands are part of motion:
+    /// the noise has what they do.
+    pub(crate) fn stands_long(&self) -> bool {
+        self.stood_s >= LONG_STAND_S
+    }
+
     /// Whether `other` is of an arm of the same size.
     pub(crate) fn fits(&self, other: &Self) -> bool {
         let columns = self.columns().into_iter().zip(other.columns());
@@ -99,6 +114,7 @@ impl Block {
     pub(crate) fn is_finite(&self) -> bool {
         let Self {
             time_s,
+            stood_s,
             q,
             y,
             y_slow,
@@ -130,7 +146,7 @@ impl Block {
             motor_stood,
         ];
         let mut values = link.into_iter().chain(motor).flatten();
-        time_s.is_finite() && values.all(|x| x.is_finite())
+        time_s.is_finite() && stood_s.is_finite() && values.all(|x| x.is_finite())
     }
 
     /// Makes this the same as `other`, which must be of an arm of the same size.
@@ -139,6 +155,7 @@ impl Block {
     /// No allocation, lock, panic or clock.
     pub fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;
+        self.stood_s = other.stood_s;
         self.temperature_c = other.temperature_c;
         copy(&mut self.q, &other.q);
         for (to, from) in self.sums().into_iter().zip(other.columns()) {

@@ -19,7 +19,7 @@
 //!
 //! `z` and `z_m` are pre-sliding friction states in −1…1 driven by `q` and `theta`.
 
-use super::block::{Block, copy};
+use super::block::{Block, STAND_RAD, copy};
 use super::config::FeatureConfig;
 use super::joint_signals::{JointSignals, Lags};
 use super::parameter::ENCODER;
@@ -47,6 +47,9 @@ pub struct FeatureObserver {
     lags: Lags,
     positions: Vec<f64>,
     velocities: Vec<f64>,
+    /// Where the arm stands, and for how long, s.
+    stands_at: Vec<f64>,
+    stood_s: f64,
     phi: Vec<f64>,
     sum: Block,
     count: u32,
@@ -81,6 +84,8 @@ impl FeatureObserver {
             lags: Lags::new(config.gain_per_s, config.regressor_step_s),
             positions: alloc::vec![0.0; n],
             velocities: alloc::vec![0.0; n],
+            stands_at: alloc::vec![0.0; n],
+            stood_s: 0.0,
             phi: alloc::vec![0.0; n * columns],
             sum: Block::zero(n, columns),
             count: 0,
@@ -185,6 +190,8 @@ impl FeatureObserver {
             joint.start(*q, *theta, *torque);
         }
         self.follow_regressor(|phi, _, [_, a]| *phi = -a);
+        copy(&mut self.stands_at, q);
+        self.stood_s = 0.0;
         self.count = 0;
         self.clear_sums();
         self.since_regressor_s = 0.0;
@@ -198,6 +205,12 @@ impl FeatureObserver {
         let moving = self.positions.iter_mut().zip(&mut self.velocities);
         for (joint, (position, velocity)) in self.joints.iter().zip(moving) {
             (*position, *velocity) = (joint.q.value(), joint.q.rate());
+        }
+        self.stood_s += step_s;
+        let mut moved = self.positions.iter().zip(&self.stands_at);
+        if moved.any(|(q, at)| (q - at).abs() > STAND_RAD) {
+            copy(&mut self.stands_at, &self.positions);
+            self.stood_s = 0.0;
         }
         self.arm.momentum_regressor(
             &mut self.ws,
@@ -315,6 +328,7 @@ impl FeatureObserver {
         }
         s.temperature_c *= scale;
         copy(&mut s.q, &self.positions);
+        s.stood_s = self.stood_s;
         s.time_s = 0.5 * (s.time_s + self.since_start_s);
         self.count = 0;
     }

@@ -8,7 +8,6 @@ use super::parameter::{JointParameter as P, PER_JOINT};
 use super::prior::{JointPrior, Prior};
 use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use crate::tolerances::Tolerances;
-use alloc::string::String;
 use alloc::vec::Vec;
 
 /// A joint's own entries of an equation: what only the other side knows is nothing, the zero is an
@@ -39,26 +38,37 @@ pub(crate) const SLIPS_AT: usize = 40;
 
 /// A joint about the vertical.
 pub(crate) fn turntable() -> EstimationModel {
-    let turntable = BodySpec {
-        name: String::from("one"),
-        parent: None,
-        kind: JointKind::Revolute,
-        axis: [0.0, 0.0, 1.0],
-        placement: Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),
-        body: BodyInertia::point(1.0, [0.1, 0.0, 0.0]),
-    };
-    let arm = ArmBuilder::new().body(turntable).build().unwrap();
-    let mut prior = Prior::new(&arm, &[None], 0, [0.0; 3], Tolerances::default());
-    prior.joints[0] = Some(JointPrior {
-        stiffness_nm_per_rad: 40.0,
-        motor_inertia_kg_m2: None,
-        coulomb_nm: 0.0,
-        viscous_nm_s_per_rad: 0.0,
-        motor_coulomb_nm: 0.0,
-        motor_viscous_nm_s_per_rad: 0.0,
-        antagonistic: false,
-        drift_rad_per_k: None,
-    });
+    turntables(1, 0.0)
+}
+
+/// Joints about the vertical one on the other, with friction.
+pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
+    let mut arm = ArmBuilder::new();
+    for k in 0..count {
+        arm = arm.body(BodySpec {
+            name: alloc::format!("table {k}"),
+            parent: k.checked_sub(1),
+            kind: JointKind::Revolute,
+            axis: [0.0, 0.0, 1.0],
+            placement: Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),
+            body: BodyInertia::point(1.0, [0.1, 0.0, 0.0]),
+        });
+    }
+    let arm = arm.build().unwrap();
+    let none = alloc::vec![None; count];
+    let mut prior = Prior::new(&arm, &none, 0, [0.0; 3], Tolerances::default());
+    for joint in &mut prior.joints {
+        *joint = Some(JointPrior {
+            stiffness_nm_per_rad: 40.0,
+            motor_inertia_kg_m2: None,
+            coulomb_nm,
+            viscous_nm_s_per_rad: 0.0,
+            motor_coulomb_nm: 0.0,
+            motor_viscous_nm_s_per_rad: 0.0,
+            antagonistic: false,
+            drift_rad_per_k: None,
+        });
+    }
     EstimationModel::new(prior, &FeatureConfig::default())
 }
 

@@ -66,7 +66,7 @@ impl JointPrior {
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
 /// Standard deviation of where in −1…1 friction stands. A joint at rest came there by sliding, or
 /// was pushed there by its rope: an end is more likely than the middle (evenly spread: 0.58).
-const STUCK: f64 = 0.85;
+pub(crate) const STUCK: f64 = 0.85;
 /// Standard deviation of what is held fixed, in its own unit.
 const FIXED: f64 = 1e-9;
 

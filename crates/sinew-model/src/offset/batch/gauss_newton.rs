@@ -106,8 +106,12 @@ fn descend(
         if stage >= 2 || warm.is_some() {
             for i in 0..n {
                 let noise = |side| Residuals::noise(parts.iter().map(|p| &p.residuals), i, side);
-                at.noise_rad[i] = noise(Side::Link).max(model.noise_floor_rad);
-                at.motor_noise_nm[i] = noise(Side::Motor).max(model.motor_floor(i));
+                if let Some(noise) = noise(Side::Link) {
+                    at.noise_rad[i] = noise.max(model.noise_floor_rad);
+                }
+                if let Some(noise) = noise(Side::Motor) {
+                    at.motor_noise_nm[i] = noise.max(model.motor_floor(i));
+                }
             }
         }
     }

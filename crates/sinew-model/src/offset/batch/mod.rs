@@ -3,7 +3,7 @@
 //! Reading order: `map_estimator` (the way in), `problem` (a recording and the belief before
 //! it), `schedule`, `normal` and `gauss_newton` (one descent), `cost` and `solution` (what it ends
 //! with), `search` (change points), `candidates` and `score` (where to look for them),
-//! `changepoint_time`, `posterior`, `lost_stiffness`.
+//! `changepoint_time`, `posterior`, `lost_stiffness`, `stuck_friction`.
 
 mod candidates;
 mod changepoint_time;
@@ -18,5 +18,6 @@ mod schedule;
 mod score;
 mod search;
 mod solution;
+mod stuck_friction;
 
 pub use map_estimator::MapEstimator;

@@ -1,7 +1,7 @@
 //! Normal equations, residuals and what correlates them.
 
 use crate::cholesky::{self, Factor};
-use crate::offset::block::Block;
+use crate::offset::block::{Block, STAND_RAD};
 use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::gram::Gram;
 use crate::offset::equations::robust::DEVIATION_PER_MEDIAN;
@@ -122,19 +122,17 @@ impl Residuals {
     }
 
     /// Keeps those of block `b`, unless it doesn't count: noise is that of the blocks which do. Contacts for a
-    /// tenth of the time would make the median a sixth larger.
+    /// tenth of the time would make the median a sixth larger, and what stands long says nothing about noise.
     pub(super) fn keep(&mut self, b: usize, equations: &Equations, counts: bool) {
-        /// A drive that stood longer says nothing about the noise of one that moves.
+        /// A drive or a joint that stood longer says nothing about the noise of one that moves.
         const STATIONARY: f64 = 0.2;
         for e in &equations.list {
             let k = (b - self.first) * self.n + e.joint;
-            let (to, counts) = match e.side {
-                Side::Link => (&mut self.link[k], counts),
-                Side::Motor => (
-                    &mut self.motor[k],
-                    counts && e.stationary_share < STATIONARY,
-                ),
+            let to = match e.side {
+                Side::Link => &mut self.link[k],
+                Side::Motor => &mut self.motor[k],
             };
+            let counts = counts && e.stationary_share < STATIONARY;
             *to = if counts { e.residual } else { f64::NAN };
         }
     }
@@ -149,10 +147,14 @@ impl Residuals {
         own.filter(|r| r.is_finite()).map(|r| r.abs())
     }
 
-    /// Noise by the median size, of all parts.
-    pub(super) fn noise<'a>(parts: impl Iterator<Item = &'a Self>, i: usize, side: Side) -> f64 {
+    /// Noise by the median size, of all parts; `None` where no block shows any.
+    pub(super) fn noise<'a>(
+        parts: impl Iterator<Item = &'a Self>,
+        i: usize,
+        side: Side,
+    ) -> Option<f64> {
         let mut sizes: Vec<f64> = parts.flat_map(|p| p.sizes(i, side)).collect();
-        DEVIATION_PER_MEDIAN * upper_median(&mut sizes).unwrap_or(0.0)
+        upper_median(&mut sizes).map(|median| DEVIATION_PER_MEDIAN * median)
     }
 }
 
@@ -161,8 +163,6 @@ impl Residuals {
 /// What is wrong at a pose (quantisation, stuck friction, an encoder's error) is the same for as
 /// long as the arm stands there: a stand counts as one block, however long.
 pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
-    /// Motion below this is a stand, rad: well above an encoder's step and friction's stroke.
-    const STAND_RAD: f64 = 0.01;
     let mut runs = alloc::vec![1.0; blocks.len()];
     let mut from = 0;
     for b in 0..=blocks.len() {

@@ -9,6 +9,7 @@ use super::posterior::{SURE, posteriors};
 use super::problem::Problem;
 use super::schedule::{COARSE, ROUGH_START, SCREENING};
 use super::solution::Solution;
+use super::stuck_friction;
 use crate::offset::change::{ChangeKind, ChangePoint, SearchScope, without};
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
@@ -232,7 +233,9 @@ impl ChangePointSearch<'_> {
             return false;
         };
         let place = self.problem.total(before);
-        let (size, deviation) = (known.state[place].abs(), solution.deviation(place));
+        let friction = stuck_friction::deviation_of(self.problem, solution, place);
+        let size = known.state[place].abs();
+        let deviation = libm::hypot(solution.deviation(place), friction);
         let (least, most) = match change.kind {
             ChangeKind::Payload => (LEAST_PAYLOAD_KG, f64::INFINITY),
             ChangeKind::Offset(_) => (LEAST_STEP_RAD, f64::INFINITY),

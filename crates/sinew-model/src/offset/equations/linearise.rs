@@ -8,7 +8,7 @@ use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::parameter::{JointParameter as P, PER_JOINT};
-use crate::offset::prior::JointPrior;
+use crate::offset::prior::{JointPrior, STUCK};
 
 /// What is wanted of a block's equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,6 +106,10 @@ fn linearise_joint(
         + at(P::Viscous) * is.dq
         + at(P::LoadFriction) * is.z_load;
 
+    // Nor is it known how one is held that has stood for long since.
+    let held = STUCK * is.held * (1.0 - is.z_unknown);
+    let held_nm = held * (at(P::Coulomb).abs() + load_friction.abs() * is.y.abs());
+
     // Link side.
     let compliance = out.sum(x, ChangeKind::Compliance(i), 0);
     let soft = 1.0 + compliance + at(P::Thermal) * warmer;
@@ -167,8 +171,8 @@ fn linearise_joint(
         own,
         torque_gain: per_torque,
         residual: y - expected,
-        added_deviation: 0.0,
-        stationary_share: 0.0,
+        added_deviation: per_torque.abs() * held_nm,
+        stationary_share: if held_nm > 0.0 { 1.0 } else { 0.0 },
     });
 
     // Motor side.
@@ -200,7 +204,7 @@ fn linearise_joint(
         own,
         torque_gain: scale,
         residual: drive.torque - scale * torque - at(P::MotorBias),
-        added_deviation: grip * drive.stood,
+        added_deviation: libm::hypot(grip * drive.stood, scale * held_nm),
         stationary_share: drive.stood,
     });
 }

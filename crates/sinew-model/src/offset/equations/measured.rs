@@ -21,6 +21,8 @@ pub(crate) struct Measured {
     pub(crate) z: f64,
     pub(crate) z_unknown: f64,
     pub(crate) z_load: f64,
+    /// Share of its friction that is unknown as the arm has stood for long: 1 or 0.
+    pub(crate) held: f64,
     /// Torque of the bodies as they are described, N·m.
     pub(crate) tau: f64,
     /// Of what the gripper holds.
@@ -67,6 +69,7 @@ impl Measured {
             z: of(&block.z),
             z_unknown: of(&block.z_unknown),
             z_load: of(&block.z_load) * stiffness,
+            held: if block.stands_long() { 1.0 } else { 0.0 },
             tau: phi.iter().zip(&model.inertial).map(|(p, pi)| p * pi).sum(),
             load: PayloadTorque::new(&model.payload_phi(phi), model.payload_at),
             drive: inertia.map(|inertia| Drive {

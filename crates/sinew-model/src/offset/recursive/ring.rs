@@ -1,7 +1,7 @@
 //! The last blocks, by their number.
 
 use crate::StepError;
-use crate::offset::block::Block;
+use crate::offset::block::{Block, STAND_RAD};
 use crate::offset::layout::Layout;
 use alloc::vec::Vec;
 
@@ -81,7 +81,6 @@ impl BlockRing {
 
     /// How much of a block's information counts: the blocks of a stand share that of one.
     fn share_of_pose(&mut self, block: &Block, inflation: f64) -> f64 {
-        const STAND_RAD: f64 = 0.01;
         let moved = self
             .pose
             .iter()

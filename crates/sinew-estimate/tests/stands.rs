@@ -1,0 +1,125 @@
+//! An arm that moves and then stands: friction holds it either way, which is no slip.
+
+use crate::support;
+
+use sinew_estimate::session;
+use sinew_estimate::session::{
+    Learning, Recorded, Recorder, SessionEstimate, SessionOptions, Warning,
+};
+use sinew_model::offset::FeatureConfig;
+use sinew_model::robot::Robot;
+use sinew_sim::{Scenario, Simulation};
+use support::{biorob_like, repository};
+
+/// Time of one round of the motion, s.
+const ROUND_S: f64 = 20.5;
+const ELBOW: usize = 2;
+
+/// The monitor's demonstration: `rounds` of its motion from home to home, then a stand until `to_s`. `more` goes to the
+/// end of the scenario.
+fn recording(robot: &Robot, rounds: usize, to_s: f64, seed: u64, more: &str) -> Recorded {
+    let place = repository().join("crates/sinew-watch/demo/arm.toml");
+    let text = std::fs::read_to_string(place).unwrap();
+    let (before, motion) = text.split_once("waypoints = [\n").unwrap();
+    let (waypoints, after) = motion.split_once("]\n\n[joint_friction]").unwrap();
+    let before = before.replace("duration_s = 24.0", &format!("duration_s = {to_s}"));
+    let all = waypoints.repeat(rounds);
+    let text = format!("{before}waypoints = [\n{all}]\n\n[joint_friction]{after}\n{more}");
+    let mut scenario = Scenario::from_toml(&text, "arm.toml").unwrap();
+    scenario.seed = seed;
+    let mut simulation = Simulation::new(robot, &scenario).unwrap();
+    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), 0.5);
+    let mut at_s = 0.0;
+    while let Some(frame) = simulation.next_frame().unwrap() {
+        recorder.push(frame, at_s);
+        at_s += 1.0 / scenario.sample_rate_hz;
+    }
+    recorder.finish()
+}
+
+fn baseline(robot: &Robot) -> sinew_estimate::baseline::Baseline {
+    let a = recording(robot, 6, 6.0 * ROUND_S, 21, "");
+    session::learn_recorded(robot, &a, "A", &Learning::default())
+        .unwrap()
+        .0
+}
+
+fn elbow_slips(rad: f64, at_s: f64) -> String {
+    format!(
+        "[[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = {at_s}\nrad = {rad}\n"
+    )
+}
+
+/// What is said, and where the recursive form ends.
+fn estimate(robot: &Robot, recorded: &Recorded) -> (SessionEstimate, sinew_model::Gaussian) {
+    let baseline = baseline(robot);
+    let options = SessionOptions::default();
+    let with = Some((&baseline, "A"));
+    let (said, _) = session::estimate_recorded(robot, recorded, "B", with, &options).unwrap();
+    let mut filter = session::live(robot, (&baseline, "A"), &options).unwrap();
+    for block in &recorded.blocks {
+        filter.step(block).unwrap();
+    }
+    (said, filter.offset(ELBOW))
+}
+
+#[test]
+fn an_arm_that_stops_has_not_slipped() {
+    let robot = biorob_like();
+    for (rounds, to_s) in [(2, 101.0), (4, 97.0)] {
+        let (said, recursive) = estimate(&robot, &recording(&robot, rounds, to_s, 11, ""));
+        for joint in &said.joints {
+            println!("{} {:?} {:?}", joint.name, joint.offset_rad, joint.changes);
+            assert!(joint.changes.is_empty(), "{joint:?}");
+            let offset = joint.offset_rad;
+            assert!(offset.mean.abs() < offset.half_width_95(), "{offset:?}");
+        }
+        assert!(said.joints[ELBOW].offset_rad.half_width_95() < 1e-3);
+        assert!(
+            recursive.mean.abs() < recursive.half_width_95(),
+            "{recursive:?}"
+        );
+        // It is said that a slip might hide there.
+        let stands = said.warnings.iter().find_map(|w| match w {
+            Warning::StandsAtEnd {
+                from_s, hidden_rad, ..
+            } => Some((*from_s, *hidden_rad)),
+            _ => None,
+        });
+        let (from_s, hidden_rad) = stands.unwrap();
+        assert!((from_s - rounds as f64 * ROUND_S).abs() < 2.0, "{from_s}");
+        assert!((2e-3..20e-3).contains(&hidden_rad), "{hidden_rad}");
+    }
+}
+
+#[test]
+fn a_slip_before_the_arm_stops_is_found_and_nothing_beside_it() {
+    let robot = biorob_like();
+    let slips = elbow_slips(6e-3, 30.0);
+    let (said, _) = estimate(&robot, &recording(&robot, 2, 101.0, 11, &slips));
+    let changes: usize = said.joints.iter().map(|j| j.changes.len()).sum();
+    assert_eq!(changes, 1, "{:?}", said.joints);
+    let elbow = &said.joints[ELBOW];
+    assert!((elbow.changes[0].time_s - 30.0).abs() < 1.0);
+    let error = elbow.offset_rad.mean - 6e-3;
+    assert!(error.abs() < elbow.offset_rad.half_width_95(), "{elbow:?}");
+}
+
+/// What one look at a stand says may be too little to call it a slip.
+#[test]
+fn a_slip_that_no_friction_holds_does_not_pass_in_silence_while_the_arm_stands() {
+    let robot = biorob_like();
+    for rad in [25e-3, 50e-3] {
+        let slips = elbow_slips(rad, 60.0);
+        let (said, _) = estimate(&robot, &recording(&robot, 2, 101.0, 11, &slips));
+        let elbow = &said.joints[ELBOW];
+        let off = (elbow.offset_rad.mean - rad).abs();
+        let inside = off < elbow.offset_rad.half_width_95();
+        let nothing_fits = said.warnings.iter().any(|w| match w {
+            Warning::NothingFits { from_s, .. } => (59.0..62.0).contains(from_s),
+            _ => false,
+        });
+        println!("{rad}: {:?} {nothing_fits}", elbow.offset_rad);
+        assert!(inside || nothing_fits, "{:?}", said.warnings);
+    }
+}

@@ -1,0 +1,189 @@
+//! What the friction of stands does to an estimate.
+
+use super::problem::Problem;
+use super::solution::Solution;
+use crate::offset::block::Block;
+use crate::offset::equations::equation::{Equation, Equations};
+use crate::offset::equations::linearise::Content;
+use crate::offset::estimate::MapEstimate;
+use crate::offset::parameter::JointParameter as P;
+use crate::offset::prior::STUCK;
+use alloc::vec::Vec;
+
+/// Standard deviation of entry `place` for the friction that holds joints in long stands.
+///
+/// Where friction stands in −1…1 then isn't known ([`Block::stands_long`]), but it stays as it is until the arm
+/// moves: that is no noise, however many blocks there are. With the information `A`, the row `h` and the weighted information
+/// `w` of an equation, the friction `F` and the torque gain `g` (how an expectation moves with a torque), over all long stands
+/// `r` of all joints
+///
+/// ```text
+/// σ² = 0.85² Σ_r (Σ_{b in r} (A⁻¹ h_b)_place w_b g_b F_b)²,    F = F_c + μ K |y|
+/// ```
+///
+/// as of a parameter that is considered and not estimated (Schmidt 1966).
+pub(super) fn deviation_of(problem: &Problem<'_>, solution: &Solution, place: usize) -> f64 {
+    let at = &solution.estimate;
+    let mut along = alloc::vec![0.0; at.state.len()];
+    along[place] = 1.0;
+    solution.factor.solve(&mut along);
+    let mut stand = Stand::new(problem.layout().joints);
+    let mut equations = Equations::new(problem.layout(), &at.changes);
+    let mut variance = 0.0;
+    for (b, block) in problem.blocks.iter().enumerate() {
+        variance += stand.go_on(block);
+        problem.equations(at, b, Content::Rows, &mut equations);
+        let weight = at.weights.get(b).copied().unwrap_or_default();
+        for e in &equations.list {
+            let moved = equations.dot(e, &along) * weight * problem.information_of(e, at, b);
+            stand.moves[e.joint] += moved * e.torque_gain * friction_nm(problem, at, block, e);
+        }
+    }
+    variance += stand.variance();
+    STUCK * libm::sqrt(variance)
+}
+
+/// Largest friction of the joint of `e`, N·m.
+fn friction_nm(problem: &Problem<'_>, at: &MapEstimate, block: &Block, e: &Equation) -> f64 {
+    let state = &at.state[problem.layout().own(e.joint)];
+    let joint = problem.model.reduced.joints[e.joint].as_ref();
+    let stiffness = joint.map_or(0.0, |joint| joint.stiffness_nm_per_rad);
+    let load = state[P::LoadFriction as usize] * stiffness * block.y[e.joint];
+    state[P::Coulomb as usize].abs() + load.abs()
+}
+
+/// The arm at one place.
+struct Stand {
+    stood_s: f64,
+    is_long: bool,
+    /// By how much the friction of every joint moves the entry, at full size.
+    moves: Vec<f64>,
+}
+
+impl Stand {
+    fn new(joints: usize) -> Self {
+        Self {
+            stood_s: 0.0,
+            is_long: false,
+            moves: alloc::vec![0.0; joints],
+        }
+    }
+
+    /// A block more; what the stand that ended with it adds to the variance.
+    fn go_on(&mut self, block: &Block) -> f64 {
+        let mut ended = 0.0;
+        if block.stood_s <= self.stood_s {
+            ended = self.variance();
+            self.is_long = false;
+            self.moves.fill(0.0);
+        }
+        self.stood_s = block.stood_s;
+        self.is_long |= block.stands_long();
+        ended
+    }
+
+    fn variance(&self) -> f64 {
+        if self.is_long {
+            self.moves.iter().map(|x| x * x).sum()
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::batch::search::ChangePointSearch;
+    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD};
+    use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
+    use crate::offset::equations::estimation_model::EstimationModel;
+    use crate::offset::executor::Sequential;
+    use crate::offset::fixtures::{random, turntables};
+
+    const COULOMB_NM: f64 = 0.1;
+    const JOINTS: usize = 8;
+    const MOVES: usize = 120;
+    const STANDS: usize = 120;
+
+    /// Joints that move to and fro, then stand, the first `off_rad` from where its friction is expected; its rope slips
+    /// by `slip_rad` with block `at`.
+    fn recording(
+        model: &EstimationModel,
+        off_rad: f64,
+        (at, slip_rad): (usize, f64),
+    ) -> Vec<Block> {
+        let columns = model.reduced.layout.bodies;
+        let mut seed = 7;
+        (0..MOVES + STANDS)
+            .map(|b| {
+                let mut block = Block::zero(JOINTS, columns);
+                block.time_s = 0.1 + 0.2 * b as f64;
+                block.motor_torque.fill(f64::NAN);
+                block.stood_s = 0.2 * b.saturating_sub(MOVES) as f64;
+                let moves = b < MOVES;
+                let slipped = if b >= at { slip_rad } else { 0.0 };
+                let off = if moves { 0.0 } else { off_rad };
+                for i in 0..JOINTS {
+                    block.q[i] = if moves { random(&mut seed) } else { 0.3 };
+                    block.z[i] = if !moves || (b / 5) % 2 == 0 {
+                        1.0
+                    } else {
+                        -1.0
+                    };
+                    let own = if i == 0 { slipped + off } else { 0.0 };
+                    let friction = COULOMB_NM / 40.0 * block.z[i];
+                    let y = friction + own + 0.2e-3 * random(&mut seed);
+                    (block.y[i], block.y_square[i], block.y_cube[i]) = (y, y * y, y * y * y);
+                }
+                block
+            })
+            .collect()
+    }
+
+    fn changes(off_rad: f64, slip: (usize, f64)) -> Vec<ChangePoint> {
+        let model = turntables(JOINTS, COULOMB_NM);
+        let blocks = recording(&model, off_rad, slip);
+        let believed = model.prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
+        let problem =
+            Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
+        let scope = SearchScope {
+            offsets: true,
+            payload: false,
+            continues: false,
+        };
+        let search = ChangePointSearch {
+            problem: &problem,
+            scope,
+        };
+        search.run().unwrap().changes
+    }
+
+    /// Coulomb friction over stiffness is 2.5 mrad.
+    #[test]
+    fn what_friction_may_hold_in_a_stand_is_no_slip() {
+        for off_rad in [-5e-3, -3e-3, 3e-3] {
+            let found = changes(off_rad, (usize::MAX, 0.0));
+            assert_eq!(found, [], "{off_rad}");
+        }
+    }
+
+    #[test]
+    fn a_slip_while_the_joint_moves_is_found_beside_a_stand() {
+        let found = changes(2e-3, (MOVES / 2, 3e-3));
+        let [slip] = found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(slip.kind, ChangeKind::Offset(0));
+        assert!(
+            (slip.at_s - 0.2 * (MOVES / 2) as f64).abs() < 0.5,
+            "{slip:?}"
+        );
+    }
+
+    #[test]
+    fn what_no_friction_can_hold_is_a_slip() {
+        let found = changes(0.0, (MOVES, 25e-3));
+        assert_eq!(found.len(), 1, "{found:?}");
+    }
+}
