@@ -186,7 +186,7 @@ pub(crate) fn run_scenarios(
         robot,
         n,
         first_seed: seed,
-        steps,
+        sessions: scenarios::Sessions::with_slips(steps),
         motor_torque,
         jobs: jobs.unwrap_or(cores).max(1),
         out,

@@ -1,7 +1,9 @@
 //! The scenario bench: resumable, repeatable, and its draws are the protocol's.
 
 use sinew_estimate::session::Warning;
-use sinew_eval::scenarios::{Options, Plan, ScenarioReport, record, run};
+use sinew_eval::scenarios::{
+    End, Options, Plan, ScenarioReport, Sessions, record, render_ends, run, variants,
+};
 use sinew_model::Z95;
 use sinew_sim::scenario::{Draw, PerJoint};
 use std::path::Path;
@@ -14,7 +16,7 @@ fn options(out: Option<&Path>, n: u64) -> Options {
         robot: None,
         n,
         first_seed: 40,
-        steps: false,
+        sessions: Sessions::B,
         motor_torque: true,
         jobs: 2,
         out: out.map(Path::to_path_buf),
@@ -65,8 +67,7 @@ fn a_file_of_other_settings_or_of_anything_else_is_refused() {
     let out = folder.path().join("r.jsonl");
     ran(&options(Some(&out), 1));
     let other = Options {
-        steps: true,
-        motor_torque: true,
+        sessions: Sessions::Slips,
         ..options(Some(&out), 1)
     };
     let refused = run(&other, &mut |_, _| {}).unwrap_err().to_string();
@@ -153,7 +154,7 @@ fn draws_are_those_of_the_protocol() {
 #[test]
 fn one_recording_is_judged_against_its_own_truth() {
     let plan = Plan::named("S8").unwrap();
-    let recording = record(&plan, 3, true).unwrap();
+    let recording = record(&plan, 3, Sessions::Slips).unwrap();
     let truth = |name: &str| recording.joints.iter().find(|j| j.name == name).unwrap();
     assert_eq!(1e3 * truth("shoulder_pitch").truth_rad, 10.0);
     assert!((0.0..12.0).contains(&(1e3 * truth("wrist").truth_rad)));
@@ -178,7 +179,7 @@ fn one_recording_is_judged_against_its_own_truth() {
 fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
     let plan = Plan::named("U3").unwrap();
     for seed in [4002, 4008] {
-        let recording = record(&plan, seed, false).unwrap();
+        let recording = record(&plan, seed, Sessions::B).unwrap();
         for joint in &recording.joints {
             let (error, interval) = (joint.error_rad.mean, joint.error_rad.half_width_95());
             assert!(
@@ -476,4 +477,65 @@ fn a_scenario_that_cannot_be_run_says_why() {
     std::fs::write(folder.path().join("robot.toml"), rigid).unwrap();
     let rigid = refused(&["S7"], Some(&robot));
     assert!(rigid.contains("no elastic joint"), "{rigid}");
+}
+
+#[test]
+fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("variants.jsonl");
+    let wanted = |n| Options {
+        scenarios: vec!["no-torque".into(), "creep-1".into()],
+        sessions: Sessions::Chain,
+        ..options(Some(&out), n)
+    };
+    let first = ran(&wanted(1));
+    // Every variant has both ends of four joints; slips are not looked for.
+    for scenario in &first.scenarios {
+        assert!(scenario.about.is_some() && scenario.slips.is_empty());
+        let ends: Vec<(End, usize)> = scenario.ends.iter().map(|e| (e.end, e.offsets)).collect();
+        assert_eq!(ends, [(End::B, 4), (End::Chain, 4)]);
+    }
+    assert!(variants().any(|name| name == "creep-1"));
+    // Planted: the chain of one recording is far outside, once without a word and once with one.
+    let text = std::fs::read_to_string(&out).unwrap();
+    let planted = |warned: bool| {
+        let lines = text.lines().map(|line| {
+            let mut line: serde_json::Value = serde_json::from_str(line).unwrap();
+            if line["scenario"] == "no-torque" {
+                let chain = &mut line["ends"][1];
+                chain["is_warned"] = warned.into();
+                for error in chain["errors_rad"].as_array_mut().unwrap() {
+                    error["mean"] = 0.001.into();
+                    error["deviation"] = 0.01.into();
+                }
+                // 30 mrad off, where the interval is ± 2.
+                chain["errors_rad"][2]["mean"] = 0.03.into();
+                chain["errors_rad"][2]["deviation"] = 0.001.into();
+            }
+            format!("{line}\n")
+        });
+        std::fs::write(&out, lines.collect::<String>()).unwrap();
+        let mut counted = Vec::new();
+        let report = run(&wanted(1), &mut |done, _| counted.push(done)).unwrap();
+        assert_eq!(counted, [2], "nothing is run again");
+        report
+    };
+    let unsaid = planted(false);
+    let chain = &unsaid.scenarios[0].ends[1];
+    assert_eq!((chain.coverage_share, chain.silent_share), (0.75, 0.25));
+    assert_eq!(chain.warned_share, 0.0);
+    assert!((1e3 * chain.rmse_rad - 15.024).abs() < 1e-3, "{chain:?}");
+    assert!((1e3 * chain.half_width_95_rad - Z95 * 7.75).abs() < 1e-9);
+    assert_eq!(unsaid.scenarios[0].ends[0], first.scenarios[0].ends[0]);
+    assert!(
+        render_ends(&unsaid).contains("75.0"),
+        "{}",
+        render_ends(&unsaid)
+    );
+    let said = planted(true);
+    let chain = &said.scenarios[0].ends[1];
+    assert_eq!(
+        (chain.coverage_share, chain.warned_share, chain.silent_share),
+        (0.75, 1.0, 0.0)
+    );
 }

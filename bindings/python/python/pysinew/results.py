@@ -1200,6 +1200,37 @@ class DutySummary(Record):
     }
 
 
+class EndSummary(Record):
+    """All recordings of a scenario at one end, all elastic joints together."""
+
+    __slots__ = ()
+
+    coverage_share: float
+    """Share of truths inside the 95 % interval."""
+    end: End
+    """Which end."""
+    half_width_95_rad: float
+    """Mean half of the 95 % interval, rad."""
+    offsets: int
+    """Offsets judged: recordings times elastic joints."""
+    rmse_rad: float
+    """Root mean square error, rad."""
+    silent_share: float
+    """Share of offsets outside their interval in a session that warned of nothing."""
+    warned_share: float
+    """Share of recordings whose session warned of anything."""
+
+    _fields = {
+        "coverage_share": "",
+        "end": "",
+        "half_width_95_rad": "",
+        "offsets": "",
+        "rmse_rad": "",
+        "silent_share": "",
+        "warned_share": "",
+    }
+
+
 class Ending(Record):
     """How a search ended."""
 
@@ -4136,6 +4167,8 @@ class ScenarioSummary(Record):
 
     about: str | None
     """What it is about, where that isn't the protocol's."""
+    ends: list[EndSummary]
+    """All elastic joints together at the end of B, and of C where it was estimated."""
     false_alarm_probability: float | None
     """Mean of the probabilities stated of them."""
     false_alarms_per_hour: float | None
@@ -4161,6 +4194,7 @@ class ScenarioSummary(Record):
 
     _fields = {
         "about": "",
+        "ends": "EndSummary",
         "false_alarm_probability": "",
         "false_alarms_per_hour": "",
         "joints": "ScenarioJoint",
@@ -5980,6 +6014,7 @@ Caution = Union[CautionBeyondData, CautionBreakingLoadGuessed, CautionCreepsApar
 Comparison = Literal["matched", "paper"]
 ConditionSource = Literal["held", "stated"]
 CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoPlan, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
+End = Literal["b", "chain"]
 Ends = Literal["not-stated", "spliced", "knotted"]
 EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspicion"]
 Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
@@ -6088,6 +6123,7 @@ _CLASSES: Mapping[str, Any] = {
     "Damage": Damage,
     "Difference": Difference,
     "DutySummary": DutySummary,
+    "EndSummary": EndSummary,
     "Ending": Ending,
     "Estimate": Estimate,
     "EstimateDocument": EstimateDocument,

@@ -11,6 +11,7 @@
 //! | contacts | 2 to 15 N at `tool` | 0.14 to 1 of the moving weight, there |
 //! | offsets of 10 mrad, slips | shoulder pitch, elbow | the two joints that gravity loads most |
 
+use super::catalogue::set;
 use sinew_model::arm::{ArmWorkspace, JointKind};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Friction, Transmission};
@@ -198,15 +199,6 @@ fn weight_n(robot: &Robot) -> f64 {
     let mass: f64 = first.filter_map(|i| arm.subtree_mass(i)).sum();
     let gravity = arm.gravity().iter().map(|g| g * g).sum::<f64>().sqrt();
     mass * gravity
-}
-
-fn set(table: &mut Table, section: &str, key: &str, value: Value) {
-    let section = table
-        .entry(section)
-        .or_insert_with(|| Value::Table(Table::new()));
-    if let Value::Table(section) = section {
-        section.insert(key.into(), value);
-    }
 }
 
 fn between(min: f64, max: f64) -> Value {

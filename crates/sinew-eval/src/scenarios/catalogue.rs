@@ -2,6 +2,7 @@
 
 use super::ScenarioError;
 use super::adapted::{ADAPTABLE, adapt};
+use super::variants;
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_sim::{Scenario, SimulateError};
 use toml::{Table, Value};
@@ -34,6 +35,7 @@ const TEXTS: [(&str, &str); 17] = [
 ];
 
 const ROBOT: &str = include_str!("../../../../robots/biorob-like/robot.toml");
+const ROBOT_FILE: &str = "robots/biorob-like/robot.toml";
 const URDF: &str = include_str!("../../../../robots/biorob-like/biorob-like.urdf");
 
 /// All texts a recording depends on.
@@ -57,16 +59,21 @@ pub struct Plan {
     pub robot: Robot,
     /// The robot that is simulated, before anything is drawn: the same but for a tilted axis.
     pub simulated: Robot,
+    /// Whether the gripper may hold something, as far as the estimator is told.
+    pub payload_unknown: bool,
     /// What it depends on beside the program: another robot, a file.
     pub(super) rests_on: String,
 }
 
 impl Plan {
-    /// The scenario of that name.
+    /// The scenario or the variant of that name.
     ///
     /// # Errors
     /// [`ScenarioError::Unknown`].
     pub fn named(name: &str) -> Result<Self, ScenarioError> {
+        if let Some(variant) = variants::plan(name) {
+            return variant;
+        }
         let mut table = merged(name)?;
         let refuse = |why: String| ScenarioError::Text {
             name: name.into(),
@@ -76,7 +83,7 @@ impl Plan {
             Some(Value::String(about)) => Some(about),
             _ => None,
         };
-        let robot = RobotFile::parse(ROBOT, "robots/biorob-like/robot.toml")?.build(URDF)?;
+        let robot = RobotFile::parse(ROBOT, ROBOT_FILE)?.build(URDF)?;
         let simulated = match table.remove("tilted_axis") {
             None => robot.clone(),
             Some(tilt) => {
@@ -87,7 +94,7 @@ impl Plan {
                 };
                 let urdf = tilted(URDF, joint, angle.to_radians())
                     .ok_or_else(|| refuse(format!("joint '{joint}' has no <axis>")))?;
-                RobotFile::parse(ROBOT, "robots/biorob-like/robot.toml")?.build(&urdf)?
+                RobotFile::parse(ROBOT, ROBOT_FILE)?.build(&urdf)?
             }
         };
         let plan = Self::of(&table, name, robot)?;
@@ -96,6 +103,12 @@ impl Plan {
             simulated,
             ..plan
         })
+    }
+
+    /// `table` with the protocol's robot, which is as it is described before anything is drawn.
+    pub(super) fn shipped(table: &Table, name: &str) -> Result<Self, ScenarioError> {
+        let robot = RobotFile::parse(ROBOT, ROBOT_FILE)?.build(URDF)?;
+        Self::of(table, name, robot)
     }
 
     /// The protocol's scenario of that name for another robot: its draws, said of that robot's joints
@@ -165,6 +178,7 @@ impl Plan {
             name: scenario.name.clone(),
             about: None,
             text,
+            payload_unknown: !scenario.payloads.is_empty(),
             scenario,
             simulated: robot.clone(),
             robot,
@@ -174,14 +188,16 @@ impl Plan {
 }
 
 /// A scenario with what it extends: tables are merged, lists and the motion are replaced.
-fn merged(name: &str) -> Result<Table, ScenarioError> {
+pub(super) fn merged(name: &str) -> Result<Table, ScenarioError> {
     let text = TEXTS
         .iter()
         .find(|(n, _)| *n == name)
         .map(|(_, text)| *text)
         .ok_or_else(|| ScenarioError::Unknown {
             name: name.into(),
-            known: TEXTS.map(|(n, _)| n).join(", "),
+            known: (TEXTS.iter().map(|(n, _)| *n).chain(variants::variants()))
+                .collect::<Vec<_>>()
+                .join(", "),
         })?;
     let mut own: Table = text.parse().map_err(|e| ScenarioError::Text {
         name: name.into(),
@@ -201,6 +217,16 @@ fn merged(name: &str) -> Result<Table, ScenarioError> {
         }
     }
     Ok(table)
+}
+
+/// Sets a key of a section, which comes to be where it is missing.
+pub(super) fn set(table: &mut Table, section: &str, key: &str, value: Value) {
+    let section = table
+        .entry(section)
+        .or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(section) = section {
+        section.insert(key.into(), value);
+    }
 }
 
 /// The URDF with one joint's axis turned by `angle` about a direction across it.

@@ -7,6 +7,7 @@
 mod adapted;
 mod bound;
 mod catalogue;
+mod end;
 mod estimator;
 mod paper;
 mod recording;
@@ -16,13 +17,16 @@ mod run;
 mod simulated;
 mod summary;
 mod table;
+mod variants;
 
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
+pub use end::{End, EndScore, EndSummary, Sessions, render_ends};
 pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
 pub use rows::rows;
 pub use run::{Options, run, run_recordings};
 pub use table::render_table;
+pub use variants::variants;
 
 use crate::journal::JournalError;
 use sinew_estimate::robot_dir::RobotDirError;

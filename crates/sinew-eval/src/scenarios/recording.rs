@@ -2,7 +2,7 @@
 
 use super::paper::PaperMeans;
 use super::simulated::Simulated;
-use super::{Plan, ScenarioError, estimator};
+use super::{End, EndScore, Plan, ScenarioError, Sessions, estimator};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
@@ -35,6 +35,8 @@ pub struct Recording {
     pub poses: usize,
     /// What baseline and estimate warned of.
     pub warnings: Vec<Warning>,
+    /// All joints at the end of B, and of C where it was estimated.
+    pub ends: Vec<EndScore>,
 }
 
 /// One joint at the end of session B. Errors are estimate less truth.
@@ -125,18 +127,18 @@ const WITHIN_S: u32 = 20;
 /// A change reported further from a slip than this is another one, s.
 const SAME_S: f64 = 5.0;
 
-/// Simulates `plan` with `seed` and judges the estimate; `steps`: with session C.
+/// Simulates `plan` with `seed` and judges the estimate.
 ///
 /// # Errors
 /// [`ScenarioError`].
-pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, ScenarioError> {
-    let simulated = Simulated::new(plan, seed, steps)?;
+pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, ScenarioError> {
+    let simulated = Simulated::new(plan, seed, sessions)?;
     let refused = |error| ScenarioError::Session {
         scenario: plan.name.clone(),
         seed,
         error: Box::new(error),
     };
-    let payload = !plan.scenario.payloads.is_empty();
+    let payload = plan.payload_unknown;
     let robot = &plan.robot;
     let (baseline, learned) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
     let (watched, after_b) = estimator::watch(
@@ -156,8 +158,10 @@ pub fn record(plan: &Plan, seed: u64, steps: bool) -> Result<Recording, Scenario
             .chain(&watched.warnings)
             .cloned(),
     );
-    if steps {
-        watch_slips(plan, &simulated, &after_b, payload, &mut out).map_err(refused)?;
+    out.ends
+        .push(EndScore::of(End::B, robot, &simulated.truth_rad, &watched));
+    if sessions != Sessions::B {
+        watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(refused)?;
     }
     Ok(out)
 }
@@ -206,15 +210,16 @@ fn judged(plan: &Plan, seed: u64, simulated: &Simulated, watched: &SessionEstima
         left_out_share: watched.left_out_share,
         poses: watched.poses,
         warnings: Vec::new(),
+        ends: Vec::new(),
     }
 }
 
-/// Session C: what is found of the slips, how soon, and what is reported besides.
-fn watch_slips(
+/// Session C: its end, what is found of the slips, how soon, and what is reported besides.
+fn watch_c(
     plan: &Plan,
     simulated: &Simulated,
     baseline: &Baseline,
-    payload: bool,
+    sessions: Sessions,
     out: &mut Recording,
 ) -> Result<(), SessionError> {
     let whole = &simulated.sessions[2];
@@ -230,9 +235,25 @@ fn watch_slips(
             ..whole.clone()
         };
         // C goes on where B ended, as one recording would.
-        estimator::watch(&plan.robot, &part, "session C", baseline, payload)
-            .map(|(estimate, _)| estimate)
+        estimator::watch(
+            &plan.robot,
+            &part,
+            "session C",
+            baseline,
+            plan.payload_unknown,
+        )
+        .map(|(estimate, _)| estimate)
     };
+    let estimate = until(f64::INFINITY)?;
+    out.ends.push(EndScore::of(
+        End::Chain,
+        &plan.robot,
+        &simulated.truth_at_end_rad,
+        &estimate,
+    ));
+    if sessions == Sessions::Chain {
+        return Ok(());
+    }
     let reported = |estimate: &SessionEstimate, name: &str, at_s: f64| -> Option<FoundStep> {
         let joint = estimate.joints.iter().find(|j| j.name == name)?;
         let step = joint
@@ -266,7 +287,6 @@ fn watch_slips(
             delay_s,
         });
     }
-    let estimate = until(f64::INFINITY)?;
     for joint in &estimate.joints {
         let known = |time_s: f64| {
             out.steps

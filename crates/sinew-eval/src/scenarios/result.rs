@@ -1,5 +1,6 @@
 //! What many recordings show together, as data in SI.
 
+use super::EndSummary;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Interval95;
@@ -37,6 +38,8 @@ pub struct ScenarioSummary {
     pub about: Option<String>,
     /// Recordings.
     pub recordings: usize,
+    /// All elastic joints together at the end of B, and of C where it was estimated.
+    pub ends: Vec<EndSummary>,
     /// Offset of B at its end, per elastic joint.
     pub joints: Vec<ScenarioJoint>,
     /// Slips of session C, per joint that slips.

@@ -2,7 +2,7 @@
 
 use super::result::ScenarioReport;
 use super::summary::summarise;
-use super::{Plan, Recording, ScenarioError, record};
+use super::{Plan, Recording, ScenarioError, Sessions, record};
 use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 6,
+    version: 7,
     holds: "scenario results",
 };
 
@@ -28,8 +28,8 @@ pub struct Options {
     pub n: u64,
     /// Seed of the first; the others follow.
     pub first_seed: u64,
-    /// With session C: slips, delays, false alarms.
-    pub steps: bool,
+    /// Which sessions are estimated.
+    pub sessions: Sessions,
     /// Whether the motor's torque is recorded.
     pub motor_torque: bool,
     /// Threads.
@@ -66,9 +66,9 @@ pub fn run_recordings(
     let setting = |name, value, other| Setting { name, value, other };
     let settings = [
         setting(
-            "steps",
-            options.steps.to_string(),
-            "with and without session C (--no-steps)",
+            "sessions",
+            options.sessions.name().into(),
+            "other sessions (--no-steps, --variants)",
         ),
         setting(
             "motor_torque",
@@ -107,7 +107,7 @@ pub fn run_recordings(
         &missing,
         options.jobs,
         |&(plan, seed), give| {
-            give(record(&plans[plan], seed, options.steps)?);
+            give(record(&plans[plan], seed, options.sessions)?);
             Ok::<_, ScenarioError>(())
         },
         |recording| {

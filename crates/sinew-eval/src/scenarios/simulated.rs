@@ -2,7 +2,7 @@
 
 use super::bound::BoundRecorder;
 use super::paper::PaperMeans;
-use super::{Plan, ScenarioError, estimator};
+use super::{Plan, ScenarioError, Sessions, estimator};
 use sinew_estimate::session::{Recorded, Recorder};
 use sinew_log::Frame;
 use sinew_model::offset::Comparison;
@@ -11,7 +11,10 @@ use sinew_sim::{FaultyLine, SimulateError, Simulation};
 /// Blocks of the sessions and the truth behind them.
 pub(super) struct Simulated {
     pub(super) sessions: Vec<Recorded>,
+    /// Per joint at the end of B, and at the end of the last session: since the end of A, whose baseline calls
+    /// it zero.
     pub(super) truth_rad: Vec<f64>,
+    pub(super) truth_at_end_rad: Vec<f64>,
     /// Joint, time and size (rad) of every slip after B.
     pub(super) slips: Vec<(usize, f64, f64)>,
     pub(super) payload_kg: f64,
@@ -46,11 +49,11 @@ impl Takers {
 }
 
 impl Simulated {
-    /// Simulates `plan` with `seed`; `steps`: with session C.
-    pub(super) fn new(plan: &Plan, seed: u64, steps: bool) -> Result<Self, ScenarioError> {
+    /// Simulates `plan` with `seed`, as far as `judged` asks for.
+    pub(super) fn new(plan: &Plan, seed: u64, judged: Sessions) -> Result<Self, ScenarioError> {
         let mut scenario = plan.scenario.clone();
         scenario.seed = seed;
-        let sessions = if steps { 3 } else { 2 };
+        let sessions = if judged == Sessions::B { 2 } else { 3 };
         let spans: Vec<(f64, f64)> = scenario.sessions[..sessions]
             .iter()
             .map(|s| (s.from_s, s.to_s))
@@ -105,11 +108,18 @@ impl Simulated {
             Some(_) => None,
         };
         // Just before the end: a step that opens C isn't part of B.
-        let at_s = end_of_b_s - 1.0 / plan.scenario.sample_rate_hz;
+        let before = |end_s: f64| end_s - 1.0 / plan.scenario.sample_rate_hz;
+        let at_s = before(end_of_b_s);
+        let ends_s: Vec<f64> = takers.spans.iter().map(|span| before(span.1)).collect();
+        let since_a = |end_s: f64| -> Vec<f64> {
+            let offset = |i, at_s| simulation.offset_at(i, at_s).sum();
+            (0..plan.robot.arm.dof())
+                .map(|i| offset(i, end_s) - offset(i, ends_s[0]))
+                .collect()
+        };
         Self {
-            truth_rad: (0..plan.robot.arm.dof())
-                .map(|i| simulation.offset_at(i, at_s).sum())
-                .collect(),
+            truth_rad: since_a(at_s),
+            truth_at_end_rad: since_a(ends_s[ends_s.len() - 1]),
             slips: simulation
                 .offsets()
                 .iter()

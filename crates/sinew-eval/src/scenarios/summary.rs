@@ -1,7 +1,8 @@
 //! What many recordings say together.
 
+use super::end;
 use super::result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
-use super::{FoundStep, JointScore, Options, Plan, Recording, StepScore};
+use super::{FoundStep, JointScore, Options, Plan, Recording, Sessions, StepScore};
 use crate::numbers::{finite, mean, quantile_of, rms};
 use sinew_model::{Interval95, Z95};
 use sinew_report::session_warning;
@@ -21,7 +22,7 @@ pub(super) fn summarise(
         sinew_version: env!("CARGO_PKG_VERSION").into(),
         first_seed: options.first_seed,
         recordings: options.n,
-        with_slips: options.steps,
+        with_slips: options.sessions == Sessions::Slips,
         scenarios: plans.iter().map(|plan| scenario(plan, &of(plan))).collect(),
     }
 }
@@ -46,6 +47,7 @@ fn scenario(plan: &Plan, recordings: &[&Recording]) -> ScenarioSummary {
         robot: plan.robot.name.clone(),
         about: plan.about.clone(),
         recordings: recordings.len(),
+        ends: end::summarise(recordings),
         joints: names.iter().map(|name| joint(name, recordings)).collect(),
         slips: slipping
             .iter()

@@ -5,7 +5,7 @@ use crate::terminal::{Bar, Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_eval::scenarios;
-use sinew_eval::scenarios::{DEFAULT, Options, Plan, UNMODELLED};
+use sinew_eval::scenarios::{DEFAULT, Options, Plan, Sessions, UNMODELLED, variants};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -23,7 +23,8 @@ pub(crate) enum Scenarios {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n  \
-    sinew scenarios run --robot my-robot --scenario S7\n\n\
+    sinew scenarios run --robot my-robot --scenario S7\n  \
+    sinew scenarios run --variants --n 8 --out variants.jsonl\n\n\
     A run that was stopped goes on where it was with the same --out.")]
 pub(crate) struct Run {
     /// Scenario by its name, or a file (.toml) of your own with sessions A, B and C; give several
@@ -36,6 +37,10 @@ pub(crate) struct Run {
     /// The errors of the model that the estimator doesn't know of (U1, U2, …)
     #[arg(long, conflicts_with_all = ["scenario", "robot"])]
     unmodelled: bool,
+    /// What a user meets outside the protocol: forces that stay, creep, an arm not zeroed and more; every offset
+    /// at the end of B, and of C with what was known after B. With --scenario: those instead, judged like this
+    #[arg(long, conflicts_with_all = ["robot", "unmodelled", "no_steps"])]
+    variants: bool,
     /// Recordings per scenario
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     n: u64,
@@ -106,6 +111,8 @@ impl Run {
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let mut wanted: Vec<String> = if self.unmodelled {
             names(&UNMODELLED)
+        } else if self.variants && self.scenario.is_empty() {
+            variants().map(String::from).collect()
         } else if self.scenario.is_empty() {
             names(&DEFAULT)
         } else {
@@ -119,7 +126,11 @@ impl Run {
             robot: self.robot.clone(),
             n: self.n,
             first_seed: self.seed,
-            steps: !self.no_steps,
+            sessions: if self.variants {
+                Sessions::Chain
+            } else {
+                Sessions::with_slips(!self.no_steps)
+            },
             motor_torque: !self.no_motor_torque,
             jobs: self.jobs.unwrap_or(cores) as usize,
             out: self.out.clone(),
@@ -129,7 +140,12 @@ impl Run {
         let (report, recordings) = scenarios::run_recordings(&options, &mut progress)?;
         drop(bar);
         write_table(self.table.as_deref(), || scenarios::rows(&recordings))?;
-        answer_as(self.json, &report, scenarios::render_table)?;
+        let render = if self.variants {
+            scenarios::render_ends
+        } else {
+            scenarios::render_table
+        };
+        answer_as(self.json, &report, render)?;
         Ok(Finish::Complete)
     }
 }

@@ -1,0 +1,222 @@
+//! The ends of sessions B and C: which offsets are inside their intervals, and which are outside unsaid.
+
+use super::Recording;
+use super::result::{ScenarioReport, ScenarioSummary};
+use crate::numbers::{mean, rms};
+use serde::{Deserialize, Serialize};
+use sinew_estimate::session::{SessionEstimate, TendonEstimate};
+use sinew_model::robot::Robot;
+use sinew_model::{Gaussian, Z95};
+use sinew_report::text::{paragraph, plain, table};
+
+/// Which sessions are estimated, and what for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sessions {
+    /// B alone, with A's baseline.
+    B,
+    /// B, then C with what was known after B, each judged at its end.
+    Chain,
+    /// The same, and the slips of C: whether they are found, and how soon.
+    Slips,
+}
+
+impl Sessions {
+    /// With session C or without.
+    pub fn with_slips(slips: bool) -> Self {
+        if slips { Self::Slips } else { Self::B }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::B => "b",
+            Self::Chain => "chain",
+            Self::Slips => "slips",
+        }
+    }
+}
+
+/// Where offsets are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// At the end of session B, estimated with A's baseline.
+    B,
+    /// At the end of session C, estimated with what was known after B.
+    Chain,
+}
+
+/// All elastic joints of one recording at one end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndScore {
+    /// Which.
+    pub end: End,
+    /// Estimate less truth per elastic joint, with the deviation stated, rad.
+    pub errors_rad: Vec<Gaussian>,
+    /// Whether that session's own result warned of anything.
+    pub is_warned: bool,
+}
+
+impl EndScore {
+    pub(super) fn of(end: End, robot: &Robot, truth_rad: &[f64], said: &SessionEstimate) -> Self {
+        let error = |joint: &TendonEstimate| {
+            let truth_rad = truth_rad[robot.arm.joint_index(&joint.name)?];
+            let offset = joint.offset_rad;
+            Some(Gaussian::new(offset.mean - truth_rad, offset.deviation))
+        };
+        Self {
+            end,
+            errors_rad: said.joints.iter().filter_map(error).collect(),
+            is_warned: !said.warnings.is_empty(),
+        }
+    }
+
+    fn outside(&self) -> usize {
+        self.errors_rad.iter().filter(|e| e.is_nonzero_95()).count()
+    }
+
+    /// Outside their intervals, and nothing was said.
+    fn silent(&self) -> usize {
+        if self.is_warned { 0 } else { self.outside() }
+    }
+}
+
+/// All recordings of a scenario at one end, all elastic joints together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EndSummary {
+    /// Which end.
+    pub end: End,
+    /// Offsets judged: recordings times elastic joints.
+    pub offsets: usize,
+    /// Share of truths inside the 95 % interval.
+    pub coverage_share: f64,
+    /// Root mean square error, rad.
+    pub rmse_rad: f64,
+    /// Mean half of the 95 % interval, rad.
+    pub half_width_95_rad: f64,
+    /// Share of recordings whose session warned of anything.
+    pub warned_share: f64,
+    /// Share of offsets outside their interval in a session that warned of nothing.
+    pub silent_share: f64,
+}
+
+/// Sums up what was judged; an end that no recording has is left out.
+pub(super) fn summarise(recordings: &[&Recording]) -> Vec<EndSummary> {
+    [End::B, End::Chain]
+        .into_iter()
+        .filter_map(|end| {
+            let of_end = recordings.iter().flat_map(|r| &r.ends);
+            one(end, &of_end.filter(|e| e.end == end).collect::<Vec<_>>())
+        })
+        .collect()
+}
+
+fn one(end: End, scores: &[&EndScore]) -> Option<EndSummary> {
+    let errors: Vec<Gaussian> = scores.iter().flat_map(|s| s.errors_rad.clone()).collect();
+    if errors.is_empty() {
+        return None;
+    }
+    let count = errors.len() as f64;
+    let sum = |of: fn(&EndScore) -> usize| scores.iter().map(|s| of(s)).sum::<usize>() as f64;
+    let warned = scores.iter().filter(|s| s.is_warned).count();
+    let halves: Vec<f64> = errors.iter().map(|e| Z95 * e.deviation).collect();
+    Some(EndSummary {
+        end,
+        offsets: errors.len(),
+        coverage_share: 1.0 - sum(EndScore::outside) / count,
+        rmse_rad: rms(&errors.iter().map(|e| e.mean).collect::<Vec<_>>()),
+        half_width_95_rad: mean(&halves),
+        warned_share: warned as f64 / scores.len() as f64,
+        silent_share: sum(EndScore::silent) / count,
+    })
+}
+
+/// One line per scenario and end, as text of at most 80 columns; the last lines are all together.
+pub fn render_ends(report: &ScenarioReport) -> String {
+    let mut rows = Vec::new();
+    for s in &report.scenarios {
+        for (k, end) in s.ends.iter().enumerate() {
+            let name = if k == 0 {
+                plain(&s.scenario)
+            } else {
+                String::new()
+            };
+            rows.push(row(name, end));
+        }
+    }
+    for end in [End::B, End::Chain] {
+        if let Some(all) = together(end, &report.scenarios) {
+            rows.push(row("all".into(), &all));
+        }
+    }
+    let head = [
+        "",
+        "end of",
+        "offsets",
+        "inside\n%",
+        "RMSE\nmrad",
+        "±\nmrad",
+        "warned\n%",
+        "silent\n%",
+    ];
+    let mut text = table(&head, rows, 2);
+    text.push('\n');
+    text.push_str(&paragraph(
+        "B: with A's baseline; chain: C with what was known after B; ±: mean half-width of the 95 % interval; \
+         warned: recordings whose session warned of anything; silent: offsets outside their interval though \
+         their session warned of nothing",
+        0,
+    ));
+    for s in &report.scenarios {
+        if let Some(about) = &s.about {
+            text.push_str(&paragraph(&format!("{}: {about}", plain(&s.scenario)), 2));
+        }
+    }
+    text
+}
+
+fn row(name: String, end: &EndSummary) -> Vec<String> {
+    let of = match end.end {
+        End::B => "B",
+        End::Chain => "chain",
+    };
+    vec![
+        name,
+        of.into(),
+        end.offsets.to_string(),
+        format!("{:.1}", 100.0 * end.coverage_share),
+        format!("{:.2}", 1e3 * end.rmse_rad),
+        format!("{:.2}", 1e3 * end.half_width_95_rad),
+        format!("{:.0}", 100.0 * end.warned_share),
+        format!("{:.1}", 100.0 * end.silent_share),
+    ]
+}
+
+/// All scenarios as one, each offset and each recording counting alike.
+fn together(end: End, scenarios: &[ScenarioSummary]) -> Option<EndSummary> {
+    let of_end: Vec<(&EndSummary, f64)> = (scenarios.iter())
+        .flat_map(|s| s.ends.iter().map(|e| (e, s.recordings as f64)))
+        .filter(|(e, _)| e.end == end)
+        .collect();
+    let offsets: usize = of_end.iter().map(|(e, _)| e.offsets).sum();
+    if offsets == 0 {
+        return None;
+    }
+    let recordings: f64 = of_end.iter().map(|(_, n)| n).sum();
+    let each = |of: fn(&EndSummary) -> f64| {
+        let sum: f64 = of_end.iter().map(|(e, _)| e.offsets as f64 * of(e)).sum();
+        sum / offsets as f64
+    };
+    let warned: f64 = of_end.iter().map(|(e, n)| n * e.warned_share).sum();
+    Some(EndSummary {
+        end,
+        offsets,
+        coverage_share: each(|e| e.coverage_share),
+        rmse_rad: each(|e| e.rmse_rad.powi(2)).sqrt(),
+        half_width_95_rad: each(|e| e.half_width_95_rad),
+        warned_share: warned / recordings,
+        silent_share: each(|e| e.silent_share),
+    })
+}
