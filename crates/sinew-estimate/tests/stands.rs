@@ -123,3 +123,23 @@ fn a_slip_that_no_friction_holds_does_not_pass_in_silence_while_the_arm_stands()
         assert!(inside || nothing_fits, "{:?}", said.warnings);
     }
 }
+
+/// What friction's model gets wrong returns with every round, and no round says more of it than the others.
+#[test]
+fn the_same_motion_again_and_again_does_not_make_a_wrong_answer_sure() {
+    let robot = biorob_like();
+    let mut half_widths = Vec::new();
+    for rounds in [1, 12] {
+        let recorded = recording(&robot, rounds, rounds as f64 * ROUND_S, 11, "");
+        let options = SessionOptions::default();
+        let (said, _) = session::estimate_recorded(&robot, &recorded, "B", None, &options).unwrap();
+        for joint in &said.joints {
+            let offset = joint.offset_rad;
+            println!("{rounds} {} {offset:?}", joint.name);
+            assert!(offset.mean.abs() < offset.half_width_95(), "{joint:?}");
+        }
+        half_widths.push(said.joints[ELBOW].offset_rad.half_width_95());
+    }
+    // Twelve rounds teach something.
+    assert!(half_widths[1] < half_widths[0], "{half_widths:?}");
+}

@@ -23,6 +23,7 @@ mod live;
 mod poses;
 mod recorder;
 mod result;
+mod revisits;
 mod run;
 mod segments;
 pub mod stated;

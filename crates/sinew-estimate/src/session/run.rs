@@ -4,6 +4,7 @@ use super::anchor;
 use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
+use super::revisits;
 use super::segments::Segments;
 use super::summary::{Context, summarise, utc_s};
 use super::warning::Warning;
@@ -353,7 +354,12 @@ fn estimate_with_lag(
         continues: baseline.is_some() && since == Since::Now,
     };
     let payload = options.payload;
-    let segments = Segments::estimate(estimator, start, recorded, payload, everything, name)?;
+    // Since a baseline of like motion what the model gets wrong cancels. Without one it is all of what is read.
+    let estimated = match baseline {
+        Some(_) => Cow::Borrowed(recorded),
+        None => revisits::counted(recorded),
+    };
+    let segments = Segments::estimate(estimator, start, &estimated, payload, everything, name)?;
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());

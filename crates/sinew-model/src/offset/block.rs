@@ -17,6 +17,8 @@ pub struct Block {
     pub time_s: f64,
     /// For how long the arm has stood at the end of the block, s: no joint has moved by 10 mrad.
     pub stood_s: f64,
+    /// How often the arm came by like this in the recording; 1 where that isn't counted.
+    pub visits: f64,
     /// Filtered joint position at the end of the block, `n`, rad.
     pub q: Vec<f64>,
     /// Filtered `theta_measured − q`, `n`, rad.
@@ -72,6 +74,7 @@ impl Block {
         Self {
             time_s: 0.0,
             stood_s: 0.0,
+            visits: 1.0,
             q: zero(),
             y: zero(),
             y_slow: zero(),
@@ -115,6 +118,7 @@ impl Block {
         let Self {
             time_s,
             stood_s,
+            visits,
             q,
             y,
             y_slow,
@@ -146,7 +150,8 @@ impl Block {
             motor_stood,
         ];
         let mut values = link.into_iter().chain(motor).flatten();
-        time_s.is_finite() && stood_s.is_finite() && values.all(|x| x.is_finite())
+        let own = [time_s, stood_s, visits];
+        own.into_iter().all(|x| x.is_finite()) && values.all(|x| x.is_finite())
     }
 
     /// Makes this the same as `other`, which must be of an arm of the same size.
@@ -156,6 +161,7 @@ impl Block {
     pub fn copy_from(&mut self, other: &Self) {
         self.time_s = other.time_s;
         self.stood_s = other.stood_s;
+        self.visits = other.visits;
         self.temperature_c = other.temperature_c;
         copy(&mut self.q, &other.q);
         for (to, from) in self.sums().into_iter().zip(other.columns()) {
