@@ -3,7 +3,8 @@
 use crate::inbox::{Sender, TopicKey};
 use crate::received::Received;
 use crate::trouble::Trouble;
-use sinew_log::live::{Census, LiveOptions, TopicFilter};
+use sinew_log::live::{Census, LiveOptions, OVERLOOKED_MOST, TopicFilter};
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A robot behind a door.
@@ -12,6 +13,8 @@ pub struct Route {
     sender: Sender,
     /// `None`: whatever can be looked into.
     filter: Option<TopicFilter>,
+    /// Topics announced that it doesn't want.
+    overlooked: Arc<Mutex<BTreeSet<String>>>,
 }
 
 impl Route {
@@ -20,6 +23,7 @@ impl Route {
         Route {
             sender,
             filter: Some(TopicFilter::new(options)),
+            overlooked: Arc::default(),
         }
     }
 
@@ -29,6 +33,18 @@ impl Route {
         Route {
             sender,
             filter: None,
+            overlooked: Arc::default(),
+        }
+    }
+
+    /// Announces a topic with joint states that no robot wants: a name that is asked for may be written wrong.
+    fn overlook(&self, topic: &str, schema: &str) {
+        let mut known = self
+            .overlooked
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if known.len() < OVERLOOKED_MOST && known.insert(topic.to_owned()) {
+            let _without_messages = self.sender.topic(topic, schema);
         }
     }
 
@@ -101,9 +117,13 @@ impl Targets {
             let key = sender.topic(topic, schema);
             (sender, key)
         });
-        Targets {
-            all: announced.collect(),
+        let all = Vec::from_iter(announced);
+        if all.is_empty() && TopicFilter::is_of_joints(schema) {
+            for route in routes {
+                route.overlook(topic, schema);
+            }
         }
+        Targets { all }
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -335,3 +335,46 @@ fn a_door_that_can_not_even_be_tried_is_shown_as_shut_with_why() {
     });
     runtime.end();
 }
+
+#[test]
+fn a_topic_that_is_named_wrong_is_told_with_those_that_are_there() {
+    for (named, key, there) in [
+        (
+            "joint_topic = \"/joint_state\"",
+            "joint_topic",
+            "/joint_states",
+        ),
+        // With both sides named, no other topic is read.
+        (
+            "joint_topic = \"/joint_state\"\nmotor_topic = \"/dynamic_joint_states\"",
+            "joint_topic",
+            "/joint_states",
+        ),
+        (
+            "joint_topic = \"/joint_states\"\nmotor_topic = \"/motors\"",
+            "motor_topic",
+            "/dynamic_joint_states",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
+        let mut runtime = start(folder.path());
+        let soon = "alarm.data.raise_after_s = 0";
+        runtime.configure(&config(folder.path(), &format!("{named}\n{soon}\n")));
+        let said = || {
+            let robot = seen(&runtime)?;
+            let mut data = robot
+                .alarms
+                .iter()
+                .filter(|a| a.key.condition == Condition::Data && a.key.joint.is_none());
+            data.next().map(sinew_watch::words::said)
+        };
+        until("an alarm of the data", || said().is_some());
+        let said = said().unwrap();
+        assert!(
+            said.contains(&format!("{key} asks for /")) && said.contains(there),
+            "{named}: {said}"
+        );
+        runtime.end();
+    }
+}

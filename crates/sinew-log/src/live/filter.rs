@@ -32,6 +32,11 @@ impl TopicFilter {
         }
     }
 
+    /// Whether a topic carries joint states, of whatever robot.
+    pub fn is_of_joints(schema: &str) -> bool {
+        MessageKind::of_schema(schema).is_some()
+    }
+
     /// Whether a topic has a name that is looked for, whatever its type.
     pub fn expects(&self, topic: &str) -> bool {
         self.wishes.is_named(topic)

@@ -86,7 +86,7 @@ use crate::frame::{Channels, Frame};
 use crate::health::Health;
 use crate::mapping::Mapping;
 use crate::options::{OpenOptions, check_options};
-use crate::sources::{SignalSource, TopicInfo};
+use crate::sources::{SignalSource, TopicInfo, TopicUse};
 use choose::{check_mapping, choose_so_far};
 use names::Names;
 use samples::Samples;
@@ -136,6 +136,20 @@ pub struct Choice<'a> {
     pub ambiguous: &'a [Ambiguity],
 }
 
+/// A side that is asked for by name, and isn't there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Missed {
+    /// Which side.
+    pub side: TopicUse,
+    /// The name asked for.
+    pub wanted: String,
+    /// Topics with joint states that are there, and are no other side.
+    pub others: Vec<String>,
+}
+
+/// Topics with joint states that aren't asked for and are remembered, at most.
+pub const OVERLOOKED_MOST: usize = 16;
+
 /// Makes frames of messages as they come.
 ///
 /// # Realtime
@@ -155,6 +169,8 @@ pub struct Live {
     robot_description: Option<String>,
     descriptions: u64,
     topics_refused: u64,
+    /// Topics with joint states that aren't asked for.
+    overlooked: Vec<String>,
 }
 
 impl Live {
@@ -209,6 +225,7 @@ impl Live {
             robot_description: None,
             descriptions: 0,
             topics_refused: 0,
+            overlooked: Vec::new(),
         })
     }
 
@@ -216,6 +233,11 @@ impl Live {
     /// `sensor_msgs/msg/JointState`. `None`: nothing of it is of use. The same topic may be announced again.
     pub fn topic(&mut self, name: &str, schema: &str) -> Option<TopicId> {
         if !self.filter.wants(name, schema) {
+            let is_new = || !self.overlooked.iter().any(|known| known == name);
+            let has_room = self.overlooked.len() < OVERLOOKED_MOST;
+            if has_room && MessageKind::of_schema(schema).is_some() && is_new() {
+                self.overlooked.push(name.to_owned());
+            }
             return None;
         }
         let is_same = |topic: &Topic| topic.name == name && topic.schema == schema;
@@ -338,6 +360,45 @@ impl Live {
             external_torque: names.external_topic.as_deref(),
             ambiguous: &self.ambiguous,
         }
+    }
+
+    /// Sides that are asked for by name while no topic of that name came, and others that carry joint states did: a
+    /// name that is written wrong, or a robot that isn't on beside one that is.
+    pub fn missed(&self) -> Vec<Missed> {
+        let choice = self.choice();
+        let wishes = self.filter.wishes();
+        let sides = [
+            (
+                TopicUse::JointSide,
+                wishes.joint.as_ref(),
+                choice.joint_side,
+            ),
+            (
+                TopicUse::MotorSide,
+                wishes.motor.as_ref(),
+                choice.motor_side,
+            ),
+        ];
+        let others = || {
+            let announced = self.survey.topics.values();
+            let states = announced.filter(|t| MessageKind::of_schema(&t.schema).is_some());
+            let names = states.map(|topic| topic.name.clone());
+            let free = names.filter(|name| {
+                let taken = [choice.joint_side, choice.motor_side];
+                !taken.contains(&Some(name.as_str()))
+            });
+            Vec::from_iter(free.chain(self.overlooked.iter().cloned()))
+        };
+        let missed = sides.into_iter().filter_map(|(side, wanted, found)| {
+            let wanted = wanted.filter(|_| found.is_none())?.clone();
+            let others = others();
+            (!others.is_empty()).then_some(Missed {
+                side,
+                wanted,
+                others,
+            })
+        });
+        missed.collect()
     }
 
     /// The topics announced, with what each brought and is taken for.

@@ -525,7 +525,7 @@ impl CoreThread {
                 let Watched {
                     intake, monitor, ..
                 } = &mut robot.watched;
-                if let Some(changed) = robot.troubles.changed(intake.live().choice()) {
+                if let Some(changed) = robot.troubles.changed(intake.live()) {
                     monitor.troubles(changed, now);
                 }
                 monitor.tick(now);

@@ -2,7 +2,7 @@
 
 use sinew_door::Trouble as Door;
 use sinew_log::TopicUse;
-use sinew_log::live::Choice;
+use sinew_log::live::Live;
 use sinew_watch_core::alarm::Trouble;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -79,28 +79,43 @@ impl Troubles {
     }
 
     /// What is wrong now, where that has changed. A policy that doesn't match stays until its publisher goes.
-    pub(super) fn changed(&mut self, choice: Choice<'_>) -> Option<&[Trouble]> {
+    pub(super) fn changed(&mut self, live: &Live) -> Option<&[Trouble]> {
         self.all.retain(|_, (trouble, said)| {
             matches!(trouble, Trouble::Qos { .. }) || said.elapsed() < OVER_AFTER
         });
-        let ambiguous = choice.ambiguous.iter().map(|ambiguity| {
-            let (side, key) = match ambiguity.side {
-                TopicUse::MotorSide => ("motor side", "motor_topic"),
-                _ => ("joint side", "joint_topic"),
-            };
+        let ambiguous = live.choice().ambiguous.iter().map(|ambiguity| {
+            let (side, key) = side(ambiguity.side);
             let several = ambiguity.candidates.join(", ");
             Trouble::Decode {
                 topic: side.into(),
                 why: format!("several topics could be it: {several}; name one in {key}"),
             }
         });
+        let missed = live.missed().into_iter().map(|missed| {
+            let (side, key) = side(missed.side);
+            let (wanted, others) = (missed.wanted, missed.others.join(", "));
+            Trouble::Decode {
+                topic: side.into(),
+                why: format!(
+                    "{key} asks for {wanted}, and no such topic came; with joint states there are {others}; name one in {key}"
+                ),
+            }
+        });
         let all = self.all.values().map(|(trouble, _)| trouble.clone());
-        let now: Vec<Trouble> = all.chain(ambiguous).collect();
+        let now: Vec<Trouble> = all.chain(ambiguous).chain(missed).collect();
         if now == self.told {
             return None;
         }
         self.told = now;
         Some(&self.told)
+    }
+}
+
+/// A side in words, and the key that names its topic.
+fn side(side: TopicUse) -> (&'static str, &'static str) {
+    match side {
+        TopicUse::MotorSide => ("motor side", "motor_topic"),
+        _ => ("joint side", "joint_topic"),
     }
 }
 
