@@ -90,6 +90,34 @@ fn all_nan_and_constant_signals_are_suspicious() {
 }
 
 #[test]
+fn a_temperature_that_no_robot_works_at_is_unknown_and_its_unit_is_asked_about() {
+    let of = |celsius: f64| {
+        read(&format!(
+            "time_s,q.a_rad,theta.a_rad,temperature_c\n0,0.1,0.1,{celsius}\n0.1,0.2,0.2,22\n"
+        ))
+    };
+    let (frames, health) = of(295.15);
+    assert!(frames[0].temperature_c.is_nan() && frames[1].temperature_c == 22.0);
+    let told = health.suspicions.join("\n");
+    assert!(
+        told.contains("temperature reads 295.1") && told.contains("unit = \"K\""),
+        "{told}"
+    );
+    // A sensor that is broken is no kelvin.
+    let (_, health) = of(-273.0);
+    let told = health.suspicions.join("\n");
+    assert!(
+        told.contains("-273.0 °C") && !told.contains("kelvin"),
+        "{told}"
+    );
+    for works in [-40.0, 120.0] {
+        let (frames, health) = of(works);
+        assert_eq!(frames[0].temperature_c, works);
+        assert!(health.suspicions.is_empty(), "{health:?}");
+    }
+}
+
+#[test]
 fn degrees_gear_ratios_and_signs_are_suspected() {
     let text = table("time_s,q.elbow_rad,theta.elbow_rad", 200, |step| {
         let q = 71.5 * (0.05 * step as f64).sin();

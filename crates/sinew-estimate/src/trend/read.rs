@@ -27,6 +27,7 @@ use serde::Deserialize;
 use sinew_files::csv::{Row, Table};
 use sinew_files::date::{PLAUSIBLE_S, parse_utc_s};
 use sinew_files::{Bound, Fault, Fields as _, limits, read_text};
+use sinew_log::WORKS_AT_C;
 use sinew_model::offset::SharedError;
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -258,17 +259,29 @@ fn row_record(row: &Row<'_>, file: &str) -> Result<SessionRecord, RecordError> {
         recording: text("recording"),
         baseline: text("baseline"),
         baseline_time_utc_s,
-        reference_c: number("reference_temperature_c")?,
+        reference_c: celsius(row, "reference_temperature_c")?,
         shared_error: shared_error(row, offset_rad)?,
         time_utc_s,
         cycle,
         duration_s: number("duration_s")?.filter(|d| *d >= 0.0),
         joint: row.need_text("joint")?.to_string(),
         offset_rad,
-        temperature_c: number("temperature_c")?,
+        temperature_c: celsius(row, "temperature_c")?,
         stiffness_ratio: stiffness.map(|(v, i)| Gaussian::new(0.01 * v, 0.01 * i / Z95)),
         source: format!("{file}, line {}", row.line()),
     })
+}
+
+/// A temperature at which a robot can work.
+fn celsius(row: &Row<'_>, column: &'static str) -> Result<Option<f64>, RecordError> {
+    let [least, most] = WORKS_AT_C;
+    match row.number(column, Bound::Any)? {
+        Some(c) if !(least..=most).contains(&c) => {
+            let must = "-60 to 150 °C, where robots work; subtract 273.15 from kelvin";
+            Err(row.refuse(column, must).into())
+        }
+        celsius => Ok(celsius),
+    }
 }
 
 /// A date in a column.

@@ -7,7 +7,7 @@
 //! sides land on the same turn; at the start it is taken to the joint side's. A signal whose raw values span more than one
 //! period does not come from a wrapping encoder and is left as it is.
 
-use crate::frame::{Frame, Quantity, is_absent};
+use crate::frame::{Frame, Quantity, WORKS_AT_C, is_absent};
 use crate::health::{EventKind, Health, SignalCount};
 
 /// At the start the motor side is taken to the joint's turn, unless its turn is so short that a
@@ -24,6 +24,26 @@ const DEGREES_FROM_RAD: f64 = 2.0 * std::f64::consts::PI * 1.01;
 const SLOPE_EVERY: u64 = 8;
 /// Least motion of a joint for that comparison, rad.
 const SLOPE_SPAN_RAD: f64 = 0.05;
+
+/// 0 °C, K.
+const CELSIUS_ZERO_K: f64 = 273.15;
+
+/// What is said of temperatures that no robot works at.
+fn odd_temperatures([low, high]: [f64; 2]) -> String {
+    let [least, most] = WORKS_AT_C;
+    let range = match low == high {
+        true => format!("{low:.1} °C"),
+        false => format!("{low:.1} to {high:.1} °C"),
+    };
+    let kelvin = [low, high].map(|c| c - CELSIUS_ZERO_K);
+    let cure = match kelvin.iter().all(|c| (least..=most).contains(c)) {
+        true => "it looks like kelvin: a mapping with [temperature] unit = \"K\" converts it",
+        false => "a mapping's [temperature] states its unit",
+    };
+    format!(
+        "temperature reads {range}; robots work at {least:.0} to {most:.0} °C, so it is taken as unknown there: {cure}"
+    )
+}
 
 /// How one signal becomes SI: `si = scale · raw + offset`, with its period in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +102,8 @@ pub struct Conditioner {
     turned: [bool; 2],
     wraps: Vec<u64>,
     slopes: Vec<Slope>,
+    /// Lowest and highest temperature that no robot works at.
+    odd_temperatures: Option<[f64; 2]>,
     first_ns: Option<i64>,
     last_ns: Option<i64>,
     last_epoch: u32,
@@ -118,6 +140,7 @@ impl Conditioner {
             turned: [false; 2],
             wraps: vec![0; 2 * n],
             slopes: vec![Slope::default(); n],
+            odd_temperatures: None,
             first_ns: None,
             last_ns: None,
             last_epoch: 0,
@@ -169,11 +192,9 @@ impl Conditioner {
         }
         let whole = sound && !positions_absent;
         self.unwrap(new_segment, whole, frame);
-        frame.temperature_c = raw[6 * n..]
-            .iter()
-            .copied()
-            .find(|value| !is_absent(*value))
-            .filter(|value| value.is_finite())
+        let temperature_c = raw[6 * n..].iter().copied().find(|v| !is_absent(*v));
+        frame.temperature_c = temperature_c
+            .filter(|c| c.is_finite() && self.robots_work_at(*c))
             .unwrap_or(f64::NAN);
 
         if !whole && frame.q.iter().all(|value| value.is_nan()) {
@@ -186,6 +207,16 @@ impl Conditioner {
             self.watch_slopes(frame);
         }
         health.frames += 1;
+    }
+
+    /// Whether a temperature can be a robot's; one that can't is remembered, and is unknown.
+    fn robots_work_at(&mut self, celsius: f64) -> bool {
+        let works = (WORKS_AT_C[0]..=WORKS_AT_C[1]).contains(&celsius);
+        if !works {
+            let [low, high] = self.odd_temperatures.unwrap_or([celsius; 2]);
+            self.odd_temperatures = Some([low.min(celsius), high.max(celsius)]);
+        }
+        works
     }
 
     fn segment_at(
@@ -396,6 +427,9 @@ impl Conditioner {
         }
         for joint in 0..n {
             self.suspect_sides(joint, health);
+        }
+        if let Some(odd) = self.odd_temperatures {
+            health.suspicion(odd_temperatures(odd));
         }
     }
 

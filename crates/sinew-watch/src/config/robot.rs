@@ -4,7 +4,7 @@ use super::alarms::{self, AlarmSettings};
 use super::door::{self, DoorSettings};
 use super::path;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section};
-use sinew_log::JointEffort;
+use sinew_log::{JointEffort, WORKS_AT_C};
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 
@@ -142,8 +142,7 @@ fn reading(s: &Section<'_>, folder: &Path) -> Result<ReadingSettings, Located> {
 }
 
 fn estimate(s: &Section<'_>) -> Result<EstimateSettings, Located> {
-    /// What a robot works at, °C.
-    const WORKS_AT: Bound = Bound::Within(-60.0, 150.0);
+    const WORKS_AT: Bound = Bound::Within(WORKS_AT_C[0], WORKS_AT_C[1]);
     /// As a room thermometer tells it, K.
     const THERMOMETER_K: f64 = 2.0;
     let temperature_c = s.number("temperature_c", WORKS_AT)?;
