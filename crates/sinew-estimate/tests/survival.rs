@@ -43,7 +43,6 @@ fn events_at_places_are_lives_of_ropes() {
             ("a", 100.0, LifeEnd::Replaced),
             ("a", 165.0, LifeEnd::Whole),
             ("b", 0.5, LifeEnd::Broke),
-            ("b", 334.0, LifeEnd::Whole),
             ("c", 304.0, LifeEnd::Whole),
             ("d", 10.0, LifeEnd::Replaced),
         ]
@@ -54,6 +53,8 @@ fn events_at_places_are_lives_of_ropes() {
             .contains(&SurvivalNote::AgeUnknown { breaks: 1 })
     );
     assert!(lives.notes.contains(&SurvivalNote::SameDay { ropes: 1 }));
+    let without = SurvivalNote::NoNewRope { places: 1 };
+    assert!(lives.notes.contains(&without), "{:?}", lives.notes);
     let notes: Vec<String> = lives.notes.iter().map(format_note).collect();
     for words in [
         "half a day",
@@ -284,6 +285,36 @@ fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
         ends(text),
         [(152.0, LifeEnd::Broke), (30.0, LifeEnd::Whole)]
     );
+}
+
+/// Between a break and the end of the watch there may have been no rope at all: a life that nobody lived makes ropes look
+/// stronger than they are.
+#[test]
+fn a_place_that_got_no_new_rope_is_out_of_observation_from_the_break_on() {
+    let of = |events: &str| {
+        let (_folder, path) = table(&format!(
+            "date,unit,event\n2024-01-01,a,installed\n{events}2025-01-01,z,seen\n"
+        ));
+        let lives = read_lives(&path, &EventColumns::default()).unwrap();
+        let out = lives.notes.iter().find_map(|note| match note {
+            SurvivalNote::NoNewRope { places } => Some(*places),
+            _ => None,
+        });
+        let days = lives.lives.iter().map(|l| (l.age / 86_400.0, l.end));
+        (days.collect::<Vec<_>>(), out)
+    };
+    let broke = (31.0, LifeEnd::Broke);
+    assert_eq!(of("2024-02-01,a,broken\n"), (vec![broke], Some(1)));
+    // Another was put in, as is said.
+    let installed = "2024-02-01,a,broken\n2024-02-11,a,installed\n";
+    let whole = (325.0, LifeEnd::Whole);
+    assert_eq!(of(installed), (vec![broke, whole], None));
+    // Nobody says so, but there was one to be tensioned: whole until then.
+    let seen = "2024-02-01,a,broken\n2024-02-21,a,tensioned again\n";
+    assert_eq!(of(seen), (vec![broke, (20.0, LifeEnd::Whole)], None));
+    // One that broke again was there; since then there is none.
+    let again = "2024-02-01,a,broken\n2024-03-02,a,broken\n";
+    assert_eq!(of(again), (vec![broke, (30.0, LifeEnd::Broke)], Some(1)));
 }
 
 #[test]

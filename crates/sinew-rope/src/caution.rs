@@ -20,8 +20,11 @@ pub enum Caution {
         /// Starting guess taken, N.
         breaking_load_n: f64,
     },
-    /// Starting guesses made for tests of 85 min, asked for more than a day.
-    Extrapolated,
+    /// Starting guesses, held against short tests, asked for more than a day.
+    Extrapolated {
+        /// Length of the longest of those tests, s.
+        tests_s: f64,
+    },
     /// The rope creeps until it breaks; there is no reading from then on.
     CreepsApart {
         /// When, at the catalogue's values, s.

@@ -598,6 +598,20 @@ fn the_papers_figures_become_files_with_judged_sentences() {
     }
     refused(&["paper", "fig8"], dir.path(), 2, &["fig8", "fig6", "fig7"]);
     refused(&["paper", "fig6"], dir.path(), 1, &["robots/biorob-like"]);
+    // An option that would do nothing is no option.
+    for (figure, option) in [
+        ("fig6", "--ropes"),
+        ("fig7", "--ropes"),
+        ("control", "--ropes"),
+        ("fig1", "--robot"),
+    ] {
+        refused(
+            &["paper", figure, option, "."],
+            dir.path(),
+            1,
+            &[option, figure, "leave it out"],
+        );
+    }
 }
 
 #[test]

@@ -537,14 +537,17 @@ class CautionEndsNotStated(Record):
 
 
 class CautionExtrapolated(Record):
-    """Starting guesses made for tests of 85 min, asked for more than a day."""
+    """Starting guesses, held against short tests, asked for more than a day."""
 
     __slots__ = ()
 
     kind: Literal["extrapolated"]
+    tests_s: float
+    """Length of the longest of those tests, s."""
 
     _fields = {
         "kind": "",
+        "tests_s": "",
     }
 
 

@@ -25,7 +25,7 @@ pub(super) fn lasts(life: &Life) -> String {
             spoken(s.high),
             cause(life.cause)
         ),
-        None => "no break within 300 years by what is known of creep and bending".into(),
+        None => "lasts longer than 300 years, by what is known of creep and bending".into(),
     };
     let share = rounded(100.0 * life.end_share, 2);
     match life.ends {

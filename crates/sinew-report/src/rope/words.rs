@@ -24,11 +24,11 @@ pub fn caution(caution: Caution) -> String {
         Caution::BreakingLoadGuessed { breaking_load_n } => {
             format!("the breaking load is not published; {breaking_load_n} N is a starting guess")
         }
-        Caution::Extrapolated => {
-            "its parameters are starting guesses made for tests of 85 min: beyond a day \
-             this is an extrapolation, by a law that knows nothing slower than a day"
-                .into()
-        }
+        Caution::Extrapolated { tests_s } => format!(
+            "its parameters are starting guesses, held against tests of {}: beyond a day \
+             this is an extrapolation, by a law that knows nothing slower than a day",
+            spoken(tests_s)
+        ),
         Caution::CreepsApart { time_s } => format!(
             "it creeps until it breaks, after some {}; there is no elongation from then on",
             spoken(time_s)

@@ -19,10 +19,10 @@ pub(crate) struct Paper {
     /// Which figure
     #[arg(value_enum)]
     figure: Which,
-    /// Robot's folder
-    #[arg(long, value_name = "DIR", default_value = "robots/biorob-like")]
-    robot: PathBuf,
-    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5 and table1
+    /// Robot's folder, for fig6, fig7, control and ledger [default: robots/biorob-like]
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5, table1 and ledger
     #[arg(long = "ropes", value_name = "DIR")]
     ropes: Vec<PathBuf>,
     /// Folder for the files; made if it isn't there
@@ -58,15 +58,45 @@ enum Which {
     Ledger,
 }
 
+impl Which {
+    /// Whether it is made with a robot, and with the catalogue's ropes.
+    fn needs(self) -> (bool, bool) {
+        match self {
+            Self::Fig1 | Self::Fig2 | Self::Fig4 | Self::Fig5 | Self::Table1 => (false, true),
+            Self::Fig6 | Self::Fig7 | Self::Control => (true, false),
+            Self::Ledger => (true, true),
+        }
+    }
+}
+
 impl Paper {
+    /// An option that would change nothing is refused.
+    fn check(&self) -> Result<(), Failure> {
+        let (robot, ropes) = self.figure.needs();
+        let name = self.figure.to_possible_value();
+        let name = name.as_ref().map_or("", |value| value.get_name());
+        if !ropes && !self.ropes.is_empty() {
+            return Err(Failure::Refused(format!(
+                "--ropes: {name} is made with a robot's tendons, and with no rope of the catalogue; leave it out"
+            )));
+        }
+        if !robot && self.robot.is_some() {
+            return Err(Failure::Refused(format!(
+                "--robot: {name} is made with ropes alone; leave it out"
+            )));
+        }
+        Ok(())
+    }
+
     fn folders(&self) -> Vec<&Path> {
         self.ropes.iter().map(PathBuf::as_path).collect()
     }
 
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        // Ropes need no robot, robots no ropes.
-        let robot = || robot_dir::load(&self.robot, None);
+        self.check()?;
+        let folder = self.robot.as_deref();
+        let robot = || robot_dir::load(folder.unwrap_or(Path::new("robots/biorob-like")), None);
         let catalogue = || Catalogue::with_folders(&self.folders());
         std::fs::create_dir_all(&self.out).map_err(|e| {
             Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))

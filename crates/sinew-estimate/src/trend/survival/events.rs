@@ -68,7 +68,7 @@ enum Meaning {
     Installed,
     /// The rope was replaced before it broke.
     Replaced,
-    /// The rope broke; another was put in.
+    /// The rope broke. That another was put in shows by what comes after.
     Broke,
     /// The rope was taken out, and none put in.
     Retired,
@@ -194,16 +194,18 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
             some => last(&mut places.values().filter(|p| p.watched == *some)),
         })
     };
-    let (mut lives, mut first_breaks, mut same_day) = (Vec::new(), 0, 0);
+    let (mut lives, mut first_breaks, mut same_day, mut without_rope) = (Vec::new(), 0, 0, 0);
     for (unit, place) in &places {
         let mut of_place = PlaceLives {
             place,
             unit,
             from_utc_s: None,
             supposed: false,
+            seen_utc_s: None,
             lives: &mut lives,
             first_breaks: &mut first_breaks,
             same_day: &mut same_day,
+            without_rope: &mut without_rope,
         };
         let mut events = place.events.clone();
         events.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s));
@@ -215,11 +217,16 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
             }
             day.iter().for_each(|event| of_place.take(event));
         }
-        of_place.ends(watch_ends(place), LifeEnd::Whole);
+        of_place.watch_ends(watch_ends(place));
     }
     if first_breaks > 0 {
         notes.push(SurvivalNote::AgeUnknown {
             breaks: first_breaks,
+        });
+    }
+    if without_rope > 0 {
+        notes.push(SurvivalNote::NoNewRope {
+            places: without_rope,
         });
     }
     if same_day > 0 {
@@ -262,16 +269,19 @@ struct PlaceLives<'a> {
     from_utc_s: Option<f64>,
     /// Whether that is only supposed, because the one before broke then.
     supposed: bool,
+    /// When it was last seen to run, of a rope that is supposed.
+    seen_utc_s: Option<f64>,
     lives: &'a mut Vec<RopeLife>,
     first_breaks: &'a mut usize,
     same_day: &'a mut usize,
+    without_rope: &'a mut usize,
 }
 
 impl PlaceLives<'_> {
     fn take(&mut self, event: &Event) {
         let at = event.utc_s;
         match event.meaning {
-            Meaning::Seen => {}
+            Meaning::Seen => self.seen_utc_s = Some(at),
             // It stood without one since the break.
             Meaning::Installed if self.supposed => {
                 (self.from_utc_s, self.supposed) = (Some(at), false);
@@ -285,12 +295,22 @@ impl PlaceLives<'_> {
                     *self.first_breaks += 1;
                 }
                 self.ends(at, LifeEnd::Broke);
-                (self.from_utc_s, self.supposed) = (Some(at), true);
+                (self.from_utc_s, self.supposed, self.seen_utc_s) = (Some(at), true, None);
             }
             Meaning::Retired => {
                 self.ends(at, LifeEnd::Replaced);
                 (self.from_utc_s, self.supposed) = (None, false);
             }
+        }
+    }
+
+    /// Nobody watches any more. A place whose rope broke and of which nothing was heard since has no rope that anybody
+    /// knows of: one that was seen since is whole as long as it was seen.
+    fn watch_ends(&mut self, at_utc_s: f64) {
+        match (self.supposed, self.seen_utc_s) {
+            (false, _) => self.ends(at_utc_s, LifeEnd::Whole),
+            (true, Some(seen)) => self.ends(seen, LifeEnd::Whole),
+            (true, None) => *self.without_rope += 1,
         }
     }
 

@@ -131,6 +131,11 @@ pub enum SurvivalNote {
         /// How many.
         breaks: usize,
     },
+    /// Places whose rope broke, and of which nothing is said since: out of observation from then on.
+    NoNewRope {
+        /// How many.
+        places: usize,
+    },
     /// Events without a place.
     WithoutPlace {
         /// How many.

@@ -110,6 +110,13 @@ pub fn format_note(note: &SurvivalNote) -> String {
              are left out. Places where nothing ever broke are not in the table at all. Both make ropes look weaker or \
              stronger than they are"
         ),
+        SurvivalNote::NoNewRope { places } => format!(
+            "{} out of observation since the rope there broke: nobody says that another was put in ('installed')",
+            match places {
+                1 => "1 place is".to_string(),
+                n => format!("{n} places are"),
+            }
+        ),
         SurvivalNote::WithoutPlace { events } => {
             format!("{events} events name no place and are left out")
         }

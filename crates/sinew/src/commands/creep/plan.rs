@@ -66,7 +66,8 @@ pub(crate) struct Plan {
     quiet: bool,
 }
 
-/// Ropes that a plan goes through the work with: their mean is known to a fifth of how they differ.
+/// Ropes that a plan goes through the work with, unless --draws says otherwise: their mean is known to a fifth of how they
+/// differ.
 const TRUTHS: usize = 24;
 
 impl Plan {
@@ -120,7 +121,7 @@ impl Plan {
             bench_s: 3600.0 * self.bench_hours,
             known,
             reading_ratio: 0.01 * self.reading_percent,
-            truths: TRUTHS,
+            truths: self.duty.draws().unwrap_or(TRUTHS),
             seed,
         })
     }

@@ -86,9 +86,9 @@ pub(crate) struct DutyArgs {
     /// Times to read at, such as 8h,30d,1year [default: 1h,1d,1month,1year]
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = duration)]
     at: Vec<f64>,
-    /// Draws of the rope's parameters for the intervals
-    #[arg(long, value_name = "N", default_value_t = sinew_rope::draws::DRAWS_DEFAULT as u32, value_parser = clap::value_parser!(u32).range(20..=100_000))]
-    draws: u32,
+    /// Draws of the rope's parameters for the intervals [default: 400; of a creep plan 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    draws: Option<u32>,
     /// Seed of the draws
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -101,6 +101,11 @@ pub(crate) struct Resolved {
 }
 
 impl DutyArgs {
+    /// Draws, where they are asked for.
+    pub(crate) fn draws(&self) -> Option<usize> {
+        self.draws.map(|draws| draws as usize)
+    }
+
     pub(crate) fn resolve(&self, quiet: bool) -> Result<Resolved, Failure> {
         const M_PER_MM: f64 = 1e-3;
         let tendon = self.tendon()?;
@@ -115,7 +120,7 @@ impl DutyArgs {
             ends: self.ends.unwrap_or_default(),
             abrasion_factor: self.abrasion,
             times_s: self.at.clone(),
-            draws: self.draws as usize,
+            draws: self.draws().unwrap_or(sinew_rope::draws::DRAWS_DEFAULT),
             seed: self.seed,
         };
         let request = task.request(tendon.as_ref()).map_err(|error| match error {
