@@ -15,10 +15,15 @@ const SCOPE: SearchScope = SearchScope {
 
 /// What a recording right after tensioning leaves for the next.
 fn learned(estimator: &MapEstimator) -> Belief {
+    learned_of(estimator, PLAIN)
+}
+
+/// The same of a rope as it is.
+fn learned_of(estimator: &MapEstimator, truth: Truth) -> Belief {
     let prior = estimator.prior();
     let tensioned = Truth {
         offset_rad: 0.0,
-        ..PLAIN
+        ..truth
     };
     let calm = blocks(&pendulum("").unwrap().arm, tensioned);
     let start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
@@ -104,6 +109,51 @@ fn the_more_is_lost_the_likelier_and_both_forms_agree() {
         }
     }
     assert!(last > 0.9, "{last}");
+}
+
+/// A strand takes its share of the stiffness that there is, whatever that is over `robot.toml`'s: the loss is sought about
+/// none, and what the baseline found of the stiffness is no part of it.
+#[test]
+fn a_share_that_is_lost_is_found_alike_whatever_the_stiffness_was() {
+    let robot = pendulum("").unwrap();
+    let estimator = MapEstimator::new(prior(&robot), &FeatureConfig::default());
+    for before in [-0.12, 0.0, 0.12] {
+        let truth = Truth {
+            compliance: before,
+            ..PLAIN
+        };
+        let belief = learned_of(&estimator, truth);
+        for loss in [0.0, 0.08] {
+            let after = (1.0 + before) / (1.0 - loss) - 1.0;
+            let softer = Truth {
+                compliance: after,
+                ..truth
+            };
+            let blocks = blocks(&robot.arm, softer);
+            let map = estimator
+                .search(&belief, &blocks, Payload::Empty, SCOPE)
+                .unwrap();
+            let since = map.stiffness_changes[0].unwrap();
+            let mut filter = RecursiveOffsets::new(estimator.clone(), belief.clone()).unwrap();
+            for block in &blocks {
+                filter.step(block).unwrap();
+            }
+            let probabilities = [since.probability, filter.stiffness_changed(0)];
+            let share = since.softening.scaled(1.0 / (1.0 + after));
+            println!("{before} {loss}: {probabilities:?}, {share:?}");
+            for probability in probabilities {
+                match loss > 0.0 {
+                    true => assert!(probability > 0.9, "{before}: {probability}"),
+                    false => assert!(probability < 0.1, "{before}: {probability}"),
+                }
+            }
+            if loss > 0.0 {
+                let wrong = (share.mean - loss).abs();
+                assert!(wrong < 2.0 * share.deviation, "{before}: {share:?}");
+                assert!(wrong < 0.1 * loss, "{before}: {share:?}");
+            }
+        }
+    }
 }
 
 /// Where nothing was known of a stiffness, nothing can have been lost.
