@@ -92,7 +92,8 @@ int main(int count, char **arguments) {
     if (status == SINEW_STATUS_OK) status = sinew_offsets_bound_work(offsets, PERIOD_MAX_S);
     const size_t joints = sinew_robot_joints(robot);
     if (status != SINEW_STATUS_OK || joints > MOST_JOINTS) {
-        fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? why : "too many joints");
+        const char *said = why[0] != '\0' ? why : sinew_status_text((int)status);
+        fprintf(stderr, "%s\n", status != SINEW_STATUS_OK ? said : "too many joints");
         sinew_offsets_free(offsets);
         sinew_robot_free(robot);
         return EXIT_FAILURE;

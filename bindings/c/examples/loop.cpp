@@ -26,6 +26,16 @@ std::string text_of(const char *path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// What a call answered that can't go on.
+void need(sinew_status status, const char *what) {
+    if (status != SINEW_STATUS_OK) throw sinew::error(status, std::string(what) + ": " + sinew_status_text(status));
+}
+
+/// Whether a sample was refused because a value of it is missing.
+bool lacks_something(sinew_status status) noexcept {
+    return status == SINEW_STATUS_REFUSED || status == SINEW_STATUS_NOT_FINITE;
+}
+
 bool read(std::istream &robot, std::vector<double> &values) {
     std::string word;
     for (double &value : values) {
@@ -39,7 +49,7 @@ void run(const char *folder, const char *baseline) {
     sinew::require_version();
     const auto robot = sinew::robot::open(folder);
     sinew::offsets offsets(robot, text_of(baseline));
-    offsets.bound_work(PERIOD_MAX_S);
+    need(offsets.bound_work(PERIOD_MAX_S), "bound_work");
     sinew::observer observer(robot);
     const std::size_t n = robot.joints();
     std::vector<double> t_s(1), q_rad(n), theta_rad(n), delta_e_rad(n);
@@ -51,11 +61,15 @@ void run(const char *folder, const char *baseline) {
         before_s = t_s[0];
 
         // Realtime from here …
-        sinew_stepped stepped = SINEW_STEPPED_TAKEN;
-        offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent, &stepped);
-        observer.step(dt_s, q_rad.data(), theta_rad.data());
-        observer.delta_e(delta_e_rad.data());
+        const sinew_status stepped = offsets.step(dt_s, q_rad.data(), theta_rad.data(), nullptr, absent);
+        const sinew_status observed = observer.step(dt_s, q_rad.data(), theta_rad.data());
+        const sinew_status read_out = observer.delta_e(delta_e_rad.data());
         // … to here.
+
+        // A sample that lacks something is refused and changes nothing: the next one goes on.
+        if (!lacks_something(stepped)) need(stepped, "offsets");
+        if (!lacks_something(observed)) need(observed, "observer");
+        need(read_out, "delta_e");
 
         if (t_s[0] - first_s < say_s) continue;
         say_s += SAY_S;

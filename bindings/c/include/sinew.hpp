@@ -120,12 +120,12 @@ public:
           })),
           joints_(robot.joints()) {}
     /// Realtime. tau_m_nm may be null, temperature_c NaN; stepped, which may be null, says what became of it.
-    sinew_status step(double dt_s, const double *q_rad, const double *theta_rad, const double *tau_m_nm,
+    [[nodiscard]] sinew_status step(double dt_s, const double *q_rad, const double *theta_rad, const double *tau_m_nm,
                       double temperature_c, sinew_stepped *stepped = nullptr) noexcept {
         return sinew_offsets_step(handle_.get(), dt_s, q_rad, theta_rad, tau_m_nm, temperature_c, joints_, stepped);
     }
     /// Bounds the work of a step; the longest time between samples. The offsets come 0.2 s later. Realtime.
-    sinew_status bound_work(double period_max_s) noexcept {
+    [[nodiscard]] sinew_status bound_work(double period_max_s) noexcept {
         return sinew_offsets_bound_work(handle_.get(), period_max_s);
     }
     /// Blocks left out, because samples came later than `bound_work` was told. Realtime.
@@ -177,18 +177,18 @@ public:
           })),
           joints_(robot.joints()) {}
     /// Realtime. tau_ext_nm may be null.
-    sinew_status step(double dt_s, const double *q_rad, const double *theta_rad,
+    [[nodiscard]] sinew_status step(double dt_s, const double *q_rad, const double *theta_rad,
                       const double *tau_ext_nm = nullptr) noexcept {
         return sinew_observer_step(handle_.get(), dt_s, q_rad, theta_rad, tau_ext_nm, joints_);
     }
     /// Realtime. After a gap: the next sample is a start.
     void reset() noexcept { sinew_observer_reset(handle_.get()); }
     /// Realtime. Offset of every joint, rad; NaN of a rigid one.
-    sinew_status delta_e(double *delta_e_rad) const noexcept {
+    [[nodiscard]] sinew_status delta_e(double *delta_e_rad) const noexcept {
         return sinew_observer_delta_e(handle_.get(), delta_e_rad, joints_);
     }
     /// Realtime. Elastic torque of every joint, N m.
-    sinew_status tau_el(double *tau_el_nm) const noexcept {
+    [[nodiscard]] sinew_status tau_el(double *tau_el_nm) const noexcept {
         return sinew_observer_tau_el(handle_.get(), tau_el_nm, joints_);
     }
     /// Realtime. Whether the start has faded to a thousandth.
@@ -208,7 +208,7 @@ public:
           })),
           joints_(robot.joints()) {}
     /// Realtime. p = M(q) dq, C(q, dq)^T dq and g(q).
-    sinew_status momentum(const double *q_rad, const double *dq_rad_s, double *p, double *ct_dq,
+    [[nodiscard]] sinew_status momentum(const double *q_rad, const double *dq_rad_s, double *p, double *ct_dq,
                           double *g) noexcept {
         return sinew_arm_momentum(handle_.get(), q_rad, dq_rad_s, p, ct_dq, g, joints_);
     }

@@ -55,7 +55,9 @@ CallbackReturn OffsetBroadcaster::on_configure(const rclcpp_lifecycle::State &)
     // The longest time between updates, s: an update then does a fixed part of a block's work. A controller that runs below
     // 50 Hz needs more, or blocks are left out.
     constexpr double PERIOD_MAX_S = 0.02;
-    offsets_->bound_work(PERIOD_MAX_S);
+    if (const auto status = offsets_->bound_work(PERIOD_MAX_S); status != SINEW_STATUS_OK) {
+      throw sinew::error(status, "");
+    }
   } catch (const std::exception & error) {
     RCLCPP_ERROR(get_node()->get_logger(), "%s", error.what());
     return CallbackReturn::ERROR;
