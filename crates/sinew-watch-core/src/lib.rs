@@ -4,7 +4,7 @@
 //! [`Transaction`]s to store and a [`RobotSnapshot`] to show. A week replays in minutes, and a step of a
 //! clock is a test. It listens only: nothing here commands a robot.
 //!
-//! Reading order: `instant`, `record`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (what goes
+//! Reading order: `instant`, `record`, `table`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (what goes
 //! in and out), then `monitor`.
 
 pub mod alarm;
@@ -14,6 +14,7 @@ pub mod journal;
 mod monitor;
 pub mod record;
 pub mod snapshot;
+pub mod table;
 pub mod transaction;
 
 pub use instant::Instant;

@@ -80,6 +80,17 @@ pub enum Clock {
     Stepped,
 }
 
+impl Clock {
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Utc => "utc",
+            Self::Stamp => "stamp",
+            Self::Stepped => "stepped",
+        }
+    }
+}
+
 /// Why a session has no offset of a tendon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -91,4 +102,15 @@ pub enum NoOffset {
     TooShort,
     /// The estimator refused the data.
     Refused,
+}
+
+impl NoOffset {
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::TooWide => "too-wide",
+            Self::TooShort => "too-short",
+            Self::Refused => "refused",
+        }
+    }
 }

@@ -1,0 +1,323 @@
+//! A tendon that may come near its limit, by the trend of `sinew trend`.
+
+use super::screen;
+use super::sessions::Sessions;
+use crate::FleetError;
+use crate::args::Due;
+use crate::folder::sides::Fitted;
+use sinew_estimate::robot_dir;
+use sinew_estimate::trend::{
+    JointTrend, Limit, LimitForecast, LimitState, SessionRecord, Sorted, Stated, TrendRequest,
+    TrendVerdict, analyze,
+};
+use sinew_files::date::DAY_S;
+use sinew_model::Gaussian;
+use sinew_model::robot::Robot;
+use sinew_model::transmission::Tendon;
+use sinew_rope::Catalogue;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Days forecasts look ahead: intervals that end later are open.
+const HORIZON_DAYS: f64 = 365.0;
+/// Sessions of so many days before the last, and after each new baseline, are all taken; of the others one a week.
+const RECENT_DAYS: f64 = 45.0;
+const FRESH_DAYS: f64 = 14.0;
+/// A baseline is learned so long after a tensioning, s.
+const BASELINE_AFTER_S: f64 = 3600.0;
+/// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
+const DRIFT_FACTOR: f64 = 1.25;
+
+/// A limit of a tendon and when it passes it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passage {
+    /// The limit.
+    pub limit: Limit,
+    /// The limit as an offset, rad.
+    pub limit_rad: f64,
+    /// What is known.
+    pub state: LimitState,
+    /// Median, 2.5 and 97.5 % quantile, s since 1970; `None`: later than a year after the last session.
+    pub at_utc_s: [Option<f64>; 3],
+}
+
+impl Passage {
+    fn of(found: &LimitForecast, last_utc_s: f64) -> Self {
+        let at = |after_s: Option<f64>| after_s.map(|t| last_utc_s + t);
+        Self {
+            limit: found.limit,
+            limit_rad: found.limit_rad,
+            state: found.state,
+            at_utc_s: [found.after_s, found.after_low_s, found.after_high_s].map(at),
+        }
+    }
+
+    /// Likelier passed than not.
+    pub fn is_passed(&self) -> bool {
+        self.state == LimitState::Passed
+    }
+
+    /// Passed, or it may be by then.
+    pub fn is_due(&self, until_utc_s: f64) -> bool {
+        self.is_passed() || self.at_utc_s[1].is_some_and(|low| low <= until_utc_s)
+    }
+
+    /// The earlier, the worse.
+    fn order(&self) -> f64 {
+        let [median, low, _] = self.at_utc_s;
+        let passed = if self.is_passed() { -1e12 } else { 0.0 };
+        // What has no median comes after what has one.
+        passed + median.or(low.map(|low| low + 1e11)).unwrap_or(1e12)
+    }
+}
+
+/// A tendon that was followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Robot.
+    pub robot: String,
+    /// Joint.
+    pub joint: String,
+    /// Site, rope and batch, where they are known.
+    pub site: Option<String>,
+    /// Rope and batch.
+    pub fit: Fitted,
+    /// What to do.
+    pub verdict: TrendVerdict,
+    /// Offset since the last tensioning.
+    pub offset_rad: Gaussian,
+    /// The same as elongation.
+    pub elongation_m: Option<Gaussian>,
+    /// Last session, s since 1970.
+    pub last_utc_s: f64,
+    /// Its limits.
+    pub passages: Vec<Passage>,
+}
+
+impl Followed {
+    fn of(trend: &JointTrend, sessions: &Sessions, fit: &Fitted, site: Option<String>) -> Self {
+        let (robot, joint) = sessions.tendon.clone();
+        let limits = trend.limits.iter();
+        Self {
+            robot,
+            joint,
+            site,
+            fit: fit.clone(),
+            verdict: trend.verdict,
+            offset_rad: trend.offset_rad,
+            elongation_m: trend.elongation_m,
+            last_utc_s: trend.last_utc_s,
+            passages: limits.map(|l| Passage::of(l, trend.last_utc_s)).collect(),
+        }
+    }
+
+    /// The limit that is passed first.
+    pub fn worst(&self) -> Option<&Passage> {
+        self.passages
+            .iter()
+            .min_by(|a, b| a.order().total_cmp(&b.order()))
+    }
+
+    /// The earlier, the worse.
+    pub(super) fn order(&self) -> f64 {
+        self.worst().map_or(f64::INFINITY, Passage::order)
+    }
+}
+
+/// What became of a tendon.
+pub(super) enum Outcome {
+    OutOfReach,
+    NoLimit,
+    UnknownType(String),
+    Refused(String, String, String),
+    Followed(Box<Followed>),
+}
+
+/// Types of robots: those beside the records, and those named.
+pub(super) fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
+    let beside = std::fs::read_dir(folder.join("types"))
+        .into_iter()
+        .flatten();
+    let mut places: Vec<PathBuf> = (beside.flatten().map(|entry| entry.path()))
+        .filter(|path| path.join("robot.toml").is_file())
+        .collect();
+    places.sort_unstable();
+    places.extend(named.iter().cloned());
+    let load = |place: &PathBuf| Ok(robot_dir::load(place, None)?.robot);
+    places.iter().map(load).collect()
+}
+
+/// Robots of every type with every rope.
+pub(super) struct Followers {
+    robots: BTreeMap<(String, Option<String>), Robot>,
+    catalogue: Catalogue,
+    now_utc_s: f64,
+    within_s: f64,
+    screen: bool,
+}
+
+impl Followers {
+    pub(super) fn new(
+        types: Vec<Robot>,
+        ropes: BTreeSet<String>,
+        asked: &Due,
+        now_utc_s: f64,
+    ) -> Result<Self, FleetError> {
+        let catalogue = Catalogue::shipped()?;
+        let mut robots = BTreeMap::new();
+        for robot in types {
+            for rope in &ropes {
+                catalogue.find(rope)?;
+                let mut roped = robot.clone();
+                for transmission in roped.transmissions.iter_mut().flatten() {
+                    if let Some(tendon) = &mut transmission.tendon {
+                        tendon.rope = Some(rope.clone());
+                    }
+                }
+                robots.insert((robot.name.clone(), Some(rope.clone())), roped);
+            }
+            robots.insert((robot.name.clone(), None), robot);
+        }
+        Ok(Self {
+            robots,
+            catalogue,
+            now_utc_s,
+            within_s: asked.within_days * DAY_S,
+            screen: !asked.follow_all,
+        })
+    }
+
+    /// Screens a tendon and follows it, if it isn't out of reach.
+    pub(super) fn look(
+        &self,
+        sessions: &Sessions,
+        fit: &Fitted,
+        stated: &[Stated],
+        site: Option<String>,
+    ) -> Outcome {
+        let (name, joint) = &sessions.tendon;
+        let key = (sessions.robot_type.clone(), fit.rope.clone());
+        let Some(robot) = self.robots.get(&key) else {
+            return Outcome::UnknownType(key.0);
+        };
+        let index = robot.arm.joint_index(joint);
+        let tendon = index.and_then(|i| robot.transmissions[i].as_ref()?.tendon.as_ref());
+        let Some(tendon) = tendon.filter(|t| t.retension_at_m.or(t.replace_at_strain).is_some())
+        else {
+            return Outcome::NoLimit;
+        };
+        if sessions.rows.is_empty()
+            || (self.screen && self.is_out_of_reach(robot, tendon, sessions))
+        {
+            return Outcome::OutOfReach;
+        }
+        // What was done after the last session has no session yet.
+        let last_utc_s = sessions.rows.last().map_or(0.0, |r| r.time_utc_s);
+        let stated: Vec<Stated> = (stated.iter())
+            .filter(|s| s.time_utc_s <= last_utc_s)
+            .cloned()
+            .collect();
+        let mut rows = thinned(&sessions.rows);
+        date_baselines(&mut rows, &stated);
+        let request = TrendRequest {
+            robot: Some(robot),
+            catalogue: &self.catalogue,
+            stated,
+            duty: None,
+            life: None,
+            horizon_days: HORIZON_DAYS,
+            seed: 1,
+        };
+        let sorted = Sorted {
+            joints: vec![(joint.clone(), rows)],
+            robot: Some(name.clone()),
+            notes: Vec::new(),
+        };
+        match analyze(sorted, &request) {
+            Ok(report) => match report.joints.first() {
+                Some(trend) => {
+                    Outcome::Followed(Box::new(Followed::of(trend, sessions, fit, site)))
+                }
+                None => Outcome::NoLimit,
+            },
+            Err(error) => Outcome::Refused(name.clone(), joint.clone(), error.to_string()),
+        }
+    }
+
+    /// Whether no limit can be passed within the days asked for.
+    fn is_out_of_reach(&self, robot: &Robot, tendon: &Tendon, sessions: &Sessions) -> bool {
+        let drift = DRIFT_FACTOR * robot.tolerances.drift_rad_per_k();
+        let bound = screen::bound_rad(&sessions.rows, self.now_utc_s, self.within_s, drift);
+        let Some(bound_rad) = bound else {
+            return false;
+        };
+        let radius_m = tendon.joint_pulley_radius_m;
+        let near = |limit_rad: f64, bound_rad: f64| bound_rad >= limit_rad;
+        let retension = tendon.retension_at_m.map(|m| near(m / radius_m, bound_rad));
+        let replace = (tendon.replace_at_strain).map(|s| {
+            near(
+                s * tendon.length_m / radius_m,
+                bound_rad + before_rad(&sessions.rows),
+            )
+        });
+        !retension.unwrap_or(false) && !replace.unwrap_or(false)
+    }
+}
+
+/// What earlier baselines had come to at most, rad: a strain counts from the first.
+fn before_rad(rows: &[SessionRecord]) -> f64 {
+    let mut largest: Vec<(&Option<String>, f64)> = Vec::new();
+    for row in rows {
+        let offset = row.offset_rad.map_or(0.0, |o| o.mean + 3.0 * o.deviation);
+        match largest.last_mut() {
+            Some(last) if *last.0 == row.baseline => last.1 = last.1.max(offset),
+            _ => largest.push((&row.baseline, offset.max(0.0))),
+        }
+    }
+    largest.pop();
+    largest.iter().map(|l| l.1).sum()
+}
+
+/// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
+/// creeps, and a day more or less of it hardly adds.
+fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
+    let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
+    let mut out: Vec<SessionRecord> = Vec::new();
+    let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let mut baseline: Option<&Option<String>> = None;
+    for row in rows {
+        if baseline != Some(&row.baseline) {
+            (baseline, since_utc_s) = (Some(&row.baseline), row.time_utc_s);
+        }
+        let recent = last_utc_s - row.time_utc_s <= RECENT_DAYS * DAY_S;
+        let fresh = row.time_utc_s - since_utc_s <= FRESH_DAYS * DAY_S;
+        let number = (row.time_utc_s / (7.0 * DAY_S)).floor();
+        if recent || fresh || number != week {
+            out.push(row.clone());
+        }
+        week = number;
+    }
+    out
+}
+
+/// Dates baselines by the tensionings that were stated between a baseline's first session and the session before.
+fn date_baselines(rows: &mut [SessionRecord], stated: &[Stated]) {
+    let mut before: Option<(Option<String>, f64)> = None;
+    let mut known = None;
+    for row in rows {
+        let changed = before
+            .as_ref()
+            .is_none_or(|(name, _)| *name != row.baseline);
+        if changed {
+            let from = before.as_ref().map_or(f64::NEG_INFINITY, |(_, t)| *t);
+            let times = stated.iter().map(|s| s.time_utc_s);
+            let between = times.filter(|t| *t > from && *t <= row.time_utc_s);
+            let latest = between.fold(f64::NEG_INFINITY, f64::max);
+            known = latest
+                .is_finite()
+                .then_some((latest + BASELINE_AFTER_S).min(row.time_utc_s));
+        }
+        row.baseline_time_utc_s = known;
+        before = Some((row.baseline.clone(), row.time_utc_s));
+    }
+}

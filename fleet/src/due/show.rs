@@ -1,0 +1,168 @@
+//! The list for people, and as a table for other programs.
+
+use super::{DueList, Followed, Passage, rope_of, screen};
+use crate::FleetError;
+use crate::args::Due;
+use sinew_estimate::trend::{Limit, LimitState, TrendVerdict};
+use sinew_files::date::{DAY_S, day_of};
+use sinew_files::plain;
+use sinew_log::{Cell, CellKind, Column, TableWriter};
+use sinew_report::text::{paragraph, table};
+use std::path::Path;
+
+/// Days from the fleet's last session, for people.
+fn days(at_utc_s: Option<f64>, now_utc_s: f64) -> String {
+    let days = at_utc_s.map(|at| ((at - now_utc_s) / DAY_S).max(0.0));
+    days.map_or("> 365".into(), |days| format!("{days:.0}"))
+}
+
+/// What to do at a limit.
+fn action(followed: &Followed, passage: &Passage) -> &'static str {
+    match (followed.verdict, passage.limit) {
+        (TrendVerdict::Inspect, _) => "inspect",
+        (_, Limit::Retension { .. }) => "tension",
+        (_, Limit::Replace { .. }) => "replace",
+    }
+}
+
+fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec<String> {
+    let radius_m = followed
+        .elongation_m
+        .map(|e| e.mean / followed.offset_rad.mean);
+    let millimetres = followed.elongation_m.map_or("–".into(), |e| {
+        format!("{:.2} ± {:.2}", 1e3 * e.mean, 1e3 * e.half_width_95())
+    });
+    let limit = radius_m.filter(|r| r.is_finite());
+    let [median, low, high] = passage.at_utc_s.map(|at| days(at, now_utc_s));
+    let (median, interval) = match passage.state {
+        LimitState::Passed => ("passed".into(), "–".into()),
+        _ => (median, format!("{low} … {high}")),
+    };
+    vec![
+        plain(&followed.robot),
+        plain(&followed.joint),
+        action(followed, passage).into(),
+        limit.map_or("–".into(), |r| {
+            format!("{:.2}", 1e3 * r * passage.limit_rad)
+        }),
+        millimetres,
+        median,
+        interval,
+    ]
+}
+
+/// The list.
+pub(super) fn text(list: &DueList, asked: &Due) -> String {
+    let due: Vec<&Followed> = list.due(asked.within_days).collect();
+    let rows = due
+        .iter()
+        .take(asked.rows)
+        .filter_map(|f| Some(row(f, f.worst()?, list.now_utc_s)));
+    let head = [
+        "robot",
+        "joint",
+        "to do",
+        "limit mm",
+        "now mm",
+        "in days",
+        "95 % days",
+    ];
+    let mut out = match due.is_empty() {
+        true => String::new(),
+        false => table(&head, rows.collect(), 3) + "\n",
+    };
+    if due.len() > asked.rows {
+        out += &format!(
+            "… {} more; --rows N shows more, --csv FILE writes all\n\n",
+            due.len() - asked.rows
+        );
+    }
+    let within = format!("{} days of {}", asked.within_days, day_of(list.now_utc_s));
+    out += &paragraph(
+        &format!(
+            "{} of {} tendons may pass a limit within {within}: they have, or the lower end of the interval lies within.",
+            due.len(),
+            list.tendons
+        ),
+        2,
+    );
+    out += &paragraph(
+        &format!(
+            "{} were followed by the whole trend. {} can't reach a limit within these days, by a bound: {}.",
+            list.followed.len(),
+            list.out_of_reach,
+            screen::RULE
+        ),
+        2,
+    );
+    if list.without_limit > 0 {
+        let types = match list.unknown_types.is_empty() {
+            true => "robot.toml states none".to_owned(),
+            false => format!(
+                "describe {} with --robot DIR or in types/",
+                plain(&list.unknown_types.join(", "))
+            ),
+        };
+        out += &paragraph(
+            &format!("{} have no limit: {types}.", list.without_limit),
+            2,
+        );
+    }
+    for (robot, joint, why) in &list.refused {
+        out += &paragraph(&plain(&format!("{robot}, {joint}: no trend: {why}")), 2);
+    }
+    out
+}
+
+/// Writes every tendon that was followed, a row per limit.
+pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetError> {
+    let texts = ["robot", "joint", "site", "rope", "batch", "limit", "state"];
+    let numbers = [
+        "last_utc_s",
+        "offset_rad",
+        "offset_deviation_rad",
+        "limit_rad",
+        "at_utc_s",
+        "at_low_utc_s",
+        "at_high_utc_s",
+    ];
+    let mut columns: Vec<Column> = texts.map(|name| (name.to_owned(), CellKind::Text)).into();
+    columns.extend(numbers.map(|name| (name.to_owned(), CellKind::Number)));
+    columns.push(("is_due".into(), CellKind::Flag));
+    let mut writer = TableWriter::create(path, &columns)?;
+    let text = |of: &str| Cell::Text(of.to_owned());
+    let known = |of: Option<&str>| of.map_or(Cell::Empty, text);
+    let until_utc_s = list.now_utc_s + asked.within_days * DAY_S;
+    for followed in &list.followed {
+        for passage in &followed.passages {
+            let [at, low, high] = passage.at_utc_s;
+            writer.row(&[
+                text(&followed.robot),
+                text(&followed.joint),
+                known(followed.site.as_deref()),
+                known(rope_of(&followed.fit)),
+                known(followed.fit.batch.as_deref()),
+                text(match passage.limit {
+                    Limit::Retension { .. } => "retension",
+                    Limit::Replace { .. } => "replace",
+                }),
+                text(match passage.state {
+                    LimitState::Passed => "passed",
+                    LimitState::Forecast => "forecast",
+                    LimitState::NotBefore => "not-before",
+                    LimitState::NotWithinHorizon => "not-within-horizon",
+                    LimitState::TooFewSessions => "too-few-sessions",
+                }),
+                Cell::Number(followed.last_utc_s),
+                Cell::Number(followed.offset_rad.mean),
+                Cell::Number(followed.offset_rad.deviation),
+                Cell::Number(passage.limit_rad),
+                Cell::from(at.unwrap_or(f64::NAN)),
+                Cell::from(low.unwrap_or(f64::NAN)),
+                Cell::from(high.unwrap_or(f64::NAN)),
+                Cell::Flag(passage.is_due(until_utc_s)),
+            ])?;
+        }
+    }
+    Ok(writer.finish()?)
+}

@@ -1,0 +1,269 @@
+//! Records as tables of DataFusion: each session once, whatever was copied twice.
+
+use crate::FleetError;
+use crate::args::Source;
+use crate::folder::{Folder, RecordFile, SIDES};
+use datafusion::arrow::array::{AsArray as _, RecordBatch};
+use datafusion::arrow::compute::can_cast_types;
+use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef};
+use datafusion::datasource::file_format::parquet::ParquetFormat;
+use datafusion::datasource::listing::{
+    ListingOptions, ListingTable, ListingTableConfig, ListingTableUrl,
+};
+use datafusion::error::DataFusionError;
+use datafusion::execution::memory_pool::FairSpillPool;
+use datafusion::execution::runtime_env::RuntimeEnvBuilder;
+use datafusion::prelude::{CsvReadOptions, SessionConfig, SessionContext};
+use sinew_log::CellKind;
+use sinew_watch_core::table::{COLUMNS, kind};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a column of `sinew-record/1` holds.
+fn data_type(column: &str) -> DataType {
+    match kind(column) {
+        CellKind::Number => DataType::Float64,
+        CellKind::Integer => DataType::Int64,
+        CellKind::Text => DataType::Utf8,
+        CellKind::Flag => DataType::Boolean,
+    }
+}
+
+/// Says which column of a file can't be what it is called.
+pub(crate) fn check_types(schema: &Schema) -> Result<(), String> {
+    for field in schema.fields() {
+        let name = field.name();
+        let (found, wanted) = (field.data_type(), data_type(name));
+        if COLUMNS.contains(&name.as_str()) && !can_cast_types(found, &wanted) {
+            return Err(format!("'{name}' is {found}, not {wanted}"));
+        }
+    }
+    Ok(())
+}
+
+/// A file's address: no character of its name is a pattern.
+fn url_of(path: &Path) -> Result<url::Url, FleetError> {
+    let wrong = |source| FleetError::Folder {
+        path: path.into(),
+        source,
+    };
+    let path = std::fs::canonicalize(path).map_err(wrong)?;
+    url::Url::from_file_path(&path).map_err(|()| wrong(std::io::ErrorKind::InvalidFilename.into()))
+}
+
+/// Columns of all files: those of a record, then what some file has besides.
+fn columns(folder: &Folder) -> SchemaRef {
+    let mut fields: Vec<Field> = (COLUMNS.iter())
+        .map(|name| Field::new(*name, data_type(name), true))
+        .collect();
+    for field in folder.files().flat_map(|file| file.schema.fields()) {
+        if !fields.iter().any(|f| f.name() == field.name()) {
+            fields.push(field.as_ref().clone().with_nullable(true));
+        }
+    }
+    Arc::new(Schema::new(fields))
+}
+
+/// Tables of a folder.
+pub struct Engine {
+    /// What the folder holds.
+    pub folder: Folder,
+    context: SessionContext,
+    runtime: tokio::runtime::Runtime,
+    source: Source,
+}
+
+impl Engine {
+    /// Opens a folder.
+    ///
+    /// # Errors
+    /// [`FleetError`].
+    pub fn open(source: &Source) -> Result<Self, FleetError> {
+        Self::of(source, Folder::open(&source.folder)?)
+    }
+
+    /// Opens a folder and reads all of every file.
+    ///
+    /// # Errors
+    /// [`FleetError`].
+    pub fn verified(source: &Source) -> Result<Self, FleetError> {
+        Self::of(source, Folder::verified(&source.folder)?)
+    }
+
+    fn of(source: &Source, folder: Folder) -> Result<Self, FleetError> {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .build()
+            .map_err(|e| FleetError::Engine(format!("can't start threads: {e}")))?;
+        let pool = FairSpillPool::new(source.memory_mb as usize * 1_000_000);
+        let environment = RuntimeEnvBuilder::new()
+            .with_memory_pool(Arc::new(pool))
+            .build_arc()?;
+        let mut config = SessionConfig::new().with_information_schema(true);
+        config.options_mut().execution.parquet.pushdown_filters = true;
+        // A sort keeps so much back for its last step; the default is ten times a small pool's share.
+        config.options_mut().execution.sort_spill_reservation_bytes = 2_000_000;
+        let context = SessionContext::new_with_config_rt(config, environment);
+        let engine = Self {
+            folder,
+            context,
+            runtime,
+            source: source.clone(),
+        };
+        engine.runtime.block_on(engine.register())?;
+        Ok(engine)
+    }
+
+    /// Makes the tables.
+    async fn register(&self) -> Result<(), FleetError> {
+        let schema = columns(&self.folder);
+        self.files("_clean", &self.folder.clean, &schema)?;
+        self.files("_doubtful", &self.folder.doubtful, &schema)?;
+        let names: Vec<String> = (schema.fields().iter())
+            .map(|f| format!("\"{}\"", f.name()))
+            .collect();
+        let names = names.join(", ");
+        let session = "robot, joint, time_utc_s";
+        // Of what differs under one key the better founded, and then whichever, but always the same.
+        let better =
+            "frames DESC NULLS LAST, offset_deviation_rad NULLS LAST, offset_rad, source, baseline";
+        let view = |name: &str, key: &str, order: &str| {
+            let clean = format!("SELECT {names} FROM _clean");
+            let once = format!(
+                "SELECT {names} FROM (SELECT *, row_number() OVER (PARTITION BY {key} ORDER BY {order}) AS _nth \
+                 FROM _doubtful) WHERE _nth = 1"
+            );
+            let parts = match (
+                self.folder.clean.is_empty(),
+                self.folder.doubtful.is_empty(),
+            ) {
+                (_, true) => clean,
+                (true, false) => once,
+                (false, false) => format!("{clean} UNION ALL {once}"),
+            };
+            format!("CREATE VIEW {name} AS {parts}")
+        };
+        let version = self.version_order();
+        let views = [
+            view(
+                "every_version",
+                &format!("{session}, sinew_version"),
+                better,
+            ),
+            view("records", session, &format!("{version} DESC, {better}")),
+        ];
+        for sql in views {
+            self.context.sql(&sql).await?;
+        }
+        for side in SIDES {
+            if let Some(path) = self.folder.side(side) {
+                let path = url_of(&path)?.to_string();
+                let options = CsvReadOptions::new()
+                    .comment(b'#')
+                    .schema_infer_max_records(10_000);
+                self.context.register_csv(side, path, options).await?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Order of versions as SQL: larger is newer.
+    fn version_order(&self) -> String {
+        let known = self.folder.versions();
+        if known.is_empty() {
+            return "1".into();
+        }
+        let whens: Vec<String> = (known.iter().enumerate())
+            .map(|(i, v)| format!("WHEN '{}' THEN {}", v.replace('\'', "''"), i + 1))
+            .collect();
+        format!("CASE sinew_version {} ELSE 0 END", whens.join(" "))
+    }
+
+    fn files(
+        &self,
+        name: &str,
+        files: &[RecordFile],
+        schema: &SchemaRef,
+    ) -> Result<(), FleetError> {
+        if files.is_empty() {
+            let none = datafusion::datasource::empty::EmptyTable::new(schema.clone());
+            self.context.register_table(name, Arc::new(none))?;
+            return Ok(());
+        }
+        let urls: Vec<ListingTableUrl> = (files.iter())
+            .map(|file| Ok(ListingTableUrl::try_new(url_of(&file.path)?, None)?))
+            .collect::<Result<_, FleetError>>()?;
+        let options =
+            ListingOptions::new(Arc::new(ParquetFormat::default())).with_file_extension("parquet");
+        let config = ListingTableConfig::new_with_multi_paths(urls)
+            .with_listing_options(options)
+            .with_schema(schema.clone());
+        self.context
+            .register_table(name, Arc::new(ListingTable::try_new(config)?))?;
+        Ok(())
+    }
+
+    /// Rows of a question. Where a file turns out to be damaged, all are read through, it is refused, and the
+    /// question is asked again.
+    ///
+    /// # Errors
+    /// [`FleetError::Engine`].
+    pub fn ask(&mut self, sql: &str) -> Result<Answer, FleetError> {
+        match self.try_ask(sql) {
+            Err(Wrong::Reading(error)) => {
+                let before = self.folder.refused.len();
+                let verified = Folder::verified(&self.source.folder)?;
+                if verified.refused.len() == before {
+                    return Err(error.into());
+                }
+                *self = Self::of(&self.source, verified)?;
+                self.try_ask(sql).map_err(FleetError::from)
+            }
+            other => other.map_err(FleetError::from),
+        }
+    }
+
+    /// Rows of a table.
+    ///
+    /// # Errors
+    /// [`FleetError::Engine`].
+    pub fn count(&mut self, table: &str) -> Result<u64, FleetError> {
+        let answer = self.ask(&format!("SELECT count(*) FROM {table}"))?;
+        let counts = answer.batches.iter().filter(|batch| batch.num_rows() > 0);
+        let mut counts = counts.map(|batch| batch.column(0).as_primitive::<Int64Type>().value(0));
+        Ok(counts.next().map_or(0, |n| n.unsigned_abs()))
+    }
+
+    fn try_ask(&self, sql: &str) -> Result<Answer, Wrong> {
+        self.runtime.block_on(async {
+            let frame = self.context.sql(sql).await.map_err(Wrong::Question)?;
+            let schema = Arc::new(frame.schema().as_arrow().clone());
+            let batches = frame.collect().await.map_err(Wrong::Reading)?;
+            Ok(Answer { schema, batches })
+        })
+    }
+}
+
+/// What a question found.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// Its columns.
+    pub schema: SchemaRef,
+    /// Its rows.
+    pub batches: Vec<RecordBatch>,
+}
+
+enum Wrong {
+    /// The question.
+    Question(DataFusionError),
+    /// While it was answered.
+    Reading(DataFusionError),
+}
+
+impl From<Wrong> for FleetError {
+    fn from(wrong: Wrong) -> Self {
+        match wrong {
+            Wrong::Question(error) | Wrong::Reading(error) => error.into(),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! A folder of records: which files, what is in them twice, what can't be read.
+
+mod scan;
+pub mod sides;
+
+pub use scan::{RecordFile, Refused, Trouble};
+
+use crate::FleetError;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Tables that may lie beside the records, as CSV.
+pub const SIDES: [&str; 3] = ["robots", "tendons", "events"];
+
+/// What a folder holds.
+#[derive(Debug, Clone, Default)]
+pub struct Folder {
+    /// The folder.
+    pub path: PathBuf,
+    /// Files that no other file overlaps, whose rows ascend strictly by robot, joint and time: nothing is twice.
+    pub clean: Vec<RecordFile>,
+    /// Files in which a session may be twice, or be in another file as well.
+    pub doubtful: Vec<RecordFile>,
+    /// Files that were refused.
+    pub refused: Vec<Refused>,
+}
+
+impl Folder {
+    /// Looks at every file's keys. A file that can't be read loses only itself.
+    ///
+    /// # Errors
+    /// A folder that can't be read, or has no file of records.
+    pub fn open(path: &Path) -> Result<Self, FleetError> {
+        Self::look(path, false)
+    }
+
+    /// The same, and reads all of every file: what is damaged beyond its keys is found too.
+    ///
+    /// # Errors
+    /// As [`Folder::open`].
+    pub fn verified(path: &Path) -> Result<Self, FleetError> {
+        Self::look(path, true)
+    }
+
+    fn look(path: &Path, whole: bool) -> Result<Self, FleetError> {
+        let mut found = Vec::new();
+        find(path, &mut found)?;
+        found.sort_unstable();
+        let looked: Vec<Result<RecordFile, Refused>> = (found.into_par_iter())
+            .map(|file| scan::scan(&file, whole))
+            .collect();
+        let mut out = Self {
+            path: path.into(),
+            ..Self::default()
+        };
+        let mut files = Vec::new();
+        for file in looked {
+            match file {
+                Ok(file) if file.rows == 0 => {}
+                Ok(file) => files.push(file),
+                Err(refused) => out.refused.push(refused),
+            }
+        }
+        if files.is_empty() && out.refused.is_empty() {
+            return Err(FleetError::NoRecords(path.into()));
+        }
+        let overlaps = overlapping(&files);
+        for (file, overlaps) in files.into_iter().zip(overlaps) {
+            match overlaps || !file.ascends {
+                true => out.doubtful.push(file),
+                false => out.clean.push(file),
+            }
+        }
+        Ok(out)
+    }
+
+    /// All files that can be read.
+    pub fn files(&self) -> impl Iterator<Item = &RecordFile> {
+        self.clean.iter().chain(&self.doubtful)
+    }
+
+    /// Names of the robots.
+    pub fn robots(&self) -> BTreeSet<&str> {
+        let names = self.files().flat_map(|file| &file.robots);
+        names.map(String::as_str).collect()
+    }
+
+    /// Versions of the program that wrote records, oldest first.
+    pub fn versions(&self) -> Vec<&str> {
+        let all: BTreeSet<&str> = self
+            .files()
+            .flat_map(|file| &file.versions)
+            .map(String::as_str)
+            .collect();
+        let mut all: Vec<&str> = all.into_iter().collect();
+        all.sort_by_key(|version| order_of(version));
+        all
+    }
+
+    /// A table beside the records, if it is there.
+    pub fn side(&self, name: &str) -> Option<PathBuf> {
+        let path = self.path.join(format!("{name}.csv"));
+        path.is_file().then_some(path)
+    }
+}
+
+/// What versions are ordered by: `0.10.0` is later than `0.9.2`, and than its own `0.10.0-rc.1`.
+fn order_of(version: &str) -> (Vec<u64>, bool, String) {
+    let (numbers, rest) = match version.split_once('-') {
+        Some((numbers, rest)) => (numbers, rest),
+        None => (version, ""),
+    };
+    let numbers = numbers.split('.').map(|n| n.parse().unwrap_or(0));
+    (numbers.collect(), rest.is_empty(), rest.to_owned())
+}
+
+/// Parquet files of a folder and its folders, but for those that hide.
+fn find(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), FleetError> {
+    let wrong = |source| FleetError::Folder {
+        path: folder.into(),
+        source,
+    };
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let entry = entry.map_err(wrong)?;
+        let path = entry.path();
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        // A link to a folder above would never end.
+        if entry.file_type().map_err(wrong)?.is_dir() {
+            find(&path, found)?;
+        } else if path.extension().is_some_and(|e| e == "parquet") && path.is_file() {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Of each file whether another one may hold the same session: robots, and times, in common.
+fn overlapping(files: &[RecordFile]) -> Vec<bool> {
+    let mut out = vec![false; files.len()];
+    let mut order: Vec<usize> = (0..files.len()).collect();
+    order.sort_by(|a, b| files[*a].times_utc_s[0].total_cmp(&files[*b].times_utc_s[0]));
+    for (at, &i) in order.iter().enumerate() {
+        let end = files[i].times_utc_s[1];
+        for &j in &order[at + 1..] {
+            if files[j].times_utc_s[0] > end {
+                break;
+            }
+            if !files[i].robots.is_disjoint(&files[j].robots) {
+                (out[i], out[j]) = (true, true);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::order_of;
+
+    #[test]
+    fn versions_are_ordered_by_their_numbers() {
+        let sorted = ["0.9.2", "0.10.0-rc.1", "0.10.0", "1.0.0"];
+        assert!(sorted.is_sorted_by_key(|v| order_of(v)));
+    }
+}

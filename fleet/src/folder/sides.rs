@@ -1,0 +1,113 @@
+//! What somebody wrote beside the records: which rope a tendon has, and what was done to it when.
+
+use super::Folder;
+use crate::FleetError;
+use sinew_estimate::trend::Stated;
+use sinew_files::csv::Table;
+use sinew_files::date::parse_utc_s;
+use sinew_files::{Fault, limits};
+use std::collections::BTreeMap;
+
+/// A robot and a joint.
+pub type Tendon = (String, String);
+
+/// Rope and batch of a tendon, as far as `tendons.csv` names them.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Fitted {
+    /// Name in the catalogue.
+    pub rope: Option<String>,
+    /// Batch.
+    pub batch: Option<String>,
+}
+
+/// Reads `tendons.csv`: robot, joint, rope, batch.
+///
+/// # Errors
+/// The place of what is wrong.
+pub fn fitted(folder: &Folder) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
+    let mut out = BTreeMap::new();
+    let Some(path) = folder.side("tendons") else {
+        return Ok(out);
+    };
+    let table = Table::read(&path, &limits::SESSIONS)?;
+    table.need(&["robot", "joint"])?;
+    for row in table.rows() {
+        let key = (
+            row.need_text("robot")?.to_owned(),
+            row.need_text("joint")?.to_owned(),
+        );
+        let text = |column| row.text(column).map(str::to_owned);
+        let fitted = Fitted {
+            rope: text("rope"),
+            batch: text("batch"),
+        };
+        if out.insert(key, fitted).is_some() {
+            let problem = "this tendon has a line already: one rope at a time";
+            return Err(row
+                .here(Fault::NotAllowed, problem)
+                .cure("keep the present one")
+                .into());
+        }
+    }
+    Ok(out)
+}
+
+/// Site of each robot that `robots.csv` names one for.
+///
+/// # Errors
+/// The place of what is wrong.
+pub fn sites(folder: &Folder) -> Result<BTreeMap<String, String>, FleetError> {
+    let Some(path) = folder.side("robots") else {
+        return Ok(BTreeMap::new());
+    };
+    let table = Table::read(&path, &limits::SESSIONS)?;
+    table.need(&["robot"])?;
+    let mut out = BTreeMap::new();
+    for row in table.rows() {
+        if let Some(site) = row.text("site") {
+            out.insert(row.need_text("robot")?.to_owned(), site.to_owned());
+        }
+    }
+    Ok(out)
+}
+
+/// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned` or `replaced`).
+///
+/// # Errors
+/// The place of what is wrong.
+pub fn events(folder: &Folder) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError> {
+    let mut out: BTreeMap<Tendon, Vec<Stated>> = BTreeMap::new();
+    let Some(path) = folder.side("events") else {
+        return Ok(out);
+    };
+    let table = Table::read(&path, &limits::SESSIONS)?;
+    table.need(&["robot", "joint", "time_utc_s", "event"])?;
+    for row in table.rows() {
+        let key = (
+            row.need_text("robot")?.to_owned(),
+            row.need_text("joint")?.to_owned(),
+        );
+        let wrong = |column: &str, problem: &str| {
+            row.here(Fault::NotAllowed, problem.to_owned())
+                .column(column)
+        };
+        let time_utc_s = parse_utc_s(row.need_text("time_utc_s")?).ok_or_else(|| {
+            wrong(
+                "time_utc_s",
+                "is no date; write 2026-03-01 or seconds since 1970",
+            )
+        })?;
+        let replaced = match row.need_text("event")? {
+            "tensioned" => false,
+            "replaced" => true,
+            _ => return Err(wrong("event", "must be tensioned or replaced").into()),
+        };
+        let joint = Some(key.1.clone());
+        out.entry(key).or_default().push(Stated {
+            joint,
+            time_utc_s,
+            replaced,
+        });
+    }
+    Ok(out)
+}

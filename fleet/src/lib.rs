@@ -1,0 +1,35 @@
+//! Questions to the records of a fleet: which tendon next, which batch is worse, where does a new robot start from.
+//!
+//! A folder of `sinew-record/1` files goes in ([`folder`]), DataFusion answers SQL on it ([`engine`]), and the
+//! trend of single tendons is that of `sinew trend`.
+//!
+//! Reading order: [`args`], [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
+//! [`query`], [`rows`], [`due`] (which tendon passes its limit when), [`simulate`] (fleets whose truth is known).
+
+pub mod args;
+pub mod due;
+pub mod engine;
+mod error;
+pub mod folder;
+pub mod query;
+pub mod rows;
+pub mod simulate;
+mod table;
+
+pub use error::FleetError;
+
+use args::{Args, Command};
+use std::process::ExitCode;
+
+/// Does what the program is asked for.
+///
+/// # Errors
+/// [`FleetError`].
+pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
+    match &args.command {
+        Command::Simulate(asked) => simulate::command(asked),
+        Command::Rows(asked) => rows::command(asked),
+        Command::Query(asked) => query::command(asked),
+        Command::Due(asked) => due::command(asked),
+    }
+}

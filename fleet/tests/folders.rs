@@ -1,0 +1,246 @@
+//! Late, repeated, damaged and mixed files.
+
+use crate::support::{cells, fleet, open, session, source, write};
+use datafusion::arrow::array::{ArrayRef, Float32Array, Int32Array, RecordBatch, StringArray};
+use datafusion::parquet::arrow::ArrowWriter;
+use sinew_fleet::FleetError;
+use sinew_fleet::engine::Engine;
+use sinew_fleet::folder::{Folder, Trouble};
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Ten days of two robots.
+fn ten_days() -> Vec<sinew_watch_core::Record> {
+    let robots = ["arm-1", "arm-2"].into_iter();
+    robots
+        .flat_map(|robot| (0..10).map(move |day| session(robot, "elbow", day)))
+        .collect()
+}
+
+#[test]
+fn a_file_that_was_copied_twice_counts_once() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("a/host-1.parquet"), &ten_days());
+    write(&folder.path().join("b/host-1.parquet"), &ten_days());
+    let mut engine = open(folder.path());
+    assert_eq!(engine.count("records").unwrap(), 20);
+    assert_eq!(engine.count("every_version").unwrap(), 20);
+    assert_eq!(
+        (engine.folder.clean.len(), engine.folder.doubtful.len()),
+        (0, 2)
+    );
+}
+
+#[test]
+fn a_folder_may_have_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        &folder.path().join("a [1] * 50%/b=c/x y.parquet"),
+        &ten_days(),
+    );
+    assert_eq!(open(folder.path()).count("records").unwrap(), 20);
+}
+
+#[test]
+fn a_session_twice_within_one_file_counts_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = ten_days();
+    rows.insert(3, rows[3].clone());
+    write(&folder.path().join("host-1.parquet"), &rows);
+    assert_eq!(open(folder.path()).count("records").unwrap(), 20);
+}
+
+#[test]
+fn late_files_in_any_order_add_their_sessions() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = ten_days();
+    let late: Vec<_> = rows
+        .iter()
+        .filter(|r| r.time_utc_s > 1.7505e9)
+        .cloned()
+        .collect();
+    let early: Vec<_> = rows
+        .iter()
+        .filter(|r| r.time_utc_s <= 1.7506e9)
+        .cloned()
+        .collect();
+    write(&folder.path().join("1.parquet"), &late);
+    write(&folder.path().join("2.parquet"), &early);
+    let mut engine = open(folder.path());
+    let found = cells(
+        &mut engine,
+        "SELECT robot, count(*), count(DISTINCT time_utc_s) FROM records GROUP BY robot ORDER BY robot",
+    );
+    assert_eq!(found, [["arm-1", "10", "10"], ["arm-2", "10", "10"]]);
+}
+
+#[test]
+fn of_a_session_that_was_estimated_again_the_newer_program_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = ten_days();
+    let again: Vec<_> = (rows.iter().cloned())
+        .map(|mut record| {
+            record.offset_rad = Some(7.0);
+            record.sinew_version = "0.10.0".into();
+            record
+        })
+        .collect();
+    write(&folder.path().join("new/1.parquet"), &again[..5]);
+    write(&folder.path().join("old/1.parquet"), &rows);
+    let mut engine = open(folder.path());
+    assert_eq!(engine.count("records").unwrap(), 20);
+    assert_eq!(engine.count("every_version").unwrap(), 25);
+    let sql = "SELECT count(*) FROM records WHERE offset_rad = 7.0 AND sinew_version = '0.10.0'";
+    assert_eq!(cells(&mut engine, sql), [["5"]]);
+}
+
+#[test]
+fn the_same_folder_gives_the_same_records_whatever_its_files_are_called() {
+    let rows = ten_days();
+    let other: Vec<_> = (rows.iter().cloned())
+        .map(|mut record| {
+            record.offset_rad = record.offset_rad.map(|x| x + 1.0);
+            record
+        })
+        .collect();
+    let sum = |names: [&str; 2]| {
+        let folder = tempfile::tempdir().unwrap();
+        write(&folder.path().join(names[0]), &rows);
+        write(&folder.path().join(names[1]), &other);
+        cells(
+            &mut open(folder.path()),
+            "SELECT sum(offset_rad), count(*) FROM records",
+        )
+    };
+    assert_eq!(
+        sum(["a.parquet", "b.parquet"]),
+        sum(["b.parquet", "a.parquet"])
+    );
+}
+
+#[test]
+fn a_damaged_file_loses_only_itself_and_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let [good, cut, text] =
+        ["good.parquet", "cut.parquet", "text.parquet"].map(|n| folder.path().join(n));
+    write(&good, &ten_days());
+    write(&cut, &[session("arm-3", "elbow", 1)]);
+    let bytes = std::fs::read(&cut).unwrap();
+    std::fs::write(&cut, &bytes[..bytes.len() - 20]).unwrap();
+    std::fs::write(&text, "no parquet").unwrap();
+    let mut engine = open(folder.path());
+    assert_eq!(engine.count("records").unwrap(), 20);
+    let refused: Vec<&Path> = engine
+        .folder
+        .refused
+        .iter()
+        .map(|r| r.path.as_path())
+        .collect();
+    assert_eq!(refused, [&cut, &text]);
+}
+
+#[test]
+fn damage_that_only_a_whole_reading_shows_loses_only_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [good, bad] = ["good.parquet", "bad.parquet"].map(|n| folder.path().join(n));
+    write(&good, &ten_days());
+    let rows: Vec<_> = (0..500).map(|day| session("arm-3", "elbow", day)).collect();
+    write(&bad, &rows);
+    // In the pages of the offsets, behind the keys that are looked at first.
+    let reader =
+        datafusion::parquet::file::reader::SerializedFileReader::try_from(bad.as_path()).unwrap();
+    let metadata = datafusion::parquet::file::reader::FileReader::metadata(&reader);
+    let (start, length) = metadata.row_group(0).column(5).byte_range();
+    let mut bytes = std::fs::read(&bad).unwrap();
+    bytes[start as usize..(start + length) as usize].fill(0xa5);
+    std::fs::write(&bad, bytes).unwrap();
+    let mut engine = open(folder.path());
+    assert!(engine.folder.refused.is_empty(), "the keys are whole");
+    let found = cells(
+        &mut engine,
+        "SELECT count(offset_rad) FROM records WHERE offset_rad >= 0",
+    );
+    assert_eq!(found, [["20"]]);
+    assert_eq!(engine.folder.refused[0].path, bad);
+    assert_eq!(Folder::verified(folder.path()).unwrap().refused.len(), 1);
+}
+
+/// A file with columns of its own.
+fn other_file(path: &Path, columns: Vec<(&str, ArrayRef)>) {
+    let batch = RecordBatch::try_from_iter(columns).unwrap();
+    let mut writer =
+        ArrowWriter::try_new(File::create(path).unwrap(), batch.schema(), None).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn columns_may_be_missing_added_or_of_a_narrower_type() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("a.parquet"), &ten_days());
+    let text = |t: &str| Arc::new(StringArray::from(vec![t])) as ArrayRef;
+    other_file(
+        &folder.path().join("b.parquet"),
+        vec![
+            ("joint", text("elbow")),
+            ("robot", text("arm-9")),
+            (
+                "time_utc_s",
+                Arc::new(Int32Array::from(vec![1_750_000_000])),
+            ),
+            ("offset_rad", Arc::new(Float32Array::from(vec![0.5]))),
+            ("humidity_ratio", Arc::new(Float32Array::from(vec![0.25]))),
+        ],
+    );
+    let mut engine = open(folder.path());
+    let found = cells(
+        &mut engine,
+        "SELECT robot, offset_rad, humidity_ratio, clock IS NULL FROM records WHERE humidity_ratio IS NOT NULL",
+    );
+    assert_eq!(found, [["arm-9", "0.5", "0.25", "true"]]);
+    assert_eq!(engine.count("records").unwrap(), 21);
+}
+
+#[test]
+fn a_table_that_is_no_record_is_refused_by_the_column_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("a.parquet"), &ten_days());
+    let robot = Arc::new(StringArray::from(vec!["arm-9"])) as ArrayRef;
+    other_file(&folder.path().join("b.parquet"), vec![("robot", robot)]);
+    let engine = open(folder.path());
+    assert_eq!(engine.folder.refused[0].trouble, Trouble::NoColumn("joint"));
+}
+
+#[test]
+fn a_folder_without_records_says_what_to_give() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = Engine::open(&source(folder.path())).err();
+    assert!(
+        matches!(refused, Some(FleetError::NoRecords(_))),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn what_a_query_gets_wrong_is_told_and_is_no_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("a.parquet"), &ten_days());
+    let told = open(folder.path())
+        .ask("SELECT ofset_rad FROM records")
+        .unwrap_err()
+        .to_string();
+    assert!(told.contains("ofset_rad"), "{told}");
+}
+
+#[test]
+fn a_sort_larger_than_its_memory_goes_on_disk_with_the_same_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    fleet(folder.path(), 60, 200);
+    let sql = "SELECT sum(n * offset_rad) FROM (SELECT offset_rad, row_number() OVER \
+               (ORDER BY duration_s, source DESC, sinew_version, baseline, time_utc_s, joint) AS n FROM records)";
+    let mut narrow = source(folder.path());
+    narrow.memory_mb = 64;
+    let narrow = cells(&mut Engine::open(&narrow).unwrap(), sql);
+    assert_eq!(narrow, cells(&mut open(folder.path()), sql));
+}
