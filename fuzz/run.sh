@@ -10,7 +10,10 @@ flags="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
  -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1 --cfg fuzzing"
 host=$(rustc -vV | sed -n 's/^host: //p')
 features=
-case $target in camera_frame) features="--features camera" ;; esac
+case $target in
+    camera_frame) features="--features camera" ;;
+    watch_*) features="--features watch" ;;
+esac
 # With an explicit target the flags stay away from build scripts.
 RUSTC_BOOTSTRAP=1 RUSTFLAGS="$flags" cargo build --release --target "$host" --bin "$target" $features
 mkdir -p "corpus/$target" "artifacts/$target"
