@@ -539,3 +539,31 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
         (0.75, 1.0, 0.0)
     );
 }
+
+#[test]
+fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
+    let not_zeroed = |w: &&Warning| matches!(w, Warning::NotZeroed { .. });
+    let plan = Plan::named("not-zeroed").unwrap();
+    let (mut inside, mut offsets) = (0, 0);
+    for seed in [4000, 4001, 4002] {
+        let recording = record(&plan, seed, Sessions::Chain).unwrap();
+        assert!(
+            recording.warnings.iter().any(|w| not_zeroed(&w)),
+            "{seed}: {:?}",
+            recording.warnings
+        );
+        for error in recording.ends.iter().flat_map(|e| &e.errors_rad) {
+            offsets += 1;
+            inside += usize::from(!error.is_nonzero_95());
+            // Held at zero, errors are those of the zero: 10 mrad.
+            assert!(error.mean.abs() < 3e-3, "{seed}: {error:?}");
+        }
+    }
+    assert!(inside + 2 >= offsets, "{inside} of {offsets}");
+    // A zeroed arm is not suspected, whatever else differs.
+    for name in ["S8b", "S9b", "friction-3"] {
+        let plan = Plan::named(name).unwrap();
+        let recording = record(&plan, 4000, Sessions::B).unwrap();
+        assert_eq!(recording.warnings.iter().find(not_zeroed), None, "{name}");
+    }
+}

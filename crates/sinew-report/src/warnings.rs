@@ -208,6 +208,11 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * noise_rad,
             if misfit_rad(*noise_rad) > 0.0 { ", and the interval is wider by that" } else { "" }
         ),
+        Warning::NotZeroed { joint, zero_rad } => format!(
+            "{joint}: its encoders were not zeroed on the unloaded rope, as zero_mrad in robot.toml says they were: they read {:.1} ± {:.1} mrad there. The zero was estimated instead; state zero_mrad",
+            1e3 * zero_rad.mean,
+            1e3 * zero_rad.half_width_95()
+        ),
         Warning::Stuck {
             joint,
             joint_travel_rad,

@@ -5780,6 +5780,24 @@ class WarningNoBaseline(Record):
     }
 
 
+class WarningNotZeroed(Record):
+    """A baseline's encoders were not zeroed as robot.toml states; the zero was estimated instead."""
+
+    __slots__ = ()
+
+    joint: str
+    """Joint."""
+    kind: Literal["not-zeroed"]
+    zero_rad: Gaussian
+    """What `theta − q` of the unloaded spring reads right after tensioning, rad."""
+
+    _fields = {
+        "joint": "",
+        "kind": "",
+        "zero_rad": "Gaussian",
+    }
+
+
 class WarningNothingFits(Record):
     """A long time in which nothing fits."""
 
@@ -6065,7 +6083,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -6319,6 +6337,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningMuchLeftOut": WarningMuchLeftOut,
     "WarningNegativePayload": WarningNegativePayload,
     "WarningNoBaseline": WarningNoBaseline,
+    "WarningNotZeroed": WarningNotZeroed,
     "WarningNothingFits": WarningNothingFits,
     "WarningPayloadContradicted": WarningPayloadContradicted,
     "WarningRopeCreeps": WarningRopeCreeps,
@@ -6350,7 +6369,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES

@@ -32,6 +32,7 @@ mod temperature;
 mod torque_range;
 mod warning;
 mod witness;
+mod zero;
 
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};

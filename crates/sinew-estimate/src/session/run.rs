@@ -8,7 +8,7 @@ use super::revisits;
 use super::segments::Segments;
 use super::summary::{Context, summarise, utc_s};
 use super::warning::Warning;
-use super::{temperature, witness};
+use super::{temperature, witness, zero};
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
@@ -144,7 +144,17 @@ pub fn learn_recorded(
         continues: false,
     };
     let payload = Payload::Empty;
-    let segments = Segments::estimate(estimator, start, recorded, payload, nothing, name)?;
+    let from = |start| Segments::estimate(estimator, start, recorded, payload, nothing, name);
+    // Only a fresh zero is a matter of what robot.toml says.
+    let stated = known.is_none() && learning.tensioned.is_none();
+    let opened = match stated {
+        true => zero::opened(robot, prior, &start, from)?,
+        false => None,
+    };
+    let (segments, not_zeroed) = match opened {
+        Some(opened) => opened,
+        None => (from(start)?, Vec::new()),
+    };
     let mut baseline = Baseline::new(
         robot,
         vec![name.into()],
@@ -167,6 +177,7 @@ pub fn learn_recorded(
     if let Some((known, _)) = known.filter(|_| learning.continues) {
         anchor::keep(&mut baseline.anchors, &known.anchors);
     }
+    estimate.warnings.extend(not_zeroed);
     if estimate.poses < POSES_OF_BASELINE {
         estimate.warnings.push(Warning::FewPosesOfBaseline {
             poses: estimate.poses,

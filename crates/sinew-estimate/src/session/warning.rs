@@ -105,6 +105,13 @@ pub enum Warning {
         /// Share, 0 to 1.
         share: f64,
     },
+    /// A baseline's encoders were not zeroed as robot.toml states; the zero was estimated instead.
+    NotZeroed {
+        /// Joint.
+        joint: String,
+        /// What `theta − q` of the unloaded spring reads right after tensioning, rad.
+        zero_rad: Gaussian,
+    },
     /// There is no baseline: offsets are against the encoders' zero.
     NoBaseline,
     /// The temperature is not known as well as a recorded one.
