@@ -108,6 +108,23 @@ impl LiveOffsets {
         })
     }
 
+    /// Bounds the work of every `step` that follows: a small, fixed part of a block's, so that the same offsets come one
+    /// block, 0.2 s, later. Without it the sample that completes a block does all its work: milliseconds at seven joints.
+    /// Returns how many slices of a block's work a step does.
+    ///
+    /// `period_max_s`: the longest time between samples while all is well, s. Where samples come at longer ones, a block
+    /// that finds the one before undone is left out; `blocks_left_out` counts these. `ValueError`: no time step.
+    fn bound_work(&mut self, period_max_s: f64) -> PyResult<usize> {
+        Ok(self.live.bound_work(period_max_s).map_err(Failure::from)?)
+    }
+
+    /// Blocks left out because work on the one before wasn't done: 0 unless samples come at longer times than
+    /// `bound_work` was told.
+    #[getter]
+    fn blocks_left_out(&self) -> u64 {
+        self.live.blocks_left_out()
+    }
+
     /// The next sample doesn't go on where the last one was: the filters start anew, what is known stays.
     fn interrupt(&mut self) {
         self.live.interrupt();

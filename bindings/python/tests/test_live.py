@@ -43,6 +43,33 @@ def test_live_offsets_follow_a_session(work: Path, learned: sn.Learned) -> None:
         sn.LiveOffsets(robot, saved)
 
 
+def test_bounded_work_gives_the_same_offsets_one_block_later(work: Path, learned: sn.Learned) -> None:
+    arrays = sn.Recording(work).arrays(joints=sn.Robot(ROBOT).joints)
+    time_s = (arrays["time_ns"] - arrays["time_ns"][0]) * 1e-9
+    rows = np.flatnonzero(time_s < 20.0)
+    whole, bounded = (sn.LiveOffsets(ROBOT, learned.learned_baseline) for _ in range(2))
+    for period_s in (0.0, -1e-3, float("nan")):
+        with pytest.raises(ValueError, match="time step"):
+            bounded.bound_work(period_s)
+    dt = np.diff(time_s[rows], prepend=time_s[rows][0])
+    assert bounded.bound_work(float(dt.max())) > 1
+    told: list[list[list[np.ndarray]]] = [[], []]
+    for i, row in enumerate(rows):
+        for live, updates in zip((whole, bounded), told):
+            if live.step(float(dt[i]), arrays["q"][row], arrays["theta"][row]) == "updated":
+                updates.append([array.copy() for array in live.offsets()])
+    assert len(told[0]) > 50 and len(told[0]) - len(told[1]) in (0, 1)
+    for a, b in zip(*told):
+        np.testing.assert_array_equal(a, b)
+    assert (whole.blocks_left_out, bounded.blocks_left_out) == (0, 0)
+    # A step for samples every ten microseconds does a slice or two: those at a fiftieth of a second find work undone.
+    late = sn.LiveOffsets(ROBOT, learned.learned_baseline)
+    late.bound_work(1e-5)
+    for i, row in enumerate(rows[::10]):
+        late.step(float(np.sum(dt[10 * i : 10 * i + 10])), arrays["q"][row], arrays["theta"][row])
+    assert late.blocks_left_out > 0
+
+
 def test_a_baseline_is_a_text(learned: sn.Learned) -> None:
     text = learned.learned_baseline.to_text()
     again = sn.Baseline.from_text(text)
