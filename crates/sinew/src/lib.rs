@@ -39,6 +39,7 @@ enum Command {
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
     Watch(commands::watch::Watch),
+    Fleet(commands::fleet::Fleet),
     Excitation(commands::excitation::Excitation),
     Simulate(commands::simulate::Simulate),
     #[command(subcommand)]
@@ -66,6 +67,7 @@ impl Command {
             Self::Baseline(command) => command.run(),
             Self::Trend(command) => command.run(),
             Self::Watch(command) => command.run(),
+            Self::Fleet(command) => command.run(),
             Self::Excitation(command) => command.run(),
             Self::Simulate(command) => command.run(),
             Self::Scenarios(command) => command.run(),

@@ -1,25 +1,25 @@
-//! `sinew watch` runs the monitor, or says how to get it.
+//! `sinew watch` and `sinew fleet` run programs of their own, or say how to get them.
 
 use std::path::Path;
 use std::process::Command;
 
 #[test]
-fn a_missing_monitor_is_told_with_how_to_install_it() {
+fn a_missing_program_is_told_with_how_to_install_it() {
     // A build of the whole workspace puts the monitor beside: away from there.
     let folder = tempfile::tempdir().unwrap();
     let sinew = folder.path().join("sinew");
     std::fs::copy(env!("CARGO_BIN_EXE_sinew"), &sinew).unwrap();
-    let output = Command::new(sinew)
-        .args(["watch", "--demo"])
-        .env("PATH", "")
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(
-        said.contains("cargo install --path crates/sinew-watch"),
-        "{said}"
-    );
+    for (command, path) in [("watch", "crates/sinew-watch"), ("fleet", "fleet")] {
+        let output = Command::new(&sinew)
+            .args([command, "--version"])
+            .env("PATH", "")
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let cure = format!("cargo install --path {path} ");
+        assert!(said.contains(&cure), "{said}");
+    }
 }
 
 #[cfg(unix)]

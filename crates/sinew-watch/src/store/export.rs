@@ -2,11 +2,12 @@
 
 use super::StoreError;
 use super::read::{Reader, RecordQuery};
-use super::row::{COLUMNS, Cell, cells, record};
+use super::row::{COLUMNS, record};
 use rusqlite::params;
 use sinew_log::{Cell as TableCell, CellKind, Column, TableWriter};
 use sinew_model::Z95;
-use sinew_watch_core::{History, Record};
+use sinew_watch_core::History;
+use sinew_watch_core::table::{columns, row};
 use std::path::Path;
 
 /// Records of a type and month that are in no file yet.
@@ -20,35 +21,6 @@ pub struct Pending {
     pub number: u32,
     after: i64,
     last: i64,
-}
-
-fn kind(column: &str) -> CellKind {
-    match column {
-        "poses" | "frames" | "frames_lost" => CellKind::Integer,
-        "in_doubt" => CellKind::Flag,
-        "robot" | "robot_type" | "joint" | "baseline" | "source" | "clock" | "reason"
-        | "sinew_version" => CellKind::Text,
-        _ => CellKind::Number,
-    }
-}
-
-fn columns() -> Vec<Column> {
-    COLUMNS
-        .iter()
-        .map(|name| ((*name).to_owned(), kind(name)))
-        .collect()
-}
-
-fn row(of: &Record) -> Vec<TableCell> {
-    let cell = |cell: Cell<'_>| match cell {
-        Cell::Text(text) => TableCell::Text(text.into()),
-        Cell::Word(word) => TableCell::Text(word),
-        Cell::Number(x) => TableCell::Number(x),
-        Cell::Count(n) => TableCell::Integer(i64::try_from(n).unwrap_or(i64::MAX)),
-        Cell::Flag(flag) => TableCell::Flag(flag),
-        Cell::Nothing => TableCell::Empty,
-    };
-    cells(of).into_iter().map(cell).collect()
 }
 
 /// Writes records in the order of time; how many there were.

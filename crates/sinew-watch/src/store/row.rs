@@ -5,32 +5,7 @@ use rusqlite::{Row, ToSql};
 use sinew_watch_core::Record;
 use sinew_watch_core::record::{Clock, NoOffset};
 
-/// Columns of a record, in the order of `sinew-record/1`. The same names in SQL, Parquet and CSV.
-pub const COLUMNS: [&str; 23] = [
-    "robot",
-    "robot_type",
-    "joint",
-    "time_utc_s",
-    "duration_s",
-    "offset_rad",
-    "offset_deviation_rad",
-    "elongation_m",
-    "elongation_deviation_m",
-    "strain_ratio",
-    "strain_deviation_ratio",
-    "temperature_c",
-    "stiffness_ratio",
-    "stiffness_deviation_ratio",
-    "baseline",
-    "source",
-    "clock",
-    "in_doubt",
-    "reason",
-    "poses",
-    "frames",
-    "frames_lost",
-    "sinew_version",
-];
+pub use sinew_watch_core::table::COLUMNS;
 
 /// A word that a typed value is stored as: the one it has in JSON.
 pub(super) fn word<T: serde::Serialize>(value: &T) -> String {

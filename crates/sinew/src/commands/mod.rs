@@ -5,10 +5,12 @@ mod baseline_merge;
 pub(crate) mod bench;
 #[cfg(feature = "camera")]
 mod bench_read_camera;
+mod beside;
 pub(crate) mod creep;
 pub(crate) mod estimate;
 mod estimate_each;
 pub(crate) mod excitation;
+pub(crate) mod fleet;
 pub(crate) mod init;
 pub(crate) mod log;
 pub(crate) mod paper;

@@ -1,11 +1,9 @@
 //! `sinew watch`: runs the monitor, a program of its own.
 
+use super::beside;
 use crate::terminal::{Failure, Finish};
 use clap::Args;
 use std::ffi::OsString;
-use std::io::ErrorKind;
-use std::path::PathBuf;
-use std::process::Command;
 
 /// Watch running robots: listen, learn, keep, alarm, show (runs sinew-watch)
 #[derive(Debug, Args)]
@@ -24,43 +22,10 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Runs the program beside this one, else the one in PATH, as cargo runs its subcommands.
+    /// Runs the monitor.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        let name = format!("sinew-watch{}", std::env::consts::EXE_SUFFIX);
-        let beside = std::env::current_exe()
-            .ok()
-            .map(|exe| exe.with_file_name(&name));
-        let program = beside
-            .filter(|path| path.is_file())
-            .unwrap_or(PathBuf::from(name));
-        let mut command = Command::new(&program);
-        command.args(&self.arguments);
-        let error = match start(&mut command) {
-            Ok(finish) => return Ok(finish),
-            Err(error) => error,
-        };
-        Err(Failure::Refused(match error.kind() {
-            ErrorKind::NotFound => "the monitor is a program of its own, sinew-watch, and is neither beside sinew nor in PATH; \
-                 cargo install --path crates/sinew-watch installs it"
-                .into(),
-            _ => format!("{}: can't be run: {error}", program.display()),
-        }))
+        const MISSING: &str = "the monitor is a program of its own, sinew-watch, and is neither beside sinew nor in PATH; \
+             cargo install --path crates/sinew-watch installs it";
+        beside::run("sinew-watch", &self.arguments, MISSING)
     }
-}
-
-/// Becomes the program; returns only where that can't be.
-#[cfg(unix)]
-fn start(command: &mut Command) -> std::io::Result<Finish> {
-    use std::os::unix::process::CommandExt as _;
-    Err(command.exec())
-}
-
-/// Runs the program and ends as it does.
-#[cfg(not(unix))]
-fn start(command: &mut Command) -> std::io::Result<Finish> {
-    Ok(match command.status()?.code() {
-        Some(0) => Finish::Complete,
-        Some(3) => Finish::Lossy,
-        _ => Finish::Refused,
-    })
 }
