@@ -59,6 +59,7 @@ fn session_joint(warning: &Warning) -> Option<&str> {
     match warning {
         Warning::TorqueHardlyChanged { joint, .. }
         | Warning::StandsAtEnd { joint, .. }
+        | Warning::StandReadsOff { joint, .. }
         | Warning::RopeCreeps { joint, .. }
         | Warning::Unexplained { joint, .. }
         | Warning::Stuck { joint, .. }
@@ -194,6 +195,16 @@ pub fn session_warning(warning: &Warning) -> String {
             hidden_rad,
         } => format!(
             "the arm stands from {from_s:.0} s to the end: friction may hide a slip there, at {joint} one of up to {:.1} mrad; the next motion shows it",
+            1e3 * hidden_rad
+        ),
+        Warning::StandReadsOff {
+            joint,
+            from_s,
+            off_rad,
+            hidden_rad,
+        } => format!(
+            "{joint}: it reads {:.1} mrad off where the arm stands, from {from_s:.0} s to the end; friction holds {:.1} mrad at most. A slip or a contact that lasts: the interval holds both, and the next motion shows which",
+            1e3 * off_rad,
             1e3 * hidden_rad
         ),
         Warning::RopeCreeps {

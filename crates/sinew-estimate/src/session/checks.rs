@@ -3,6 +3,7 @@
 use super::inflation::{Inflation, LASTING_S, may_end};
 use super::recorder::Recorded;
 use super::result::{SessionEstimate, TendonEstimate, Verdict};
+use super::stand::Stand;
 use super::warning::Warning;
 
 /// Less change of torque than this, of the spring's deflection, leaves stiffness and offset one, rad.
@@ -19,14 +20,14 @@ const MUCH: f64 = 0.35;
 /// data is seen.
 const LIKELY: f64 = 0.3;
 
-/// Warnings for an estimate; `far` are those of parameters far from what was believed, `hidden_rad` what the friction of
-/// every elastic joint may hide in a stand.
+/// Warnings for an estimate; `far` are those of parameters far from what was believed, `stands` says of every elastic
+/// joint how it stands at the end.
 pub(super) fn warnings(
     estimate: &SessionEstimate,
     inflations: &[Inflation],
     recorded: &Recorded,
     far: Vec<Warning>,
-    hidden_rad: &[f64],
+    stands: &[Option<Stand>],
 ) -> Vec<Warning> {
     let joints = &estimate.joints;
     let mut out = Vec::new();
@@ -38,7 +39,7 @@ pub(super) fn warnings(
     for (joint, travel) in joints.iter().zip(travels(recorded)) {
         out.extend(of_torque_and_changes(joint, travel.deflection, recorded));
     }
-    out.extend(stands_at_end(joints, recorded, hidden_rad));
+    out.extend(stands_at_end(joints, stands));
     for (joint, inflation) in joints.iter().zip(inflations) {
         if inflation.creep_95_rad > 0.0 {
             out.push(Warning::RopeCreeps {
@@ -114,33 +115,30 @@ fn of_torque_and_changes(
     out
 }
 
-/// Where the arm stood until the end, and friction may hold more there than the interval says of the joint.
-///
-/// A joint that stands is held by up to its friction `F`, on either side, so a slip of up to `2 F/K` may move nothing.
-fn stands_at_end(
-    joints: &[TendonEstimate],
-    recorded: &Recorded,
-    hidden_rad: &[f64],
-) -> Option<Warning> {
-    /// A shorter stand at the end is usual, and a change so late is left to the next session anyway, s.
-    const LONG_S: f64 = 5.0;
-    let last = recorded.blocks.last()?;
-    if last.stood_s < LONG_S {
-        return None;
-    }
-    let own = recorded.elastic.iter().zip(joints).zip(hidden_rad);
-    let worst = own
-        // One that never slid is unknown anyway.
-        .filter(|((i, _), _)| last.z_unknown[**i] < 0.5)
-        .map(|((_, joint), hidden)| (joint, *hidden))
-        .filter(|(joint, hidden)| *hidden > joint.offset_rad.half_width_95())
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    let (joint, hidden_rad) = worst?;
-    Some(Warning::StandsAtEnd {
+/// What friction may hide where the arm stands at the end, of the joint where that is most; and every joint that reads more than
+/// friction can hold.
+fn stands_at_end(joints: &[TendonEstimate], stands: &[Option<Stand>]) -> Vec<Warning> {
+    let own = || {
+        joints
+            .iter()
+            .zip(stands)
+            .filter_map(|(j, s)| Some((j, (*s)?)))
+    };
+    let hides = own().filter(|(joint, stand)| stand.hidden_rad > joint.offset_rad.half_width_95());
+    let most = hides.max_by(|a, b| a.1.hidden_rad.total_cmp(&b.1.hidden_rad));
+    let hides = most.map(|(joint, stand)| Warning::StandsAtEnd {
         joint: joint.name.clone(),
-        from_s: (recorded.end_s() - last.stood_s).max(0.0),
-        hidden_rad,
-    })
+        from_s: stand.from_s,
+        hidden_rad: stand.hidden_rad,
+    });
+    let off = own().filter(|(_, stand)| stand.is_more_than_friction());
+    let off = off.map(|(joint, stand)| Warning::StandReadsOff {
+        joint: joint.name.clone(),
+        from_s: stand.from_s,
+        off_rad: stand.off_rad,
+        hidden_rad: stand.hidden_rad,
+    });
+    hides.into_iter().chain(off).collect()
 }
 
 /// Stiffness that has, or may have, changed before the recording began.

@@ -3,6 +3,7 @@
 use super::recorder::Recorded;
 use super::result::{BlockEstimate, SegmentEstimate, TendonChange};
 use super::segments::Segments;
+use super::stand::Stand;
 use sinew_model::offset::{JointParameter, Prior};
 use sinew_model::{Gaussian, Z95};
 
@@ -33,7 +34,7 @@ pub(super) fn halve_late(changes: &mut [TendonChange], recorded: &Recorded) {
 /// What widens the interval of one joint.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Inflation {
-    /// Changes that may end: when, s, and how large, rad.
+    /// Changes that may end, or may have come: when, s, and how large, rad.
     late: Vec<(f64, f64)>,
     /// Half a 95 % interval for what a viscoelastic rope followed before the recordings, rad.
     pub(super) creep_95_rad: f64,
@@ -57,6 +58,14 @@ impl Inflation {
             creep_95_rad: creep_95_rad(prior, recorded, segments, joint),
             constant_rad,
         }
+    }
+
+    /// What a stand at the end reads off, and friction can't hold, may have come to stay: the interval holds both.
+    pub(super) fn with_stand(mut self, stand: Option<Stand>) -> Self {
+        let off = stand.filter(Stand::is_more_than_friction);
+        self.late
+            .extend(off.map(|stand| (stand.from_s, stand.largest_rad())));
+        self
     }
 
     /// An offset at a time, as unsure as it is: what adds to half a 95 % interval is in the deviation.

@@ -1,8 +1,6 @@
 //! How often the arm went through the same motion.
 
-use super::recorder::Recorded;
 use sinew_model::offset::Block;
-use std::borrow::Cow;
 
 /// Two blocks are of the same motion where every joint is as near as this, rad, and what it turns in a tenth of a
 /// second: blocks of one round lie between those of another.
@@ -23,21 +21,8 @@ struct Place {
     visits: f64,
 }
 
-/// The recording with the visits of every block counted. Borrowed where nothing came again.
-pub(super) fn counted(recorded: &Recorded) -> Cow<'_, Recorded> {
-    let visits = visits(&recorded.blocks);
-    if visits.iter().all(|visits| *visits <= 1.0) {
-        return Cow::Borrowed(recorded);
-    }
-    let mut counted = recorded.clone();
-    for (block, visits) in counted.blocks.iter_mut().zip(visits) {
-        block.visits = visits;
-    }
-    Cow::Owned(counted)
-}
-
 /// How often the arm came by as in each block, all visits of the recording counted.
-fn visits(blocks: &[Block]) -> Vec<f64> {
+pub(super) fn visits(blocks: &[Block]) -> Vec<f64> {
     let mut places: Vec<Place> = Vec::new();
     let own: Vec<Option<usize>> = (blocks.iter().enumerate())
         .map(|(b, block)| {

@@ -144,7 +144,7 @@ pub fn learn_recorded(
         continues: false,
     };
     let payload = Payload::Empty;
-    let from = |start| Segments::estimate(estimator, start, recorded, payload, nothing, name);
+    let from = |start| Segments::estimate(estimator, start, recorded, &[], payload, nothing, name);
     // Only a fresh zero is a matter of what robot.toml says.
     let stated = known.is_none() && learning.tensioned.is_none();
     let opened = match stated {
@@ -366,11 +366,13 @@ fn estimate_with_lag(
     };
     let payload = options.payload;
     // Since a baseline of like motion what the model gets wrong cancels. Without one it is all of what is read.
-    let estimated = match baseline {
-        Some(_) => Cow::Borrowed(recorded),
-        None => revisits::counted(recorded),
+    let visits = match baseline {
+        Some(_) => Vec::new(),
+        None => revisits::visits(&recorded.blocks),
     };
-    let segments = Segments::estimate(estimator, start, &estimated, payload, everything, name)?;
+    let segments = Segments::estimate(
+        estimator, start, recorded, &visits, payload, everything, name,
+    )?;
     let mut recordings = baseline.map_or_else(Vec::new, |(b, _)| b.recordings.clone());
     let first = recordings.first().cloned();
     recordings.push(name.into());

@@ -4,12 +4,25 @@ use super::recorder::Recorded;
 use crate::error::SessionError;
 use sinew_model::offset::misfit::tempered;
 use sinew_model::offset::{
-    Belief, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope, SharedError,
+    Belief, Block, MapError, MapEstimate, MapEstimator, Payload, Prior, SearchScope, SharedError,
     shared_errors,
 };
+use std::borrow::Cow;
 
 /// Long recordings are estimated in segments of this length, s.
 const SEGMENT_S: f64 = 120.0;
+
+/// Blocks with their visits counted: a copy of a segment, where anything came again.
+fn visited<'a>(blocks: &'a [Block], visits: Option<&[f64]>) -> Cow<'a, [Block]> {
+    let Some(visits) = visits.filter(|visits| visits.iter().any(|v| *v > 1.0)) else {
+        return Cow::Borrowed(blocks);
+    };
+    let counted = blocks.iter().zip(visits).map(|(block, visits)| Block {
+        visits: *visits,
+        ..block.clone()
+    });
+    Cow::Owned(counted.collect())
+}
 
 /// A recording estimated segment by segment.
 pub(super) struct Segments {
@@ -22,11 +35,12 @@ pub(super) struct Segments {
 }
 
 impl Segments {
-    /// Estimates segment by segment.
+    /// Estimates segment by segment. `visits`: how often the arm came by as in each block; empty where that isn't counted.
     pub(super) fn estimate(
         estimator: &MapEstimator,
         start: Belief,
         recorded: &Recorded,
+        visits: &[f64],
         payload: Payload,
         scope: SearchScope,
         name: &str,
@@ -54,7 +68,12 @@ impl Segments {
                 ..scope
             };
             let map = estimator
-                .search(&belief, &blocks[from..to], payload, scope)
+                .search(
+                    &belief,
+                    &visited(&blocks[from..to], visits.get(from..to)),
+                    payload,
+                    scope,
+                )
                 .map_err(failed)?;
             belief = map.belief(estimator.prior());
             estimates.push((from, map));

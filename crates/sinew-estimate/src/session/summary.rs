@@ -10,6 +10,7 @@ use super::result::{
     SegmentEstimate, SessionEstimate, TemperatureSource, TendonEstimate, Verdict,
 };
 use super::segments::Segments;
+use super::stand::Stand;
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::estimator::mean_temperature;
@@ -60,8 +61,10 @@ pub(super) fn summarise(
     let elastic: Vec<usize> = (0..robot.arm.dof())
         .filter(|&i| prior.is_elastic(i))
         .collect();
-    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) =
-        elastic.iter().map(|&i| tendon(context, i)).unzip();
+    let stands: Vec<Option<Stand>> = elastic.iter().map(|&i| Stand::at_end(context, i)).collect();
+    let (joints, inflations): (Vec<TendonEstimate>, Vec<Inflation>) = (elastic.iter().zip(&stands))
+        .map(|(&i, stand)| tendon(context, i, *stand))
+        .unzip();
     let mut at_ends = segment_estimates(prior, recorded, segments, &elastic);
     let mut blocks = block_estimates(estimator, recorded, segments, &elastic);
     inflation::inflate_all(&inflations, &mut at_ends, &mut blocks);
@@ -92,26 +95,10 @@ pub(super) fn summarise(
         warnings: Vec::new(),
     };
     let far = far_from_prior(prior, robot, segments);
-    let hidden_rad: Vec<f64> = elastic.iter().map(|&i| hidden_rad(context, i)).collect();
-    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far, &hidden_rad);
+    estimate.warnings = checks::warnings(&estimate, &inflations, recorded, far, &stands);
     let late = lag_s(prior, &segments.before, &segments.belief, context.lag_s);
     estimate.warnings.extend(late.and_then(out_of_step));
     estimate
-}
-
-/// The largest slip in a stand at the end that is not told from friction, rad: `4 (F_c + μ K |y|)/K`. Friction may hold half of
-/// that, and a change is believed when it is twice as large.
-fn hidden_rad(context: &Context<'_>, joint: usize) -> f64 {
-    let prior = context.estimator.prior();
-    let at = |p| {
-        let place = prior.place(joint, p);
-        context.segments.belief.entry(place).mean.abs()
-    };
-    let transmission = context.robot.transmissions[joint].as_ref();
-    let stiffness = transmission.map_or(f64::INFINITY, |t| t.stiffness_nm_per_rad);
-    let last = context.recorded.blocks.last();
-    let load = at(JointParameter::LoadFriction) * last.map_or(0.0, |b| b.y[joint].abs());
-    4.0 * (at(JointParameter::Coulomb) / stiffness + load)
 }
 
 /// Seconds since 1970 of a recording's clock, where that tells the date.
@@ -135,7 +122,11 @@ fn shared_error(known: Option<&SharedError>, constant_rad: f64, offset: Gaussian
     shared.at_most(offset.deviation)
 }
 
-fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
+fn tendon(
+    context: &Context<'_>,
+    joint: usize,
+    stand: Option<Stand>,
+) -> (TendonEstimate, Inflation) {
     let Context {
         robot,
         recorded,
@@ -153,7 +144,8 @@ fn tendon(context: &Context<'_>, joint: usize) -> (TendonEstimate, Inflation) {
     let misfit_rad = misfit_rad(noise_rad);
     let added_rad = context.added_rad.get(joint).copied().unwrap_or_default();
     let constant_rad = misfit_rad.hypot(added_rad);
-    let inflation = Inflation::new(prior, recorded, segments, joint, &changes, constant_rad);
+    let inflation =
+        Inflation::new(prior, recorded, segments, joint, &changes, constant_rad).with_stand(stand);
     let offset_rad = inflation.inflate(offset, recorded.end_s());
     let transmission = robot.transmissions[joint].as_ref();
     let tendon = transmission.and_then(|t| t.tendon.as_ref());

@@ -57,7 +57,18 @@ pub enum Warning {
         joint: String,
         /// Since when, s.
         from_s: f64,
-        /// The largest slip that may be hidden, rad.
+        /// The largest slip that friction may hold, rad.
+        hidden_rad: f64,
+    },
+    /// A joint reads off where the arm stands at the end, by more than friction can hold: a slip, or a contact that lasts.
+    StandReadsOff {
+        /// Joint.
+        joint: String,
+        /// Since when the arm stands, s.
+        from_s: f64,
+        /// By how much it reads off, rad.
+        off_rad: f64,
+        /// The largest slip that friction may hold, rad.
         hidden_rad: f64,
     },
     /// A rope follows its load slowly, and what it carried before isn't known.

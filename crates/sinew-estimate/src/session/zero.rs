@@ -11,8 +11,8 @@ const SURE: f64 = 5.0;
 /// … unless friction reads like that, rad.
 const LEAST_RAD: f64 = 2e-3;
 
-/// `held` again with the zero of every joint anywhere, and which joints' was off; `None` where the recording agrees
-/// with what is stated.
+/// The estimate from `start` with the zero of every joint anywhere, and which joints' was off; `None` where the recording
+/// agrees with what is stated.
 ///
 /// With a zero held where it isn't, stiffness and masses are bent to fit, and what they can't take up is left as
 /// residual. Freed, it comes out many of its standard deviations away.
