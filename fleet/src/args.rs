@@ -1,6 +1,7 @@
 //! What the program is asked for.
 
-use clap::{Parser, Subcommand};
+use crate::creep::Ages;
+use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Ask the records of a whole fleet
@@ -12,7 +13,8 @@ use std::path::PathBuf;
     name = "sinew-fleet",
     version,
     max_term_width = 80,
-    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 done but files were refused or a limit is passed."
+    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 done but files were refused, a limit is passed or a \
+                  group is worse."
 )]
 pub struct Args {
     /// What to do.
@@ -27,6 +29,8 @@ pub enum Command {
     Rows(Rows),
     /// Say which tendon passes its limit when, the worst first
     Due(Due),
+    /// Say which rope, batch, site or temperature creeps more
+    Compare(Compare),
     /// Ask by SQL
     Query(Query),
     /// Make up a fleet: records of years, and the truth beside them
@@ -100,6 +104,73 @@ pub struct Due {
     pub follow_all: bool,
 }
 
+/// What groups are made by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum By {
+    /// Ropes, freed of joint, batch, site and temperature
+    Rope,
+    /// Batches of a rope, freed of joint, site and temperature
+    Batch,
+    /// Sites, freed of joint, rope and batch
+    Site,
+    /// Bands of 10 K, freed of joint, rope and batch
+    Temperature,
+    /// Ropes within each band of 10 K, freed of joint and batch
+    RopeTemperature,
+}
+
+/// `compare`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Examples:\n  sinew-fleet compare fleet/ --by batch\n  sinew-fleet compare fleet/ --by rope-temperature --ages 30,300"
+)]
+pub struct Compare {
+    /// Records.
+    #[command(flatten)]
+    pub source: Source,
+    /// What to compare
+    #[arg(long, value_name = "WHAT")]
+    pub by: By,
+    /// Folder of a robot type beside those in types/; may be given again
+    #[arg(long = "robot", value_name = "DIR")]
+    pub robots: Vec<PathBuf>,
+    /// Ages of a rope over which its creep counts, days since it was fitted
+    #[arg(long, value_name = "FROM,TO", default_value = "1,30", value_parser = ages)]
+    pub ages: Ages,
+    /// Differences below this are none, %
+    #[arg(long = "least", value_name = "PERCENT", default_value = "5", value_parser = percent)]
+    pub least: f64,
+    /// Seed of the draws: the same one says the same
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write the groups here, as CSV or Parquet
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Ages: two numbers of days.
+fn ages(text: &str) -> Result<Ages, String> {
+    let wrong = || "write two ages in days, such as 1,30".to_owned();
+    let (from, to) = text.split_once(',').ok_or_else(wrong)?;
+    let day = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+    let (from_days, to_days) = (day(from)?, day(to)?);
+    match from_days >= 0.1 && to_days >= 2.0 * from_days && to_days <= 36_500.0 {
+        true => Ok(Ages { from_days, to_days }),
+        false => Err("ages begin at 0.1 days or later, and end at twice that or later".into()),
+    }
+}
+
+/// A share, given in percent.
+fn percent(text: &str) -> Result<f64, String> {
+    let percent: f64 = text
+        .parse()
+        .map_err(|_| "write a number of percent, such as 5")?;
+    match (0.0..=1000.0).contains(&percent) {
+        true => Ok(0.01 * percent),
+        false => Err("from 0 to 1000 %".into()),
+    }
+}
+
 /// Days a forecast reaches.
 fn days(text: &str) -> Result<f64, String> {
     let days: f64 = text
@@ -132,7 +203,28 @@ pub struct Simulate {
     /// Seed: the same one makes the same fleet
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// What batches of a rope differ by in their creep, as a standard deviation of its logarithm
+    #[arg(long, value_name = "RATIO", default_value_t = 0.08, value_parser = spread)]
+    pub batch_spread: f64,
+    /// Creep of the one bad batch over its rope's
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.7, value_parser = factor)]
+    pub bad_batch: f64,
     /// Another rope that some of the robots have, by its name in the catalogue; may be given again
     #[arg(long = "rope", value_name = "NAME")]
     pub ropes: Vec<String>,
+}
+
+/// A standard deviation of a logarithm.
+fn spread(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 1.0)
+}
+
+/// A factor.
+fn factor(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 10.0)
+}
+
+fn within(text: &str, from: f64, to: f64) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|x| (from..=to).contains(x));
+    found.ok_or_else(|| format!("write a number from {from} to {to}"))
 }

@@ -6,6 +6,7 @@ use crate::folder::{Folder, RecordFile, SIDES};
 use datafusion::arrow::array::{AsArray as _, RecordBatch};
 use datafusion::arrow::compute::can_cast_types;
 use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef};
+use datafusion::common::TableReference;
 use datafusion::datasource::file_format::parquet::ParquetFormat;
 use datafusion::datasource::listing::{
     ListingOptions, ListingTable, ListingTableConfig, ListingTableUrl,
@@ -219,8 +220,28 @@ impl Engine {
                 *self = Self::of(&self.source, verified)?;
                 self.try_ask(sql).map_err(FleetError::from)
             }
+            Err(Wrong::Question(error)) => Err(self.missing_table(sql).unwrap_or(error.into())),
             other => other.map_err(FleetError::from),
         }
+    }
+
+    /// The first table of a question that isn't there.
+    fn missing_table(&self, sql: &str) -> Option<FleetError> {
+        let state = self.context.state();
+        let dialect = state.config_options().sql_parser.dialect;
+        let statement = state.sql_to_statement(sql, &dialect).ok()?;
+        let named = state.resolve_table_references(&statement).ok()?;
+        let exists = |name: &TableReference| self.context.table_exist(name.clone()).unwrap_or(true);
+        let missing = named.into_iter().find(|name| !exists(name))?;
+        let sides = SIDES.into_iter().filter(|s| self.folder.side(s).is_some());
+        Some(FleetError::NoTable {
+            name: missing.table().to_owned(),
+            known: ["records", "every_version"]
+                .into_iter()
+                .chain(sides)
+                .map(str::to_owned)
+                .collect(),
+        })
     }
 
     /// Rows of a table.

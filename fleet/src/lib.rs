@@ -4,13 +4,19 @@
 //! trend of single tendons is that of `sinew trend`.
 //!
 //! Reading order: [`args`], [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
-//! [`query`], [`rows`], [`due`] (which tendon passes its limit when), [`simulate`] (fleets whose truth is known).
+//! [`query`], [`rows`], [`due`] (which tendon passes its limit when),
+//! [`creep`] (how fast a tendon creeps), [`gather`] (all of them), [`hierarchy`] (groups and what can be told of them),
+//! [`compare`] (which group is worse), [`simulate`] (fleets whose truth is known).
 
 pub mod args;
+pub mod compare;
+pub mod creep;
 pub mod due;
 pub mod engine;
 mod error;
 pub mod folder;
+pub mod gather;
+pub mod hierarchy;
 pub mod query;
 pub mod rows;
 pub mod simulate;
@@ -31,5 +37,6 @@ pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
         Command::Rows(asked) => rows::command(asked),
         Command::Query(asked) => query::command(asked),
         Command::Due(asked) => due::command(asked),
+        Command::Compare(asked) => compare::command(asked),
     }
 }

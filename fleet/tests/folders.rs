@@ -220,17 +220,33 @@ fn a_folder_without_records_says_what_to_give() {
         matches!(refused, Some(FleetError::NoRecords(_))),
         "{refused:?}"
     );
+    let nowhere = Engine::open(&source(&folder.path().join("nothere")))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(nowhere.contains("give the folder"), "{nowhere}");
 }
 
 #[test]
-fn what_a_query_gets_wrong_is_told_and_is_no_damage() {
+fn a_column_or_table_that_isnt_there_is_told_with_those_that_are() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("a.parquet"), &ten_days());
-    let told = open(folder.path())
-        .ask("SELECT ofset_rad FROM records")
-        .unwrap_err()
-        .to_string();
-    assert!(told.contains("ofset_rad"), "{told}");
+    let mut engine = open(folder.path());
+    let column = engine.ask("SELECT ofset_rad FROM records").unwrap_err();
+    let FleetError::NoColumn { name, known } = &column else {
+        panic!("{column:?}");
+    };
+    assert_eq!(name, "ofset_rad");
+    assert!(known.contains(&"offset_rad".into()) && !known.contains(&"records.offset_rad".into()));
+    let told = column.to_string();
+    assert!(told.contains("did you mean 'offset_rad'?"), "{told}");
+    let table = engine
+        .ask("SELECT joint FROM (SELECT * FROM record)")
+        .unwrap_err();
+    assert!(
+        matches!(&table, FleetError::NoTable { name, known } if name == "record" && known.len() == 2),
+        "{table:?}"
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Tests of the fleet, in one binary.
 
+mod compare;
 mod due;
 mod folders;
 mod simulated;

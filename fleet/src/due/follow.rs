@@ -134,7 +134,7 @@ pub(super) enum Outcome {
 }
 
 /// Types of robots: those beside the records, and those named.
-pub(super) fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
+pub(crate) fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
     let beside = std::fs::read_dir(folder.join("types"))
         .into_iter()
         .flatten();

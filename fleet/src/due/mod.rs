@@ -5,9 +5,10 @@
 
 mod follow;
 pub mod screen;
-mod sessions;
+pub(crate) mod sessions;
 mod show;
 
+pub(crate) use follow::types;
 pub use follow::{Followed, Passage};
 
 use crate::FleetError;

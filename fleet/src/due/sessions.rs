@@ -13,15 +13,15 @@ use sinew_model::Gaussian;
 /// What a tendon's monitor recorded: of each day the session with the narrowest interval, as the monitor's own trend
 /// takes them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sessions {
-    pub(super) tendon: Tendon,
-    pub(super) robot_type: String,
-    pub(super) rows: Vec<SessionRecord>,
+pub(crate) struct Sessions {
+    pub(crate) tendon: Tendon,
+    pub(crate) robot_type: String,
+    pub(crate) rows: Vec<SessionRecord>,
 }
 
 impl Sessions {
     /// Reads those of robots whose names follow each other.
-    pub(super) fn read(engine: &mut Engine, robots: &[String]) -> Result<Vec<Self>, FleetError> {
+    pub(crate) fn read(engine: &mut Engine, robots: &[String]) -> Result<Vec<Self>, FleetError> {
         let (Some(first), Some(last)) = (robots.first(), robots.last()) else {
             return Ok(Vec::new());
         };

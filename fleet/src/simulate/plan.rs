@@ -12,10 +12,6 @@ use sinew_rope::Catalogue;
 
 /// Batches of each rope.
 const BATCHES: usize = 6;
-/// Batches of one rope differ in their creep by so much, as a standard deviation of its logarithm.
-const BATCH_SPREAD: f64 = 0.08;
-/// The bad batch creeps by this more.
-const BAD_FACTOR: f64 = 1.7;
 /// Share of robots that are there from the first day; the others come later.
 const FIRST_SHARE: f64 = 0.7;
 /// Days before the end on which the last robot comes, at the latest.
@@ -152,12 +148,12 @@ impl Plan {
                 batches.push(Batch {
                     rope: (*rope).to_owned(),
                     name: format!("{rope}/{i:02}"),
-                    factor: (BATCH_SPREAD * normal).exp(),
+                    factor: (asked.batch_spread * normal).exp(),
                 });
             }
         }
         // The same place whatever the seed: who looks for it knows where it is.
-        batches[2].factor = BAD_FACTOR;
+        batches[2].factor = asked.bad_batch;
         let width = asked.robots.to_string().len().max(4);
         let robots = (1..=asked.robots)
             .map(|i| {

@@ -22,6 +22,8 @@ pub(crate) fn small(out: &Path, robots: u32, days: u32) -> Simulate {
         robots,
         days,
         seed: 1,
+        batch_spread: 0.08,
+        bad_batch: 1.7,
         ropes: vec!["tasline-pe8".into()],
     }
 }

@@ -1,0 +1,374 @@
+//! Which columns a tendon has part in: its group, and what groups are to be freed of.
+
+use super::{CreepUnit, apart};
+use crate::args::By;
+use crate::gather::CreepingTendon;
+use crate::hierarchy::{self, Hierarchy, Unit};
+use sinew_model::statistics::quantile;
+use std::collections::BTreeMap;
+
+/// Prior deviation of kinds of tendon, and of covariates, over the logarithm.
+const KIND: f64 = 10.0;
+const COVARIATE: f64 = 1.0;
+/// Scale of what groups, and other factors, differ by.
+const GROUP_SCALE: f64 = 0.2;
+/// Width of a band of temperatures, K.
+const BAND_K: f64 = 10.0;
+
+/// What tendons may differ by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Factor {
+    /// Type of the robot and joint: load, length, pulleys, guides.
+    Joint,
+    /// Type, joint and rope.
+    Kind,
+    /// Batch of the rope.
+    Batch,
+    /// Site.
+    Site,
+    /// Site, for each rope apart: ropes answer to a site each in its own way.
+    SiteOfRope,
+    /// Robot.
+    Robot,
+    /// Mean temperature.
+    Temperature,
+}
+
+/// A group: what it is compared within, and its name. Either may be unknown.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct GroupKey {
+    /// Groups are compared with others of this: a batch with those of its rope.
+    pub family: Option<String>,
+    /// Its name, or the lower end of its band in °C.
+    pub name: String,
+}
+
+/// A group of tendons as the model has it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct DesignGroup {
+    pub(super) key: GroupKey,
+    pub(super) tendons: usize,
+    pub(super) robots: usize,
+    /// What it can't be told from.
+    pub(super) tied_to: Vec<(Factor, String)>,
+}
+
+/// The model of a comparison.
+pub(super) struct Design {
+    pub(super) hierarchy: Hierarchy,
+    /// Groups, by key; a column each from `first_group` on.
+    pub(super) groups: Vec<DesignGroup>,
+    pub(super) first_group: usize,
+    /// Of each family the mean over its tendons of all columns but the groups', and but those of what is part of a group:
+    /// where its groups are shown.
+    pub(super) middles: BTreeMap<Option<String>, Vec<f64>>,
+    pub(super) unit: CreepUnit,
+    pub(super) freed_of: Vec<Factor>,
+    pub(super) without_group: usize,
+    pub(super) undated: usize,
+}
+
+/// Lower end of a tendon's band of temperatures.
+fn band(tendon: &CreepingTendon) -> Option<String> {
+    let celsius = tendon.creep.temperature_c?;
+    Some(format!("{:.0}", (celsius / BAND_K).floor() * BAND_K))
+}
+
+/// The group of a tendon.
+fn key(tendon: &CreepingTendon, by: By) -> Option<GroupKey> {
+    let (family, name) = match by {
+        By::Rope => (None, tendon.fit.rope.clone()?),
+        By::Batch => (tendon.fit.rope.clone(), tendon.fit.batch.clone()?),
+        By::Site => (None, tendon.site.clone()?),
+        By::Temperature => (None, band(tendon)?),
+        By::RopeTemperature => (Some(band(tendon)?), tendon.fit.rope.clone()?),
+    };
+    Some(GroupKey { family, name })
+}
+
+/// What is taken out of the comparison beside robots: kinds of tendons, then factors with levels of their own.
+fn others(by: By) -> (Factor, &'static [Factor]) {
+    match by {
+        By::Rope => (Factor::Joint, &[Factor::Batch, Factor::Site]),
+        By::Batch => (Factor::Kind, &[Factor::SiteOfRope]),
+        By::Site | By::Temperature => (Factor::Kind, &[Factor::Batch]),
+        By::RopeTemperature => (Factor::Joint, &[Factor::Batch]),
+    }
+}
+
+/// The level of a factor a tendon has; what isn't known is a level too.
+pub(super) fn level(tendon: &CreepingTendon, factor: Factor) -> String {
+    let known = |text: &Option<String>| text.clone().unwrap_or_default();
+    let joint = || format!("{}, {}", tendon.robot_type, tendon.joint);
+    match factor {
+        Factor::Joint => joint(),
+        Factor::Kind => format!("{}, {}", joint(), known(&tendon.fit.rope)),
+        Factor::Batch => format!("{}, {}", known(&tendon.fit.rope), known(&tendon.fit.batch)),
+        Factor::Site => known(&tendon.site),
+        Factor::SiteOfRope => format!("{}, {}", known(&tendon.site), known(&tendon.fit.rope)),
+        Factor::Robot => tendon.robot.clone(),
+        Factor::Temperature => band(tendon).unwrap_or_default(),
+    }
+}
+
+/// Numbers of names, in their order.
+fn numbered<T: Ord>(names: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
+    let mut out: BTreeMap<T, usize> = names.map(|name| (name, 0)).collect();
+    out.values_mut().enumerate().for_each(|(i, n)| *n = i);
+    out
+}
+
+impl Design {
+    pub(super) fn of(all: &[CreepingTendon], by: By) -> Self {
+        let keyed: Vec<(&CreepingTendon, GroupKey)> =
+            all.iter().filter_map(|t| Some((t, key(t, by)?))).collect();
+        let tendons: Vec<&CreepingTendon> = keyed.iter().map(|(t, _)| *t).collect();
+        let group_numbers = numbered(keyed.iter().map(|(_, key)| key.clone()));
+        let group_of: Vec<usize> = keyed.iter().map(|(_, key)| group_numbers[key]).collect();
+        let (kind_factor, random) = others(by);
+        let levels = |factor: Factor| -> Vec<usize> {
+            let names: Vec<String> = tendons.iter().map(|t| level(t, factor)).collect();
+            let numbers = numbered(names.iter().cloned());
+            names.iter().map(|n| numbers[n]).collect()
+        };
+        let count = |numbers: &[usize]| numbers.iter().max().map_or(0, |n| n + 1);
+        let kinds = levels(kind_factor);
+        let robots = levels(Factor::Robot);
+        let mut freed_of = vec![kind_factor];
+
+        // Fixed: kinds, then covariates about their means.
+        let mut fixed = vec![KIND; count(&kinds)];
+        let mut covariates: Vec<Vec<f64>> = Vec::new();
+        if matches!(by, By::Rope | By::Batch) {
+            let celsius: Vec<Option<f64>> = tendons.iter().map(|t| t.creep.temperature_c).collect();
+            if celsius.iter().flatten().count() > 0 {
+                // Ropes answer to temperature each in its own way.
+                let warmer = centred(&celsius, BAND_K);
+                let ropes = numbered(tendons.iter().map(|t| &t.fit.rope));
+                for rope in ropes.into_keys() {
+                    let own = tendons
+                        .iter()
+                        .map(|t| f64::from(u8::from(t.fit.rope == *rope)));
+                    covariates.push(own.zip(&warmer).map(|(own, k)| own * k).collect());
+                }
+                freed_of.push(Factor::Temperature);
+            }
+        }
+        let undated = tendons.iter().filter(|t| !t.creep.is_dated).count();
+        if undated > 0 && undated < tendons.len() {
+            let dated = |t: &&CreepingTendon| Some(f64::from(u8::from(t.creep.is_dated)));
+            covariates.push(centred(&tendons.iter().map(dated).collect::<Vec<_>>(), 1.0));
+        }
+        fixed.extend(covariates.iter().map(|_| COVARIATE));
+
+        // Factors: groups, then what else has levels.
+        let first_group = fixed.len();
+        let group_count = group_numbers.len();
+        let mut factors = vec![hierarchy::Factor {
+            first: first_group,
+            levels: group_numbers.len(),
+            scale: GROUP_SCALE,
+            heavy: true,
+        }];
+        let mut first = first_group + group_numbers.len();
+        let mut parts = vec![(first_group, group_of.clone())];
+        for &factor in random {
+            let numbers = levels(factor);
+            let count = count(&numbers);
+            if count > 1 {
+                factors.push(hierarchy::Factor {
+                    first,
+                    levels: count,
+                    scale: GROUP_SCALE,
+                    heavy: factor == Factor::Batch,
+                });
+                parts.push((first, numbers));
+                first += count;
+                freed_of.push(factor);
+            }
+        }
+        freed_of.push(Factor::Robot);
+
+        let (values, unit) = logarithms(&tendons, &kinds);
+        let spreads = spreads(&values, &levels(Factor::Kind));
+        let units: Vec<Unit> = (0..tendons.len())
+            .map(|i| {
+                let covariates = covariates.iter().enumerate();
+                let mut columns = vec![(kinds[i], 1.0)];
+                let covariates = covariates.map(|(k, c)| (count(&kinds) + k, c[i]));
+                columns.extend(covariates.filter(|(_, x)| *x != 0.0));
+                columns.extend(
+                    parts
+                        .iter()
+                        .map(|(first, numbers)| (first + numbers[i], 1.0)),
+                );
+                Unit {
+                    value: values[i].0,
+                    variance: values[i].1,
+                    spread: spreads[i],
+                    robot: robots[i],
+                    columns,
+                }
+            })
+            .collect();
+        let mut middles: BTreeMap<Option<String>, Vec<f64>> = BTreeMap::new();
+        let mut sizes: BTreeMap<Option<String>, f64> = BTreeMap::new();
+        for (unit, (_, key)) in units.iter().zip(&keyed) {
+            let sums = middles.entry(key.family.clone());
+            let sums = sums.or_insert_with(|| vec![0.0; first]);
+            for &(column, x) in &unit.columns {
+                sums[column] += x;
+            }
+            *sizes.entry(key.family.clone()).or_default() += 1.0;
+        }
+        // A rope is shown with a typical batch of it, not with those it happens to have.
+        let part_of_group = matches!(by, By::Rope | By::RopeTemperature)
+            .then(|| factors.get(1).map(|f| f.first..f.first + f.levels))
+            .flatten();
+        for (family, sums) in &mut middles {
+            let own = first_group..first_group + group_count;
+            let left_out = own.chain(part_of_group.clone().unwrap_or(0..0));
+            left_out.for_each(|column| sums[column] = 0.0);
+            sums.iter_mut().for_each(|x| *x /= sizes[family]);
+        }
+        let mut groups: Vec<DesignGroup> = (group_numbers.into_keys())
+            .map(|key| DesignGroup {
+                key,
+                tendons: 0,
+                robots: 0,
+                tied_to: Vec::new(),
+            })
+            .collect();
+        let mut seen = std::collections::BTreeSet::new();
+        for (i, &g) in group_of.iter().enumerate() {
+            groups[g].tendons += 1;
+            groups[g].robots += usize::from(seen.insert((g, robots[i])));
+        }
+        apart::tie(&mut groups, &tendons, &group_of, by, kind_factor, random);
+        Self {
+            hierarchy: Hierarchy {
+                units,
+                fixed,
+                factors,
+            },
+            groups,
+            first_group,
+            middles,
+            unit,
+            freed_of,
+            without_group: all.len() - tendons.len(),
+            undated,
+        }
+    }
+}
+
+/// Values about their mean, in `unit`; 0 where they aren't known.
+fn centred(values: &[Option<f64>], unit: f64) -> Vec<f64> {
+    let known: Vec<f64> = values.iter().flatten().copied().collect();
+    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let of = |v: &Option<f64>| v.map_or(0.0, |v| (v - mean) / unit);
+    values.iter().map(of).collect()
+}
+
+/// Of each tendon the logarithm of its creep per decade, and the variance of that.
+///
+/// `c = e^z` is known to `s`. About `z₀`, the most probable `z` with what is usual for its kind as a prior, it is
+/// `z₀ + (c − e^z₀) e^−z₀`, known to `s e^−z₀`: for a tendon that is known well its logarithm, for one that isn't, or doesn't
+/// creep, a value near what is usual that hardly counts.
+fn logarithms(tendons: &[&CreepingTendon], kinds: &[usize]) -> (Vec<(f64, f64)>, CreepUnit) {
+    let unit = match tendons.iter().all(|t| t.strain_per_rad.is_some()) {
+        true => CreepUnit::Strain,
+        false => CreepUnit::Offset,
+    };
+    let known: Vec<(f64, f64)> = (tendons.iter())
+        .map(|t| {
+            let factor = match unit {
+                CreepUnit::Strain => t.strain_per_rad.unwrap_or(1.0),
+                CreepUnit::Offset => 1.0,
+            };
+            (
+                factor * t.creep.per_decade_rad,
+                factor * t.creep.deviation_rad,
+            )
+        })
+        .collect();
+    let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (&(c, s), &kind) in known.iter().zip(kinds) {
+        by_kind.entry(kind).or_default().push(c.max(s).ln());
+    }
+    let mut usual = BTreeMap::new();
+    for (kind, mut logs) in by_kind {
+        logs.sort_by(f64::total_cmp);
+        let half_width = 0.5 * (quantile(&logs, 0.84) - quantile(&logs, 0.16));
+        usual.insert(kind, (quantile(&logs, 0.5), half_width.max(0.3)));
+    }
+    let values = known.iter().zip(kinds);
+    let values = values.map(|(&(c, s), kind)| {
+        let (middle, width) = usual[kind];
+        let at = most_probable(c, s, middle, width);
+        let slope = (-at).exp();
+        (at + (c - at.exp()) * slope, (s * slope).powi(2))
+    });
+    (values.collect(), unit)
+}
+
+/// Of each tendon how far those of its kind differ, over the mean of all: half of what the middle 68 % span. Kinds of few tendons
+/// are drawn towards the mean, as if ten more of it were there.
+fn spreads(values: &[(f64, f64)], kinds: &[usize]) -> Vec<f64> {
+    const MORE: f64 = 10.0;
+    let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (value, kind) in values.iter().zip(kinds) {
+        by_kind.entry(*kind).or_default().push(value.0);
+    }
+    let squares: BTreeMap<usize, (f64, f64)> = (by_kind.into_iter())
+        .map(|(kind, mut of)| {
+            of.sort_by(f64::total_cmp);
+            let half = 0.5 * (quantile(&of, 0.84) - quantile(&of, 0.16));
+            (kind, (half * half, of.len() as f64))
+        })
+        .collect();
+    let all: f64 = squares.values().map(|(square, n)| square * n).sum();
+    let mean = (all / values.len() as f64).max(f64::MIN_POSITIVE);
+    let of = |kind: &usize| {
+        let (square, n) = squares[kind];
+        ((square * n / mean + MORE) / (n + MORE)).sqrt()
+    };
+    kinds.iter().map(of).collect()
+}
+
+/// The most probable `z` where `e^z` is `c ± s` and `z` is `middle ± width` before: Newton's method on a sum of two squares,
+/// each step no longer than 1.
+fn most_probable(c: f64, s: f64, middle: f64, width: f64) -> f64 {
+    let mut z = middle;
+    for _ in 0..60 {
+        let e = z.exp();
+        let slope = (e - c) * e / (s * s) + (z - middle) / (width * width);
+        let curvature = e * e / (s * s) + 1.0 / (width * width);
+        let step = (slope / curvature).clamp(-1.0, 1.0);
+        z -= step;
+        if step.abs() < 1e-10 {
+            break;
+        }
+    }
+    z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_creep_that_is_known_well_is_its_logarithm() {
+        let z = most_probable(5.0, 0.01, 0.0, 1.0);
+        assert!((z - 5.0_f64.ln()).abs() < 1e-4, "{z}");
+    }
+
+    #[test]
+    fn a_creep_that_isnt_known_stays_near_what_is_usual() {
+        let z = most_probable(-3.0, 50.0, 1.0, 0.8);
+        assert!((z - 1.0).abs() < 0.05, "{z}");
+        // None at all, and known well: far below, yet a number.
+        let none = most_probable(0.0, 0.1, 1.0, 0.8);
+        assert!((-4.0..-1.0).contains(&none), "{none}");
+    }
+}

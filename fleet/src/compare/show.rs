@@ -1,0 +1,242 @@
+//! The comparison for people, and as a table for other programs.
+
+use super::{Comparison, CreepUnit, Factor, Group, Verdict};
+use crate::FleetError;
+use crate::args::{By, Compare};
+use sinew_files::plain;
+use sinew_log::{Cell, CellKind, Column, TableWriter};
+use sinew_report::text::{paragraph, table};
+use std::path::Path;
+
+/// A number to three digits.
+fn three(x: f64) -> String {
+    if !x.is_finite() {
+        return "–".into();
+    }
+    let decimals = if x == 0.0 {
+        0.0
+    } else {
+        2.0 - x.abs().log10().floor()
+    };
+    format!("{x:.*}", decimals.clamp(0.0, 6.0) as usize)
+}
+
+/// A ratio as what is more or less, %.
+fn more(ratio: f64) -> String {
+    match 100.0 * (ratio - 1.0) {
+        percent if !percent.is_finite() => "–".into(),
+        percent if percent.abs() > 1e4 => "> 10,000".into(),
+        percent => format!("{percent:+.0}"),
+    }
+}
+
+/// A band of temperatures by its lower end.
+fn band(low: &str) -> String {
+    low.parse::<i64>()
+        .map_or(low.into(), |low| format!("{low} to {} °C", low + 10))
+}
+
+fn name(group: &Group, by: By) -> String {
+    match by {
+        By::Temperature => band(&group.key.name),
+        _ => plain(&group.key.name),
+    }
+}
+
+fn family(group: &Group, by: By) -> Option<String> {
+    let family = group.key.family.as_deref()?;
+    Some(match by {
+        By::RopeTemperature => band(family),
+        _ => plain(family),
+    })
+}
+
+fn verdict(verdict: &Verdict) -> &'static str {
+    match verdict {
+        Verdict::Worse => "worse",
+        Verdict::Better => "better",
+        Verdict::CantTell => "can't tell",
+        Verdict::TiedTo(_) => "tied",
+        Verdict::Alone => "alone",
+    }
+}
+
+fn word(factor: Factor) -> &'static str {
+    match factor {
+        Factor::Joint => "joint",
+        Factor::Kind => "joint and rope",
+        Factor::Batch => "batch",
+        Factor::Site | Factor::SiteOfRope => "site",
+        Factor::Robot => "robot",
+        Factor::Temperature => "temperature",
+    }
+}
+
+fn row(group: &Group, found: &Comparison) -> Vec<String> {
+    let scale = match found.unit {
+        CreepUnit::Strain => 1e6,
+        CreepUnit::Offset => 1e3,
+    };
+    let [creep, low, high] = group.creep.map(|c| three(scale * c));
+    let [ratio, ratio_low, ratio_high] = group.ratio.map(more);
+    vec![
+        name(group, found.by),
+        group.tendons.to_string(),
+        format!("{creep} ({low} … {high})"),
+        match group.verdict {
+            Verdict::Alone => "–".into(),
+            _ => format!("{ratio} ({ratio_low} … {ratio_high})"),
+        },
+        verdict(&group.verdict).into(),
+    ]
+}
+
+/// The comparison.
+pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
+    let what = match found.by {
+        By::Rope | By::RopeTemperature => "rope",
+        By::Batch => "batch",
+        By::Site => "site",
+        By::Temperature => "temperature",
+    };
+    let unit = match found.unit {
+        CreepUnit::Strain => "µm/m per decade",
+        CreepUnit::Offset => "mrad per decade",
+    };
+    let head = [what, "tendons", unit, "more by %", ""];
+    let mut out = String::new();
+    for together in found.groups.chunk_by(|a, b| a.key.family == b.key.family) {
+        if let Some(family) = together.first().and_then(|g| family(g, found.by)) {
+            out += &format!("{family}\n");
+        }
+        out += &table(&head, together.iter().map(|g| row(g, found)).collect(), 1);
+        out.push('\n');
+    }
+    for note in notes(found, asked) {
+        out += &paragraph(&note, 2);
+    }
+    out
+}
+
+/// What the table rests on, a sentence or two each.
+fn notes(found: &Comparison, asked: &Compare) -> Vec<String> {
+    let worse = found.worse().count();
+    let mut out = vec![format!(
+        "{worse} of {} are worse: they creep more than the middle one of the others, by more than {:.0} %. The chance that \
+         any verdict here is wrong is 5 % at most, all groups together.",
+        found.groups.len(),
+        100.0 * asked.least
+    )];
+    let unit = match found.unit {
+        CreepUnit::Strain => "in µm per metre of rope",
+        CreepUnit::Offset => {
+            "in mrad of the joint, as not every robot type is described: use --robot DIR"
+        }
+    };
+    out.push(format!(
+        "Creep is growth per decade of time from day {} to day {} of a rope, {unit}, of a typical tendon. One tendon of a \
+         group creeps {:.1} times as much as the next, as a standard deviation.",
+        found.ages.from_days, found.ages.to_days, found.tendon_factor
+    ));
+    let words: Vec<&str> = found.freed_of.iter().map(|f| word(*f)).collect();
+    out.push(format!("Differences are freed of: {}.", words.join(", ")));
+    if matches!(found.by, By::Temperature | By::RopeTemperature) {
+        out.push("Whatever else differs between warm and cold sites is in it.".into());
+    }
+    for group in &found.groups {
+        if let Verdict::TiedTo(ties) = &group.verdict {
+            let told: Vec<String> = (ties.iter())
+                .map(|(factor, levels)| match levels.is_empty() {
+                    true => format!("its {}", word(*factor)),
+                    false => format!("its {} ({})", word(*factor), plain(levels)),
+                })
+                .collect();
+            out.push(format!(
+                "{} can't be told from {}: no other group shares it.",
+                name(group, found.by),
+                told.join(" and ")
+            ));
+        }
+    }
+    if found.too_few > 0 {
+        out.push(format!(
+            "{} tendons have too few sessions of these ages; --ages names others.",
+            found.too_few
+        ));
+    }
+    if found.without_group > 0 {
+        out.push(format!(
+            "{} tendons belong to no group that is named.",
+            found.without_group
+        ));
+    }
+    if found.undated > 0 {
+        out.push(format!(
+            "{} ropes count from their first session, as events.csv doesn't say when they were fitted.",
+            found.undated
+        ));
+    }
+    if found.disagreement > Comparison::MOST_DISAGREEMENT {
+        out.push(format!(
+            "The draws have not come together (ratio {:.2}), so nothing is claimed. Fewer groups, or more tendons, would help.",
+            found.disagreement
+        ));
+    }
+    out
+}
+
+/// Writes the groups.
+pub(super) fn csv(found: &Comparison, path: &Path) -> Result<(), FleetError> {
+    let creep = match found.unit {
+        CreepUnit::Strain => [
+            "strain_per_decade_ratio",
+            "strain_per_decade_low_ratio",
+            "strain_per_decade_high_ratio",
+        ],
+        CreepUnit::Offset => [
+            "offset_per_decade_rad",
+            "offset_per_decade_low_rad",
+            "offset_per_decade_high_rad",
+        ],
+    };
+    let counts = ["tendons", "robots"];
+    let ratios = [
+        "creep_ratio",
+        "creep_ratio_low",
+        "creep_ratio_high",
+        "probability_worse",
+    ];
+    let of = |kind: CellKind| move |name: &str| -> Column { (name.to_owned(), kind) };
+    let columns: Vec<Column> = (["within", "group", "verdict", "tied_to"].into_iter())
+        .map(of(CellKind::Text))
+        .chain(counts.into_iter().map(of(CellKind::Integer)))
+        .chain(creep.into_iter().chain(ratios).map(of(CellKind::Number)))
+        .collect();
+    let mut writer = TableWriter::create(path, &columns)?;
+    for group in &found.groups {
+        let text = |t: Option<String>| t.map_or(Cell::Empty, Cell::Text);
+        let ties = match &group.verdict {
+            Verdict::TiedTo(ties) => Some(
+                ties.iter()
+                    .map(|(f, _)| word(*f))
+                    .collect::<Vec<_>>()
+                    .join("; "),
+            ),
+            _ => None,
+        };
+        let mut cells = vec![
+            text(family(group, found.by)),
+            text(Some(name(group, found.by))),
+            text(Some(
+                verdict(&group.verdict).replace('\'', "").replace(' ', "-"),
+            )),
+            text(ties),
+            Cell::Integer(group.tendons as i64),
+            Cell::Integer(group.robots as i64),
+        ];
+        let numbers = group.creep.into_iter().chain(group.ratio);
+        cells.extend(numbers.chain([group.probability_worse]).map(Cell::from));
+        writer.row(&cells)?;
+    }
+    Ok(writer.finish()?)
+}

@@ -1,0 +1,125 @@
+//! Every tendon of a fleet as one row: how fast its rope creeps, and what it belongs to.
+//!
+//! Robots are taken some at a time: what stays in memory is a row per tendon.
+
+use crate::FleetError;
+use crate::creep::{Ages, Creep, creep};
+use crate::due::sessions::Sessions;
+use crate::due::types;
+use crate::engine::Engine;
+use crate::folder::sides::{self, Fitted, Tendon};
+use rayon::prelude::*;
+use sinew_estimate::trend::Stated;
+use sinew_model::robot::Robot;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+/// Robots that are in memory at a time.
+const TOGETHER: usize = 50;
+/// Drift of a joint whose robot nobody described, as in `sinew trend`, rad/K.
+const UNKNOWN_DRIFT_RAD_PER_K: f64 = 0.3e-3;
+
+/// A tendon and how fast its rope creeps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CreepingTendon {
+    /// Robot.
+    pub robot: String,
+    /// Joint.
+    pub joint: String,
+    /// Type of the robot.
+    pub robot_type: String,
+    /// Rope and batch, as far as they are known.
+    pub fit: Fitted,
+    /// Site, if it is known.
+    pub site: Option<String>,
+    /// How fast its rope creeps.
+    pub creep: Creep,
+    /// Strain of its rope per offset of the joint, 1/rad; `None`: its type isn't described.
+    pub strain_per_rad: Option<f64>,
+}
+
+/// The tendons of a fleet.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Gathered {
+    /// Those whose creep can be told, by robot and joint.
+    pub tendons: Vec<CreepingTendon>,
+    /// Those with too few sessions.
+    pub too_few: usize,
+    /// Robot types of which there is no description.
+    pub unknown_types: BTreeSet<String>,
+}
+
+/// Looks through a fleet.
+///
+/// # Errors
+/// [`FleetError`].
+pub fn gather(
+    engine: &mut Engine,
+    described: &[PathBuf],
+    ages: Ages,
+) -> Result<Gathered, FleetError> {
+    let types = types(&engine.folder.path, described)?;
+    let beside = Beside {
+        types: types.into_iter().map(|r| (r.name.clone(), r)).collect(),
+        fitted: sides::fitted(&engine.folder)?,
+        events: sides::events(&engine.folder)?,
+        sites: sides::sites(&engine.folder)?,
+    };
+    let robots = engine.folder.robots().into_iter();
+    let names: Vec<String> = robots.map(str::to_owned).collect();
+    let mut out = Gathered::default();
+    for robots in names.chunks(TOGETHER) {
+        let tendons = Sessions::read(engine, robots)?;
+        let looked: Vec<Option<CreepingTendon>> =
+            tendons.par_iter().map(|t| beside.look(t, ages)).collect();
+        for (sessions, found) in tendons.iter().zip(looked) {
+            if !beside.types.contains_key(&sessions.robot_type) {
+                out.unknown_types.insert(sessions.robot_type.clone());
+            }
+            match found {
+                Some(found) => out.tendons.push(found),
+                None => out.too_few += 1,
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// What is known beside the records.
+struct Beside {
+    types: BTreeMap<String, Robot>,
+    fitted: BTreeMap<Tendon, Fitted>,
+    events: BTreeMap<Tendon, Vec<Stated>>,
+    sites: BTreeMap<String, String>,
+}
+
+impl Beside {
+    fn look(&self, sessions: &Sessions, ages: Ages) -> Option<CreepingTendon> {
+        let last_utc_s = sessions.rows.last()?.time_utc_s;
+        let events = self.events.get(&sessions.tendon);
+        let replaced = events.into_iter().flatten();
+        let replaced = replaced.filter(|e| e.replaced && e.time_utc_s <= last_utc_s);
+        let fitted_utc_s = replaced.map(|e| e.time_utc_s).reduce(f64::max);
+        let robot = self.types.get(&sessions.robot_type);
+        let drift = robot.map_or(UNKNOWN_DRIFT_RAD_PER_K, |r| r.tolerances.drift_rad_per_k());
+        let creep = creep(&sessions.rows, fitted_utc_s, ages, drift)?;
+        let (name, joint) = sessions.tendon.clone();
+        let mut fit = self
+            .fitted
+            .get(&sessions.tendon)
+            .cloned()
+            .unwrap_or_default();
+        let index = robot.and_then(|r| r.arm.joint_index(&joint));
+        let tendon = index.and_then(|i| robot?.transmissions[i].as_ref()?.tendon.as_ref());
+        fit.rope = fit.rope.or(tendon.and_then(|t| t.rope.clone()));
+        Some(CreepingTendon {
+            robot_type: sessions.robot_type.clone(),
+            site: self.sites.get(&name).cloned(),
+            robot: name,
+            joint,
+            fit,
+            creep,
+            strain_per_rad: tendon.map(|t| t.joint_pulley_radius_m / t.length_m),
+        })
+    }
+}

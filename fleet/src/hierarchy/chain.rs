@@ -1,0 +1,199 @@
+//! One chain of draws: how far everything differs by Metropolis' rule with the coefficients integrated out, then these exactly,
+//! then which of them stray.
+
+use super::gram::{Gram, Posterior};
+use super::{Draws, Hierarchy};
+use nalgebra::DVector;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, Gamma, StandardNormal};
+
+/// Degrees of freedom of tendons and of groups that may stray.
+const TENDON_FREEDOM: f64 = 5.0;
+const GROUP_FREEDOM: f64 = 4.0;
+/// Scale of the half-Cauchy priors of what tendons and robots differ by.
+const TENDON_SCALE: f64 = 0.5;
+const ROBOT_SCALE: f64 = 0.2;
+/// A `τ` is no smaller than this: below it is 0 for every purpose.
+const LEAST: f64 = 1e-3;
+/// Share of proposals that are taken, aimed at while warming up.
+const TAKEN: f64 = 0.35;
+
+pub(super) struct Chain<'a> {
+    model: &'a Hierarchy,
+    rng: ChaCha8Rng,
+    /// `τ` of tendons, robots, and factors.
+    deviations: Vec<f64>,
+    /// Of each tendon, and of each column, what its variance is multiplied by.
+    tendon_factor: Vec<f64>,
+    column_factor: Vec<f64>,
+    /// Widths of the proposals, over ln τ.
+    steps: Vec<f64>,
+}
+
+impl<'a> Chain<'a> {
+    pub(super) fn new(model: &'a Hierarchy, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let count = 2 + model.factors.len();
+        // Chains start apart, so that it shows whether they come together.
+        let deviations = (0..count)
+            .map(|_| 0.5 * rng.random::<f64>() + 0.02)
+            .collect();
+        Self {
+            model,
+            rng,
+            deviations,
+            tendon_factor: vec![1.0; model.units.len()],
+            column_factor: vec![1.0; model.columns()],
+            steps: vec![0.3; count],
+        }
+    }
+
+    /// The draws that are kept. `None`: the equations have no solution.
+    pub(super) fn run(mut self, warm_up: usize, kept: usize) -> Option<Draws> {
+        let mut out = Draws::default();
+        for i in 0..warm_up + kept {
+            let adapt = (i < warm_up).then(|| 2.0 / (i as f64 + 4.0).sqrt());
+            let drawn = self.step(adapt)?;
+            if i >= warm_up {
+                out.coefficients.push(drawn);
+                out.deviations.push(self.deviations.clone());
+            }
+        }
+        Some(out)
+    }
+
+    fn step(&mut self, adapt: Option<f64>) -> Option<Vec<f64>> {
+        let mut gram = self.gram();
+        let mut now = self.posterior(&gram)?;
+        for which in 0..self.deviations.len() {
+            let before = self.deviations.clone();
+            let old = now.log_evidence + self.log_prior();
+            let step = self.steps[which] * self.normal();
+            self.move_by(which, step);
+            // Tendons and robots are in the sums; factors are in the prior alone.
+            let other = (which < 2).then(|| self.gram());
+            let possible = self.deviations.iter().all(|d| *d >= LEAST);
+            let proposed = self.posterior(other.as_ref().unwrap_or(&gram));
+            let proposed = proposed.filter(|_| possible);
+            let odds = proposed.as_ref().map_or(f64::NEG_INFINITY, |p| {
+                p.log_evidence + self.log_prior() - old
+            });
+            let taken = self.rng.random::<f64>().ln() < odds;
+            match proposed.filter(|_| taken) {
+                Some(proposed) => {
+                    now = proposed;
+                    gram = other.unwrap_or(gram);
+                }
+                None => self.deviations = before,
+            }
+            if let Some(rate) = adapt {
+                let towards = odds.exp().min(1.0) - TAKEN;
+                self.steps[which] = (self.steps[which] * (rate * towards).exp()).clamp(0.02, 3.0);
+            }
+        }
+        let normals = (0..self.model.columns()).map(|_| StandardNormal.sample(&mut self.rng));
+        let normals = DVector::from_iterator(self.model.columns(), normals);
+        let drawn = now.draw(normals);
+        self.stray_groups(&drawn);
+        self.stray_tendons(&drawn);
+        Some(drawn)
+    }
+
+    /// Variance of a tendon's own effect.
+    fn own_variance(&self, i: usize) -> f64 {
+        (self.deviations[0] * self.model.units[i].spread).powi(2) * self.tendon_factor[i]
+    }
+
+    /// Moves the deviations. Those of tendons and robots are hard to tell apart where robots have few tendons, but their sum of
+    /// squares isn't: so both are moved together, and then one against the other with that sum kept. Over their logarithms
+    /// neither move stretches anything.
+    fn move_by(&mut self, which: usize, step: f64) {
+        let [tendon, robot] = [self.deviations[0], self.deviations[1]];
+        match which {
+            0 => self.deviations[..2]
+                .iter_mut()
+                .for_each(|d| *d *= step.exp()),
+            1 => {
+                let total = tendon.hypot(robot);
+                let ratio = robot / tendon * step.exp();
+                self.deviations[0] = total / ratio.hypot(1.0);
+                self.deviations[1] = self.deviations[0] * ratio;
+            }
+            _ => self.deviations[which] *= step.exp(),
+        }
+    }
+
+    fn gram(&self) -> Gram {
+        let variance = |i: usize| self.model.units[i].variance + self.own_variance(i);
+        Gram::of(self.model, variance, self.deviations[1].powi(2))
+    }
+
+    fn posterior(&self, gram: &Gram) -> Option<Posterior> {
+        let fixed = self.model.fixed.iter().map(|d| 1.0 / (d * d));
+        let mut precision: Vec<f64> = fixed.collect();
+        for (factor, deviation) in self.model.factors.iter().zip(&self.deviations[2..]) {
+            let columns = factor.first..factor.first + factor.levels;
+            let of = columns.map(|c| 1.0 / (deviation * deviation * self.column_factor[c]));
+            precision.extend(of);
+        }
+        gram.posterior(&precision)
+    }
+
+    /// Half-Cauchy each, over ln τ.
+    fn log_prior(&self) -> f64 {
+        let scales = [TENDON_SCALE, ROBOT_SCALE].into_iter();
+        let scales = scales.chain(self.model.factors.iter().map(|f| f.scale));
+        let of = |(d, scale): (&f64, f64)| d.ln() - (d / scale).powi(2).ln_1p();
+        self.deviations.iter().zip(scales).map(of).sum()
+    }
+
+    /// Draws what each group's variance is multiplied by.
+    fn stray_groups(&mut self, drawn: &[f64]) {
+        for (factor, deviation) in self.model.factors.iter().zip(&self.deviations[2..]) {
+            for c in (factor.first..factor.first + factor.levels).filter(|_| factor.heavy) {
+                let off = (drawn[c] / deviation).powi(2);
+                self.column_factor[c] = stray(GROUP_FREEDOM, off, &mut self.rng);
+            }
+        }
+    }
+
+    /// Draws robots' effects, tendons' effects, and what each tendon's variance is multiplied by.
+    fn stray_tendons(&mut self, drawn: &[f64]) {
+        let robot = self.deviations[1].powi(2);
+        let mut i = 0;
+        for together in self.model.units.chunk_by(|a, b| a.robot == b.robot) {
+            let left: Vec<(f64, f64, f64)> = (together.iter().enumerate())
+                .map(|(k, unit)| {
+                    let said: f64 = unit.columns.iter().map(|(c, x)| x * drawn[*c]).sum();
+                    (unit.value - said, self.own_variance(i + k), unit.variance)
+                })
+                .collect();
+            let weights: f64 = left.iter().map(|(_, own, v)| 1.0 / (own + v)).sum();
+            let pull: f64 = left.iter().map(|(z, own, v)| z / (own + v)).sum();
+            let precision = weights + 1.0 / robot;
+            let of_robot = pull / precision + self.normal() / precision.sqrt();
+            for (k, (z, own, v)) in left.into_iter().enumerate() {
+                // Of what is left the tendon's own part and the measurement's.
+                let share = own / (own + v);
+                let mean = share * (z - of_robot);
+                let effect = mean + (share * v).sqrt() * self.normal();
+                let off = effect * effect * self.tendon_factor[i + k] / own;
+                self.tendon_factor[i + k] = stray(TENDON_FREEDOM, off, &mut self.rng);
+            }
+            i += together.len();
+        }
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.rng)
+    }
+}
+
+/// A draw of a variance's factor: Student's t is a normal distribution whose variance is drawn.
+///
+/// * `off`: square of an effect by its deviation.
+fn stray(freedom: f64, off: f64, rng: &mut ChaCha8Rng) -> f64 {
+    let gamma = Gamma::new(0.5 * (freedom + 1.0), 2.0 / (freedom + off));
+    gamma.map_or(1.0, |g| 1.0 / g.sample(rng).max(1e-12))
+}

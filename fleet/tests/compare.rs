@@ -1,0 +1,227 @@
+//! Groups of tendons: a worse one is found, nothing is claimed where nothing is, and what can't be told is said.
+
+use crate::support::{open, session, source, write};
+use sinew_fleet::FleetError;
+use sinew_fleet::args::{By, Compare};
+use sinew_fleet::compare::{Comparison, CreepUnit, Factor, Group, Verdict, compare, compared};
+use sinew_fleet::creep::{Ages, Creep};
+use sinew_fleet::folder::sides::Fitted;
+use sinew_fleet::gather::{CreepingTendon, Gathered};
+use std::path::Path;
+
+const AGES: Ages = Ages {
+    from_days: 1.0,
+    to_days: 30.0,
+};
+
+fn asked(folder: &Path, by: By) -> Compare {
+    Compare {
+        source: source(folder),
+        by,
+        robots: Vec::new(),
+        ages: AGES,
+        least: 0.05,
+        seed: 1,
+        csv: None,
+    }
+}
+
+/// A number that looks drawn: about normal, the same for the same place.
+fn scatter(i: usize) -> f64 {
+    let uniform = |k: usize| {
+        let x = (12.9898 * (i * 12 + k) as f64).sin() * 43_758.545_3;
+        x - x.floor()
+    };
+    (0..12).map(uniform).sum::<f64>() - 6.0
+}
+
+/// A tendon whose rope creeps by 300 µm/m per decade, times `factor`, times a scatter of 40 %.
+fn tendon(i: usize, batch: &str, site: &str, factor: f64) -> CreepingTendon {
+    let strain = 3e-4 * factor * (0.4 * scatter(i)).exp();
+    CreepingTendon {
+        robot: format!("arm-{i:04}"),
+        joint: "elbow".into(),
+        robot_type: "arm".into(),
+        fit: Fitted {
+            rope: Some("hemp".into()),
+            batch: Some(batch.into()),
+        },
+        site: Some(site.into()),
+        creep: Creep {
+            per_decade_rad: strain / 0.05,
+            deviation_rad: 0.05 * 3e-4 / 0.05,
+            temperature_c: Some(21.0 + 0.1 * (i % 7) as f64),
+            age_days: [1.0, 30.0],
+            sessions: 30,
+            steps: 0,
+            is_dated: true,
+        },
+        strain_per_rad: Some(0.05),
+    }
+}
+
+fn found(tendons: Vec<CreepingTendon>, by: By) -> Comparison {
+    let gathered = Gathered {
+        tendons,
+        ..Gathered::default()
+    };
+    compared(&gathered, &asked(Path::new("."), by)).unwrap()
+}
+
+fn group<'c>(found: &'c Comparison, name: &str) -> &'c Group {
+    found.groups.iter().find(|g| g.key.name == name).unwrap()
+}
+
+/// Four batches of 60 at two sites; the third creeps by `factor` as much.
+fn batches(factor: f64) -> Vec<CreepingTendon> {
+    (0..240)
+        .map(|i| {
+            let batch = ["a", "b", "c", "d"][i % 4];
+            let site = ["hall", "yard"][i / 4 % 2];
+            tendon(i, batch, site, if batch == "c" { factor } else { 1.0 })
+        })
+        .collect()
+}
+
+#[test]
+fn a_batch_that_creeps_more_is_named_with_how_much() {
+    let found = found(batches(1.7), By::Batch);
+    let names: Vec<&str> = found.worse().map(|g| g.key.name.as_str()).collect();
+    assert_eq!(names, ["c"], "{found:?}");
+    let bad = group(&found, "c");
+    assert!(bad.ratio[1] < 1.7 && 1.7 < bad.ratio[2], "{bad:?}");
+    // 300 µm/m times 1.7, of a typical tendon.
+    assert!(bad.creep[1] < 5.1e-4 && 5.1e-4 < bad.creep[2], "{bad:?}");
+    assert_eq!((found.unit, found.tendons), (CreepUnit::Strain, 240));
+    // Scatter of 40 %.
+    assert!((1.35..1.65).contains(&found.tendon_factor), "{found:?}");
+}
+
+#[test]
+fn batches_that_are_alike_are_not_called_worse() {
+    let found = found(batches(1.0), By::Batch);
+    for group in &found.groups {
+        assert_eq!(group.verdict, Verdict::CantTell, "{group:?}");
+        assert!(group.ratio[1] < 1.0 && 1.0 < group.ratio[2], "{group:?}");
+    }
+}
+
+#[test]
+fn a_batch_of_three_tendons_is_not_judged_by_their_mean() {
+    let mut tendons = batches(1.0);
+    tendons.extend((300..303).map(|i| tendon(i, "e", "hall", 1.6)));
+    let found = found(tendons, By::Batch);
+    let few = group(&found, "e");
+    assert_eq!(few.verdict, Verdict::CantTell, "{few:?}");
+    let width = |g: &Group| (g.ratio[2] / g.ratio[1]).ln();
+    assert!(width(few) > 1.3 * width(group(&found, "a")), "{few:?}");
+}
+
+#[test]
+fn a_batch_at_a_site_of_its_own_cant_be_told_from_the_site() {
+    let mut tendons = batches(1.0);
+    tendons.extend((300..360).map(|i| tendon(i, "e", "roof", 2.0)));
+    let found = found(tendons, By::Batch);
+    let tied = &group(&found, "e").verdict;
+    let Verdict::TiedTo(ties) = tied else {
+        panic!("{tied:?}");
+    };
+    assert_eq!(ties[0].0, Factor::SiteOfRope);
+    assert!(ties[0].1.contains("roof"), "{ties:?}");
+    assert_eq!(found.worse().count(), 0);
+}
+
+#[test]
+fn a_batch_at_two_sites_is_told_though_one_site_creeps_more() {
+    // Batch c is at the bad site three times of four, the others once of four.
+    let tendons = (0..320).map(|i| {
+        let batch = ["a", "b", "c", "d"][i % 4];
+        let often = i / 4 % 4 != 0;
+        let site = if (batch == "c") == often {
+            "yard"
+        } else {
+            "hall"
+        };
+        tendon(i, batch, site, if site == "yard" { 2.0 } else { 1.0 })
+    });
+    let found = found(tendons.collect(), By::Batch);
+    assert_eq!(found.worse().count(), 0, "{:?}", found.groups);
+}
+
+#[test]
+fn a_single_batch_has_no_other_to_be_held_against() {
+    let mut tendons = batches(1.0);
+    tendons.extend((300..330).map(|i| {
+        let mut other = tendon(i, "z", "hall", 3.0);
+        other.fit.rope = Some("silk".into());
+        other
+    }));
+    let found = found(tendons, By::Batch);
+    assert_eq!(group(&found, "z").verdict, Verdict::Alone);
+}
+
+/// Twenty robots whose elbows creep by 4 mrad per decade, those of the second site by 8.
+fn records(folder: &Path) {
+    let mut rows = Vec::new();
+    let (mut robots, mut events) = (
+        String::from("robot,site\n"),
+        String::from("robot,joint,time_utc_s,event\n"),
+    );
+    for i in 0..20 {
+        let robot = format!("arm-{i:02}");
+        let site = ["hall", "yard"][i % 2];
+        let rate = 4e-3 * (1.0 + (i % 2) as f64) * (0.1 * scatter(i)).exp();
+        robots += &format!("{robot},{site}\n");
+        events += &format!("{robot},elbow,1750000000,replaced\n");
+        rows.extend((1..=40).map(|day| {
+            let mut record = session(&robot, "elbow", day);
+            let read = rate * f64::from(day).log10() + 1e-4 * scatter(100 * i + day as usize);
+            record.offset_rad = Some(read);
+            record
+        }));
+    }
+    write(&folder.join("records/a.parquet"), &rows);
+    std::fs::write(folder.join("robots.csv"), robots).unwrap();
+    std::fs::write(folder.join("events.csv"), events).unwrap();
+}
+
+#[test]
+fn sites_of_records_are_compared_in_milliradians_where_no_type_is_described() {
+    let folder = tempfile::tempdir().unwrap();
+    records(folder.path());
+    let found = compare(&mut open(folder.path()), &asked(folder.path(), By::Site)).unwrap();
+    assert_eq!(found.unit, CreepUnit::Offset);
+    let yard = group(&found, "yard");
+    assert_eq!((yard.tendons, yard.robots), (10, 10));
+    assert_eq!(yard.verdict, Verdict::Worse, "{yard:?}");
+    assert!((7e-3..9e-3).contains(&yard.creep[0]), "{yard:?}");
+    assert!(yard.ratio[1] < 2.0 && 2.0 < yard.ratio[2], "{yard:?}");
+}
+
+#[test]
+fn ropes_that_nobody_named_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    records(folder.path());
+    let refused = compare(&mut open(folder.path()), &asked(folder.path(), By::Batch));
+    let Err(FleetError::NoGroups {
+        groups, tendons, ..
+    }) = &refused
+    else {
+        panic!("{refused:?}");
+    };
+    assert_eq!((*groups, *tendons), (0, 20));
+    let mut old = asked(folder.path(), By::Site);
+    old.ages = Ages {
+        from_days: 100.0,
+        to_days: 300.0,
+    };
+    let refused = compare(&mut open(folder.path()), &old);
+    assert!(matches!(
+        refused,
+        Err(FleetError::NoGroups {
+            tendons: 0,
+            too_few: 20,
+            ..
+        })
+    ));
+}
