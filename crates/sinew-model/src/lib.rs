@@ -9,7 +9,7 @@
 //! A stretched tendon shows as `delta_e`; [`offset`] recovers it from encoders alone through the
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
-//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`],
+//! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples as they come),
 //! [`correction`] (what a controller does about it), [`robot`], [`rope`] for how a rope stretches,
 //! and [`trend`] for what months of offsets say.
 //!
@@ -41,6 +41,7 @@
 //! * `std`: nothing but `std::error::Error` being where std users look for it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
 //! * `catalogue` (default, implies `std`): ropes from catalogue text.
+//! * `wire`: blocks and robots as bytes, for a microcontroller and its host.
 //! * `serde`: results as data; `schema`: their JSON Schema.
 //!
 //! Without features the crate is `no_std` with `alloc`. Storage is sized at construction; no
@@ -56,6 +57,7 @@ extern crate alloc;
 
 pub mod arm;
 pub mod correction;
+pub mod feeder;
 pub mod observer;
 pub mod offset;
 #[cfg(feature = "urdf")]
@@ -67,6 +69,8 @@ pub mod tolerances;
 pub mod transmission;
 pub mod trend;
 pub mod vec3;
+#[cfg(feature = "wire")]
+pub mod wire;
 
 mod cholesky;
 mod error;

@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 /// `sat` rises linearly to ±1 at the speed `dq_s` = [`Friction::SMOOTHING_RAD_PER_S`], because a
 /// sign function of a measured speed would chatter between ±coulomb in every pause.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Friction {
     /// Coulomb friction, N·m (N), at least 0.
     pub coulomb_nm: f64,
@@ -60,6 +61,7 @@ impl Friction {
 
 /// A guiding pulley the rope runs over.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Guide {
     /// Radius, m.
     pub radius_m: f64,
@@ -71,6 +73,7 @@ pub struct Guide {
 
 /// The rope that moves a joint.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tendon {
     /// Catalogue name of the rope, where it is known.
     pub rope: Option<String>,
@@ -94,6 +97,7 @@ pub struct Tendon {
 
 /// What warmth does to the offset of a tendon, by its rope, its frame and its routing.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct TendonWarmth {
     /// `α_T`: offset per kelvin, rad/K: `(α_rope − α_frame) L/r`.
     pub drift_rad_per_k: Gaussian,
@@ -115,6 +119,7 @@ impl Tendon {
 
 /// Elastic transmission of one joint: `tau_el = K (theta − q)`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transmission {
     /// Stiffness `K`, N·m/rad (N/m), above 0.
     pub stiffness_nm_per_rad: f64,
@@ -155,6 +160,7 @@ impl AnchorKind {
 
 /// A place where a joint or its motor is known to stand.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Anchor {
     /// What it is.
     pub kind: AnchorKind,

@@ -301,3 +301,52 @@ fn corrections_and_contacts_allocate_nothing() {
     });
     assert_eq!(count, 0, "{STEPS} steps made {count} allocator calls");
 }
+
+#[cfg(feature = "wire")]
+#[test]
+fn what_a_microcontroller_does_with_a_sample_allocates_nothing() {
+    use sinew_model::feeder::{Feeder, FeederOptions, Reading};
+    use sinew_model::wire::BlockSender;
+
+    let arm = arm();
+    let n = arm.dof();
+    let transmissions = vec![Some(Transmission::spring(40.0)); n];
+    let config = FeatureConfig::default();
+    let options = FeederOptions::default();
+    let observer = OffsetObserver::new(&arm, &transmissions, OffsetConfig::default()).unwrap();
+    let mut offset = Feeder::new(observer, &transmissions, options);
+    let features = FeatureObserver::new(&arm, config);
+    let mut sender = BlockSender::new(&features);
+    let mut features = Feeder::new(features, &transmissions, options);
+    let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);
+    let (theta, torque) = (vec![0.05; n], vec![0.4; n]);
+    let (mut blocks, mut refused) = (0, 0);
+    let count = allocations(|| {
+        for k in 0..40 * STEPS {
+            motion(k, &mut q, &mut dq);
+            if k % 7 == 0 {
+                q[0] = f64::NAN;
+            }
+            let reading = Reading {
+                time_ns: 1_000_000 * k as i64,
+                segment: 0,
+                q: &q,
+                theta: &theta,
+                dq: &[],
+                tau_el: &[],
+                tau_m: &torque,
+                tau_ext: &[],
+                temperature_c: 20.0,
+            };
+            refused += usize::from(offset.take(&reading).output().is_none());
+            // A line that takes 12 bytes a sample: some blocks find the one before unsent.
+            sender.sent(12.min(sender.pending().len()));
+            if features.take(&reading).output() == Some(true) {
+                blocks += usize::from(sender.put(features.observer().block()).unwrap());
+            }
+        }
+    });
+    assert!(blocks > 10 && sender.left_out() > 0, "{blocks}");
+    assert_eq!(refused, (40 * STEPS).div_ceil(7));
+    assert_eq!(count, 0, "{count} allocator calls");
+}

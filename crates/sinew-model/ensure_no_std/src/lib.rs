@@ -14,8 +14,10 @@ use sinew_model::arm::{Arm, ArmWorkspace};
 use sinew_model::correction::{
     ContactDetector, ExternalTorqueObserver, JointCorrection, SetPoint,
 };
+use sinew_model::feeder::{Feeder, Reading};
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{FeatureObserver, OffsetObserver, RecursiveOffsets, Sample};
+use sinew_model::wire::BlockSender;
 
 unsafe extern "C" {
     /// Defined nowhere: a program in which a panic can be reached does not link.
@@ -124,6 +126,25 @@ pub unsafe extern "C" fn sinew_absolute_step(
         Ok(false) => 0,
         Err(_) => 1,
     }
+}
+
+/// What a microcontroller does with a sample: both observers, and a block into bytes, as [`sinew_step`].
+///
+/// # Safety
+/// As [`sinew_step`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_chip_step(
+    offset: &mut Feeder<OffsetObserver>,
+    features: &mut Feeder<FeatureObserver>,
+    sender: &mut BlockSender,
+    reading: &Reading<'_>,
+    taken_by_line: usize,
+) -> i32 {
+    let offset_taken = offset.take(reading).output().is_some();
+    sender.sent(taken_by_line.min(sender.pending().len()));
+    let complete = features.take(reading).output();
+    let put = complete == Some(true) && sender.put(features.observer().block()) == Ok(true);
+    i32::from(offset_taken) + 2 * i32::from(put)
 }
 
 /// Set-points at rest and in motion, and a changed offset, as [`sinew_step`]. `x` holds `q_d`,

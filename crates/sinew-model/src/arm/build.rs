@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 
 /// Position and orientation of a frame in another: `x_outer = R x_inner + r`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose {
     /// `outer_from_inner`.
     pub rotation: Mat3,

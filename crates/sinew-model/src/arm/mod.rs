@@ -34,6 +34,7 @@ pub const GRAVITY_M_S2: f64 = 9.81;
 
 /// What a joint does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum JointKind {
     /// Turns about its axis; `q` in rad. URDF's continuous joints are revolute ones without limit.
     Revolute,
@@ -43,6 +44,7 @@ pub enum JointKind {
 
 /// A joint and the body it carries, in re-based frames.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ArmJoint {
     pub(crate) kind: JointKind,
     /// Slot of the parent in a workspace: 0 is the base, `i + 1` is joint `i`.
@@ -85,6 +87,7 @@ impl ArmJoint {
 
 /// Where a link of the description ended up: on which joint, and at which pose.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct LinkFrame {
     pub(crate) name: String,
     /// `None`: fixed to the base.
@@ -95,6 +98,7 @@ pub(crate) struct LinkFrame {
 
 /// A fixed-base arm of `n` joints. Immutable; see [`ArmBuilder`] and the module `urdf`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arm {
     pub(crate) joints: Vec<ArmJoint>,
     pub(crate) names: Vec<String>,
@@ -191,6 +195,34 @@ impl Arm {
     /// Joint names, in the order of `q`.
     pub fn joint_names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Whether parents come first, names are one per joint, links hang on joints there are, and everything is a number: what
+    /// an arm is that [`ArmBuilder`] made.
+    #[cfg(feature = "wire")]
+    pub(crate) fn is_whole(&self) -> bool {
+        let n = self.joints.len();
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        let finite3 = |m: &Mat3| m.iter().all(|row| finite(row));
+        let joint = |(i, j): (usize, &ArmJoint)| {
+            j.parent_slot <= i
+                && j.mass >= 0.0
+                && finite(&[j.mass, j.subtree_mass])
+                && finite(&j.translation)
+                && finite(&j.first_moment)
+                && finite3(&j.rotation)
+                && finite3(&j.inertia)
+        };
+        let link = |l: &LinkFrame| {
+            l.joint.is_none_or(|j| j < n)
+                && finite(&l.pose.translation)
+                && finite3(&l.pose.rotation)
+        };
+        n > 0
+            && self.names.len() == n
+            && self.joints.iter().enumerate().all(joint)
+            && self.links.iter().all(link)
+            && finite(&self.gravity)
     }
 
     /// Index of the joint called `name`.

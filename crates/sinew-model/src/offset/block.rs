@@ -12,6 +12,7 @@ const LONG_STAND_S: f64 = 3.0;
 
 /// Averages over one block.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Block {
     /// Middle of the block, s since the first sample.
     pub time_s: f64,
@@ -110,6 +111,18 @@ impl Block {
         let columns = self.columns().into_iter().zip(other.columns());
         let mut lengths = columns.map(|(a, b)| a.len() == b.len());
         self.q.len() == other.q.len() && lengths.all(|same| same)
+    }
+
+    /// Whether it is of an arm of `joints` with `columns` base parameters.
+    #[cfg(feature = "wire")]
+    pub(crate) fn is_of(&self, joints: usize, columns: usize) -> bool {
+        let n = joints;
+        let mut expected = [n; SUMS];
+        // Their places in `columns`.
+        let [_, _, _, _, phi, _, _, _, _, _, encoder, ..] = &mut expected;
+        (*phi, *encoder) = (n * columns, n * ENCODER);
+        let mut lengths = self.columns().into_iter().zip(expected);
+        self.q.len() == n && lengths.all(|(column, length)| column.len() == length)
     }
 
     /// Whether everything is a number, but for a motor torque and a temperature that were not

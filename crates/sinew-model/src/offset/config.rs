@@ -119,6 +119,7 @@ pub enum OffsetConfigError {
 
 /// How features are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct FeatureConfig {
     /// Pole of the matched low-pass, 1/s.
     pub gain_per_s: f64,

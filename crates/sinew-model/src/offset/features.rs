@@ -24,7 +24,7 @@ use super::config::FeatureConfig;
 use super::joint_signals::{JointSignals, Lags};
 use super::parameter::ENCODER;
 use crate::StepError;
-use crate::arm::{Arm, ArmWorkspace, MomentumRegressor};
+use crate::arm::{Arm, ArmWorkspace, MomentumRegressor, PARAMETERS_PER_BODY};
 use crate::error::{is_input, is_time_step};
 use crate::observer::{DoublePole, FirstOrder, StateVariableFilter};
 use alloc::vec::Vec;
@@ -67,9 +67,31 @@ fn is_same_step(a_s: f64, b_s: f64) -> bool {
 impl FeatureObserver {
     /// Storage for `arm`. This is where memory is allocated, once.
     pub fn new(arm: &Arm, config: FeatureConfig) -> Self {
+        Self::of_base(arm, config, arm.base_parameters().columns)
+    }
+
+    /// The same for columns of base parameters that are known already ([`Arm::base_parameters`]): finding them takes
+    /// memory that a microcontroller hasn't got, `O(n³)` numbers.
+    ///
+    /// # Errors
+    /// [`StepError::Length`] when they don't ascend, or the arm hasn't got as many.
+    pub fn with_base_columns(
+        arm: &Arm,
+        config: FeatureConfig,
+        columns: &[usize],
+    ) -> Result<Self, StepError> {
+        let there = columns
+            .last()
+            .is_none_or(|last| *last < arm.dof() * PARAMETERS_PER_BODY);
+        match there && columns.is_sorted_by(|a, b| a < b) {
+            true => Ok(Self::of_base(arm, config, columns.to_vec())),
+            false => Err(StepError::Length),
+        }
+    }
+
+    fn of_base(arm: &Arm, config: FeatureConfig, base: Vec<usize>) -> Self {
         let n = arm.dof();
         let regressor = MomentumRegressor::new(arm);
-        let base = arm.base_parameters().columns;
         let columns = base.len();
         Self {
             arm: arm.clone(),
@@ -331,6 +353,12 @@ impl FeatureObserver {
         s.stood_s = self.stood_s;
         s.time_s = 0.5 * (s.time_s + self.since_start_s);
         self.count = 0;
+    }
+
+    /// The arm, how blocks are made of it, and the columns of its base parameters.
+    #[cfg(feature = "wire")]
+    pub(crate) fn made_for(&self) -> (&Arm, &FeatureConfig, &[usize]) {
+        (&self.arm, &self.config, &self.base)
     }
 
     /// The block just completed.

@@ -28,3 +28,5 @@ mod trend;
 mod trend_baseline;
 mod trend_jumps;
 mod urdf;
+#[cfg(feature = "wire")]
+mod wire;

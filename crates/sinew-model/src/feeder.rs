@@ -1,0 +1,456 @@
+//! From samples as they come to an observer: which ones are used, and with which time step.
+//!
+//! Whoever steps an observer with a robot's samples does it through a [`Feeder`], on a microcontroller as in a replay, so
+//! that a sample means the same to each.
+//!
+//! | in the samples | what happens |
+//! |---|---|
+//! | the first one, a new segment, a pause longer than the gap | the observer starts anew |
+//! | a joint position missing or not finite | the sample is refused; the observer's filters step over it |
+//! | a velocity or torque that the observer needs, likewise | likewise |
+//! | an elastic joint's motor position, likewise | as [`MissingMotor`] says |
+//! | a rigid joint's motor position | doesn't matter: the joint's own stands in |
+//! | a time that does not rise, a value too large to be one | the sample is refused |
+//!
+//! The time step is the time since the last sample that the observer **accepted**: what is refused
+//! leaves no trace.
+
+use crate::StepError;
+use crate::offset::{FeatureObserver, OffsetObserver, Sample, TorqueSource, VelocityFilter};
+use crate::transmission::Transmission;
+use alloc::vec::Vec;
+
+/// A longer pause between samples starts an observer anew, where nothing else is stated, s.
+pub const GAP_S: f64 = 0.5;
+
+/// What a robot measured at a time. Slices have one entry per joint, NaN where nothing is recorded; those that the observer
+/// doesn't need may be empty. A [`FeatureObserver`] needs motor torques, though all may be NaN.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<'a> {
+    /// Time by any clock that only rises, ns.
+    pub time_ns: i64,
+    /// Another one than before: what was is not gone on with.
+    pub segment: u32,
+    /// Joint position, rad.
+    pub q: &'a [f64],
+    /// Motor position reflected to the joint, as measured, rad.
+    pub theta: &'a [f64],
+    /// Joint velocity, rad/s.
+    pub dq: &'a [f64],
+    /// Measured elastic torque, N·m.
+    pub tau_el: &'a [f64],
+    /// Motor torque reflected to the joint, N·m.
+    pub tau_m: &'a [f64],
+    /// Known external torque, N·m.
+    pub tau_ext: &'a [f64],
+    /// Temperature, °C.
+    pub temperature_c: f64,
+}
+
+/// What a feeder steps.
+pub trait FrameObserver {
+    /// What a step gives.
+    type Output;
+
+    /// What it needs beside positions.
+    fn needs(&self) -> Needs;
+
+    /// The next step is a start.
+    fn reset(&mut self);
+
+    /// Steps by `dt_s` to a sample.
+    ///
+    /// # Errors
+    /// [`StepError`]; the state is then unchanged.
+    fn step(&mut self, dt_s: f64, input: &Input<'_>) -> Result<Self::Output, StepError>;
+}
+
+/// What an observer needs of a sample beside positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// Recorded joint velocities.
+    pub velocity: bool,
+    /// Where the elastic torque comes from: [`TorqueSource::Observer`] needs none.
+    pub torque: TorqueSource,
+}
+
+/// A sample as an observer takes it.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a> {
+    /// Positions, and what the observer needs.
+    pub sample: Sample<'a>,
+    /// Motor torque, `n`, N·m; NaN where it isn't recorded.
+    pub motor_torque: &'a [f64],
+    /// Temperature, °C; NaN where it isn't recorded.
+    pub temperature_c: f64,
+}
+
+impl FrameObserver for OffsetObserver {
+    type Output = ();
+
+    fn needs(&self) -> Needs {
+        Needs {
+            velocity: self.config().velocity == VelocityFilter::Recorded,
+            torque: self.config().source,
+        }
+    }
+
+    fn reset(&mut self) {
+        self.reset();
+    }
+
+    fn step(&mut self, dt_s: f64, input: &Input<'_>) -> Result<(), StepError> {
+        self.step(dt_s, &input.sample)
+    }
+}
+
+/// Whether a block is complete.
+impl FrameObserver for FeatureObserver {
+    type Output = bool;
+
+    fn needs(&self) -> Needs {
+        Needs {
+            velocity: false,
+            torque: TorqueSource::Observer,
+        }
+    }
+
+    fn reset(&mut self) {
+        self.reset();
+    }
+
+    fn step(&mut self, dt_s: f64, input: &Input<'_>) -> Result<bool, StepError> {
+        let Sample {
+            q, theta_measured, ..
+        } = input.sample;
+        self.step(
+            dt_s,
+            q,
+            theta_measured,
+            input.motor_torque,
+            input.temperature_c,
+        )
+    }
+}
+
+/// What happens to a sample without an elastic joint's motor position. The two differ because a
+/// block of features joins all joints in one equation, the paper's estimate takes each for itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MissingMotor {
+    /// It is refused, for all joints.
+    Refuse,
+    /// It is refused for up to 0.1 s. Then the joint is given up: its last position is held, the
+    /// others go on, and once it is back it settles for `settling_s`.
+    Bridge {
+        /// Time the observer needs to settle, s.
+        settling_s: f64,
+    },
+}
+
+/// How samples are fed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeederOptions {
+    /// A pause longer than this starts the observer anew, s.
+    pub gap_s: f64,
+    /// Whether the recorded external torque is taken as known.
+    pub tau_ext: bool,
+    /// What a missing motor position does.
+    pub missing_motor: MissingMotor,
+}
+
+impl Default for FeederOptions {
+    /// Every joint's motor position is needed; recordings are cut at gaps of the same length by default.
+    fn default() -> Self {
+        Self {
+            gap_s: GAP_S,
+            tau_ext: false,
+            missing_motor: MissingMotor::Refuse,
+        }
+    }
+}
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fed<T> {
+    /// The observer took it.
+    Taken(T),
+    /// The observer took it as its first: at the start, after a gap, in a new segment.
+    Restarted(T),
+    /// It was not taken; observer and clock are as before.
+    Refused(Refusal),
+}
+
+impl<T> Fed<T> {
+    /// What the step gave, if the sample was taken.
+    pub fn output(self) -> Option<T> {
+        match self {
+            Self::Taken(output) | Self::Restarted(output) => Some(output),
+            Self::Refused(_) => None,
+        }
+    }
+}
+
+/// Why a sample was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// A joint position is missing or not finite.
+    JointPosition,
+    /// A joint velocity is missing or not finite.
+    JointVelocity,
+    /// An elastic joint's motor position is missing or not finite.
+    MotorPosition,
+    /// An elastic joint's measured torque is missing or not finite.
+    Torque,
+    /// An external torque is missing or not finite.
+    ExternalTorque,
+    /// Its time is not after that of the last sample taken, or too far.
+    TimeStep,
+    /// A value is too large to be one, or the number of joints is another.
+    Range,
+}
+
+/// The motor position may be missing for this long before the joint is given up until it comes
+/// back: samples without it are left out and the filters step over them, which is exact for a
+/// motion that is straight over the gap.
+const BRIDGE_NS: i64 = 100_000_000;
+
+/// One joint's motor side.
+#[derive(Debug, Clone)]
+struct Motor {
+    elastic: bool,
+    /// Last time it was there.
+    seen_ns: Option<i64>,
+    /// It has been missing for too long to bridge: the last position is held.
+    held: bool,
+    settled_at_ns: i64,
+}
+
+/// Feeds samples to an observer, which it owns.
+#[derive(Debug, Clone)]
+pub struct Feeder<O> {
+    observer: O,
+    options: FeederOptions,
+    gap_ns: i64,
+    motors: Vec<Motor>,
+    /// Motor positions as the observer gets them, rad.
+    theta: Vec<f64>,
+    /// Offsets to add: joint, from this time since the start on, ns, and rad.
+    injections: Vec<(usize, i64, f64)>,
+    start_ns: Option<i64>,
+    /// Time of the last sample the observer took; `None`: the next is a start.
+    accepted_ns: Option<i64>,
+    segment: Option<u32>,
+    segments: u32,
+}
+
+impl<O: FrameObserver> Feeder<O> {
+    /// A feeder of `observer`. Joints without a transmission are rigid. All memory is allocated here.
+    pub fn new(
+        observer: O,
+        transmissions: &[Option<Transmission>],
+        options: FeederOptions,
+    ) -> Self {
+        let motors = transmissions.iter().map(|transmission| Motor {
+            elastic: transmission.is_some(),
+            seen_ns: None,
+            held: false,
+            settled_at_ns: i64::MIN,
+        });
+        Self {
+            observer,
+            options,
+            gap_ns: (options.gap_s * 1e9) as i64,
+            motors: motors.collect(),
+            theta: alloc::vec![0.0; transmissions.len()],
+            injections: Vec::new(),
+            start_ns: None,
+            accepted_ns: None,
+            segment: None,
+            segments: 0,
+        }
+    }
+
+    /// Adds `offset_rad` to a joint's motor position from `from_ns` since the start on, as the paper does to see it found
+    /// again. Allocates.
+    pub fn inject(&mut self, joint: usize, from_ns: i64, offset_rad: f64) {
+        self.injections.push((joint, from_ns, offset_rad));
+    }
+
+    /// When the recording began that injections count from; otherwise with the first sample.
+    pub fn set_start(&mut self, time_ns: i64) {
+        self.start_ns = Some(time_ns);
+    }
+
+    /// Takes the next sample.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock of its own; the observer's step besides.
+    pub fn take(&mut self, reading: &Reading<'_>) -> Fed<O::Output> {
+        let start_ns = *self.start_ns.get_or_insert(reading.time_ns);
+        let since_start_ns = reading.time_ns.saturating_sub(start_ns);
+        if self.segment != Some(reading.segment) {
+            self.segment = Some(reading.segment);
+            self.segments = self.segments.saturating_add(1);
+            self.restart();
+        }
+        match self.feed(reading, since_start_ns) {
+            Ok(fed) => fed,
+            Err(refusal) => Fed::Refused(refusal),
+        }
+    }
+
+    /// The next sample is a start, as after a gap.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn restart(&mut self) {
+        self.observer.reset();
+        self.accepted_ns = None;
+        for motor in &mut self.motors {
+            motor.held = false;
+            motor.seen_ns = None;
+            motor.settled_at_ns = i64::MIN;
+        }
+    }
+
+    fn feed(
+        &mut self,
+        reading: &Reading<'_>,
+        since_start_ns: i64,
+    ) -> Result<Fed<O::Output>, Refusal> {
+        let needs = self.observer.needs();
+        self.check(reading, needs)?;
+        self.read_motors(reading, since_start_ns)?;
+        let is_gap = |t: i64| reading.time_ns.saturating_sub(t) > self.gap_ns;
+        if self.accepted_ns.is_some_and(is_gap) {
+            self.restart();
+        }
+        let since = |t: i64| reading.time_ns.saturating_sub(t) as f64 * 1e-9;
+        let dt_s = self.accepted_ns.map_or(0.0, since);
+        let torque_from = |source| needs.torque == source;
+        let input = Input {
+            sample: Sample {
+                q: reading.q,
+                theta_measured: &self.theta,
+                dq: needs.velocity.then_some(reading.dq),
+                tau_el: torque_from(TorqueSource::TorqueSensor).then_some(reading.tau_el),
+                tau_m: torque_from(TorqueSource::Motor).then_some(reading.tau_m),
+                tau_ext: self.options.tau_ext.then_some(reading.tau_ext),
+            },
+            motor_torque: reading.tau_m,
+            temperature_c: reading.temperature_c,
+        };
+        let output = self
+            .observer
+            .step(dt_s, &input)
+            .map_err(|error| match error {
+                StepError::TimeStep => Refusal::TimeStep,
+                _ => Refusal::Range,
+            })?;
+        Ok(match self.accepted_ns.replace(reading.time_ns) {
+            Some(_) => Fed::Taken(output),
+            None => Fed::Restarted(output),
+        })
+    }
+
+    /// Refuses a sample that lacks something other than a motor position.
+    fn check(&self, reading: &Reading<'_>, needs: Needs) -> Result<(), Refusal> {
+        let lacks = |x: &[f64]| x.iter().any(|v| !v.is_finite());
+        let n = self.motors.len();
+        if reading.q.len() != n || reading.theta.len() != n {
+            return Err(Refusal::Range);
+        }
+        if lacks(reading.q) {
+            return Err(Refusal::JointPosition);
+        }
+        if needs.velocity && lacks(reading.dq) {
+            return Err(Refusal::JointVelocity);
+        }
+        if self.options.tau_ext && lacks(reading.tau_ext) {
+            return Err(Refusal::ExternalTorque);
+        }
+        let torque = match needs.torque {
+            TorqueSource::Observer => return Ok(()),
+            TorqueSource::TorqueSensor => reading.tau_el,
+            TorqueSource::Motor => reading.tau_m,
+        };
+        let mut motors = self.motors.iter().zip(torque);
+        match motors.any(|(motor, torque)| motor.elastic && !torque.is_finite()) {
+            true => Err(Refusal::Torque),
+            false => Ok(()),
+        }
+    }
+
+    /// Fills `theta` with what the observer gets.
+    fn read_motors(&mut self, reading: &Reading<'_>, since_start_ns: i64) -> Result<(), Refusal> {
+        let now_ns = reading.time_ns;
+        let refuses = |motor: &Motor| match self.options.missing_motor {
+            MissingMotor::Refuse => true,
+            MissingMotor::Bridge { .. } => motor
+                .seen_ns
+                .is_some_and(|t| now_ns.saturating_sub(t) <= BRIDGE_NS),
+        };
+        let mut motors = self.motors.iter().zip(reading.theta);
+        if motors.any(|(motor, theta)| motor.elastic && !theta.is_finite() && refuses(motor)) {
+            return Err(Refusal::MotorPosition);
+        }
+        let settling_ns = match self.options.missing_motor {
+            MissingMotor::Refuse => 0,
+            MissingMotor::Bridge { settling_s } => (settling_s * 1e9) as i64,
+        };
+        let positions = reading.theta.iter().zip(reading.q);
+        let motors = self.motors.iter_mut().zip(&mut self.theta);
+        for (i, ((motor, fed), (theta, q))) in motors.zip(positions).enumerate() {
+            let theta = if motor.elastic { theta } else { q };
+            if !theta.is_finite() {
+                motor.held = true;
+                continue;
+            }
+            if motor.held {
+                motor.held = false;
+                motor.settled_at_ns = now_ns.saturating_add(settling_ns);
+            }
+            motor.seen_ns = Some(now_ns);
+            *fed = *theta;
+            for (_, _, offset_rad) in self
+                .injections
+                .iter()
+                .filter(|(joint, from_ns, _)| *joint == i && since_start_ns >= *from_ns)
+            {
+                *fed += offset_rad;
+            }
+        }
+        Ok(())
+    }
+
+    /// The observer, after the last sample it took.
+    pub fn observer(&self) -> &O {
+        &self.observer
+    }
+
+    /// Motor positions as the observer got them last, injected offsets included, `n`, rad.
+    pub fn theta(&self) -> &[f64] {
+        &self.theta
+    }
+
+    /// Time of the first sample, ns.
+    pub fn start_ns(&self) -> Option<i64> {
+        self.start_ns
+    }
+
+    /// Segments so far.
+    pub fn segments(&self) -> u32 {
+        self.segments
+    }
+
+    /// Whether a joint's motor position has been missing for so long that its last one is held.
+    pub fn is_held(&self, joint: usize) -> bool {
+        self.motors.get(joint).is_some_and(|motor| motor.held)
+    }
+
+    /// Whether a joint has settled since its motor position came back.
+    pub fn is_joint_settled(&self, joint: usize) -> bool {
+        let motor = self.motors.get(joint);
+        motor.is_some_and(|motor| self.accepted_ns >= Some(motor.settled_at_ns))
+    }
+}
