@@ -13,8 +13,8 @@ use std::path::PathBuf;
     name = "sinew-fleet",
     version,
     max_term_width = 80,
-    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 done but files were refused, a limit is passed or a \
-                  group is worse."
+    after_help = "Exit codes: 0 done, 1 input refused, 2 usage, 3 done but files were refused, a limit is passed, a group \
+                  is worse or a tendon surely departs."
 )]
 pub struct Args {
     /// What to do.
@@ -31,6 +31,8 @@ pub enum Command {
     Due(Due),
     /// Say which rope, batch, site or temperature creeps more
     Compare(Compare),
+    /// Say which tendons creep unlike others of their kind
+    Outliers(Outliers),
     /// Ask by SQL
     Query(Query),
     /// Make up a fleet: records of years, and the truth beside them
@@ -146,6 +148,40 @@ pub struct Compare {
     /// Write the groups here, as CSV or Parquet
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+}
+
+/// `outliers`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example:\n  sinew-fleet outliers fleet/ --by-chance 0.1 --csv outliers.csv"
+)]
+pub struct Outliers {
+    /// Records.
+    #[command(flatten)]
+    pub source: Source,
+    /// Folder of a robot type beside those in types/; may be given again
+    #[arg(long = "robot", value_name = "DIR")]
+    pub robots: Vec<PathBuf>,
+    /// Ages of a rope over which its creep counts, days since it was fitted
+    #[arg(long, value_name = "FROM,TO", default_value = "1,30", value_parser = ages)]
+    pub ages: Ages,
+    /// Tendons that may be listed by chance, on average
+    #[arg(long, value_name = "N", default_value = "1", value_parser = by_chance)]
+    pub by_chance: f64,
+    /// Rows the list shows at most
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub rows: usize,
+    /// Seed of the draws: the same one says the same
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write all that are listed here, as CSV or Parquet
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+/// How many by chance.
+fn by_chance(text: &str) -> Result<f64, String> {
+    within(text, 1e-6, 1e6)
 }
 
 /// Ages: two numbers of days.

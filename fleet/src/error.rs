@@ -49,6 +49,22 @@ pub enum FleetError {
         /// Ages asked for.
         ages: Ages,
     },
+    /// Too few to say what is usual.
+    #[error(
+        "{tendons} tendons have 10 sessions over days {} to {} of their rope, {too_few} have not: what is usual needs {needed}; \
+         name other ages with --ages",
+        ages.from_days, ages.to_days
+    )]
+    TooFewTendons {
+        /// Those whose creep can be told.
+        tendons: usize,
+        /// How many are needed.
+        needed: usize,
+        /// Those with too few sessions.
+        too_few: usize,
+        /// Ages asked for.
+        ages: Ages,
+    },
     /// Equations without a solution.
     #[error(
         "the comparison's equations have no solution: some tendon's creep isn't a number; please report this with the records"

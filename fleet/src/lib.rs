@@ -6,7 +6,7 @@
 //! Reading order: [`args`], [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
 //! [`query`], [`rows`], [`due`] (which tendon passes its limit when),
 //! [`creep`] (how fast a tendon creeps), [`gather`] (all of them), [`hierarchy`] (groups and what can be told of them),
-//! [`compare`] (which group is worse), [`simulate`] (fleets whose truth is known).
+//! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`simulate`] (fleets whose truth is known).
 
 pub mod args;
 pub mod compare;
@@ -17,6 +17,7 @@ mod error;
 pub mod folder;
 pub mod gather;
 pub mod hierarchy;
+pub mod outliers;
 pub mod query;
 pub mod rows;
 pub mod simulate;
@@ -38,5 +39,6 @@ pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
         Command::Query(asked) => query::command(asked),
         Command::Due(asked) => due::command(asked),
         Command::Compare(asked) => compare::command(asked),
+        Command::Outliers(asked) => outliers::command(asked),
     }
 }

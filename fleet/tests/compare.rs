@@ -1,11 +1,11 @@
 //! Groups of tendons: a worse one is found, nothing is claimed where nothing is, and what can't be told is said.
 
+use crate::support::tendons::{scatter, tendon};
 use crate::support::{open, session, source, write};
 use sinew_fleet::FleetError;
 use sinew_fleet::args::{By, Compare};
 use sinew_fleet::compare::{Comparison, CreepUnit, Factor, Group, Verdict, compare, compared};
-use sinew_fleet::creep::{Ages, Creep};
-use sinew_fleet::folder::sides::Fitted;
+use sinew_fleet::creep::Ages;
 use sinew_fleet::gather::{CreepingTendon, Gathered};
 use std::path::Path;
 
@@ -23,40 +23,6 @@ fn asked(folder: &Path, by: By) -> Compare {
         least: 0.05,
         seed: 1,
         csv: None,
-    }
-}
-
-/// A number that looks drawn: about normal, the same for the same place.
-fn scatter(i: usize) -> f64 {
-    let uniform = |k: usize| {
-        let x = (12.9898 * (i * 12 + k) as f64).sin() * 43_758.545_3;
-        x - x.floor()
-    };
-    (0..12).map(uniform).sum::<f64>() - 6.0
-}
-
-/// A tendon whose rope creeps by 300 µm/m per decade, times `factor`, times a scatter of 40 %.
-fn tendon(i: usize, batch: &str, site: &str, factor: f64) -> CreepingTendon {
-    let strain = 3e-4 * factor * (0.4 * scatter(i)).exp();
-    CreepingTendon {
-        robot: format!("arm-{i:04}"),
-        joint: "elbow".into(),
-        robot_type: "arm".into(),
-        fit: Fitted {
-            rope: Some("hemp".into()),
-            batch: Some(batch.into()),
-        },
-        site: Some(site.into()),
-        creep: Creep {
-            per_decade_rad: strain / 0.05,
-            deviation_rad: 0.05 * 3e-4 / 0.05,
-            temperature_c: Some(21.0 + 0.1 * (i % 7) as f64),
-            age_days: [1.0, 30.0],
-            sessions: 30,
-            steps: 0,
-            is_dated: true,
-        },
-        strain_per_rad: Some(0.05),
     }
 }
 
@@ -128,6 +94,8 @@ fn a_batch_at_a_site_of_its_own_cant_be_told_from_the_site() {
     };
     assert_eq!(ties[0].0, Factor::SiteOfRope);
     assert!(ties[0].1.contains("roof"), "{ties:?}");
+    let told = group(&found, "e");
+    assert!(told.ratio[0].is_nan() && told.creep[0].is_nan(), "{told:?}");
     assert_eq!(found.worse().count(), 0);
 }
 

@@ -3,5 +3,6 @@
 mod compare;
 mod due;
 mod folders;
+mod outliers;
 mod simulated;
 mod support;

@@ -54,15 +54,15 @@ pub(super) struct DesignGroup {
 }
 
 /// The model of a comparison.
-pub(super) struct Design {
-    pub(super) hierarchy: Hierarchy,
+pub(crate) struct Design {
+    pub(crate) hierarchy: Hierarchy,
     /// Groups, by key; a column each from `first_group` on.
     pub(super) groups: Vec<DesignGroup>,
     pub(super) first_group: usize,
     /// Of each family the mean over its tendons of all columns but the groups', and but those of what is part of a group:
     /// where its groups are shown.
     pub(super) middles: BTreeMap<Option<String>, Vec<f64>>,
-    pub(super) unit: CreepUnit,
+    pub(crate) unit: CreepUnit,
     pub(super) freed_of: Vec<Factor>,
     pub(super) without_group: usize,
     pub(super) undated: usize,
@@ -119,9 +119,25 @@ fn numbered<T: Ord>(names: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
 }
 
 impl Design {
+    /// Tendons whose group is known.
     pub(super) fn of(all: &[CreepingTendon], by: By) -> Self {
-        let keyed: Vec<(&CreepingTendon, GroupKey)> =
-            all.iter().filter_map(|t| Some((t, key(t, by)?))).collect();
+        let keyed = all.iter().filter_map(|t| Some((t, key(t, by)?)));
+        Self::keyed(keyed.collect(), all.len(), by)
+    }
+
+    /// All tendons, by batch; those whose batch nobody names are one of their rope.
+    pub(crate) fn by_any_batch(all: &[CreepingTendon]) -> Self {
+        let unknown = |t: &CreepingTendon| GroupKey {
+            family: t.fit.rope.clone(),
+            name: String::new(),
+        };
+        let keyed = all
+            .iter()
+            .map(|t| (t, key(t, By::Batch).unwrap_or_else(|| unknown(t))));
+        Self::keyed(keyed.collect(), all.len(), By::Batch)
+    }
+
+    fn keyed(keyed: Vec<(&CreepingTendon, GroupKey)>, all: usize, by: By) -> Self {
         let tendons: Vec<&CreepingTendon> = keyed.iter().map(|(t, _)| *t).collect();
         let group_numbers = numbered(keyed.iter().map(|(_, key)| key.clone()));
         let group_of: Vec<usize> = keyed.iter().map(|(_, key)| group_numbers[key]).collect();
@@ -256,7 +272,7 @@ impl Design {
             middles,
             unit,
             freed_of,
-            without_group: all.len() - tendons.len(),
+            without_group: all - tendons.len(),
             undated,
         }
     }
@@ -272,9 +288,9 @@ fn centred(values: &[Option<f64>], unit: f64) -> Vec<f64> {
 
 /// Of each tendon the logarithm of its creep per decade, and the variance of that.
 ///
-/// `c = e^z` is known to `s`. About `z₀`, the most probable `z` with what is usual for its kind as a prior, it is
-/// `z₀ + (c − e^z₀) e^−z₀`, known to `s e^−z₀`: for a tendon that is known well its logarithm, for one that isn't, or doesn't
-/// creep, a value near what is usual that hardly counts.
+/// `c = e^z` is known to `s`. Where `c` is above `2 s`, `z` is its logarithm, known to `s/c`. Else `e^z` is taken for a straight
+/// line about `z₀`, the most probable `z` with what is usual for its kind as a prior: `z₀ + (c − e^z₀) e^−z₀`, known to
+/// `s e^−z₀`. A tendon that isn't known, or doesn't creep, hardly counts so.
 fn logarithms(tendons: &[&CreepingTendon], kinds: &[usize]) -> (Vec<(f64, f64)>, CreepUnit) {
     let unit = match tendons.iter().all(|t| t.strain_per_rad.is_some()) {
         true => CreepUnit::Strain,
@@ -305,20 +321,48 @@ fn logarithms(tendons: &[&CreepingTendon], kinds: &[usize]) -> (Vec<(f64, f64)>,
     let values = known.iter().zip(kinds);
     let values = values.map(|(&(c, s), kind)| {
         let (middle, width) = usual[kind];
-        let at = most_probable(c, s, middle, width);
+        let at = match c > 2.0 * s {
+            true => c.ln(),
+            false => most_probable(c, s, middle, width),
+        };
         let slope = (-at).exp();
         (at + (c - at.exp()) * slope, (s * slope).powi(2))
     });
     (values.collect(), unit)
 }
 
-/// Of each tendon how far those of its kind differ, over the mean of all: half of what the middle 68 % span. Kinds of few tendons
-/// are drawn towards the mean, as if ten more of it were there.
+/// Of each tendon how far those of its kind differ, over the mean of all.
 fn spreads(values: &[(f64, f64)], kinds: &[usize]) -> Vec<f64> {
+    let logs: Vec<f64> = values.iter().map(|v| v.0).collect();
+    let widths = widths(&logs, kinds);
+    let mean = (widths.iter().map(|w| w * w).sum::<f64>() / widths.len() as f64).sqrt();
+    let over = |w: f64| if mean > 0.0 { w / mean } else { 1.0 };
+    widths.into_iter().map(over).collect()
+}
+
+/// Of each tendon how far those of its kind usually depart, measurements aside.
+///
+/// * `departures`: of each tendon how far it does, and the variance of the measurement.
+pub(crate) fn usual_widths(departures: &[(f64, f64)], tendons: &[CreepingTendon]) -> Vec<f64> {
+    let names: Vec<String> = tendons.iter().map(|t| level(t, Factor::Kind)).collect();
+    let numbers = numbered(names.iter().cloned());
+    let kinds: Vec<usize> = names.iter().map(|n| numbers[n]).collect();
+    let alone: Vec<f64> = departures.iter().map(|d| d.0).collect();
+    let mut variances: Vec<f64> = departures.iter().map(|d| d.1).collect();
+    variances.sort_by(f64::total_cmp);
+    let measured = quantile(&variances, 0.5);
+    // What is left of a width beside the measurements' is at least half of it.
+    let own = |w: f64| (w * w - measured).max(0.25 * w * w).sqrt();
+    widths(&alone, &kinds).into_iter().map(own).collect()
+}
+
+/// Of each value half of what the middle 68 % of its kind span. Kinds of few are drawn towards the mean of all, as if ten more
+/// of it were there.
+fn widths(values: &[f64], kinds: &[usize]) -> Vec<f64> {
     const MORE: f64 = 10.0;
     let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (value, kind) in values.iter().zip(kinds) {
-        by_kind.entry(*kind).or_default().push(value.0);
+        by_kind.entry(*kind).or_default().push(*value);
     }
     let squares: BTreeMap<usize, (f64, f64)> = (by_kind.into_iter())
         .map(|(kind, mut of)| {
@@ -328,10 +372,10 @@ fn spreads(values: &[(f64, f64)], kinds: &[usize]) -> Vec<f64> {
         })
         .collect();
     let all: f64 = squares.values().map(|(square, n)| square * n).sum();
-    let mean = (all / values.len() as f64).max(f64::MIN_POSITIVE);
+    let mean = all / values.len().max(1) as f64;
     let of = |kind: &usize| {
         let (square, n) = squares[kind];
-        ((square * n / mean + MORE) / (n + MORE)).sqrt()
+        ((square * n + mean * MORE) / (n + MORE)).sqrt()
     };
     kinds.iter().map(of).collect()
 }

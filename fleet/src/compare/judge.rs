@@ -32,9 +32,9 @@ pub struct Group {
     pub tendons: usize,
     /// Robots they are in.
     pub robots: usize,
-    /// Creep per decade of a typical tendon, in the comparison's unit: median and 95 % interval.
+    /// Creep per decade of a typical tendon, in the comparison's unit: median and 95 % interval; NaN where it is tied.
     pub creep: [f64; 3],
-    /// Creep over that of the middle one of the others: median and 95 % interval.
+    /// Creep over that of the middle one of the others: median and 95 % interval; NaN where it is tied or alone.
     pub ratio: [f64; 3],
     /// Probability that it creeps more than they do, by more than was asked for.
     pub probability_worse: f64,
@@ -85,12 +85,15 @@ pub(super) fn groups(design: &Design, draws: &Draws, least: f64) -> Vec<Group> {
             key: group.key.clone(),
             tendons: group.tendons,
             robots: group.robots,
-            creep: median_and_95(draws.coefficients.iter().map(level).collect()),
-            ratio: match alone {
-                true => [f64::NAN; 3],
-                false => median_and_95(apart).map(f64::exp),
+            creep: match alone || told {
+                true => median_and_95(draws.coefficients.iter().map(level).collect()),
+                false => [f64::NAN; 3],
             },
-            probability_worse: if alone { f64::NAN } else { 1.0 - not_worse },
+            ratio: match told {
+                true => median_and_95(apart).map(f64::exp),
+                false => [f64::NAN; 3],
+            },
+            probability_worse: if told { 1.0 - not_worse } else { f64::NAN },
             verdict: match (alone, told) {
                 (true, _) => Verdict::Alone,
                 (_, true) => Verdict::CantTell,
@@ -103,7 +106,15 @@ pub(super) fn groups(design: &Design, draws: &Draws, least: f64) -> Vec<Group> {
     }
     out.sort_by(|a, b| {
         let family = a.key.family.cmp(&b.key.family);
-        family.then(b.ratio[0].total_cmp(&a.ratio[0]))
+        // What has no ratio comes last.
+        let order = |g: &Group| {
+            if g.ratio[0].is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                g.ratio[0]
+            }
+        };
+        family.then(order(b).total_cmp(&order(a)))
     });
     out
 }

@@ -1,9 +1,9 @@
 //! `compare`: which rope, batch, site or temperature creeps more, and whether that can be told.
 
 mod apart;
-mod design;
+pub(crate) mod design;
 mod judge;
-mod show;
+pub(crate) mod show;
 
 pub use design::{Factor, GroupKey};
 pub use judge::{Group, Verdict};

@@ -9,7 +9,7 @@ use sinew_report::text::{paragraph, table};
 use std::path::Path;
 
 /// A number to three digits.
-fn three(x: f64) -> String {
+pub(crate) fn three(x: f64) -> String {
     if !x.is_finite() {
         return "–".into();
     }
@@ -82,10 +82,13 @@ fn row(group: &Group, found: &Comparison) -> Vec<String> {
     vec![
         name(group, found.by),
         group.tendons.to_string(),
-        format!("{creep} ({low} … {high})"),
-        match group.verdict {
-            Verdict::Alone => "–".into(),
-            _ => format!("{ratio} ({ratio_low} … {ratio_high})"),
+        match group.creep[0].is_nan() {
+            true => "–".into(),
+            false => format!("{creep} ({low} … {high})"),
+        },
+        match group.ratio[0].is_nan() {
+            true => "–".into(),
+            false => format!("{ratio} ({ratio_low} … {ratio_high})"),
         },
         verdict(&group.verdict).into(),
     ]

@@ -8,9 +8,9 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma, StandardNormal};
 
-/// Degrees of freedom of tendons and of groups that may stray.
+/// Degrees of freedom of tendons and of groups that may stray: with one a group's distribution is Cauchy's.
 const TENDON_FREEDOM: f64 = 5.0;
-const GROUP_FREEDOM: f64 = 4.0;
+const GROUP_FREEDOM: f64 = 1.0;
 /// Scale of the half-Cauchy priors of what tendons and robots differ by.
 const TENDON_SCALE: f64 = 0.5;
 const ROBOT_SCALE: f64 = 0.2;

@@ -7,7 +7,7 @@
 //! | term | what | a priori |
 //! |---|---|---|
 //! | `β` | kinds of tendon, covariates | normal, wide |
-//! | `u_0` | the groups that are compared | Student's t with 4 degrees of freedom, `τ_0`: a bad one among good ones isn't drawn in |
+//! | `u_0` | the groups that are compared | Cauchy, `τ_0`: a bad one among good ones isn't drawn in |
 //! | `u_f` | what else differs: batches, sites | normal, `τ_f` |
 //! | `b_r` | robots | normal, `τ_robot` |
 //! | `e_i` | tendons | Student's t with 5, `τ_tendon` times what is usual for their kind: one that strays doesn't decide |

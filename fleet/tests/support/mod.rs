@@ -1,5 +1,7 @@
 //! Fleets and files for tests.
 
+pub(crate) mod tendons;
+
 use sinew_fleet::args::{Simulate, Source};
 use sinew_fleet::engine::Engine;
 use sinew_fleet::simulate::{Made, simulate};
