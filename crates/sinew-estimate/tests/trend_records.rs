@@ -69,6 +69,7 @@ fn session() -> SessionEstimate {
         changes: Vec::new(),
         stiffness_change_ratio: Gaussian::new(-0.02, 0.01 / Z95),
         stiffness_since_before: None,
+        creep: None,
         slack_rad: None,
         torque_nm: TorqueRange {
             min: -1.0,

@@ -61,6 +61,7 @@ fn session_joint(warning: &Warning) -> Option<&str> {
         | Warning::StandsAtEnd { joint, .. }
         | Warning::StandReadsOff { joint, .. }
         | Warning::RopeCreeps { joint, .. }
+        | Warning::TendonCreeps { joint, .. }
         | Warning::Unexplained { joint, .. }
         | Warning::Stuck { joint, .. }
         | Warning::TemperatureUnknown { joint, .. }
@@ -213,6 +214,17 @@ pub fn session_warning(warning: &Warning) -> String {
         } => format!(
             "{joint}: its rope follows its load for half a minute; what it carried before the recordings isn't known, which is {:.2} mrad of the interval",
             1e3 * half_width_95_rad
+        ),
+        Warning::TendonCreeps {
+            joint,
+            probability,
+            moved_rad,
+            duration_s,
+        } => format!(
+            "{joint}: its offset moved by {:.2} ± {:.2} mrad in {duration_s:.0} s ({:.0} % likely): a rope that creeps, as after tensioning, or that warms. The offset is that at the end; record again later to see whether it settles",
+            1e3 * moved_rad.mean,
+            1e3 * moved_rad.half_width_95(),
+            100.0 * probability
         ),
         Warning::Unexplained { joint, noise_rad } => format!(
             "{joint}: {:.1} mrad of the reading fits nothing{}: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",

@@ -5011,6 +5011,25 @@ class TendonCheck(Record):
     }
 
 
+class TendonCreep(Record):
+    """An offset that moved evenly while it was looked at: a rope that creeps, or one that warms."""
+
+    __slots__ = ()
+
+    moved_rad: Gaussian
+    """By how much from start to end, rad: averaged over whether it did."""
+    probability: float
+    """Probability that it did; of a long recording, in the stretch where that is likeliest."""
+    rate_rad_per_s: Gaussian
+    """How fast, rad/s: that over the recording's length."""
+
+    _fields = {
+        "moved_rad": "Gaussian",
+        "probability": "",
+        "rate_rad_per_s": "Gaussian",
+    }
+
+
 class TendonEstimate(Record):
     """One tendon since its baseline."""
 
@@ -5020,6 +5039,8 @@ class TendonEstimate(Record):
     """What an end stop or a mark said, where one was touched."""
     changes: list[TendonChange]
     """Sudden changes within the recording."""
+    creep: TendonCreep | None
+    """How its offset moved while it was looked at; `None`: evenly by nothing that could be seen."""
     elongation_m: Gaussian | None
     """Elongation, m; `None` without tendon geometry."""
     misfit_rad: float
@@ -5052,6 +5073,7 @@ class TendonEstimate(Record):
     _fields = {
         "anchored": "AnchoredOffset",
         "changes": "TendonChange",
+        "creep": "TendonCreep",
         "elongation_m": "Gaussian",
         "misfit_rad": "",
         "name": "",
@@ -5974,6 +5996,30 @@ class WarningTemperatureUnknown(Record):
     }
 
 
+class WarningTendonCreeps(Record):
+    """An offset moved evenly while it was looked at."""
+
+    __slots__ = ()
+
+    duration_s: float
+    """In how long, s."""
+    joint: str
+    """Joint."""
+    kind: Literal["tendon-creeps"]
+    moved_rad: Gaussian
+    """By how much, rad."""
+    probability: float
+    """Probability that it did."""
+
+    _fields = {
+        "duration_s": "",
+        "joint": "",
+        "kind": "",
+        "moved_rad": "Gaussian",
+        "probability": "",
+    }
+
+
 class WarningTorqueHardlyChanged(Record):
     """A joint's torque hardly changed: stretch can't be told from a wrong stiffness."""
 
@@ -6109,7 +6155,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -6322,6 +6368,7 @@ _CLASSES: Mapping[str, Any] = {
     "Suspicion": Suspicion,
     "TendonChange": TendonChange,
     "TendonCheck": TendonCheck,
+    "TendonCreep": TendonCreep,
     "TendonEstimate": TendonEstimate,
     "TopicInfo": TopicInfo,
     "TorqueRange": TorqueRange,
@@ -6373,6 +6420,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningStiffnessChangedBefore": WarningStiffnessChangedBefore,
     "WarningStuck": WarningStuck,
     "WarningTemperatureUnknown": WarningTemperatureUnknown,
+    "WarningTendonCreeps": WarningTendonCreeps,
     "WarningTorqueHardlyChanged": WarningTorqueHardlyChanged,
     "WarningUnexplained": WarningUnexplained,
     "WitnessFaultContradicts": WitnessFaultContradicts,
@@ -6396,7 +6444,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES

@@ -1,8 +1,8 @@
-//! Sudden changes of a tendon: what they are, and what caused them.
+//! Changes of a tendon: what they are, and what caused them.
 
 use super::inflation;
 use super::recorder::Recorded;
-use super::result::{StiffnessSinceBefore, TendonChange, TendonChangeKind};
+use super::result::{StiffnessSinceBefore, TendonChange, TendonChangeKind, TendonCreep};
 use super::segments::Segments;
 use crate::jumps::quickness;
 use sinew_model::Gaussian;
@@ -186,6 +186,30 @@ pub(super) fn stiffness_since_before(
     Some(StiffnessSinceBefore {
         probability: since.probability,
         change_ratio: gained_ratio(after, since.softening),
+    })
+}
+
+/// How a joint's offset moved evenly, segment by segment.
+pub(super) fn creep(recorded: &Recorded, segments: &Segments, joint: usize) -> Option<TendonCreep> {
+    let (mut moved_rad, mut variance, mut probability) = (0.0, 0.0, 0.0);
+    for (from, map) in &segments.estimates {
+        let (Some(creep), Some(first)) = (
+            map.creep.get(joint).copied().flatten(),
+            recorded.blocks.get(*from),
+        ) else {
+            continue;
+        };
+        let long_s = map.end_s - first.time_s;
+        moved_rad += long_s * creep.rate_rad_per_s.mean;
+        variance += (long_s * creep.rate_rad_per_s.deviation).powi(2);
+        probability = creep.probability.max(probability);
+    }
+    let moved_rad = Gaussian::new(moved_rad, variance.sqrt());
+    let over_s = recorded.duration_s;
+    (probability > 0.0 && over_s > 0.0).then(|| TendonCreep {
+        probability,
+        moved_rad,
+        rate_rad_per_s: Gaussian::new(moved_rad.mean / over_s, moved_rad.deviation / over_s),
     })
 }
 

@@ -16,6 +16,8 @@ const STUCK_RAD: f64 = 5e-3;
 const LIGHTER: f64 = 2.0;
 /// A share left out above this makes what is left suspect.
 const MUCH: f64 = 0.35;
+/// Creep that is no likelier than this isn't worth a word.
+const CREEPS: f64 = 0.3;
 /// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
 /// data is seen.
 const LIKELY: f64 = 0.3;
@@ -48,6 +50,7 @@ pub(super) fn warnings(
             });
         }
     }
+    out.extend(joints.iter().filter_map(|j| creeps(j, recorded.duration_s)));
     let unexplained = joints.iter().filter(|joint| joint.noise_rad > NOISY_RAD);
     out.extend(unexplained.map(|joint| Warning::Unexplained {
         joint: joint.name.clone(),
@@ -139,6 +142,17 @@ fn stands_at_end(joints: &[TendonEstimate], stands: &[Option<Stand>]) -> Vec<War
         hidden_rad: stand.hidden_rad,
     });
     hides.into_iter().chain(off).collect()
+}
+
+/// An offset that moved, or may have.
+fn creeps(joint: &TendonEstimate, duration_s: f64) -> Option<Warning> {
+    let creep = joint.creep?;
+    (creep.probability > CREEPS).then(|| Warning::TendonCreeps {
+        joint: joint.name.clone(),
+        probability: creep.probability,
+        moved_rad: creep.moved_rad,
+        duration_s,
+    })
 }
 
 /// Stiffness that has, or may have, changed before the recording began.

@@ -44,7 +44,7 @@ pub use recorder::{Recorded, Recorder, Touch, TouchReading, Window};
 pub use result::{
     BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
     SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,
-    TendonChangeKind, TendonEstimate, Verdict,
+    TendonChangeKind, TendonCreep, TendonEstimate, Verdict,
 };
 pub use run::{
     Learning, Since, estimate, estimate_recorded, estimate_stretch, estimate_with_replay, learn,

@@ -101,6 +101,9 @@ pub struct TendonEstimate {
     pub stiffness_change_ratio: Gaussian,
     /// Whether it has changed since what was known before the recording; `None`: not sought.
     pub stiffness_since_before: Option<StiffnessSinceBefore>,
+    /// How its offset moved while it was looked at; `None`: evenly by nothing that could be seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub creep: Option<TendonCreep>,
     /// Half the dead zone of an antagonistic pair, rad.
     pub slack_rad: Option<Gaussian>,
     /// Least and greatest torque the joint carried, N·m.
@@ -112,6 +115,18 @@ pub struct TendonEstimate {
     /// What an end stop or a mark said, where one was touched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub anchored: Option<AnchoredOffset>,
+}
+
+/// An offset that moved evenly while it was looked at: a rope that creeps, or one that warms.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TendonCreep {
+    /// Probability that it did; of a long recording, in the stretch where that is likeliest.
+    pub probability: f64,
+    /// By how much from start to end, rad: averaged over whether it did.
+    pub moved_rad: Gaussian,
+    /// How fast, rad/s: that over the recording's length.
+    pub rate_rad_per_s: Gaussian,
 }
 
 /// What an interval says of a tendon.

@@ -180,6 +180,7 @@ fn tendon(
         // Against robot.toml: all of the compliance over nominal is the change.
         stiffness_change_ratio: changes::gained_ratio(compliance.mean, compliance),
         stiffness_since_before: changes::stiffness_since_before(prior, segments, joint),
+        creep: changes::creep(recorded, segments, joint),
         slack_rad: prior
             .is_antagonistic(joint)
             .then(|| at(JointParameter::Slack)),

@@ -78,6 +78,17 @@ pub enum Warning {
         /// Half of the 95 % interval for that, rad.
         half_width_95_rad: f64,
     },
+    /// An offset moved evenly while it was looked at.
+    TendonCreeps {
+        /// Joint.
+        joint: String,
+        /// Probability that it did.
+        probability: f64,
+        /// By how much, rad.
+        moved_rad: Gaussian,
+        /// In how long, s.
+        duration_s: f64,
+    },
     /// Much of the reading fits nothing.
     Unexplained {
         /// Joint.

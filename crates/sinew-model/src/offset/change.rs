@@ -14,6 +14,8 @@ pub enum ChangeKind {
     Offset(usize),
     /// Compliance of a joint: a failed strand, with the offset of that joint.
     Compliance(usize),
+    /// Offset of a joint, evenly from then on: a rope that creeps. Its entry is the rate, rad/s.
+    Creep(usize),
     /// What the gripper holds.
     Payload,
 }
@@ -22,7 +24,7 @@ impl ChangeKind {
     /// Entries of the state it changes.
     pub(crate) fn columns(self) -> usize {
         match self {
-            Self::Offset(_) | Self::Compliance(_) => 1,
+            Self::Offset(_) | Self::Compliance(_) | Self::Creep(_) => 1,
             Self::Payload => PAYLOAD,
         }
     }
@@ -30,7 +32,7 @@ impl ChangeKind {
     /// First entry of the state it changes.
     pub(crate) fn place(self, layout: Layout) -> usize {
         match self {
-            Self::Offset(joint) => layout.place(joint, JointParameter::Offset),
+            Self::Offset(joint) | Self::Creep(joint) => layout.place(joint, JointParameter::Offset),
             Self::Compliance(joint) => layout.place(joint, JointParameter::Compliance),
             Self::Payload => layout.payload_place(),
         }
@@ -49,6 +51,14 @@ pub struct ChangePoint {
 }
 
 impl ChangePoint {
+    /// By how much of its entry what it changes has changed by a time after it, s.
+    pub(crate) fn factor(&self, time_s: f64) -> f64 {
+        match self.kind {
+            ChangeKind::Creep(_) => time_s - self.at_s,
+            _ => 1.0,
+        }
+    }
+
     /// Whether this is the loss of stiffness that was opened with `slip`.
     pub(crate) fn accompanies(&self, slip: &Self) -> bool {
         self.at_s == slip.at_s
@@ -70,23 +80,24 @@ pub struct SearchScope {
     pub continues: bool,
 }
 
-/// Entries of the state that add up to a joint's offset at a time: its own, and every change to it
-/// up to then.
-pub(crate) fn offset_columns(
+/// Entries of the state that add up to a joint's offset at a time, each with its factor: its own, and every change
+/// to it up to then.
+pub(crate) fn offset_terms(
     layout: Layout,
     changes: &[ChangePoint],
     joint: usize,
     time_s: f64,
-) -> Vec<usize> {
-    let mut columns = alloc::vec![layout.place(joint, JointParameter::Offset)];
+) -> Vec<(usize, f64)> {
+    let place = layout.place(joint, JointParameter::Offset);
+    let mut terms = alloc::vec![(place, 1.0)];
     let mut column = layout.dimension();
     for change in changes {
-        if change.kind == ChangeKind::Offset(joint) && change.at_s <= time_s {
-            columns.push(column);
+        if change.kind.place(layout) == place && change.at_s <= time_s {
+            terms.push((column, change.factor(time_s)));
         }
         column += change.kind.columns();
     }
-    columns
+    terms
 }
 
 /// All changes but the `k`-th and the stiffness it took along.

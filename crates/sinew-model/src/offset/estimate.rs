@@ -1,7 +1,7 @@
 //! What an estimate from one recording says.
 
 use super::belief::Belief;
-use super::change::{ChangePoint, offset_columns};
+use super::change::{ChangePoint, offset_terms};
 use super::prior::Prior;
 use crate::{Gaussian, Interval95};
 use alloc::vec::Vec;
@@ -15,6 +15,17 @@ pub struct StiffnessChange {
     pub probability: f64,
     /// By how much the compliance rose if it has, over nominal.
     pub softening: Gaussian,
+}
+
+/// A tendon that may creep while the recording goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CreepEstimate {
+    /// Posterior probability that it does.
+    pub probability: f64,
+    /// How fast its offset moves, rad/s: averaged over whether it does.
+    pub rate_rad_per_s: Gaussian,
 }
 
 /// Posterior of a change found within a recording: whether it happened, and when.
@@ -93,6 +104,8 @@ pub struct MapEstimate {
     pub covariance: Vec<f64>,
     /// Temperature the offsets refer to, °C; NaN where unknown.
     pub temperature_c: f64,
+    /// End of the last block, s.
+    pub end_s: f64,
     /// Robust noise of each joint's link equation, rad.
     pub noise_rad: Vec<f64>,
     /// Robust noise of each joint's motor equation, N·m.
@@ -104,6 +117,8 @@ pub struct MapEstimate {
     /// Whether each joint's stiffness has changed since the prior was learned; `None` where that isn't
     /// sought.
     pub stiffness_changes: Vec<Option<StiffnessChange>>,
+    /// Creep of each joint's tendon; `None` where the recording shows none.
+    pub creep: Vec<Option<CreepEstimate>>,
     /// Posterior of each change that was found ([`MapEstimate::posterior`]).
     pub posteriors: Vec<ChangePosterior>,
 }
@@ -111,23 +126,18 @@ pub struct MapEstimate {
 impl MapEstimate {
     /// Offset of a joint at the end of the recording, rad.
     pub fn offset(&self, prior: &Prior, joint: usize) -> Gaussian {
-        self.offset_at(prior, joint, f64::INFINITY)
+        self.offset_at(prior, joint, self.end_s)
     }
 
     /// Offset of a joint at a time, s; rad.
     pub fn offset_at(&self, prior: &Prior, joint: usize, time_s: f64) -> Gaussian {
-        self.sum(&offset_columns(
-            prior.layout(),
-            &self.changes,
-            joint,
-            time_s,
-        ))
+        self.sum(&offset_terms(prior.layout(), &self.changes, joint, time_s))
     }
 
     /// Size of change `k`; of a payload its mass, kg.
     pub fn change(&self, prior: &Prior, k: usize) -> Gaussian {
         let before: usize = self.changes[..k].iter().map(|c| c.kind.columns()).sum();
-        self.sum(&[prior.dimension() + before])
+        self.sum(&[(prior.dimension() + before, 1.0)])
     }
 
     /// Posterior of a change within the recording; of a loss of stiffness that came with a slip,
@@ -138,14 +148,14 @@ impl MapEstimate {
         all.find(|p| p.change == *change || change.accompanies(&p.change))
     }
 
-    /// Sum of entries of the state.
-    fn sum(&self, columns: &[usize]) -> Gaussian {
+    /// Sum of entries of the state, each times its factor.
+    fn sum(&self, terms: &[(usize, f64)]) -> Gaussian {
         let total = self.state.len();
         let (mut mean, mut variance) = (0.0, 0.0);
-        for &i in columns {
-            mean += self.state[i];
-            for &k in columns {
-                variance += self.covariance[i * total + k];
+        for &(i, a) in terms {
+            mean += a * self.state[i];
+            for &(k, b) in terms {
+                variance += a * b * self.covariance[i * total + k];
             }
         }
         Gaussian::new(mean, libm::sqrt(variance))
@@ -167,23 +177,23 @@ impl MapEstimate {
     pub(crate) fn fold(&mut self, prior: &Prior, which: impl Fn(&ChangePoint) -> bool) {
         let (d, total) = (prior.dimension(), self.state.len());
         // Place each column adds to.
-        let mut places: Vec<usize> = (0..d).collect();
+        let mut places: Vec<(usize, f64)> = (0..d).map(|k| (k, 1.0)).collect();
         let mut left = d;
         for change in &self.changes {
             let columns = change.kind.columns();
-            let base = if which(change) {
-                change.kind.place(prior.layout())
+            let (base, factor) = if which(change) {
+                (change.kind.place(prior.layout()), change.factor(self.end_s))
             } else {
                 left += columns;
-                left - columns
+                (left - columns, 1.0)
             };
-            places.extend(base..base + columns);
+            places.extend((base..base + columns).map(|place| (place, factor)));
         }
         let (mut mean, mut covariance) = (alloc::vec![0.0; left], alloc::vec![0.0; left * left]);
-        for (i, &to_i) in places.iter().enumerate() {
-            mean[to_i] += self.state[i];
-            for (k, &to_k) in places.iter().enumerate() {
-                covariance[to_i * left + to_k] += self.covariance[i * total + k];
+        for (i, &(to_i, a)) in places.iter().enumerate() {
+            mean[to_i] += a * self.state[i];
+            for (k, &(to_k, b)) in places.iter().enumerate() {
+                covariance[to_i * left + to_k] += a * b * self.covariance[i * total + k];
             }
         }
         self.changes.retain(|change| !which(change));

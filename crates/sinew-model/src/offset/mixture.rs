@@ -12,12 +12,39 @@ pub(crate) struct PriorOdds {
     pub(crate) deviation: f64,
     /// PriorOdds that it happened.
     pub(crate) odds: f64,
+    /// Whether what makes one happen makes others happen: then `odds` are those that any did, every number of them
+    /// as likely, and every set of a number.
+    pub(crate) together: bool,
+}
+
+impl PriorOdds {
+    /// Logarithm of the prior odds of a set of `count` changes out of `n` against none.
+    fn ln_prior(&self, count: usize, n: usize) -> f64 {
+        if !self.together {
+            return count as f64 * libm::log(self.odds);
+        }
+        if count == 0 {
+            return 0.0;
+        }
+        // ln of n over count.
+        let sets = (0..count).map(|k| libm::log((n - k) as f64 / (k + 1) as f64));
+        libm::log(self.odds / n as f64) - sets.sum::<f64>()
+    }
 }
 
 /// A loss of stiffness between two recordings, relative: a starting guess.
 pub(crate) const LOST_STIFFNESS: PriorOdds = PriorOdds {
     deviation: 0.1,
     odds: 0.3,
+    together: false,
+};
+
+/// A rope that creeps within a recording, rad/s: a starting guess. In the first minutes after tensioning it may be as
+/// fast as this, hours later a tenth of that.
+pub(crate) const CREEP: PriorOdds = PriorOdds {
+    deviation: 2e-3 / 60.0,
+    odds: 0.1,
+    together: true,
 };
 
 /// Up to so many changes, all sets of them are weighed; of more, none, one, two and all.
@@ -149,7 +176,7 @@ impl Mixture {
     /// Weighs all sets; `values` with `covariance` are those with all changes open, the changes
     /// first.
     pub(crate) fn weigh(&mut self, values: &[f64], covariance: &[f64], odds: PriorOdds) {
-        let (ln_odds, n) = (libm::log(odds.odds), self.values.max(1));
+        let n = self.values.max(1);
         self.probability.fill(0.0);
         self.mean.fill(0.0);
         self.spread.fill(0.0);
@@ -158,13 +185,9 @@ impl Mixture {
         for set in sets(self.changes) {
             copy(&mut self.known, values);
             copy(&mut self.covariance, covariance);
-            let mut evidence = 0.0;
-            for i in 0..self.changes {
-                evidence += if happened(set, i) {
-                    ln_odds
-                } else {
-                    self.leave_out(i, odds.deviation)
-                };
+            let mut evidence = odds.ln_prior(set.count_ones() as usize, self.changes);
+            for i in (0..self.changes).filter(|&i| !happened(set, i)) {
+                evidence += self.leave_out(i, odds.deviation);
             }
             if evidence > most {
                 let less = libm::exp(most - evidence);
@@ -256,6 +279,7 @@ mod tests {
     const ODDS: PriorOdds = PriorOdds {
         deviation: 0.4,
         odds: 0.1,
+        together: false,
     };
 
     fn positive_definite(seed: &mut u64, least: f64) -> Vec<f64> {
@@ -392,6 +416,51 @@ mod tests {
             let expected = probability[0] * ODDS.deviation * ODDS.deviation;
             assert!((p[0] - expected).abs() < 1e-12, "{} {expected}", p[0]);
         }
+    }
+
+    /// Of changes that come together every number is as likely, and every set of a number.
+    #[test]
+    fn without_data_changes_that_come_together_are_as_likely_as_they_were() {
+        let together = PriorOdds {
+            together: true,
+            ..ODDS
+        };
+        let n = 4;
+        let mut p = alloc::vec![0.0; n * n];
+        for i in 0..n {
+            p[i * n + i] = ODDS.deviation * ODDS.deviation;
+        }
+        let columns: Vec<usize> = (0..n).collect();
+        let mut x = alloc::vec![0.0; n];
+        let probability = average(&columns, together, &mut x, &mut p).unwrap();
+        // One to four of four, 0.1/4 each: a joint is in k/4 of the sets of k.
+        let expected = 0.1 / 4.0 * (0.25 + 0.5 + 0.75 + 1.0) / 1.1;
+        for found in probability {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    /// What all show a little, together is sure.
+    #[test]
+    fn changes_that_come_together_vouch_for_each_other() {
+        let n = 4;
+        let of = |together: bool, shown: usize| {
+            let odds = PriorOdds { together, ..ODDS };
+            let mut p = alloc::vec![0.0; n * n];
+            for i in 0..n {
+                p[i * n + i] = 0.01;
+            }
+            let mut x: Vec<f64> = (0..n).map(|i| if i < shown { 0.25 } else { 0.0 }).collect();
+            let columns: Vec<usize> = (0..n).collect();
+            average(&columns, odds, &mut x, &mut p).unwrap()[0]
+        };
+        assert!(of(false, 1) < 0.5 && of(true, 1) < 0.5);
+        assert!(
+            of(false, 4) < 0.5 && of(true, 4) > 0.9,
+            "{} {}",
+            of(false, 4),
+            of(true, 4)
+        );
     }
 
     trait MapAll {

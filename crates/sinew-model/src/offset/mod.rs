@@ -40,7 +40,9 @@ pub use config::{
     Comparison, FeatureConfig, OffsetConfig, OffsetConfigError, TorqueSource, VelocityFilter,
 };
 pub use error::MapError;
-pub use estimate::{ChangePosterior, Convergence, MapEstimate, StiffnessChange, Termination};
+pub use estimate::{
+    ChangePosterior, Convergence, CreepEstimate, MapEstimate, StiffnessChange, Termination,
+};
 pub use executor::{Executor, Sequential};
 pub use features::FeatureObserver;
 pub use lag::lag_s;

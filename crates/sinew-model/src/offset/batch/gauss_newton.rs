@@ -68,11 +68,13 @@ fn descend(
         state: problem.origin(total),
         covariance: Vec::new(),
         temperature_c: problem.start.temperature_c,
+        end_s: problem.end_s(),
         noise_rad: alloc::vec![1e-3; n],
         motor_noise_nm: (0..n).map(|i| model.motor_floor(i)).collect(),
         weights: Vec::with_capacity(problem.blocks.len()),
         convergence: Convergence::new(0, f64::INFINITY, f64::INFINITY),
         stiffness_changes: alloc::vec![None; n],
+        creep: alloc::vec![None; n],
         posteriors: Vec::new(),
     };
     if let Some((state, known)) = warm {

@@ -58,7 +58,10 @@ pub(super) fn averaged(
     softer: Solution,
 ) -> Result<MapEstimate, MapError> {
     let found = best.estimate.changes.clone();
-    let is_opened = found.iter().any(|c| problem.is_before_recording(c));
+    let is_softer = |c: &ChangePoint| {
+        matches!(c.kind, ChangeKind::Compliance(_)) && problem.is_before_recording(c)
+    };
+    let is_opened = found.iter().any(is_softer);
     let opened = if is_opened {
         best
     } else if found.is_empty() {
@@ -103,7 +106,7 @@ pub(super) fn averaged(
         });
     }
     if !is_opened {
-        out.fold(prior, |c| problem.is_before_recording(c));
+        out.fold(prior, is_softer);
     }
     Ok(out)
 }

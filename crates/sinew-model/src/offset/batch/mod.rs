@@ -8,6 +8,7 @@
 mod candidates;
 mod changepoint_time;
 mod cost;
+mod creep;
 mod gauss_newton;
 mod lost_stiffness;
 mod map_estimator;

@@ -200,7 +200,7 @@ mod tests {
             joints: JOINTS,
             bodies: 11,
         };
-        // A load picked up before, and a slip of the first joint.
+        // A load picked up before, a slip of the first joint, and creep of the second.
         let changes = [
             ChangePoint {
                 kind: ChangeKind::Payload,
@@ -214,8 +214,12 @@ mod tests {
                 kind: ChangeKind::Compliance(1),
                 at_s: 9.0,
             },
+            ChangePoint {
+                kind: ChangeKind::Creep(1),
+                at_s: -3.0,
+            },
         ];
-        let total = layout.dimension() + PAYLOAD + 2;
+        let total = layout.dimension() + PAYLOAD + 3;
         let mut seed = 1;
         let mut equations = Equations::new(layout, &changes);
         equations.activate(&changes, 1.0);
@@ -262,6 +266,11 @@ mod tests {
                     .zip(equations.carried(e.joint))
                 {
                     *to = e.torque_gain * value;
+                }
+                // It creeps since −3 s, in steps of two seconds.
+                if e.joint == 1 {
+                    let steps_s = if time_s > 0.0 { 5.0 } else { 3.0 };
+                    row[total - 1] = steps_s * row[layout.place(1, JointParameter::Offset)];
                 }
                 if time_s > 0.0 {
                     let load = layout.payload_place();

@@ -14,7 +14,7 @@ use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::Executor;
 use crate::offset::layout::Layout;
-use crate::offset::mixture::LOST_STIFFNESS;
+use crate::offset::mixture::{CREEP, LOST_STIFFNESS};
 use alloc::vec::Vec;
 
 /// Stiffness is opened by this at a suspected event, relative: what a failed strand takes along.
@@ -110,6 +110,12 @@ impl<'a> Problem<'a> {
         self.blocks[b].time_s - 0.5 * self.model.block_s
     }
 
+    /// When the last block ends, s.
+    pub(super) fn end_s(&self) -> f64 {
+        let last = self.blocks.last();
+        last.map_or(0.0, |b| b.time_s + 0.5 * self.model.block_s)
+    }
+
     /// Equations of block `b` around an estimate.
     pub(super) fn equations(
         &self,
@@ -195,6 +201,7 @@ impl<'a> Problem<'a> {
         match kind {
             ChangeKind::Offset(_) => alloc::vec![UNKNOWN_OFFSET_RAD],
             ChangeKind::Compliance(_) => alloc::vec![STRAND],
+            ChangeKind::Creep(_) => alloc::vec![CREEP.deviation],
             ChangeKind::Payload => {
                 let prior = &self.model.prior;
                 let open = prior.payload_belief(Payload::Unknown);

@@ -103,9 +103,9 @@ impl ScoreSum {
     pub(super) fn add(&mut self, equations: &Equations, kind: ChangeKind, weights: &[f64]) {
         for (e, weight) in equations.list.iter().zip(weights) {
             let concerned = match kind {
-                ChangeKind::Offset(joint) | ChangeKind::Compliance(joint) => {
-                    e.side == Side::Link && e.joint == joint
-                }
+                ChangeKind::Offset(joint)
+                | ChangeKind::Compliance(joint)
+                | ChangeKind::Creep(joint) => e.side == Side::Link && e.joint == joint,
                 ChangeKind::Payload => true,
             };
             if !concerned {

@@ -3,6 +3,7 @@
 use super::candidates::candidates;
 use super::changepoint_time::{at_best_time, retimed};
 use super::cost::{ThinnedResiduals, cost_at};
+use super::creep;
 use super::gauss_newton::{refine, solve, solve_from, solve_without};
 use super::lost_stiffness::{self, MOST_SOFTER};
 use super::posterior::{SURE, posteriors};
@@ -83,6 +84,25 @@ impl ChangePointSearch<'_> {
         if let Some(softer) = softer.as_ref().filter(sure) {
             best = softer.clone();
         }
+        let first = best.clone();
+        best = self.with_changes(best)?;
+        if self.scope.offsets {
+            best = creep::told_apart(problem, &first, best, |s| self.with_changes(s))?;
+        }
+        let posteriors = posteriors(problem, &best, self.scope)?;
+        let mut estimate = match softer {
+            Some(softer) => lost_stiffness::averaged(problem, best, softer)?,
+            None => problem.complete(best)?,
+        };
+        creep::average(problem, &mut estimate)?;
+        Ok(MapEstimate {
+            posteriors,
+            ..estimate
+        })
+    }
+
+    /// With the changes that are found beside those there are, and without those that makes needless.
+    fn with_changes(&self, mut best: Solution) -> Result<Solution, MapError> {
         for _ in 0..MOST {
             let Some(found) = self.most_likely(&best.estimate)? else {
                 break;
@@ -92,16 +112,7 @@ impl ChangePointSearch<'_> {
             };
             best = self.without_needless(better)?;
         }
-        best = retimed(problem, best, self.scope)?;
-        let posteriors = posteriors(problem, &best, self.scope)?;
-        let estimate = match softer {
-            Some(softer) => lost_stiffness::averaged(problem, best, softer),
-            None => problem.complete(best),
-        };
-        Ok(MapEstimate {
-            posteriors,
-            ..estimate?
-        })
+        retimed(self.problem, best, self.scope)
     }
 
     /// The candidate that takes most off the cost.
@@ -222,7 +233,9 @@ impl ChangePointSearch<'_> {
             {
                 self.with_slip(&solution, joint, at_s)
             }
-            ChangeKind::Compliance(_) | ChangeKind::Payload => Ok(Some(solution)),
+            ChangeKind::Compliance(_) | ChangeKind::Payload | ChangeKind::Creep(_) => {
+                Ok(Some(solution))
+            }
         }
     }
 
@@ -240,6 +253,7 @@ impl ChangePointSearch<'_> {
             ChangeKind::Payload => (LEAST_PAYLOAD_KG, f64::INFINITY),
             ChangeKind::Offset(_) => (LEAST_STEP_RAD, f64::INFINITY),
             ChangeKind::Compliance(_) => (LEAST_SOFTER, MOST_SOFTER),
+            ChangeKind::Creep(_) => (0.0, f64::INFINITY),
         };
         size >= least && size >= LEAST_SIGNIFICANCE * deviation && size <= most
     }

@@ -35,6 +35,16 @@ pub(crate) struct Equation {
     pub(crate) stationary_share: f64,
 }
 
+/// A change that has happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Active {
+    /// Its first column.
+    pub(crate) first: usize,
+    pub(crate) kind: ChangeKind,
+    /// By how much of its entries what it changes has changed.
+    pub(crate) factor: f64,
+}
+
 /// Equations of one block, reused from block to block.
 #[derive(Debug)]
 pub(crate) struct Equations {
@@ -42,8 +52,8 @@ pub(crate) struct Equations {
     pub(crate) list: Vec<Equation>,
     /// How the torque of every joint moves with bodies and load, `n × (r + 4)`.
     carried: Vec<f64>,
-    /// Changes that have happened by the block's time, with their first column.
-    active: Vec<(usize, ChangeKind)>,
+    /// Changes that have happened by the block's time.
+    active: Vec<Active>,
 }
 
 /// A copy has the same room: [`Equations::push`] never makes any.
@@ -86,15 +96,17 @@ impl Equations {
         row.unwrap_or_default()
     }
 
-    /// Changes that have happened by the block's time, with their first column.
-    pub(crate) fn active(&self) -> &[(usize, ChangeKind)] {
+    /// Changes that have happened by the block's time.
+    pub(crate) fn active(&self) -> &[Active] {
         &self.active
     }
 
-    /// Entry `k` of what changes, in the row of `e`.
+    /// Entry `k` of what changes, in the row of `e`, at a factor of 1.
     pub(crate) fn entry(&self, e: &Equation, kind: ChangeKind, k: usize) -> f64 {
         match kind {
-            ChangeKind::Offset(joint) if joint == e.joint => e.own[P::Offset as usize],
+            ChangeKind::Offset(joint) | ChangeKind::Creep(joint) if joint == e.joint => {
+                e.own[P::Offset as usize]
+            }
             ChangeKind::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
             ChangeKind::Payload => {
                 e.torque_gain * entry(self.carried(e.joint), self.layout.bodies + k)
@@ -108,8 +120,13 @@ impl Equations {
         &'a self,
         e: &'a Equation,
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let columns = move |&(first, kind): &(usize, ChangeKind)| {
-            (0..kind.columns()).map(move |k| (first + k, self.entry(e, kind, k)))
+        let columns = move |active: &Active| {
+            let Active {
+                first,
+                kind,
+                factor,
+            } = *active;
+            (0..kind.columns()).map(move |k| (first + k, factor * self.entry(e, kind, k)))
         };
         self.active.iter().flat_map(columns)
     }
@@ -166,7 +183,11 @@ impl Equations {
         let mut column = self.layout.dimension();
         for change in changes {
             if time_s >= change.at_s && self.active.len() < self.active.capacity() {
-                self.active.push((column, change.kind));
+                self.active.push(Active {
+                    first: column,
+                    kind: change.kind,
+                    factor: change.factor(in_steps(change.at_s, time_s)),
+                });
             }
             column += change.kind.columns();
         }
@@ -174,10 +195,21 @@ impl Equations {
 
     /// Entry `k` of what changes, with all that was added to it.
     pub(crate) fn sum(&self, x: &[f64], kind: ChangeKind, k: usize) -> f64 {
-        let own = self.active.iter().filter(|(_, own)| *own == kind);
-        let added = own.map(|(first, _)| entry(x, first + k));
-        entry(x, kind.place(self.layout) + k) + added.sum::<f64>()
+        let place = kind.place(self.layout);
+        let own = self
+            .active
+            .iter()
+            .filter(|a| a.kind.place(self.layout) == place);
+        let added = own.map(|a| a.factor * entry(x, a.first + k));
+        entry(x, place + k) + added.sum::<f64>()
     }
+}
+
+/// The middle of the step of two seconds that a time is in: blocks of one step share what creeps, so their rows can be
+/// summed together.
+fn in_steps(from_s: f64, time_s: f64) -> f64 {
+    const STEP_S: f64 = 2.0;
+    from_s + (libm::floor((time_s - from_s) / STEP_S) + 0.5) * STEP_S
 }
 
 /// `values[place]`; NaN, which no estimate hides, where there is none.

@@ -12,7 +12,7 @@
 //! so that link and motor row of a block share all but the first. What a change adds to an entry has
 //! that entry's column from its time on: it gets the same sums, of the blocks since then.
 
-use super::equation::{Equation, Equations};
+use super::equation::{Active, Equation, Equations};
 use crate::offset::change::ChangeKind;
 use crate::offset::layout::Layout;
 use crate::offset::parameter::{JointParameter as P, PER_JOINT};
@@ -62,7 +62,7 @@ pub(crate) struct Gram {
     /// `Σ w gain² carriedᵀ carried`, the lower half.
     square: Vec<Tile>,
     /// Changes that have happened by the blocks in it.
-    active: Vec<(usize, ChangeKind)>,
+    active: Vec<Active>,
     empty: bool,
 }
 
@@ -199,7 +199,7 @@ impl Gram {
         };
         let bodies = self.layout.bodies;
         let mut carried: Vec<(usize, usize)> = self.layout.carried().enumerate().collect();
-        for &(first, kind) in &self.active {
+        for &Active { first, kind, .. } in &self.active {
             if kind == ChangeKind::Payload {
                 carried.extend((0..kind.columns()).map(|k| (bodies + k, first + k)));
             }
@@ -209,22 +209,24 @@ impl Gram {
             joint.sum(&mut self.square);
             let start = self.layout.own(i).start;
             own.clear();
-            own.extend(OWN.into_iter().enumerate().map(|(k, at)| (k, start + at)));
-            own.push((0, start + P::Zero as usize));
-            for &(first, kind) in &self.active {
-                match kind {
-                    ChangeKind::Offset(joint) if joint == i => own.push((0, first)),
-                    ChangeKind::Compliance(joint) if joint == i => own.push((1, first)),
-                    _ => {}
-                }
+            let entries = OWN.into_iter().enumerate();
+            own.extend(entries.map(|(k, at)| (k, start + at, 1.0)));
+            own.push((0, start + P::Zero as usize, 1.0));
+            for active in &self.active {
+                let k = match active.kind {
+                    ChangeKind::Offset(joint) | ChangeKind::Creep(joint) if joint == i => 0,
+                    ChangeKind::Compliance(joint) if joint == i => 1,
+                    _ => continue,
+                };
+                own.push((k, active.first, active.factor));
             }
-            for &(k, at_k) in &own {
-                for &(j, at_j) in own.iter().filter(|(_, at)| *at <= at_k) {
-                    to(at_k, at_j, entry(&joint.own, k, j));
+            for &(k, at_k, factor) in &own {
+                for &(j, at_j, other) in own.iter().filter(|(_, at, _)| *at <= at_k) {
+                    to(at_k, at_j, factor * other * entry(&joint.own, k, j));
                 }
                 for &(j, at_j) in &carried {
                     let tile = &joint.mixed[j / TILE * OWN_TILES + k / TILE];
-                    to(at_j, at_k, tile[j % TILE][k % TILE]);
+                    to(at_j, at_k, factor * tile[j % TILE][k % TILE]);
                 }
             }
             joint.own.as_flattened_mut().as_flattened_mut().fill(0.0);
