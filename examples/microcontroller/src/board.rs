@@ -1,0 +1,172 @@
+//! The board that qemu has: a serial line, a timer, memory that is counted.
+
+use core::alloc::{GlobalAlloc, Layout};
+use core::sync::atomic::{AtomicUsize, Ordering};
+use embedded_alloc::LlffHeap;
+
+/// The first UART of ARM's MPS2 boards (CMSDK APB UART).
+pub struct Uart;
+
+const UART: *mut u32 = 0x4000_4000 as *mut u32;
+// Registers, in words.
+const DATA: usize = 0;
+const STATE: usize = 1;
+const CONTROL: usize = 2;
+/// Of the baud rate.
+const DIVIDER: usize = 4;
+const STATE_FULL: u32 = 1;
+const CONTROL_SEND: u32 = 1;
+
+impl Uart {
+    /// Switches it on. Baud rates mean nothing under qemu.
+    pub fn start() -> Self {
+        // SAFETY: the registers of this board; nobody else uses them.
+        unsafe {
+            UART.add(DIVIDER).write_volatile(16);
+            UART.add(CONTROL).write_volatile(CONTROL_SEND);
+        }
+        Self
+    }
+
+    /// Sends a byte, if it can take one now. Never waits.
+    pub fn send(&mut self, byte: u8) -> bool {
+        // SAFETY: as above.
+        unsafe {
+            if UART.add(STATE).read_volatile() & STATE_FULL != 0 {
+                return false;
+            }
+            UART.add(DATA).write_volatile(u32::from(byte));
+        }
+        true
+    }
+}
+
+/// The first CMSDK APB timer: counts down at the board's 25 MHz.
+pub struct Timer;
+
+const TIMER: *mut u32 = 0x4000_0000 as *mut u32;
+// Registers, in words.
+const TIMER_CONTROL: usize = 0;
+const VALUE: usize = 1;
+const RELOAD: usize = 2;
+
+impl Timer {
+    /// Starts it, over the whole of 32 bits.
+    pub fn start() -> Self {
+        // SAFETY: the registers of this board; nobody else uses them.
+        unsafe {
+            TIMER.add(RELOAD).write_volatile(u32::MAX);
+            TIMER.add(VALUE).write_volatile(u32::MAX);
+            TIMER.add(TIMER_CONTROL).write_volatile(1);
+        }
+        Self
+    }
+
+    /// Ticks so far; goes round.
+    pub fn ticks(&self) -> u32 {
+        // SAFETY: as above.
+        !unsafe { TIMER.add(VALUE).read_volatile() }
+    }
+}
+
+/// A heap that counts.
+pub struct Heap {
+    inner: LlffHeap,
+    used: AtomicUsize,
+    most: AtomicUsize,
+    calls: AtomicUsize,
+}
+
+impl Heap {
+    pub const fn empty() -> Self {
+        Self {
+            inner: LlffHeap::empty(),
+            used: AtomicUsize::new(0),
+            most: AtomicUsize::new(0),
+            calls: AtomicUsize::new(0),
+        }
+    }
+
+    /// Memory it hands out.
+    ///
+    /// # Safety
+    /// Once, and of memory that nobody else uses.
+    pub unsafe fn start(&self, at: usize, bytes: usize) {
+        // SAFETY: the caller's promise.
+        unsafe { self.inner.init(at, bytes) }
+    }
+
+    /// Bytes in use, the most that were, and calls so far.
+    pub fn counts(&self) -> [usize; 3] {
+        [&self.used, &self.most, &self.calls].map(|x| x.load(Ordering::Relaxed))
+    }
+}
+
+// SAFETY: hands on to a heap that is one, and counts.
+unsafe impl GlobalAlloc for Heap {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // What this heap takes from its memory: multiples of eight.
+        let size = layout.size().next_multiple_of(8);
+        self.calls.fetch_add(1, Ordering::Relaxed);
+        let used = self.used.fetch_add(size, Ordering::Relaxed) + size;
+        self.most.fetch_max(used, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { self.inner.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        self.calls.fetch_add(1, Ordering::Relaxed);
+        let size = layout.size().next_multiple_of(8);
+        self.used.fetch_sub(size, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { self.inner.dealloc(at, layout) }
+    }
+}
+
+unsafe extern "C" {
+    static mut __sheap: u32;
+    static mut _stack_start: u32;
+    static __sidata: u32;
+    static __sdata: u32;
+    static __edata: u32;
+    static __sbss: u32;
+    static __ebss: u32;
+}
+
+/// Bytes of flash that the program takes, and of memory for its statics.
+pub fn sizes() -> [usize; 2] {
+    let at = |x: *const u32| x as usize;
+    let data = at(&raw const __edata) - at(&raw const __sdata);
+    let bss = at(&raw const __ebss) - at(&raw const __sbss);
+    [at(&raw const __sidata) + data, data + bss]
+}
+
+const PAINT: u32 = 0xC0DE_57AC;
+
+/// Paints the stack that is free now.
+#[inline(never)]
+pub fn paint_stack() {
+    /// Left alone below the stack pointer: what this function itself uses.
+    const OWN: usize = 128;
+    let end = cortex_m::register::msp::read() as usize - OWN;
+    let mut at = &raw mut __sheap;
+    while (at as usize) < end {
+        // SAFETY: between the statics and the stack in use there is nothing: the heap is a static.
+        unsafe {
+            at.write_volatile(PAINT);
+            at = at.add(1);
+        }
+    }
+}
+
+/// Bytes of stack used since it was painted, from its very beginning.
+#[inline(never)]
+pub fn stack_used() -> usize {
+    let mut at = &raw const __sheap;
+    let end = &raw const _stack_start;
+    // SAFETY: reads memory of the board only.
+    while at < end && unsafe { at.read_volatile() } == PAINT {
+        at = unsafe { at.add(1) };
+    }
+    end as usize - at as usize
+}
