@@ -1,6 +1,8 @@
 //! Tables and paragraphs for a terminal: as wide as it is, in colour where it shows colour.
 
-use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+use comfy_table::{
+    CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
+};
 use sinew_files::number::three_digits;
 pub use sinew_files::plain;
 use std::sync::OnceLock;
@@ -77,6 +79,7 @@ const STYLE: TableStyle =
 
 /// A table: names to the left, numbers to the right; wrapped to the terminal.
 pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
+    let least = least_widths(head, &rows, left);
     let mut table = Table::new();
     table
         .load_style(STYLE)
@@ -86,7 +89,12 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
         .add_rows(rows);
     let last = head.len().saturating_sub(1);
     for (i, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((0, if i == last { 0 } else { 2 }));
+        let padding = if i == last { 0 } else { 2 };
+        column.set_padding((0, padding));
+        if let Some(least) = least.get(i) {
+            let width = Width::Fixed(*least as u16 + padding);
+            column.set_constraint(ColumnConstraint::LowerBoundary(width));
+        }
         if i >= left {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -96,6 +104,34 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
         Some(rule) => toned(Tone::Head, &text[..rule]) + &text[rule..],
         None => text,
     }
+}
+
+/// Widths at which no number and no word is broken; of numbers only, where the words of all columns don't fit; none, where
+/// those don't either.
+fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> Vec<usize> {
+    let word = |text: &str| {
+        let words = text.split_whitespace().map(|w| w.chars().count());
+        words.max().unwrap_or(0)
+    };
+    let widths = |text_too: bool| -> Vec<usize> {
+        (head.iter().enumerate())
+            .map(|(i, head)| {
+                let cells = rows.iter().filter_map(|row| row.get(i));
+                let least = cells.map(|cell| match i >= left {
+                    true => cell.chars().count(),
+                    false if text_too => word(cell),
+                    false => 0,
+                });
+                least.fold(word(head), usize::max)
+            })
+            .collect()
+    };
+    let gaps = 2 * head.len().saturating_sub(1);
+    let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() + gaps <= look().columns;
+    [widths(true), widths(false)]
+        .into_iter()
+        .find(fits)
+        .unwrap_or_default()
 }
 
 /// A paragraph, wrapped; following lines are indented by `indent`.
@@ -180,6 +216,26 @@ mod tests {
                 assert!(line.chars().count() <= WIDTH, "{line}");
             }
         }
+    }
+
+    #[test]
+    fn numbers_and_names_stay_whole_where_sentences_give_way() {
+        let head = ["robot", "joint", "to do", "limit mm", "now mm", "days"];
+        let sentence = "tension it again, or have a look at its pulleys first";
+        let row = [
+            "arm-0077",
+            "shoulder_pitch",
+            sentence,
+            "0.50",
+            "30.47 ± 0.05",
+            "120 … > 365",
+        ];
+        let text = table(&head, vec![row.map(str::to_owned).into()], 3);
+        for whole in ["shoulder_pitch", "30.47 ± 0.05", "120 … > 365"] {
+            assert!(text.contains(whole), "{whole} is broken:\n{text}");
+        }
+        let widest = text.lines().map(|l| l.chars().count()).max();
+        assert!(widest <= Some(WIDTH), "{text}");
     }
 
     #[test]

@@ -5,11 +5,13 @@ use super::component::{
     AMPLITUDE, BASELINE, Component, DRIFT, EXCESS, Expected, LEVEL, SLOW, STATES, STIFFNESS,
     TAKEN_OUT, TRIANGLE, entry,
 };
+use super::curve::Place;
 use super::gauss::{LogSum, above_zero, log_normal};
 use super::prior::{Noise, Prior};
 use super::record::{Record, TrendConfig, TrendEntry};
 use super::softened::Softened;
 use crate::Gaussian;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// Standard deviation of a session's error in the offset per error of its stiffness, rad: half a
@@ -293,6 +295,9 @@ impl Bank {
 
     /// After a failed strand sessions may scatter as they didn't before: each filter also with the
     /// other levels of the records' own errors.
+    ///
+    /// Filters of one curve and one noise that come together are merged, as interacting multiple models are: so there are
+    /// never more than curves times noises, however often a tendon jumps. Those that were there keep their places.
     pub(super) fn reconsider_errors(&mut self, prior: &Prior) {
         /// Probability of each other level.
         const OTHER: f64 = 0.1;
@@ -316,7 +321,26 @@ impl Bank {
                 }
             }
         }
-        self.components.extend(more);
+        let noises = prior.noises.len();
+        let place = |c: &Component| c.curve as usize * noises + c.noise as usize;
+        let mut places: Vec<Option<usize>> = vec![None; prior.curves.len() * noises];
+        for (at, c) in self.components.iter().enumerate() {
+            if let Some(free) = places.get_mut(place(c)) {
+                *free = Some(at);
+            }
+        }
+        for c in more {
+            let Some(taken) = places.get_mut(place(&c)) else {
+                continue;
+            };
+            match taken.and_then(|at| self.components.get_mut(at)) {
+                Some(own) => own.merge(&c),
+                None => {
+                    *taken = Some(self.components.len());
+                    self.components.push(c);
+                }
+            }
+        }
     }
 
     /// Takes a record in; one without an offset changes nothing.
@@ -461,10 +485,9 @@ impl Bank {
 
 /// Creep between two times for an amplitude of 1, per curve, rad.
 pub(super) fn creep(prior: &Prior, from_s: f64, to_s: f64) -> Vec<f64> {
-    prior
-        .curves
-        .iter()
-        .map(|c| c.at(to_s) - c.at(from_s))
+    let [from, to] = [from_s, to_s].map(Place::of);
+    (prior.curves.iter())
+        .map(|c| c.between(to) - c.between(from))
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! One Kalman filter: a curve and a noise.
 
-use super::gauss::above_zero;
+use super::gauss::{LogSum, above_zero};
 
 /// Level, taken out, amplitude, temperature drift, slow error, error per error of the stiffness, the baseline's error,
 /// what poorer sessions have beyond it.
@@ -121,9 +121,74 @@ impl Component {
         self.covariance[entry(state, state)] = variance;
     }
 
+    /// Becomes the normal distribution with the mean and covariance of both, each by its weight:
+    ///
+    /// ```text
+    /// m = Σ w m_i    P = Σ w (P_i + (m_i − m)(m_i − m)ᵀ)
+    /// ```
+    pub(super) fn merge(&mut self, other: &Self) {
+        let log_weight = {
+            let mut sum = LogSum::new();
+            sum.add(self.log_weight);
+            sum.add(other.log_weight);
+            sum.value()
+        };
+        let share = libm::exp(other.log_weight - log_weight);
+        let apart: [f64; STATES] = core::array::from_fn(|i| other.mean[i] - self.mean[i]);
+        let mut at = 0;
+        for i in 0..STATES {
+            for k in 0..=i {
+                let (own, its) = (self.covariance[at + k], other.covariance[at + k]);
+                self.covariance[at + k] =
+                    own + share * (its - own) + share * (1.0 - share) * apart[i] * apart[k];
+            }
+            at += i + 1;
+        }
+        for (mean, apart) in self.mean.iter_mut().zip(apart) {
+            *mean += share * apart;
+        }
+        self.log_weight = log_weight;
+    }
+
     /// Logarithm of the weight with `a > 0` reckoned in.
     pub(super) fn weight_above_zero(&self) -> f64 {
         let deviation = libm::sqrt(self.covariance[entry(AMPLITUDE, AMPLITUDE)]).max(1e-300);
         self.log_weight + libm::log(above_zero(self.mean[AMPLITUDE], deviation))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_filters_become_one_with_the_moments_of_both() {
+        let of = |share: f64, level: f64, drift: f64, variance: f64| {
+            let mut covariance = [0.0; TRIANGLE];
+            covariance[entry(LEVEL, LEVEL)] = variance;
+            covariance[entry(DRIFT, LEVEL)] = 0.1 * variance;
+            covariance[entry(DRIFT, DRIFT)] = variance;
+            let mut mean = [0.0; STATES];
+            (mean[LEVEL], mean[DRIFT]) = (level, drift);
+            Component {
+                curve: 3,
+                noise: 2,
+                log_weight: libm::log(share),
+                mean,
+                covariance,
+            }
+        };
+        // A quarter and three quarters of 1 and 5, of 2 and 0: 4 and 0.5.
+        let mut both = of(0.25, 1.0, 2.0, 1.0);
+        both.merge(&of(0.75, 5.0, 0.0, 2.0));
+        let p = |i: usize, k: usize| both.covariance[entry(i, k)];
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        near(both.log_weight, 0.0);
+        near(both.mean[LEVEL], 4.0);
+        near(both.mean[DRIFT], 0.5);
+        // Σ w (P + d dᵀ): 1.75 + (9/4 + 3/4), 1.75 + (2.25/4 + 0.25 · 3/4), 0.175 + (−3 · 1.5/4 − 1 · 0.5 · 3/4).
+        near(p(LEVEL, LEVEL), 4.75);
+        near(p(DRIFT, DRIFT), 2.5);
+        near(p(LEVEL, DRIFT), -1.325);
     }
 }

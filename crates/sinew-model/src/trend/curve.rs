@@ -35,25 +35,56 @@ pub fn node_times_s() -> Vec<f64> {
         .collect()
 }
 
+/// A time among the nodes, which all curves share: its logarithm is taken once.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Place {
+    /// At or before tensioning.
+    NotYet,
+    /// Before the first node.
+    BeforeFirst { time_s: f64 },
+    /// After node `below`, by this share of the way to the next.
+    After { below: usize, share: f64 },
+}
+
+impl Place {
+    pub(super) fn of(time_s: f64) -> Self {
+        if !(time_s > 0.0) {
+            return Self::NotYet;
+        }
+        if time_s <= FIRST_S {
+            return Self::BeforeFirst { time_s };
+        }
+        let at = libm::log10(time_s / FIRST_S) * PER_DECADE as f64;
+        let below = at as usize;
+        Self::After {
+            below,
+            share: at - below as f64,
+        }
+    }
+}
+
 impl Curve {
     /// Value at `time_s` after tensioning: linear over the logarithm of time between nodes, linear
     /// over time before the first, constant after the last; 0 at and before tensioning.
     #[must_use]
     pub fn at(&self, time_s: f64) -> f64 {
+        self.between(Place::of(time_s))
+    }
+
+    /// Value at a place among the nodes.
+    pub(super) fn between(&self, place: Place) -> f64 {
         let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else {
             return 0.0;
         };
-        if !(time_s > 0.0) {
-            return 0.0;
-        }
-        if time_s <= FIRST_S {
-            return first * time_s / FIRST_S;
-        }
-        let at = libm::log10(time_s / FIRST_S) * PER_DECADE as f64;
-        let below = at as usize;
-        match (self.values.get(below), self.values.get(below + 1)) {
-            (Some(a), Some(b)) => a + (b - a) * (at - below as f64),
-            _ => *last,
+        match place {
+            Place::NotYet => 0.0,
+            Place::BeforeFirst { time_s } => first * time_s / FIRST_S,
+            Place::After { below, share } => {
+                match (self.values.get(below), self.values.get(below + 1)) {
+                    (Some(a), Some(b)) => a + (b - a) * share,
+                    _ => *last,
+                }
+            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! Where a tendon stands after the last record.
 
-use super::component::{AMPLITUDE, BASELINE, DRIFT, LEVEL, STATES, TAKEN_OUT};
+use super::component::{AMPLITUDE, BASELINE, Component, DRIFT, LEVEL, TAKEN_OUT, entry};
+use super::curve::Place;
 use super::gauss::LogSum;
 use super::tracker::Trend;
 use crate::Gaussian;
+use alloc::vec::Vec;
 
 /// Where the tendon stands after the last entry, over all filters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,34 +36,38 @@ impl TrendNow {
         const DAY_S: f64 = 86_400.0;
         let prior = trend.prior();
         let t = trend.time_s();
+        let weights: Vec<f64> = (trend.components().iter())
+            .map(Component::weight_above_zero)
+            .collect();
         let mut all = LogSum::new();
-        for c in trend.components() {
-            all.add(c.weight_above_zero());
-        }
+        weights.iter().for_each(|w| all.add(*w));
         let total = all.value();
+        let [today, tomorrow] = [t, t + DAY_S].map(Place::of);
+        let rates: Vec<f64> = (prior.curves.iter())
+            .map(|k| (k.between(tomorrow) - k.between(today)) / DAY_S)
+            .collect();
         let mut moments = [[0.0; 2]; 5];
         let (mut slow_deviation_rad, mut white_scale) = (0.0, 0.0);
-        for c in trend.components() {
-            let share = libm::exp(c.weight_above_zero() - total);
-            let rate = prior
-                .curves
-                .get(c.curve as usize)
-                .map_or(0.0, |k| (k.at(t + DAY_S) - k.at(t)) / DAY_S);
-            let mut whole = [0.0; STATES];
-            whole[LEVEL] = 1.0;
-            let mut offset = whole;
-            offset[TAKEN_OUT] = 1.0;
-            let mut pace = [0.0; STATES];
-            pace[AMPLITUDE] = rate;
-            let mut drift = [0.0; STATES];
-            drift[DRIFT] = 1.0;
-            let mut baseline = [0.0; STATES];
-            baseline[BASELINE] = 1.0;
-            let seen = [offset, whole, pace, drift, baseline];
-            for (sums, h) in moments.iter_mut().zip(seen) {
-                let found = c.expect(&h);
-                sums[0] += share * found.mean;
-                sums[1] += share * (found.mean * found.mean + found.variance);
+        for (c, weight) in trend.components().iter().zip(&weights) {
+            let share = libm::exp(weight - total);
+            let rate = rates.get(c.curve as usize).copied().unwrap_or(0.0);
+            let p = |i: usize, k: usize| c.covariance[entry(i, k)];
+            let offset = c.mean[LEVEL] + c.mean[TAKEN_OUT];
+            let offset_variance =
+                p(LEVEL, LEVEL) + 2.0 * p(LEVEL, TAKEN_OUT) + p(TAKEN_OUT, TAKEN_OUT);
+            let seen = [
+                (offset, offset_variance.max(0.0)),
+                (c.mean[LEVEL], p(LEVEL, LEVEL)),
+                (
+                    rate * c.mean[AMPLITUDE],
+                    rate * rate * p(AMPLITUDE, AMPLITUDE),
+                ),
+                (c.mean[DRIFT], p(DRIFT, DRIFT)),
+                (c.mean[BASELINE], p(BASELINE, BASELINE)),
+            ];
+            for (sums, (mean, variance)) in moments.iter_mut().zip(seen) {
+                sums[0] += share * mean;
+                sums[1] += share * (mean * mean + variance);
             }
             if let Some(noise) = prior.noises.get(c.noise as usize) {
                 slow_deviation_rad += share * noise.slow_deviation_rad;

@@ -379,3 +379,24 @@ fn going_on_from_a_state_is_the_same_to_the_last_bit() {
         Err(TrendError::State)
     );
 }
+
+#[test]
+fn a_tendon_that_jumps_again_and_again_takes_no_more_memory_than_one_that_doesnt() {
+    let prior = Prior::new(generic_curves(30e-3));
+    let most = prior.curves.len() * prior.noises.len();
+    let mut trend = Trend::new(prior, TrendConfig::default()).expect("a prior");
+    let mut random = Random(5);
+    for day in 1..=40 {
+        // A strand fails every three days: 8 mrad each time.
+        let strands = f64::from((day / 3).min(8));
+        let offset = 2e-3 + 8e-3 * strands + 0.1e-3 * random.normal();
+        let own = record(f64::from(day), offset, 0.15e-3, 21.0);
+        trend.add(own).expect("in order");
+        let filters = trend.components().len();
+        assert!(filters <= most, "day {day}: {filters} of {most}");
+    }
+    let found = trend.events().len();
+    assert!(found >= 5, "{found} of 8 jumps");
+    let offset = trend.components()[0].mean[0];
+    assert!((offset - 66e-3).abs() < 1e-3, "{offset}");
+}
