@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Sinew's momentum pass beside Pinocchio and MuJoCo: same robots, states and core, same run.
+"""Sinew's momentum pass, and code written for one robot, beside Pinocchio, CasADi and MuJoCo: same robots, states and core,
+same run.
 
     benches/peers/run.py                   # our own models, 4 to 32 joints
     benches/peers/run.py --models DIR      # any folder of URDFs
     benches/peers/run.py --quick           # a second per program instead of several
+    benches/peers/run.py --sinew FILE      # a `sinew` that is built; else cargo builds it, to write a robot's code with
 
 Needs python3 with venv, gcc or clang (both: apt-get install clang), cargo. Installs `pin`,
-`cmeel-eigen` and `mujoco` from PyPI into a virtual environment under target/peers.
+`cmeel-eigen`, `casadi` and `mujoco` from PyPI into a virtual environment under target/peers.
 
 Programs are run in turn, round after round, pinned to one core; a program's figure is its least
 time per pass over all rounds, which is what the code costs when nothing disturbs it. Each program
@@ -16,6 +18,7 @@ writes the values it computed; the run fails unless they agree to 1e-9.
 import argparse
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -38,18 +41,21 @@ def environment():
         return
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", WORK / "venv"], check=True)
-    packages = ["pin>=4.1", "cmeel-eigen", "mujoco>=4"]
+    packages = ["pin>=4.1", "cmeel-eigen", "casadi>=3.7", "mujoco>=4"]
     subprocess.run([python, "-m", "pip", "install", "-q", *packages], check=True)
     os.execv(python, [python, __file__, *sys.argv[1:]])
 
 
 environment()
 
+import casadi  # noqa: E402
 import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
 import pinocchio as pin  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "crates/sinew-model/tests/reference"))
+sys.path.insert(0, str(HERE))
+import casadi_pass  # noqa: E402
 from make_reference import as_revolute, mujoco_model  # noqa: E402
 
 GRAVITY = [0.0, 0.0, -9.81]
@@ -104,6 +110,40 @@ def build_programs():
     return programs
 
 
+def write_code(robot, sinew):
+    """What is written for this robot alone: name -> (path, engine)."""
+    folder = WORK / f"{robot.name}-code"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    shutil.copy(robot.urdf, folder)
+    joints = "".join(f'[joints."{name}"]\nstiffness_nm_per_rad = 40.0\n' for name in robot.joints)
+    (folder / "robot.toml").write_text(f'urdf = "{robot.urdf.name}"\n{joints}')
+    subprocess.run(
+        [*sinew, "robot", "generate", folder, "--lang", "c", "--out", folder], check=True, capture_output=True, cwd=ROOT
+    )
+    header = next(folder.glob("*.h"))
+    own = header.with_suffix(".c")
+    names = re.search(r"joint_names\[[^]]*\] = \{(.*?)\}", own.read_text(), re.S)[1]
+    robot.generated_order = [robot.joints.index(name) for name in re.findall(r'"([^"]*)"', names)]
+    robot.write_states("generated", robot.generated_order)
+    work = casadi_pass.write(robot.model, GRAVITY, folder, "casadi_code")
+    common = ["-std=gnu99", "-O3", f"-DJOINTS={robot.n}", HERE / "generated.c", "-lm"]
+    sources = {
+        "sinew generated": ([own, f"-DPASS={header.stem}_momentum", "-include", header], "generated"),
+        "casadi generated": ([folder / "casadi_code.c", "-DCASADI", f"-DCASADI_WORK={work}"], "casadi"),
+    }
+    programs = {}
+    for compiler in ["gcc", "clang"]:
+        if not shutil.which(compiler):
+            continue
+        for label, flags in [("default", []), ("native", ["-march=native"])]:
+            for name, (source, engine) in sources.items():
+                out = folder / f"{engine}-{compiler}-{label}"
+                subprocess.run([compiler, *flags, *source, *common, "-o", out], check=True)
+                programs[f"{name}, {compiler}, {label}"] = (out, engine)
+    return programs
+
+
 # --- robots ------------------------------------------------------------------------------------
 
 
@@ -129,7 +169,7 @@ class Robot:
         model = pin.buildModelFromXML(as_revolute(text))
         model.gravity.linear = np.array(GRAVITY)
         self.joints = list(model.names)[1:]
-        self.n = model.nv
+        self.n, self.model = model.nv, model
         rng = np.random.default_rng(SEED)
         reach = np.array(["JointModelP" not in j.shortname() for j in list(model.joints)[1:]])
         reach = np.where(reach, np.pi, 0.3)
@@ -144,7 +184,8 @@ class Robot:
         self.write_states("mujoco", np.argsort(self.mujoco_order))
 
     def states(self, engine):
-        return self.files.with_suffix(f".{'mujoco' if engine == 'mujoco' else 'pinocchio'}.states")
+        order = engine if engine in ["mujoco", "generated"] else "pinocchio"
+        return self.files.with_suffix(f".{order}.states")
 
     def write_states(self, engine, order):
         order = list(order)
@@ -160,6 +201,8 @@ class Robot:
             "sinew": [self.urdf, *map(str, GRAVITY)],
             "pinocchio": [self.files.with_suffix(".model")],
             "mujoco": [self.files.with_suffix(".mjb")],
+            "generated": [],
+            "casadi": [],
         }[engine]
         pinned = ["taskset", "-c", str(core)] if shutil.which("taskset") else []
         done = subprocess.run(
@@ -169,6 +212,8 @@ class Robot:
         values = np.loadtxt(dump).reshape(STATES, 3, self.n)
         if engine == "mujoco":
             values = values[:, :, self.mujoco_order]
+        if engine == "generated":
+            values = values[:, :, np.argsort(self.generated_order)]
         return float(done.stdout), values
 
 
@@ -205,23 +250,26 @@ def main():
     parser.add_argument("--core", type=int, default=sorted(os.sched_getaffinity(0))[-1])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--quick", action="store_true", help="two short rounds")
+    parser.add_argument("--sinew", type=Path, help="a command that is built already")
     args = parser.parse_args()
+    sinew = [args.sinew.resolve()] if args.sinew else ["cargo", "run", "-q", "-p", "sinew", "--"]
     rounds, seconds = (2, 0.25) if args.quick else (args.rounds, 0.5)
     WORK.mkdir(parents=True, exist_ok=True)
 
     programs = build_programs()
     urdfs = sorted(args.models.glob("*.urdf")) if args.models else [OWN / f"{r}.urdf" for r in OWN_ROBOTS]
-    tools = [version(c) for c in ["rustc", "g++", "clang++"] if shutil.which(c)]
-    print(f"{cpu()}, core {args.core}; pinocchio {pin.__version__}, mujoco {mujoco.__version__}")
+    tools = [version(c) for c in ["rustc", "g++", "gcc", "clang++"] if shutil.which(c)]
+    print(f"{cpu()}, core {args.core}; pinocchio {pin.__version__}, casadi {casadi.__version__}, mujoco {mujoco.__version__}")
     print("; ".join(tools))
     print(f"least time per pass of {rounds} rounds of {seconds} s each, in turn; {STATES} random states\n")
 
     aim_missed = False
     for robot in map(Robot, urdfs):
-        best = {name: float("inf") for name in programs}
+        all_programs = {**programs, **write_code(robot, sinew)}
+        best = {name: float("inf") for name in all_programs}
         values = {}
         for _ in range(rounds):
-            for name, (path, engine) in programs.items():
+            for name, (path, engine) in all_programs.items():
                 ns, values[name] = robot.time(path, engine, args.core, seconds)
                 best[name] = min(best[name], ns)
         worst = differences(robot, values)
