@@ -1,10 +1,10 @@
 //! Which columns a tendon has part in: its group, and what groups are to be freed of.
 
+use super::values::{drawn_in, logarithms, spreads};
 use super::{CreepUnit, apart};
 use crate::args::By;
 use crate::gather::CreepingTendon;
 use crate::hierarchy::{self, Hierarchy, Unit};
-use sinew_model::statistics::quantile;
 use std::collections::BTreeMap;
 
 /// Prior deviation of kinds of tendon, and of covariates, over the logarithm.
@@ -63,6 +63,8 @@ pub(crate) struct Design {
     /// where its groups are shown.
     pub(super) middles: BTreeMap<Option<String>, Vec<f64>>,
     pub(crate) unit: CreepUnit,
+    /// Of each tendon the logarithm of its creep, as it is.
+    pub(crate) logarithms: Vec<f64>,
     pub(super) freed_of: Vec<Factor>,
     pub(super) without_group: usize,
     pub(super) undated: usize,
@@ -112,7 +114,7 @@ pub(super) fn level(tendon: &CreepingTendon, factor: Factor) -> String {
 }
 
 /// Numbers of names, in their order.
-fn numbered<T: Ord>(names: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
+pub(super) fn numbered<T: Ord>(names: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
     let mut out: BTreeMap<T, usize> = names.map(|name| (name, 0)).collect();
     out.values_mut().enumerate().for_each(|(i, n)| *n = i);
     out
@@ -206,7 +208,10 @@ impl Design {
         freed_of.push(Factor::Robot);
 
         let (values, unit) = logarithms(&tendons, &kinds);
-        let spreads = spreads(&values, &levels(Factor::Kind));
+        let ropes_kinds = levels(Factor::Kind);
+        let logarithms: Vec<f64> = values.iter().map(|v| v.0).collect();
+        let drawn_in = drawn_in(&logarithms, &ropes_kinds);
+        let spreads = spreads(&drawn_in, &ropes_kinds, &tendons);
         let units: Vec<Unit> = (0..tendons.len())
             .map(|i| {
                 let covariates = covariates.iter().enumerate();
@@ -219,7 +224,7 @@ impl Design {
                         .map(|(first, numbers)| (first + numbers[i], 1.0)),
                 );
                 Unit {
-                    value: values[i].0,
+                    value: drawn_in[i],
                     variance: values[i].1,
                     spread: spreads[i],
                     robot: robots[i],
@@ -271,6 +276,7 @@ impl Design {
             first_group,
             middles,
             unit,
+            logarithms,
             freed_of,
             without_group: all - tendons.len(),
             undated,
@@ -284,135 +290,4 @@ fn centred(values: &[Option<f64>], unit: f64) -> Vec<f64> {
     let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
     let of = |v: &Option<f64>| v.map_or(0.0, |v| (v - mean) / unit);
     values.iter().map(of).collect()
-}
-
-/// Of each tendon the logarithm of its creep per decade, and the variance of that.
-///
-/// `c = e^z` is known to `s`. Where `c` is above `2 s`, `z` is its logarithm, known to `s/c`. Else `e^z` is taken for a straight
-/// line about `z₀`, the most probable `z` with what is usual for its kind as a prior: `z₀ + (c − e^z₀) e^−z₀`, known to
-/// `s e^−z₀`. A tendon that isn't known, or doesn't creep, hardly counts so.
-fn logarithms(tendons: &[&CreepingTendon], kinds: &[usize]) -> (Vec<(f64, f64)>, CreepUnit) {
-    let unit = match tendons.iter().all(|t| t.strain_per_rad.is_some()) {
-        true => CreepUnit::Strain,
-        false => CreepUnit::Offset,
-    };
-    let known: Vec<(f64, f64)> = (tendons.iter())
-        .map(|t| {
-            let factor = match unit {
-                CreepUnit::Strain => t.strain_per_rad.unwrap_or(1.0),
-                CreepUnit::Offset => 1.0,
-            };
-            (
-                factor * t.creep.per_decade_rad,
-                factor * t.creep.deviation_rad,
-            )
-        })
-        .collect();
-    let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (&(c, s), &kind) in known.iter().zip(kinds) {
-        by_kind.entry(kind).or_default().push(c.max(s).ln());
-    }
-    let mut usual = BTreeMap::new();
-    for (kind, mut logs) in by_kind {
-        logs.sort_by(f64::total_cmp);
-        let half_width = 0.5 * (quantile(&logs, 0.84) - quantile(&logs, 0.16));
-        usual.insert(kind, (quantile(&logs, 0.5), half_width.max(0.3)));
-    }
-    let values = known.iter().zip(kinds);
-    let values = values.map(|(&(c, s), kind)| {
-        let (middle, width) = usual[kind];
-        let at = match c > 2.0 * s {
-            true => c.ln(),
-            false => most_probable(c, s, middle, width),
-        };
-        let slope = (-at).exp();
-        (at + (c - at.exp()) * slope, (s * slope).powi(2))
-    });
-    (values.collect(), unit)
-}
-
-/// Of each tendon how far those of its kind differ, over the mean of all.
-fn spreads(values: &[(f64, f64)], kinds: &[usize]) -> Vec<f64> {
-    let logs: Vec<f64> = values.iter().map(|v| v.0).collect();
-    let widths = widths(&logs, kinds);
-    let mean = (widths.iter().map(|w| w * w).sum::<f64>() / widths.len() as f64).sqrt();
-    let over = |w: f64| if mean > 0.0 { w / mean } else { 1.0 };
-    widths.into_iter().map(over).collect()
-}
-
-/// Of each tendon how far those of its kind usually depart, measurements aside.
-///
-/// * `departures`: of each tendon how far it does, and the variance of the measurement.
-pub(crate) fn usual_widths(departures: &[(f64, f64)], tendons: &[CreepingTendon]) -> Vec<f64> {
-    let names: Vec<String> = tendons.iter().map(|t| level(t, Factor::Kind)).collect();
-    let numbers = numbered(names.iter().cloned());
-    let kinds: Vec<usize> = names.iter().map(|n| numbers[n]).collect();
-    let alone: Vec<f64> = departures.iter().map(|d| d.0).collect();
-    let mut variances: Vec<f64> = departures.iter().map(|d| d.1).collect();
-    variances.sort_by(f64::total_cmp);
-    let measured = quantile(&variances, 0.5);
-    // What is left of a width beside the measurements' is at least half of it.
-    let own = |w: f64| (w * w - measured).max(0.25 * w * w).sqrt();
-    widths(&alone, &kinds).into_iter().map(own).collect()
-}
-
-/// Of each value half of what the middle 68 % of its kind span. Kinds of few are drawn towards the mean of all, as if ten more
-/// of it were there.
-fn widths(values: &[f64], kinds: &[usize]) -> Vec<f64> {
-    const MORE: f64 = 10.0;
-    let mut by_kind: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (value, kind) in values.iter().zip(kinds) {
-        by_kind.entry(*kind).or_default().push(*value);
-    }
-    let squares: BTreeMap<usize, (f64, f64)> = (by_kind.into_iter())
-        .map(|(kind, mut of)| {
-            of.sort_by(f64::total_cmp);
-            let half = 0.5 * (quantile(&of, 0.84) - quantile(&of, 0.16));
-            (kind, (half * half, of.len() as f64))
-        })
-        .collect();
-    let all: f64 = squares.values().map(|(square, n)| square * n).sum();
-    let mean = all / values.len().max(1) as f64;
-    let of = |kind: &usize| {
-        let (square, n) = squares[kind];
-        ((square * n + mean * MORE) / (n + MORE)).sqrt()
-    };
-    kinds.iter().map(of).collect()
-}
-
-/// The most probable `z` where `e^z` is `c ± s` and `z` is `middle ± width` before: Newton's method on a sum of two squares,
-/// each step no longer than 1.
-fn most_probable(c: f64, s: f64, middle: f64, width: f64) -> f64 {
-    let mut z = middle;
-    for _ in 0..60 {
-        let e = z.exp();
-        let slope = (e - c) * e / (s * s) + (z - middle) / (width * width);
-        let curvature = e * e / (s * s) + 1.0 / (width * width);
-        let step = (slope / curvature).clamp(-1.0, 1.0);
-        z -= step;
-        if step.abs() < 1e-10 {
-            break;
-        }
-    }
-    z
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_creep_that_is_known_well_is_its_logarithm() {
-        let z = most_probable(5.0, 0.01, 0.0, 1.0);
-        assert!((z - 5.0_f64.ln()).abs() < 1e-4, "{z}");
-    }
-
-    #[test]
-    fn a_creep_that_isnt_known_stays_near_what_is_usual() {
-        let z = most_probable(-3.0, 50.0, 1.0, 0.8);
-        assert!((z - 1.0).abs() < 0.05, "{z}");
-        // None at all, and known well: far below, yet a number.
-        let none = most_probable(0.0, 0.1, 1.0, 0.8);
-        assert!((-4.0..-1.0).contains(&none), "{none}");
-    }
 }

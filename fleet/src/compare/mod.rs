@@ -4,6 +4,7 @@ mod apart;
 pub(crate) mod design;
 mod judge;
 pub(crate) mod show;
+pub(crate) mod values;
 
 pub use design::{Factor, GroupKey};
 pub use judge::{Group, Verdict};

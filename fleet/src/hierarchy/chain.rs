@@ -1,15 +1,14 @@
 //! One chain of draws: how far everything differs by Metropolis' rule with the coefficients integrated out, then these exactly,
-//! then which of them stray.
+//! then which groups stray.
 
 use super::gram::{Gram, Posterior};
-use super::{Draws, Hierarchy};
+use super::{Draws, Hierarchy, Unit};
 use nalgebra::DVector;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma, StandardNormal};
 
-/// Degrees of freedom of tendons and of groups that may stray: with one a group's distribution is Cauchy's.
-const TENDON_FREEDOM: f64 = 5.0;
+/// Degrees of freedom of groups that may stray: with one their distribution is Cauchy's.
 const GROUP_FREEDOM: f64 = 1.0;
 /// Scale of the half-Cauchy priors of what tendons and robots differ by.
 const TENDON_SCALE: f64 = 0.5;
@@ -24,8 +23,7 @@ pub(super) struct Chain<'a> {
     rng: ChaCha8Rng,
     /// `τ` of tendons, robots, and factors.
     deviations: Vec<f64>,
-    /// Of each tendon, and of each column, what its variance is multiplied by.
-    tendon_factor: Vec<f64>,
+    /// Of each column what its variance is multiplied by.
     column_factor: Vec<f64>,
     /// Widths of the proposals, over ln τ.
     steps: Vec<f64>,
@@ -43,7 +41,6 @@ impl<'a> Chain<'a> {
             model,
             rng,
             deviations,
-            tendon_factor: vec![1.0; model.units.len()],
             column_factor: vec![1.0; model.columns()],
             steps: vec![0.3; count],
         }
@@ -96,13 +93,7 @@ impl<'a> Chain<'a> {
         let normals = DVector::from_iterator(self.model.columns(), normals);
         let drawn = now.draw(normals);
         self.stray_groups(&drawn);
-        self.stray_tendons(&drawn);
         Some(drawn)
-    }
-
-    /// Variance of a tendon's own effect.
-    fn own_variance(&self, i: usize) -> f64 {
-        (self.deviations[0] * self.model.units[i].spread).powi(2) * self.tendon_factor[i]
     }
 
     /// Moves the deviations. Those of tendons and robots are hard to tell apart where robots have few tendons, but their sum of
@@ -125,8 +116,9 @@ impl<'a> Chain<'a> {
     }
 
     fn gram(&self) -> Gram {
-        let variance = |i: usize| self.model.units[i].variance + self.own_variance(i);
-        Gram::of(self.model, variance, self.deviations[1].powi(2))
+        let [tendon, robot] = [self.deviations[0], self.deviations[1]];
+        let own = |unit: &Unit| unit.variance + (tendon * unit.spread).powi(2);
+        Gram::of(self.model, own, robot * robot)
     }
 
     fn posterior(&self, gram: &Gram) -> Option<Posterior> {
@@ -155,33 +147,6 @@ impl<'a> Chain<'a> {
                 let off = (drawn[c] / deviation).powi(2);
                 self.column_factor[c] = stray(GROUP_FREEDOM, off, &mut self.rng);
             }
-        }
-    }
-
-    /// Draws robots' effects, tendons' effects, and what each tendon's variance is multiplied by.
-    fn stray_tendons(&mut self, drawn: &[f64]) {
-        let robot = self.deviations[1].powi(2);
-        let mut i = 0;
-        for together in self.model.units.chunk_by(|a, b| a.robot == b.robot) {
-            let left: Vec<(f64, f64, f64)> = (together.iter().enumerate())
-                .map(|(k, unit)| {
-                    let said: f64 = unit.columns.iter().map(|(c, x)| x * drawn[*c]).sum();
-                    (unit.value - said, self.own_variance(i + k), unit.variance)
-                })
-                .collect();
-            let weights: f64 = left.iter().map(|(_, own, v)| 1.0 / (own + v)).sum();
-            let pull: f64 = left.iter().map(|(z, own, v)| z / (own + v)).sum();
-            let precision = weights + 1.0 / robot;
-            let of_robot = pull / precision + self.normal() / precision.sqrt();
-            for (k, (z, own, v)) in left.into_iter().enumerate() {
-                // Of what is left the tendon's own part and the measurement's.
-                let share = own / (own + v);
-                let mean = share * (z - of_robot);
-                let effect = mean + (share * v).sqrt() * self.normal();
-                let off = effect * effect * self.tendon_factor[i + k] / own;
-                self.tendon_factor[i + k] = stray(TENDON_FREEDOM, off, &mut self.rng);
-            }
-            i += together.len();
         }
     }
 

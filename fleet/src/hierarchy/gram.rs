@@ -15,9 +15,9 @@ pub(super) struct Gram {
 }
 
 impl Gram {
-    /// * `variance(i)`: of unit `i` without its robot's part.
+    /// * `variance`: of a unit without its robot's part.
     /// * `robot`: variance between robots.
-    pub(super) fn of(model: &Hierarchy, variance: impl Fn(usize) -> f64, robot: f64) -> Self {
+    pub(super) fn of(model: &Hierarchy, variance: impl Fn(&Unit) -> f64, robot: f64) -> Self {
         let p = model.columns();
         let mut out = Self {
             xx: vec![0.0; p * p],
@@ -30,12 +30,10 @@ impl Gram {
         let mut sum = vec![0.0; p];
         let mut in_use = vec![false; p];
         let mut used: Vec<usize> = Vec::new();
-        let mut i = 0;
         for together in model.units.chunk_by(|a, b| a.robot == b.robot) {
             let (mut weights, mut sum_z) = (0.0, 0.0);
             for unit in together {
-                let w = 1.0 / variance(i);
-                i += 1;
+                let w = 1.0 / variance(unit);
                 out.add(unit, w);
                 weights += w;
                 sum_z += w * unit.value;

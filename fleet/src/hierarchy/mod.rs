@@ -10,7 +10,7 @@
 //! | `u_0` | the groups that are compared | Cauchy, `τ_0`: a bad one among good ones isn't drawn in |
 //! | `u_f` | what else differs: batches, sites | normal, `τ_f` |
 //! | `b_r` | robots | normal, `τ_robot` |
-//! | `e_i` | tendons | Student's t with 5, `τ_tendon` times what is usual for their kind: one that strays doesn't decide |
+//! | `e_i` | tendons | normal, `τ_tendon` times what is usual for their kind; who gives the values draws in those that stray |
 //! | `τ` | how far each differ | half-Cauchy |
 //!
 //! All that is said comes from draws of the joint posterior ([`sample`]), so it holds what isn't known of the `τ` too: a factor

@@ -5,7 +5,8 @@ mod show;
 use crate::FleetError;
 use crate::args::Outliers;
 use crate::compare::CreepUnit;
-use crate::compare::design::{self, Design};
+use crate::compare::design::Design;
+use crate::compare::values::usual_widths;
 use crate::creep::Ages;
 use crate::engine::Engine;
 use crate::folder::sides::Fitted;
@@ -95,10 +96,12 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
     let design = Design::by_any_batch(tendons);
     let draws = sample(&design.hierarchy, asked.seed).ok_or(FleetError::NoDraws)?;
     let usual = usual(&design, &draws);
-    let departures: Vec<(f64, f64)> = (design.hierarchy.units.iter().zip(&usual))
-        .map(|(unit, (mean, _))| (unit.value - mean, unit.variance))
+    let values = design.logarithms.iter().zip(&design.hierarchy.units);
+    let departures: Vec<(f64, f64)> = values
+        .zip(&usual)
+        .map(|((value, unit), (mean, _))| (value - mean, unit.variance))
         .collect();
-    let widths = design::usual_widths(&departures, tendons);
+    let widths = usual_widths(&departures, tendons);
     let count = tendons.len() as f64;
     let mut outliers: Vec<Outlier> = Vec::new();
     for (i, tendon) in tendons.iter().enumerate() {
