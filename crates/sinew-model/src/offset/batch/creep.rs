@@ -15,8 +15,8 @@ use crate::offset::estimate::{CreepEstimate, MapEstimate};
 use crate::offset::mixture::{self, CREEP, Mixture};
 use alloc::vec::Vec;
 
-/// Creep that is less likely than this at every joint is left out. On 120 recordings without creep it is below 0.05 in
-/// all but a few; with 1 mrad a minute at every joint it is above 0.9.
+/// Creep that is less likely than this at every joint is left out. It was less likely in six recordings of S6, where
+/// nothing creeps.
 const UNLIKELY: f64 = 0.05;
 /// Creep that two steps say is less likely than this stays so.
 const SUSPECTED: f64 = 0.03;
