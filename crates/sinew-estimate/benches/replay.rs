@@ -1,13 +1,17 @@
 //! Replay against merely reading: one simulated recording, both in the same run.
 //!
-//! `cargo bench -p sinew-estimate --bench replay` prints samples/s and MB/s of `estimate` and of
-//! reading and decompressing the same MCAP with the `mcap` crate, and their ratio.
+//! `cargo bench -p sinew-estimate --bench replay` prints samples/s and MB/s of the paper's estimate and of
+//! reading and decompressing the same MCAP with both readers of the `mcap` crate, and the ratios: `LinearReader`, the quicker
+//! one, hands out raw records without checksums; `MessageStream` makes messages with their channels.
 
+use mcap::records::op::MESSAGE;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader};
 use sinew_estimate::Request;
 use sinew_estimate::replay;
 use sinew_estimate::robot_dir;
 use sinew_log::{Compression, FrameWriter, McapOptions, McapWriter};
 use sinew_sim::{Scenario, Simulation};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -27,12 +31,13 @@ fn main() {
         let log = folder.path().join(format!("{name}.mcap"));
         let frames = record(&root, &robot, &log, compression, seconds);
         let bytes = std::fs::metadata(&log).expect("recording").len();
-        let (mut read, mut estimated) = (Vec::new(), Vec::new());
+        let (mut records, mut messages, mut estimated) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..rounds {
-            read.push(time(|| merely_read(&log)));
+            records.push(time(|| read_records(&log)));
+            messages.push(time(|| read_messages(&log)));
             estimated.push(time(|| run(&log, &robot)));
         }
-        let (read, estimated) = (median(&mut read), median(&mut estimated));
+        let [records, messages, estimated] = [records, messages, estimated].map(median);
         let speed = |s: f64| {
             format!(
                 "{:7.2} M samples/s {:7.1} MB/s of file",
@@ -40,11 +45,13 @@ fn main() {
                 bytes as f64 / s * 1e-6
             )
         };
-        println!("{name:5} mcap crate reads {}", speed(read));
-        println!("{name:5} estimate         {}", speed(estimated));
+        println!("{name:5} LinearReader  {}", speed(records));
+        println!("{name:5} MessageStream {}", speed(messages));
+        println!("{name:5} estimate      {}", speed(estimated));
         println!(
-            "{name:5} speed of estimate over reading: {:.2}",
-            read / estimated
+            "{name:5} speed of estimate over LinearReader {:.2}, over MessageStream {:.2}",
+            records / estimated,
+            messages / estimated
         );
     }
 }
@@ -73,8 +80,27 @@ fn record(root: &Path, robot: &Path, log: &Path, compression: Compression, secon
     frames
 }
 
+/// Reads and decompresses every record, a piece of the file at a time, and looks at none.
+fn read_records(log: &Path) -> u64 {
+    let mut file = std::fs::File::open(log).expect("recording");
+    let mut reader = LinearReader::new();
+    let mut count = 0;
+    while let Some(event) = reader.next_event() {
+        match event.expect("mcap") {
+            LinearReadEvent::ReadRequest(need) => {
+                let read = file.read(reader.insert(need)).expect("recording");
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                count += u64::from(opcode == MESSAGE && !data.is_empty());
+            }
+        }
+    }
+    count
+}
+
 /// Reads and decompresses every message and looks at none.
-fn merely_read(log: &Path) -> u64 {
+fn read_messages(log: &Path) -> u64 {
     let bytes = std::fs::read(log).expect("recording");
     let mut count = 0;
     for message in mcap::MessageStream::new(&bytes).expect("mcap") {
@@ -98,7 +124,7 @@ fn time(f: impl Fn() -> u64) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-fn median(times: &mut [f64]) -> f64 {
+fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }
