@@ -80,9 +80,10 @@ fn record(root: &Path, robot: &Path, log: &Path, compression: Compression, secon
     frames
 }
 
-/// Reads and decompresses every record, a piece of the file at a time, and looks at none.
+/// Reads and decompresses every record and looks at none.
 fn read_records(log: &Path) -> u64 {
-    let mut file = std::fs::File::open(log).expect("recording");
+    let bytes = std::fs::read(log).expect("recording");
+    let mut file = bytes.as_slice();
     let mut reader = LinearReader::new();
     let mut count = 0;
     while let Some(event) = reader.next_event() {

@@ -79,7 +79,7 @@ const STYLE: TableStyle =
 
 /// A table: names to the left, numbers to the right; wrapped to the terminal.
 pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
-    let least = least_widths(head, &rows, left);
+    let (gap, least) = least_widths(head, &rows, left);
     let mut table = Table::new();
     table
         .load_style(STYLE)
@@ -89,7 +89,8 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
         .add_rows(rows);
     let last = head.len().saturating_sub(1);
     for (i, column) in table.column_iter_mut().enumerate() {
-        let padding = if i == last { 0 } else { 2 };
+        // Between columns there is one more.
+        let padding = if i == last { 0 } else { gap - 1 };
         column.set_padding((0, padding));
         if let Some(least) = least.get(i) {
             let width = Width::Fixed(*least as u16 + padding);
@@ -106,32 +107,38 @@ pub fn table(head: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     }
 }
 
-/// Widths at which no number and no word is broken; of numbers only, where the words of all columns don't fit; none, where
-/// those don't either.
-fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> Vec<usize> {
-    let word = |text: &str| {
-        let words = text.split_whitespace().map(|w| w.chars().count());
-        words.max().unwrap_or(0)
-    };
-    let widths = |text_too: bool| -> Vec<usize> {
+/// Columns between columns, and widths at which nothing is broken that should be whole: numbers and words, with two columns
+/// between where three are too many; of numbers only the words, where that doesn't fit; then numbers only; else anything.
+fn least_widths(head: &[&str], rows: &[Vec<String>], left: usize) -> (u16, Vec<usize>) {
+    let count = |text: &str| text.chars().count();
+    let length = |text: &str| text.lines().map(count).max().unwrap_or(0);
+    let word = |text: &str| text.split_whitespace().map(count).max().unwrap_or(0);
+    let widths = |names: &dyn Fn(&str) -> usize, numbers: &dyn Fn(&str) -> usize| -> Vec<usize> {
         (head.iter().enumerate())
             .map(|(i, head)| {
                 let cells = rows.iter().filter_map(|row| row.get(i));
                 let least = cells.map(|cell| match i >= left {
-                    true => cell.chars().count(),
-                    false if text_too => word(cell),
-                    false => 0,
+                    true => numbers(cell),
+                    false => names(cell),
                 });
                 least.fold(word(head), usize::max)
             })
             .collect()
     };
-    let gaps = 2 * head.len().saturating_sub(1);
-    let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() + gaps <= look().columns;
-    [widths(true), widths(false)]
-        .into_iter()
-        .find(fits)
-        .unwrap_or_default()
+    let fits = |(gap, widths): &(u16, Vec<usize>)| {
+        let gaps = usize::from(*gap) * head.len().saturating_sub(1);
+        widths.iter().sum::<usize>() + gaps <= look().columns
+    };
+    let all = widths(&word, &length);
+    [
+        (3, all.clone()),
+        (2, all),
+        (2, widths(&word, &word)),
+        (3, widths(&|_| 0, &length)),
+    ]
+    .into_iter()
+    .find(fits)
+    .unwrap_or((3, Vec::new()))
 }
 
 /// A paragraph, wrapped; following lines are indented by `indent`.
@@ -232,6 +239,40 @@ mod tests {
         ];
         let text = table(&head, vec![row.map(str::to_owned).into()], 3);
         for whole in ["shoulder_pitch", "30.47 ± 0.05", "120 … > 365"] {
+            assert!(text.contains(whole), "{whole} is broken:\n{text}");
+        }
+        let widest = text.lines().map(|l| l.chars().count()).max();
+        assert!(widest <= Some(WIDTH), "{text}");
+        // A cell may have lines of its own.
+        let head = [
+            "tendon",
+            "offset",
+            "stretch",
+            "creep",
+            "re-tension in days; on",
+        ];
+        let row = [
+            "shoulder_pitch",
+            "15.6 ± 0.98",
+            "0.467 ± 0.029",
+            "0.528 ± 0.44",
+            "103 (2 to …)\n2026-09-30",
+        ];
+        let text = table(&head, vec![row.map(str::to_owned).into()], 1);
+        assert!(text.contains("shoulder_pitch"), "{text}");
+        assert!(text.contains("103 (2 to …)\n"), "{text}");
+        // 79 columns where two are between.
+        let head = ["robot", "joint", "rope", "µm/m", "times usual", "by chance"];
+        let row = [
+            "arm-0015",
+            "shoulder_pitch",
+            "liros-dc000-0701",
+            "53245",
+            "0.00 (0.00 … 0.00)",
+            "< 0.0001",
+        ];
+        let text = table(&head, vec![row.map(str::to_owned).into()], 3);
+        for whole in row {
             assert!(text.contains(whole), "{whole} is broken:\n{text}");
         }
         let widest = text.lines().map(|l| l.chars().count()).max();
