@@ -26,7 +26,8 @@ fn more(ratio: f64) -> String {
     match 100.0 * (ratio - 1.0) {
         percent if !percent.is_finite() => "–".into(),
         percent if percent.abs() > 1e4 => "> 10,000".into(),
-        percent => format!("{percent:+.0}"),
+        percent if percent.abs() < 0.5 => "0".into(),
+        percent => format!("{percent:+.0}").replace('-', "−"),
     }
 }
 
