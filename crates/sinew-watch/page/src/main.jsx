@@ -12,15 +12,22 @@ import { Tendon } from "./tendon.jsx";
 
 const place = () => location.pathname.split("/").filter(Boolean).map(decodeURIComponent);
 
-// Who hears the page is told where it is: its heading is focused, once what it waits for has come.
+// Who hears the page is told where it is: its heading is focused, once what it waits for has come. The heading of the page
+// before may still stand, or be replaced when data come: what was focused then is gone, and the new one is focused.
 function tell() {
-  const until = performance.now() + 10_000;
+  const begun = performance.now();
+  let told;
   const look = () => {
+    const since = performance.now() - begun;
     const heading = document.querySelector("h1");
-    if (heading) heading.focus();
-    else if (performance.now() < until) requestAnimationFrame(look);
+    const lost = !told?.isConnected && (!told || document.activeElement === document.body);
+    if (heading && lost) {
+      heading.focus();
+      told = heading;
+    }
+    if (since < (told ? 2_000 : 10_000)) setTimeout(look, 30);
   };
-  requestAnimationFrame(look);
+  setTimeout(look, 30);
 }
 
 // Links of the page change the address without loading it anew.
