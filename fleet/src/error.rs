@@ -70,6 +70,15 @@ pub enum FleetError {
         "the comparison's equations have no solution: some tendon's creep isn't a number; please report this with the records"
     )]
     NoDraws,
+    /// What is usual can't be told.
+    #[error(
+        "what is usual can't be told from these tendons: the model's draws have not come together (ratio {ratio:.2}); \
+         more tendons of each batch would help, or other ages (--ages)"
+    )]
+    DrawsApart {
+        /// [`disagreement`](crate::hierarchy::Draws::disagreement) of the chains.
+        ratio: f64,
+    },
     /// A text file, with the place of what is wrong.
     #[error(transparent)]
     File(#[from] sinew_files::Located),

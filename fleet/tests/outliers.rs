@@ -100,6 +100,23 @@ fn a_tendon_that_is_hardly_known_is_not_listed_whatever_it_reads() {
 }
 
 #[test]
+fn a_tendon_that_shrinks_creeps_less_than_nothing_and_its_interval_says_so() {
+    let mut tendons = usual(0, 200);
+    // As much as others grow, and known to a twentieth of that: over what is usual −1 ± 0.1, and what isn't known of the usual.
+    tendons[8].creep.per_decade_rad = -3e-4 / 0.05;
+    let list = listed(tendons, 0.5).unwrap();
+    let shrinks = list.outliers.iter().find(|o| o.robot == "arm-0008");
+    let outlier = shrinks.unwrap();
+    let [ratio, low, high] = outlier.ratio;
+    assert!((-1.3..-0.75).contains(&ratio), "{outlier:?}");
+    assert!(
+        low < ratio - 0.09 && ratio + 0.09 < high && high < 0.0,
+        "{outlier:?}"
+    );
+    assert!(!outlier.is_surely_more(), "{outlier:?}");
+}
+
+#[test]
 fn a_few_tendons_say_nothing_of_what_is_usual() {
     let refused = listed(usual(0, 12), 1.0);
     assert!(

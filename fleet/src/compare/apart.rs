@@ -17,11 +17,7 @@ pub(super) fn tie(
     kind: Factor,
     random: &[Factor],
 ) {
-    let mut factors = vec![kind];
-    factors.extend(random);
-    // Temperature is what sites differ by most: it is told, and doesn't withhold a verdict.
-    factors.retain(|f| !(by == By::Site && *f == Factor::Temperature));
-    for factor in factors {
+    for factor in std::iter::once(kind).chain(random.iter().copied()) {
         // A batch is of one rope, and so is a kind: that is no tie.
         if matches!(
             (by, factor),

@@ -1,6 +1,5 @@
 //! What the draws say of each group, and what may be claimed of all of them together.
 
-use super::Comparison;
 use super::design::{Design, Factor, GroupKey};
 use crate::hierarchy::{Draws, median_and_95};
 use sinew_model::statistics::quantile;
@@ -101,7 +100,7 @@ pub(super) fn groups(design: &Design, draws: &Draws, least: f64) -> Vec<Group> {
             },
         });
     }
-    if draws.disagreement <= Comparison::MOST_DISAGREEMENT {
+    if draws.have_come_together() {
         claim(&mut out, &doubts);
     }
     out.sort_by(|a, b| {

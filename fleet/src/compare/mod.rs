@@ -42,14 +42,11 @@ pub struct Comparison {
     pub without_group: usize,
     /// Tendons whose age counts from their first session, as nobody says when their rope was fitted.
     pub undated: usize,
-    /// Ratio of what four chains say; above [`Comparison::MOST_DISAGREEMENT`] nothing is claimed.
-    pub disagreement: f64,
+    /// Ratio of what four chains say, where they differ too much for any claim.
+    pub apart: Option<f64>,
 }
 
 impl Comparison {
-    /// Chains that differ by more have not come together.
-    pub const MOST_DISAGREEMENT: f64 = 1.1;
-
     /// Groups that are worse than the others.
     pub fn worse(&self) -> impl Iterator<Item = &Group> {
         self.groups.iter().filter(|g| g.verdict == Verdict::Worse)
@@ -104,7 +101,7 @@ pub fn compared(gathered: &Gathered, asked: &Compare) -> Result<Comparison, Flee
         too_few: gathered.too_few,
         without_group: design.without_group,
         undated: design.undated,
-        disagreement: draws.disagreement,
+        apart: (!draws.have_come_together()).then_some(draws.disagreement),
     })
 }
 

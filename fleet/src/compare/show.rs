@@ -180,10 +180,9 @@ fn notes(found: &Comparison, asked: &Compare) -> Vec<String> {
             found.undated
         ));
     }
-    if found.disagreement > Comparison::MOST_DISAGREEMENT {
+    if let Some(ratio) = found.apart {
         out.push(format!(
-            "The draws have not come together (ratio {:.2}), so nothing is claimed. Fewer groups, or more tendons, would help.",
-            found.disagreement
+            "The draws have not come together (ratio {ratio:.2}), so nothing is claimed. Fewer groups, or more tendons, would help.",
         ));
     }
     out

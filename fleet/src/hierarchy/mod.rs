@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | `β` | kinds of tendon, covariates | normal, wide |
 //! | `u_0` | the groups that are compared | Cauchy, `τ_0`: a bad one among good ones isn't drawn in |
-//! | `u_f` | what else differs: batches, sites | normal, `τ_f` |
+//! | `u_f` | what else differs: batches, sites | Cauchy for batches, normal for sites, `τ_f` |
 //! | `b_r` | robots | normal, `τ_robot` |
 //! | `e_i` | tendons | normal, `τ_tendon` times what is usual for their kind; who gives the values draws in those that stray |
 //! | `τ` | how far each differ | half-Cauchy |
@@ -85,6 +85,15 @@ pub struct Draws {
     /// The largest ratio of what chains that started apart say to what each says, over all coefficients and `τ`:
     /// 1 where they agree.
     pub disagreement: f64,
+}
+
+impl Draws {
+    /// Whether the chains say the same. Of draws that don't, nothing may be claimed.
+    pub fn have_come_together(&self) -> bool {
+        /// Chains that differ by more have not come together.
+        const MOST: f64 = 1.1;
+        self.disagreement <= MOST
+    }
 }
 
 /// Draws from the posterior: four chains, 4,000 draws; a seed gives the same ones again.

@@ -33,7 +33,8 @@ pub struct Outlier {
     pub fit: Fitted,
     /// Its creep per decade, in the list's unit, and the deviation of that.
     pub creep: [f64; 2],
-    /// Its creep over what is usual for its kind, temperature, site and batch: the value and its 95 % interval.
+    /// Its creep over what is usual for its kind, temperature, site and batch: the value and its 95 % interval. Below 0 where
+    /// it shrinks.
     pub ratio: [f64; 3],
     /// How many tendons of the fleet would depart so far by chance, if all were usual.
     pub by_chance: f64,
@@ -79,8 +80,11 @@ pub fn outliers(engine: &mut Engine, asked: &Outliers) -> Result<OutlierList, Fl
 /// measurement and `u` of `ẑ`, `d / √(w² + v + u)` is held against a normal distribution. Those are listed that fewer than
 /// the number asked for would be by chance.
 ///
+/// What it creeps by over what is usual, `c e^−ẑ`, has an interval over the logarithm where `c` is above twice its deviation `s`.
+/// Else it has one over `c` itself, `(c ± 1.96 √(s² + c² u)) e^−ẑ`: a tendon that shrinks has no logarithm.
+///
 /// # Errors
-/// [`FleetError::TooFewTendons`], [`FleetError::NoDraws`].
+/// [`FleetError::TooFewTendons`], [`FleetError::NoDraws`], [`FleetError::DrawsApart`].
 pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, FleetError> {
     /// Below this nothing is usual.
     const LEAST: usize = 20;
@@ -95,6 +99,11 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
     }
     let design = Design::by_any_batch(tendons);
     let draws = sample(&design.hierarchy, asked.seed).ok_or(FleetError::NoDraws)?;
+    if !draws.have_come_together() {
+        return Err(FleetError::DrawsApart {
+            ratio: draws.disagreement,
+        });
+    }
     let usual = usual(&design, &draws);
     let values = design.logarithms.iter().zip(&design.hierarchy.units);
     let departures: Vec<(f64, f64)> = values
@@ -111,14 +120,15 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
         if by_chance > asked.by_chance {
             continue;
         }
-        let half = Z95 * (v + u).sqrt();
+        let [c, s] = creep_of(tendon, design.unit);
+        let ratio = ratio([c, s], usual[i]);
         outliers.push(Outlier {
             robot: tendon.robot.clone(),
             joint: tendon.joint.clone(),
             site: tendon.site.clone(),
             fit: tendon.fit.clone(),
-            creep: creep_of(tendon, design.unit),
-            ratio: [d, d - half, d + half].map(f64::exp),
+            creep: [c, s],
+            ratio,
             by_chance,
         });
     }
@@ -131,6 +141,17 @@ pub fn departing(gathered: &Gathered, asked: &Outliers) -> Result<OutlierList, F
         ages: asked.ages,
         unit: design.unit,
     })
+}
+
+/// Creep `c ± s` over what is usual, whose logarithm is `mean` with a variance: the value and its 95 % interval.
+fn ratio([c, s]: [f64; 2], (mean, variance): (f64, f64)) -> [f64; 3] {
+    let usual = mean.exp();
+    if c > 2.0 * s {
+        let half = Z95 * ((s / c).powi(2) + variance).sqrt();
+        return [0.0, -half, half].map(|x| c / usual * x.exp());
+    }
+    let half = Z95 * (s * s + c * c * variance).sqrt();
+    [c, c - half, c + half].map(|x| x / usual)
 }
 
 fn creep_of(tendon: &CreepingTendon, unit: CreepUnit) -> [f64; 2] {

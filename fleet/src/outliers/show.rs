@@ -23,17 +23,20 @@ fn row(outlier: &Outlier, unit: CreepUnit) -> Vec<String> {
         CreepUnit::Strain => 1e6,
         CreepUnit::Offset => 1e3,
     };
-    let two = |x: f64| match x {
-        x if x < 1.0 => format!("{x:.2}"),
-        x if x < 10.0 => format!("{x:.1}"),
-        x => format!("{x:.0}"),
+    let two = |x: f64| {
+        let text = match x.abs() {
+            size if size < 1.0 => format!("{x:.2}"),
+            size if size < 10.0 => format!("{x:.1}"),
+            _ => format!("{x:.0}"),
+        };
+        text.replace('-', "−")
     };
     let [ratio, low, high] = outlier.ratio.map(two);
     vec![
         plain(&outlier.robot),
         plain(&outlier.joint),
         plain(outlier.fit.rope.as_deref().unwrap_or("–")),
-        three(scale * outlier.creep[0]),
+        three(scale * outlier.creep[0]).replace('-', "−"),
         format!("{ratio} ({low} … {high})"),
         chance(outlier.by_chance),
     ]
