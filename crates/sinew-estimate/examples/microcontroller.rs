@@ -175,7 +175,12 @@ fn estimate(place: &str, line: &str, baseline: Option<&str>) -> Outcome {
             Ok(None) => {}
             Ok(Some(received)) => {
                 filter.step(&received.block)?;
-                if received.lost_before > 0 || received.restarted {
+                if received.restarted {
+                    eprintln!(
+                        "the chip began anew: encoders that don't keep their zero without power must be zeroed again"
+                    );
+                }
+                if received.lost_before > 0 {
                     eprintln!("{} blocks were lost", received.lost_before);
                 }
                 if receiver.counts().blocks.is_multiple_of(SAY) {

@@ -4,6 +4,7 @@
 
 use sinew_estimate::replay;
 use sinew_estimate::replay::{Estimate, JointEstimate, JointRefusal, LossReason};
+use sinew_estimate::session::{self, SessionOptions, Window};
 use sinew_estimate::{EstimateError, Request};
 use sinew_report::recording_warning;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,11 @@ fn sound() -> (String, Vec<Vec<String>>) {
 }
 
 fn estimate_of(header: &str, rows: &[Vec<String>]) -> Result<Estimate, EstimateError> {
+    with_request(header, rows, |request| replay::run(request, &mut |_| {}))
+}
+
+/// A request for rows that are written for as long as `run` takes.
+fn with_request<T>(header: &str, rows: &[Vec<String>], run: impl FnOnce(&Request) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("spoiled.csv");
     let mut text = format!("{header}\n");
@@ -34,7 +40,18 @@ fn estimate_of(header: &str, rows: &[Vec<String>]) -> Result<Estimate, EstimateE
     std::fs::write(&log, text).unwrap();
     let mut request = Request::new(log);
     request.robot = Some(story());
-    replay::run(&request, &mut |_| {})
+    run(&request)
+}
+
+/// Why the sound recording with `spoil` done to it has no absolute offsets.
+fn refused(spoil: impl FnOnce(&mut String, &mut Vec<Vec<String>>)) -> String {
+    let (mut header, mut rows) = sound();
+    spoil(&mut header, &mut rows);
+    let run = |request: &Request| {
+        let options = SessionOptions::default();
+        session::estimate(request, Window::default(), None, &options, &mut |_| {})
+    };
+    with_request(&header, &rows, run).unwrap_err().to_string()
 }
 
 /// The sound recording with `spoil` done to it.
@@ -216,6 +233,24 @@ fn joints_that_do_not_match_are_named() {
     .unwrap();
     still_right(&estimate);
     warned(&estimate, &["'tail'", "not in the robot"]);
+}
+
+#[test]
+fn a_joint_without_positions_is_named_with_what_there_is_instead() {
+    let renamed = refused(|header, _| *header = header.replace("theta.tilt", "theta.tild"));
+    for word in [
+        "motor position of 'tilt'",
+        "did you mean 'tild'?",
+        "--mapping",
+    ] {
+        assert!(renamed.contains(word), "no '{word}' in: {renamed}");
+    }
+    assert!(!renamed.contains("baseline"), "{renamed}");
+    let empty = refused(|_, rows| rows.iter_mut().for_each(|row| row[2] = "nan".into()));
+    let count = sound().1.len();
+    let words =
+        format!("joint position of 'tilt' is missing or not a number in {count} of {count}");
+    assert!(empty.contains(&words), "no '{words}' in: {empty}");
 }
 
 #[test]

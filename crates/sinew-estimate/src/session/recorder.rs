@@ -7,6 +7,8 @@ use crate::jumps::Jumps;
 use crate::recording::Opened;
 use crate::request::{Progress, Request};
 use crate::robot_dir::LoadedRobot;
+use crate::warning::RecordingWarning;
+use sinew_files::names;
 use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
@@ -301,12 +303,31 @@ impl Recorder {
     }
 }
 
+/// That a joint's positions are missing, and what to do.
+fn without_positions(joint: &str, lacks: &str, warnings: &[RecordingWarning]) -> String {
+    let strangers = warnings.iter().find_map(|warning| match warning {
+        RecordingWarning::UnknownJoints { joints } => Some(joints),
+        _ => None,
+    });
+    let instead = strangers.map_or(";".to_owned(), |joints| {
+        let hint = names::hint(joint, joints);
+        let recorded = names::list(joints);
+        format!("{hint} recorded, but not in the robot: {recorded};")
+    });
+    format!(
+        "has no {lacks} of '{joint}', which the estimate needs of every joint with a tendon{instead} rename it with a mapping (--mapping); sinew log info lists what there is"
+    )
+}
+
 /// The blocks of a part of a recording under way.
 pub(super) struct Blocks<'a> {
     request: &'a Request,
     window: Window,
     recorder: Recorder,
     start_ns: Option<i64>,
+    frames: u64,
+    /// Of each joint how many frames have no joint position, and no motor position.
+    missing: Vec<[u64; 2]>,
 }
 
 impl<'a> Blocks<'a> {
@@ -320,12 +341,15 @@ impl<'a> Blocks<'a> {
         let channels = &opened.recording.channels().joints;
         let joints = robot.joint_names().iter().zip(&robot.transmissions);
         for ((name, transmission), channel) in joints.zip(channels) {
-            if !channel.q || (transmission.is_some() && !channel.theta) {
+            let lacks = match transmission.is_some() {
+                _ if !channel.q => Some("joint position"),
+                true if !channel.theta => Some("motor position"),
+                _ => None,
+            };
+            if let Some(lacks) = lacks {
                 return Err(mismatch(
                     request,
-                    format!(
-                        "has no joint and motor position of '{name}', which the absolute estimate needs for every elastic joint; leave --baseline out"
-                    ),
+                    without_positions(name, lacks, &opened.warnings),
                 ));
             }
         }
@@ -336,6 +360,8 @@ impl<'a> Blocks<'a> {
                 .with_injections(robot, &request.injections)
                 .with_touches(robot, &request.touches),
             start_ns: None,
+            frames: 0,
+            missing: vec![[0; 2]; robot.joint_names().len()],
         })
     }
 
@@ -347,13 +373,36 @@ impl<'a> Blocks<'a> {
             return false;
         }
         if t >= self.window.from_s {
+            self.frames += 1;
+            for ((count, q), theta) in self.missing.iter_mut().zip(&frame.q).zip(&frame.theta) {
+                count[0] += u64::from(!q.is_finite());
+                count[1] += u64::from(!theta.is_finite());
+            }
             self.recorder.push(frame, t);
         }
         true
     }
 
+    /// Which joint's positions are missing most, in words; empty where none is.
+    fn most_missing(&self, robot: &Robot) -> String {
+        let joints = robot.joint_names().iter().zip(&robot.transmissions);
+        let sides = joints.zip(&self.missing).flat_map(|(joint, [q, theta])| {
+            let (name, transmission) = joint;
+            let theta = if transmission.is_some() { *theta } else { 0 };
+            [(*q, "joint", name), (theta, "motor", name)]
+        });
+        match sides.max_by_key(|(count, ..)| *count) {
+            Some((count, side, name)) if count > 0 => format!(
+                ": the {side} position of '{name}' is missing or not a number in {count} of {} frames",
+                self.frames
+            ),
+            _ => String::new(),
+        }
+    }
+
     /// All of them.
     pub(super) fn finish(self, opened: &Opened) -> Result<Recorded, EstimateError> {
+        let most_missing = self.most_missing(&opened.loaded.robot);
         let Self {
             request, window, ..
         } = self;
@@ -367,7 +416,7 @@ impl<'a> Blocks<'a> {
             return Err(mismatch(
                 request,
                 format!(
-                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle; {}, or look for gaps with sinew log info",
+                    "has no {:.0} s of joint and motor positions in a row from {} s on{}, which the filters need to settle{most_missing}; {}, or look for gaps with sinew log info",
                     7.0 / config.gain_per_s + 9.0 / config.cutoff_rad_per_s + config.block_s,
                     window.from_s,
                     if window.to_s.is_finite() {

@@ -139,12 +139,10 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
 
 #[cfg(test)]
 mod tests {
-    use crate::offset::batch::problem::Problem;
-    use crate::offset::batch::search::ChangePointSearch;
-    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
-    use crate::offset::change::{ChangeKind, SearchScope};
+    use crate::offset::batch::search::searched;
+    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
+    use crate::offset::change::ChangeKind;
     use crate::offset::estimate::MapEstimate;
-    use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{BLOCKS, SLIPS_AT, slipping, turntable};
 
     /// 6 mrad a minute: 1.6 mrad over the blocks.
@@ -162,19 +160,7 @@ mod tests {
             let y = block.y[0] + rate_rad_per_s * block.time_s;
             (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
         }
-        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
-        let problem =
-            Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
-        let scope = SearchScope {
-            offsets: true,
-            payload: false,
-            continues: false,
-        };
-        let search = ChangePointSearch {
-            problem: &problem,
-            scope,
-        };
-        let map = search.run().unwrap();
+        let map = searched(&model, UNKNOWN_OFFSET_RAD, &blocks);
         let off = [(0.0, 0.0), (LONG_S, slip_rad)].map(|(at_s, slipped)| {
             let read = map.offset_at(&model.prior, 0, at_s);
             let truth = AT_FIRST_RAD + slipped + rate_rad_per_s * at_s;

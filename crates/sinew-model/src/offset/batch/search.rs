@@ -16,6 +16,12 @@ use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::map_each;
 use alloc::vec::Vec;
+#[cfg(test)]
+use {
+    crate::offset::belief::Payload, crate::offset::block::Block,
+    crate::offset::equations::estimation_model::EstimationModel,
+    crate::offset::executor::Sequential,
+};
 
 /// What a change must take off the cost to be kept, beyond one per unknown: about five standard
 /// deviations, because every time of every joint is a chance to be fooled.
@@ -304,6 +310,27 @@ impl ChangePointSearch<'_> {
         }
         Ok(self.is_significant(&alone).then_some(alone))
     }
+}
+
+/// What a recording with an empty gripper comes to: offsets `0 ± deviation_rad` before, slips and creep sought.
+#[cfg(test)]
+pub(super) fn searched(
+    model: &EstimationModel,
+    deviation_rad: f64,
+    blocks: &[Block],
+) -> MapEstimate {
+    let believed = model.prior.belief(Payload::Empty, deviation_rad);
+    let problem = Problem::new(model, &Sequential, &believed, Payload::Empty, blocks).unwrap();
+    let scope = SearchScope {
+        offsets: true,
+        payload: false,
+        continues: false,
+    };
+    let search = ChangePointSearch {
+        problem: &problem,
+        scope,
+    };
+    search.run().unwrap()
 }
 
 #[cfg(test)]

@@ -94,11 +94,10 @@ impl Stand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::batch::search::ChangePointSearch;
-    use crate::offset::belief::{Payload, TENSIONED_OFFSET_RAD};
-    use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
+    use crate::offset::batch::search::searched;
+    use crate::offset::belief::TENSIONED_OFFSET_RAD;
+    use crate::offset::change::{ChangeKind, ChangePoint};
     use crate::offset::equations::estimation_model::EstimationModel;
-    use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{random, turntables};
 
     const COULOMB_NM: f64 = 0.1;
@@ -144,19 +143,7 @@ mod tests {
     fn changes(off_rad: f64, slip: (usize, f64)) -> Vec<ChangePoint> {
         let model = turntables(JOINTS, COULOMB_NM);
         let blocks = recording(&model, off_rad, slip);
-        let believed = model.prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
-        let problem =
-            Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
-        let scope = SearchScope {
-            offsets: true,
-            payload: false,
-            continues: false,
-        };
-        let search = ChangePointSearch {
-            problem: &problem,
-            scope,
-        };
-        search.run().unwrap().changes
+        searched(&model, TENSIONED_OFFSET_RAD, &blocks).changes
     }
 
     /// Coulomb friction over stiffness is 2.5 mrad.
