@@ -5040,7 +5040,7 @@ class TendonEstimate(Record):
     changes: list[TendonChange]
     """Sudden changes within the recording."""
     creep: TendonCreep | None
-    """How its offset moved while it was looked at; `None`: evenly by nothing that could be seen."""
+    """How its offset moved while it was looked at; `None`: it was not seen to move."""
     elongation_m: Gaussian | None
     """Elongation, m; `None` without tendon geometry."""
     misfit_rad: float

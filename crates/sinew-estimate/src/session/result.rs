@@ -101,7 +101,7 @@ pub struct TendonEstimate {
     pub stiffness_change_ratio: Gaussian,
     /// Whether it has changed since what was known before the recording; `None`: not sought.
     pub stiffness_since_before: Option<StiffnessSinceBefore>,
-    /// How its offset moved while it was looked at; `None`: evenly by nothing that could be seen.
+    /// How its offset moved while it was looked at; `None`: it was not seen to move.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub creep: Option<TendonCreep>,
     /// Half the dead zone of an antagonistic pair, rad.
