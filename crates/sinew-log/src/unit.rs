@@ -132,3 +132,123 @@ impl Unit {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What one of a unit is in SI (degrees Celsius for temperatures), written from its definition and apart from the table:
+    /// dimension, SI of 0 and of 1, names.
+    const BY_DEFINITION: &[(Dimension, f64, f64, &str)] = &[
+        (D::One, 0.0, 1.0, "1"),
+        (D::Angle, 0.0, 1.0, "rad"),
+        (D::Angle, 0.0, 0.001, "mrad"),
+        (D::Angle, 0.0, 0.017_453_292_519_943_295, "deg, °"),
+        (
+            D::Angle,
+            0.0,
+            360.0 * 0.017_453_292_519_943_295,
+            "turn, rev",
+        ),
+        (D::Count, 0.0, 1.0, "count"),
+        (D::AngularVelocity, 0.0, 1.0, "rad/s"),
+        (
+            D::AngularVelocity,
+            0.0,
+            0.017_453_292_519_943_295,
+            "deg/s, °/s",
+        ),
+        (
+            D::AngularVelocity,
+            0.0,
+            360.0 * 0.017_453_292_519_943_295,
+            "turn/s, rev/s",
+        ),
+        (D::AngularVelocity, 0.0, 0.104_719_755_119_659_77, "rpm"),
+        (D::Velocity, 0.0, 1.0, "m/s"),
+        (D::Velocity, 0.0, 0.001, "mm/s"),
+        (D::Time, 0.0, 1.0, "s, sec, second, seconds, Sekunden"),
+        (D::Time, 0.0, 0.001, "ms"),
+        // The sign of micro and the Greek letter.
+        (D::Time, 0.0, 0.000_001, "us, \u{b5}s, \u{3bc}s"),
+        (D::Time, 0.0, 0.000_000_001, "ns"),
+        (D::Time, 0.0, 60.0, "min, minute, minutes"),
+        (D::Time, 0.0, 3600.0, "h, hr, hour, hours, Std"),
+        (D::Time, 0.0, 86_400.0, "d, day, days"),
+        (D::Length, 0.0, 1.0, "m"),
+        (D::Length, 0.0, 0.01, "cm"),
+        (D::Length, 0.0, 0.001, "mm"),
+        (D::Length, 0.0, 0.000_001, "um, \u{b5}m, \u{3bc}m"),
+        (D::Length, 0.0, 0.025_4, "in, inch"),
+        (D::Area, 0.0, 1.0, "m2, m², m^2"),
+        (D::Area, 0.0, 0.000_1, "cm2, cm², cm^2"),
+        (D::Area, 0.0, 0.000_001, "mm2, mm², mm^2"),
+        (D::Torque, 0.0, 1.0, "N·m, Nm, N*m, N m"),
+        (D::Torque, 0.0, 0.001, "N·mm, Nmm, N*mm, mN·m, mNm, mN*m"),
+        (D::Torque, 0.0, 1000.0, "kN·m, kNm"),
+        (D::Force, 0.0, 1.0, "N"),
+        (D::Force, 0.0, 0.001, "mN"),
+        (D::Force, 0.0, 0.01, "cN"),
+        (D::Force, 0.0, 10.0, "daN"),
+        (D::Force, 0.0, 1000.0, "kN"),
+        (D::Force, 0.0, 9.806_65, "kgf, kp"),
+        (D::Force, 0.0, 0.009_806_65, "gf"),
+        (D::Force, 0.0, 4.448_221_615_260_5, "lbf"),
+        (D::Pressure, 0.0, 1.0, "Pa"),
+        (D::Pressure, 0.0, 1000.0, "kPa"),
+        (D::Pressure, 0.0, 1_000_000.0, "MPa, N/mm2, N/mm², N/mm^2"),
+        (D::Pressure, 0.0, 1_000_000_000.0, "GPa"),
+        (D::Current, 0.0, 1.0, "A"),
+        (D::Current, 0.0, 0.001, "mA"),
+        (D::Temperature, 0.0, 1.0, "°C, degC, C, deg_C, ℃"),
+        (D::Temperature, -273.15, -272.15, "K"),
+        // Freezing is 32 °F, boiling 212 °F.
+        (
+            D::Temperature,
+            -17.777_777_777_777_78,
+            -17.222_222_222_222_22,
+            "°F, degF",
+        ),
+        (D::Ratio, 0.0, 1.0, "-, m/m, mm/mm"),
+        (D::Ratio, 0.0, 0.01, "%, pct, percent, Prozent"),
+        (D::Ratio, 0.0, 0.001, "‰, permille, mm/m, millistrain"),
+        (
+            D::Ratio,
+            0.0,
+            0.000_001,
+            "microstrain, \u{b5}ε, \u{3bc}ε, ppm, \u{b5}m/m, um/m",
+        ),
+    ];
+
+    #[test]
+    fn every_unit_that_is_read_is_what_its_definition_says() {
+        let mut expected = Vec::new();
+        for &(dimension, zero, one, names) in BY_DEFINITION {
+            for name in names.split(", ") {
+                let unit = Unit::parse(name, &[dimension]).expect("read");
+                let si = |raw: f64| raw * unit.factor + unit.offset;
+                for (raw, value) in [(0.0, zero), (1.0, one)] {
+                    // A factor and an offset, each rounded to 1e-16 of at most 300 K.
+                    let off = (si(raw) - value).abs();
+                    assert!(
+                        off <= 1e-14 * value.abs(),
+                        "{name}: {raw} is {} {value}",
+                        si(raw)
+                    );
+                }
+                expected.push((name, dimension as usize));
+            }
+        }
+        let names = |(names, _, _, dimension): &(&[&'static str], f64, f64, Dimension)| {
+            let dimension = *dimension as usize;
+            names
+                .iter()
+                .map(|name| (*name, dimension))
+                .collect::<Vec<_>>()
+        };
+        let mut read: Vec<(&str, usize)> = TABLE.iter().flat_map(names).collect();
+        read.sort();
+        expected.sort();
+        assert_eq!(read, expected, "each unit that is read stands here once");
+    }
+}

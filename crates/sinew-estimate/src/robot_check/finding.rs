@@ -320,3 +320,47 @@ const SLIPS: [Slips; 14] = [
     ("mrad", &[("rad", 1e3), ("µrad", 1e-3)]),
     ("N·m·s/rad", &[("N·mm·s/rad", 1e-3), ("kN·m·s/rad", 1e3)]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What one of a unit is in SI, written from its definition.
+    fn si(unit: &str) -> f64 {
+        let degree = std::f64::consts::PI / 180.0;
+        match unit {
+            "parts of 1" | "m" | "kg" | "kg·m²" | "N·m/rad" | "N·m" | "N·m/A" | "N" | "rad"
+            | "rad/s" | "m/s²" | "N·m·s/rad" => 1.0,
+            "km" | "t" | "kN·m/rad" | "kN·m" | "kN·m/A" | "kN" | "kN·m·s/rad" => 1000.0,
+            "mm" | "g" | "g·m²" | "N·mm/rad" | "N·mm" | "mN·m/A" | "mN" | "mrad" | "mm/s²"
+            | "N·mm·s/rad" => 0.001,
+            "cm" | "%" => 0.01,
+            "µm" | "µrad" => 0.000_001,
+            "kg·cm²" => 0.01 * 0.01,
+            "kg·mm²" => 0.001 * 0.001,
+            "g·cm²" => 0.001 * 0.01 * 0.01,
+            "g·mm²" => 0.001 * 0.001 * 0.001,
+            "N·m/°" => 1.0 / degree,
+            "°" | "°/s" => degree,
+            "rpm" => 6.0 * degree,
+            other => panic!("{other}: say what it is"),
+        }
+    }
+
+    #[test]
+    fn units_that_are_mistaken_have_the_size_of_their_definitions() {
+        for (meant, others) in SLIPS {
+            for &(written, size) in others {
+                // A mass written where a force is meant: its weight.
+                let expected = match (meant, written) {
+                    ("N", "kg") => 9.81,
+                    _ => si(written) / si(meant),
+                };
+                assert!(
+                    (size / expected - 1.0).abs() < 1e-6,
+                    "{written} for {meant}: {size}"
+                );
+            }
+        }
+    }
+}

@@ -46,3 +46,20 @@ pub(crate) fn time_unit_exponent(text: &str) -> Result<i32, String> {
         )),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_ten_of_time_are_those_of_the_table_of_units() {
+        for (name, exponent) in [("s", 9), ("ms", 6), ("us", 3), ("µs", 3), ("ns", 0)] {
+            assert_eq!(time_unit_exponent(name), Ok(exponent));
+            let second = Unit::parse(name, &[D::Time]).expect("a time");
+            let ns = second.factor * 1e9;
+            assert!((ns / 10_f64.powi(exponent) - 1.0).abs() < 1e-14, "{name}");
+        }
+        let refused = time_unit_exponent("min").expect_err("not a power of ten");
+        assert!(refused.contains("'min'"), "{refused}");
+    }
+}
