@@ -1,12 +1,15 @@
 //! All tests of sinew-eval in one binary: one link, one start.
 
 mod control;
+mod coverage;
 mod excitation;
 mod paper_figures;
 mod paper_ledger;
 mod rope_figures;
 mod scenarios;
 mod science_figures;
+#[path = "../../sinew-creep/tests/support/score.rs"]
+mod score;
 mod spoiled_bytes;
 #[path = "../../sinew-estimate/tests/support/mod.rs"]
 mod support;

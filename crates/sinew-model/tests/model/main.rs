@@ -7,6 +7,7 @@ mod bounded_work;
 mod closed_forms;
 mod contact;
 mod correction;
+mod coverage;
 mod identities;
 mod lost_stiffness;
 mod observer;
@@ -21,6 +22,10 @@ mod rope_entry;
 mod rope_law;
 mod rope_reference;
 mod rope_routing;
+#[path = "../../../sinew-creep/tests/support/score.rs"]
+mod score;
+#[path = "../../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
 mod spring_arms;
 mod strung;
 mod survival;

@@ -4,6 +4,7 @@
 //! folder beside the checkout. Small models of our own with committed values, in
 //! `tests/reference`, are checked always.
 
+use crate::skipped::skipped;
 use serde_json::Value;
 use sinew_model::arm::{Arm, ArmWorkspace, JointKind, urdf};
 use std::path::{Path, PathBuf};
@@ -23,11 +24,7 @@ fn shared_models_agree() {
         .map(PathBuf::from)
         .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"));
     if !folder.join("fixtures").is_dir() {
-        // Past the capture of a test that passes.
-        let _ = std::io::Write::write_fmt(
-            &mut std::io::stderr(),
-            format_args!("SKIPPED: no reference values at {}\n", folder.display()),
-        );
+        skipped(format_args!("no reference values at {}", folder.display()));
         return;
     }
     assert!(check_folder(&folder) > 0);

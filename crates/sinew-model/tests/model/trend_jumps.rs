@@ -1,5 +1,6 @@
 //! Sudden changes of a tendon: found, told apart, withdrawn; few records and bad ones.
 
+use crate::trend::Random;
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 use sinew_model::trend::{
@@ -7,24 +8,6 @@ use sinew_model::trend::{
 };
 
 const DAY_S: f64 = 86_400.0;
-
-/// Numbers in 0..1 and normal ones, the same on every machine (splitmix64, Box and Muller).
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
 
 fn record(days: f64, offset_rad: f64, deviation_rad: f64, temperature_c: f64) -> Record {
     Record {
