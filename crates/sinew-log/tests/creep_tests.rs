@@ -1,7 +1,7 @@
 //! Test files: dialects that laboratories write, and what is refused.
 
+use crate::skipped::shared;
 use sinew_log::{LogError, TestOptions, TestQuantity, read_test, read_test_bytes};
-use std::path::Path;
 
 fn read(text: &str) -> Result<sinew_log::TestFile, LogError> {
     read_test_bytes(text.as_bytes().to_vec(), "t.csv", &TestOptions::default())
@@ -164,19 +164,10 @@ fn choices_win_over_headers_and_wrong_ones_name_the_nearest() {
 
 #[test]
 fn all_204_spruce_tests_are_told_apart() {
-    let shared = std::env::var_os("SINEW_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        Into::into,
-    );
-    let path = shared.join("data/creep/ferrara_wittel_spruce_creep/ve_creep_all.csv");
-    if !path.exists() {
-        // Past the capture of a test that passes.
-        let _ = std::io::Write::write_fmt(
-            &mut std::io::stderr(),
-            format_args!("SKIPPED: {} is not there\n", path.display()),
-        );
+    let path = "data/creep/ferrara_wittel_spruce_creep/ve_creep_all.csv";
+    let Some(path) = shared(path) else {
         return;
-    }
+    };
     let file = read_test(&path, &TestOptions::default()).unwrap();
     assert_eq!(file.specimens.len(), 204);
     assert_eq!(

@@ -19,6 +19,8 @@ mod parquet;
 mod parts;
 mod roundtrip;
 mod shared;
+#[path = "../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
 mod sources;
 mod support;
 mod table_write;

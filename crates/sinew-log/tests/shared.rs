@@ -1,26 +1,9 @@
 //! Real and independent recordings in the optional folder beside the checkout.
 
-use std::path::{Path, PathBuf};
+use crate::skipped::shared;
+use std::path::Path;
 
 use sinew_log::{Format, Mapping, OpenOptions, Quantity, Recording, open};
-
-/// The shared folder, or a visible word that the test did not run.
-fn shared(inside: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("SINEW_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        PathBuf::from,
-    );
-    let path = folder.join(inside);
-    if path.exists() {
-        return Some(path);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: {} is not there\n", path.display()),
-    );
-    None
-}
 
 fn mapping(name: &str) -> Mapping {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))

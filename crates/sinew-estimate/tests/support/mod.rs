@@ -16,6 +16,10 @@ use sinew_model::{Gaussian, Z95};
 use sinew_sim::{Scenario, Simulation};
 use std::path::{Path, PathBuf};
 
+#[path = "../../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
+pub(crate) use skipped::shared;
+
 pub(crate) const DAY_S: f64 = 86_400.0;
 
 /// The repository's folder.
@@ -31,22 +35,6 @@ pub(crate) fn biorob_like_folder() -> PathBuf {
 /// The shipped robot.
 pub(crate) fn biorob_like() -> Robot {
     robot_dir::load(&biorob_like_folder(), None).unwrap().robot
-}
-
-/// A part of the shared folder beside the checkout (`SINEW_SHARED`), or `None` with a visible word.
-pub(crate) fn shared(part: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("SINEW_SHARED")
-        .map_or_else(|| repository().join("../shared"), PathBuf::from);
-    let place = root.join(part);
-    if place.exists() {
-        return Some(place);
-    }
-    // Past the capture of a test that passes.
-    let _ = std::io::Write::write_fmt(
-        &mut std::io::stderr(),
-        format_args!("SKIPPED: {} is not there\n", place.display()),
-    );
-    None
 }
 
 /// How many draws a test makes: `SINEW_SEEDS`, or a few.
