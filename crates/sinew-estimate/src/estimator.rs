@@ -2,7 +2,7 @@
 
 use crate::executor::Pool;
 use sinew_model::Gaussian;
-use sinew_model::offset::{Block, FeatureConfig, MapEstimator, Payload, Prior};
+use sinew_model::offset::{Block, ExternalForce, FeatureConfig, MapEstimator, Payload, Prior};
 use sinew_model::robot::Robot;
 
 /// How a session is estimated.
@@ -17,6 +17,9 @@ pub struct SessionOptions {
     pub motor_current: bool,
     /// Temperature during the recording, °C, where it is stated instead of recorded.
     pub temperature_c: Option<Gaussian>,
+    /// A constant force from outside at the tool, along the axes of the base, N, where it is stated. The recursive form
+    /// knows none.
+    pub external_force_n: Option<[Gaussian; 3]>,
 }
 
 impl Default for SessionOptions {
@@ -26,6 +29,7 @@ impl Default for SessionOptions {
             motor_torque: true,
             motor_current: false,
             temperature_c: None,
+            external_force_n: None,
         }
     }
 }
@@ -42,9 +46,17 @@ pub fn estimator(robot: &Robot, options: &SessionOptions) -> MapEstimator {
     if options.motor_current {
         tolerances.motor_torque = tolerances.motor_current;
     }
+    let force = match options.external_force_n {
+        Some(force_n) => Some(ExternalForce {
+            force_n,
+            is_stated: true,
+        }),
+        None => ExternalForce::possible(robot.tolerances.external_force_n),
+    };
     let prior = Prior::new(&robot.arm, &robot.transmissions, last, at, tolerances);
     MapEstimator::new(prior, &FeatureConfig::default())
         .with_motor_torque(options.motor_torque)
+        .with_external_force(&robot.arm, force)
         .with_executor(&Pool)
 }
 

@@ -5,6 +5,7 @@ mod absolute_events;
 mod anchor;
 mod bad_input;
 mod baseline_merge;
+mod external_force;
 mod feeder;
 mod given;
 mod honest;

@@ -96,6 +96,7 @@ fn session() -> SessionEstimate {
         blocks: Vec::new(),
         payload_kg: Gaussian::default(),
         payload_changes: Vec::new(),
+        external_force: None,
         motor_torque: MotorTorque::Unused,
         left_out_share: 0.0,
         left_out: Vec::new(),

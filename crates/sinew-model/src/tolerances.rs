@@ -48,6 +48,8 @@ pub struct Tolerances {
     pub zero_rad: f64,
     /// Temperature of a recording that holds none, K: how far it may be from the usual.
     pub temperature_k: f64,
+    /// A constant force from outside at the tool, along each axis, N; 0: none acts.
+    pub external_force_n: f64,
 }
 
 impl Default for Tolerances {
@@ -73,6 +75,7 @@ impl Default for Tolerances {
             gear: 0.003,
             zero_rad: 0.0,
             temperature_k: 5.0,
+            external_force_n: 2.0,
         }
     }
 }
@@ -88,7 +91,7 @@ impl Tolerances {
     }
 
     /// Keys of `robot.toml`, with the unit in the name; means where a value has one.
-    pub const KEYS: [&'static str; 23] = [
+    pub const KEYS: [&'static str; 24] = [
         "stiffness_percent",
         "mass_percent",
         "first_moment_percent",
@@ -112,6 +115,7 @@ impl Tolerances {
         "gear_percent",
         "zero_mrad",
         "temperature_k",
+        "external_force_n",
     ];
 
     /// Where a key's value goes, and its unit.
@@ -141,6 +145,7 @@ impl Tolerances {
             "gear_percent" => (&mut self.gear, PERCENT),
             "zero_mrad" => (&mut self.zero_rad, MILLI),
             "temperature_k" => (&mut self.temperature_k, 1.0),
+            "external_force_n" => (&mut self.external_force_n, 1.0),
             "motor_torque_percent" => (&mut self.motor_torque, PERCENT),
             "motor_current_percent" => (&mut self.motor_current, PERCENT),
             _ => return None,

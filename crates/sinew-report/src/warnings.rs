@@ -226,6 +226,16 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * moved_rad.half_width_95(),
             100.0 * probability
         ),
+        Warning::ExternalForce {
+            probability,
+            force_n,
+        } => format!(
+            "a constant force from outside acts on the arm ({:.0} % likely): at the tool {} N along x, y and z of the base. It is estimated along; a cable that drags, a hose or a spring balancer does that. Take it off, or state it with --external-force-n",
+            100.0 * probability,
+            force_n
+                .map(|f| format!("{:.1} ± {:.1}", f.mean, f.half_width_95()))
+                .join(", ")
+        ),
         Warning::Unexplained { joint, noise_rad } => format!(
             "{joint}: {:.1} mrad of the reading fits nothing{}: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
             1e3 * noise_rad,

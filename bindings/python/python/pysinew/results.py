@@ -221,6 +221,10 @@ class BaselineResult(Record):
     """Whether part of the file was lost."""
     duration_s: float
     """Length of the part used, s."""
+    external_force: ForceEstimate | None
+    """A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the
+    stretch where it is likeliest.
+    """
     joints: list[TendonEstimate]
     """One entry per elastic joint."""
     left_out: list[LeftOut]
@@ -261,6 +265,7 @@ class BaselineResult(Record):
         "baseline_time_utc_s": "",
         "damaged": "",
         "duration_s": "",
+        "external_force": "ForceEstimate",
         "joints": "TendonEstimate",
         "left_out": "LeftOut",
         "left_out_share": "",
@@ -1730,6 +1735,25 @@ class FixedParameter(Record):
         "name": "",
         "value": "",
         "why": "",
+    }
+
+
+class ForceEstimate(Record):
+    """A constant force from outside that may act on the arm while the recording goes on."""
+
+    __slots__ = ()
+
+    force_n: list[Gaussian]
+    """Along the axes of the base, N, if it does."""
+    is_stated: bool
+    """Whether somebody stated it."""
+    probability: float
+    """Posterior probability that it does; 1 where it was stated."""
+
+    _fields = {
+        "force_n": "Gaussian",
+        "is_stated": "",
+        "probability": "",
     }
 
 
@@ -4382,6 +4406,10 @@ class SessionEstimate(Record):
     """Whether part of the file was lost."""
     duration_s: float
     """Length of the part used, s."""
+    external_force: ForceEstimate | None
+    """A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the
+    stretch where it is likeliest.
+    """
     joints: list[TendonEstimate]
     """One entry per elastic joint."""
     left_out: list[LeftOut]
@@ -4420,6 +4448,7 @@ class SessionEstimate(Record):
         "baseline_time_utc_s": "",
         "damaged": "",
         "duration_s": "",
+        "external_force": "ForceEstimate",
         "joints": "TendonEstimate",
         "left_out": "LeftOut",
         "left_out_share": "",
@@ -5673,6 +5702,24 @@ class WarningDriftUnknown(Record):
     }
 
 
+class WarningExternalForce(Record):
+    """A constant force from outside acts on the arm."""
+
+    __slots__ = ()
+
+    force_n: list[Gaussian]
+    """Along the axes of the base, N, if it does."""
+    kind: Literal["external-force"]
+    probability: float
+    """Probability that it does."""
+
+    _fields = {
+        "force_n": "Gaussian",
+        "kind": "",
+        "probability": "",
+    }
+
+
 class WarningFarFromPrior(Record):
     """A parameter is far from what was believed."""
 
@@ -6155,7 +6202,7 @@ TrendVerdict = Literal["retension", "replace", "inspect", "replace-by-age", "wat
 UnknownCause = Literal["missing", "noise", "rate", "both"]
 Unusable = Union[UnusableBreaks, UnusableForceNeverPositive, UnusableGaugeLength, UnusableNoGaugeLength, UnusableNoLevel, UnusableNoReading, UnusableNoStage, UnusableNoStrain, UnusableNoTension, UnusableNoTime, UnusableNothingToShift, UnusableStrainTooLarge, UnusableSwapped, UnusableTemperature, UnusableTooFewReadings]
 Verdict = Literal["longer", "shorter", "unchanged", "cannot-tell"]
-Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
+Warning = Union[WarningAnchorDisagrees, WarningChangeMayEnd, WarningDriftUnknown, WarningExternalForce, WarningFarFromPrior, WarningFewPoses, WarningFewPosesOfBaseline, WarningFramesMissing, WarningMotorTorqueLeftOut, WarningMuchLeftOut, WarningNegativePayload, WarningNoBaseline, WarningNotZeroed, WarningNothingFits, WarningPayloadContradicted, WarningRopeCreeps, WarningSidesOutOfStep, WarningStandReadsOff, WarningStandsAtEnd, WarningStiffnessChangedBefore, WarningStuck, WarningTemperatureUnknown, WarningTendonCreeps, WarningTorqueHardlyChanged, WarningUnexplained]
 WhyFixed = Literal["no-change-of-load", "fewer-than-three-loads", "fewer-than-five-loads", "one-load", "one-temperature", "fewer-than-three-temperatures", "too-little-flow", "no-retraction", "none-warm", "with-rate-of-flow"]
 WitnessFault = Union[Literal["constant", "untested"], WitnessFaultContradicts]
 Forecaster = Union[Literal["combined"], Law]
@@ -6241,6 +6288,7 @@ _CLASSES: Mapping[str, Any] = {
     "Fit": Fit,
     "FitSet": FitSet,
     "FixedParameter": FixedParameter,
+    "ForceEstimate": ForceEstimate,
     "Forecast": Forecast,
     "ForecastConditions": ForecastConditions,
     "ForecastPoint": ForecastPoint,
@@ -6402,6 +6450,7 @@ _CLASSES: Mapping[str, Any] = {
     "WarningAnchorDisagrees": WarningAnchorDisagrees,
     "WarningChangeMayEnd": WarningChangeMayEnd,
     "WarningDriftUnknown": WarningDriftUnknown,
+    "WarningExternalForce": WarningExternalForce,
     "WarningFarFromPrior": WarningFarFromPrior,
     "WarningFewPoses": WarningFewPoses,
     "WarningFewPosesOfBaseline": WarningFewPosesOfBaseline,
@@ -6444,7 +6493,7 @@ _CLASSES: Mapping[str, Any] = {
     "TrendEvent": {"jump": TrendEventJump, "tensioned": TrendEventTensioned},
     "TrendNote": {"repeated": TrendNoteRepeated, "overlapping": TrendNoteOverlapping, "tensioning-not-stated": TrendNoteTensioningNotStated, "life-not-used": TrendNoteLifeNotUsed, "long-before": TrendNoteLongBefore, "other-baseline": TrendNoteOtherBaseline},
     "Unusable": {"no-time": UnusableNoTime, "no-strain": UnusableNoStrain, "no-gauge-length": UnusableNoGaugeLength, "gauge-length": UnusableGaugeLength, "too-few-readings": UnusableTooFewReadings, "strain-too-large": UnusableStrainTooLarge, "force-never-positive": UnusableForceNeverPositive, "no-level": UnusableNoLevel, "swapped": UnusableSwapped, "no-stage": UnusableNoStage, "no-reading": UnusableNoReading, "no-tension": UnusableNoTension, "breaks": UnusableBreaks, "temperature": UnusableTemperature, "nothing-to-shift": UnusableNothingToShift},
-    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
+    "Warning": {"few-poses": WarningFewPoses, "few-poses-of-baseline": WarningFewPosesOfBaseline, "torque-hardly-changed": WarningTorqueHardlyChanged, "change-may-end": WarningChangeMayEnd, "stands-at-end": WarningStandsAtEnd, "stand-reads-off": WarningStandReadsOff, "rope-creeps": WarningRopeCreeps, "tendon-creeps": WarningTendonCreeps, "external-force": WarningExternalForce, "unexplained": WarningUnexplained, "stuck": WarningStuck, "negative-payload": WarningNegativePayload, "payload-contradicted": WarningPayloadContradicted, "nothing-fits": WarningNothingFits, "much-left-out": WarningMuchLeftOut, "not-zeroed": WarningNotZeroed, "no-baseline": WarningNoBaseline, "temperature-unknown": WarningTemperatureUnknown, "drift-unknown": WarningDriftUnknown, "anchor-disagrees": WarningAnchorDisagrees, "sides-out-of-step": WarningSidesOutOfStep, "motor-torque-left-out": WarningMotorTorqueLeftOut, "far-from-prior": WarningFarFromPrior, "frames-missing": WarningFramesMissing, "stiffness-changed-before": WarningStiffnessChangedBefore},
     "WitnessFault": {"contradicts": WitnessFaultContradicts},
 }
 Record._classes = _CLASSES

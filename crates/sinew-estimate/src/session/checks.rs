@@ -18,6 +18,8 @@ const LIGHTER: f64 = 2.0;
 const MUCH: f64 = 0.35;
 /// Creep that is no likelier than this isn't worth a word.
 const CREEPS: f64 = 0.3;
+/// A force from outside that is no likelier than this isn't worth a word.
+const ACTS: f64 = 0.3;
 /// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
 /// data is seen.
 const LIKELY: f64 = 0.3;
@@ -51,6 +53,12 @@ pub(super) fn warnings(
         }
     }
     out.extend(joints.iter().filter_map(|j| creeps(j, recorded.duration_s)));
+    // What its owner stated is no news to him.
+    let force = (estimate.external_force).filter(|f| f.probability > ACTS && !f.is_stated);
+    out.extend(force.map(|force| Warning::ExternalForce {
+        probability: force.probability,
+        force_n: force.force_n,
+    }));
     let unexplained = joints.iter().filter(|joint| joint.noise_rad > NOISY_RAD);
     out.extend(unexplained.map(|joint| Warning::Unexplained {
         joint: joint.name.clone(),

@@ -6,7 +6,7 @@ use super::warning::Warning;
 use crate::cause::Cause;
 use crate::nuisance::NuisanceChange;
 use serde::{Deserialize, Serialize};
-use sinew_model::offset::SharedError;
+use sinew_model::offset::{ForceEstimate, SharedError};
 use sinew_model::{Gaussian, Interval95};
 
 /// Offsets since the baseline.
@@ -43,6 +43,10 @@ pub struct SessionEstimate {
     pub payload_kg: Gaussian,
     /// Loads picked up or put down within the recording.
     pub payload_changes: Vec<PayloadChange>,
+    /// A constant force from outside at the tool; `None`: there was none to be seen. Of a long recording, in the stretch where
+    /// it is likeliest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub external_force: Option<ForceEstimate>,
     /// Which torque of the motors was used as a second witness.
     pub motor_torque: MotorTorque,
     /// Share of the time left out as contact or disturbance.

@@ -101,6 +101,7 @@ pub fn learn_recorded(
         motor_torque: learning.motor_torque,
         motor_current: false,
         temperature_c: learning.temperature_c,
+        external_force_n: None,
     };
     let session = Session::new(robot, recorded, &options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);

@@ -45,16 +45,12 @@ impl Stand {
         let stiffness = robot.transmissions[joint].as_ref()?.stiffness_nm_per_rad;
         let load = largest(JointParameter::LoadFriction) * last.y[joint].abs();
         let (from, map) = segments.estimates.last()?;
-        let mut residuals = vec![0.0; estimator.prior().joints()];
-        let (mut sum, mut count) = (0.0, 0.0);
-        for block in recorded.blocks.get(*from..)?.iter().rev() {
-            if last.time_s - block.time_s > NOW_S {
-                break;
-            }
-            estimator.residuals(map, block, &mut residuals);
-            sum += residuals[joint];
-            count += 1.0;
-        }
+        let blocks = recorded.blocks.get(*from..)?;
+        let now = blocks.partition_point(|block| last.time_s - block.time_s > NOW_S);
+        let residuals = estimator.residuals(map, &blocks[now..]);
+        let own = residuals.iter().skip(joint);
+        let sum: f64 = own.step_by(estimator.prior().joints()).sum();
+        let count = (blocks.len() - now) as f64;
         Some(Self {
             from_s: (recorded.end_s() - last.stood_s).max(0.0),
             hidden_rad: 2.0 * (largest(JointParameter::Coulomb) / stiffness + load),

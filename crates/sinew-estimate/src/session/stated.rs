@@ -24,6 +24,9 @@ pub enum StatedError {
     /// A deviation below 0.
     #[error("± {0} is below 0")]
     Deviation(f64),
+    /// A force from outside that nobody knows anything of, or knows exactly.
+    #[error("a force known to ± {0} N: the deviation must be above 0 N, as in 0±2")]
+    ForceDeviation(f64),
     /// A part of a recording without a length.
     #[error("{from_s} s to {to_s} s: the part must start at 0 s or later and end after its start")]
     Window {
@@ -58,6 +61,17 @@ pub fn temperature(c: f64, deviation_k: Option<f64>) -> Result<Gaussian, StatedE
     }
     let deviation_k = deviation(deviation_k)?.unwrap_or(THERMOMETER_K);
     Ok(Gaussian::new(c, deviation_k))
+}
+
+/// A constant force from outside at the tool along the axes of the base, N, each to a standard deviation.
+///
+/// # Errors
+/// [`StatedError`] without a deviation above 0.
+pub fn external_force(mean_n: [f64; 3], deviation_n: f64) -> Result<[Gaussian; 3], StatedError> {
+    match deviation_n > 0.0 {
+        true => Ok(mean_n.map(|mean_n| Gaussian::new(mean_n, deviation_n))),
+        false => Err(StatedError::ForceDeviation(deviation_n)),
+    }
 }
 
 /// A part of a recording, s from its start; `None`: up to its end.

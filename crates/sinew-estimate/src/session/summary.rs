@@ -86,6 +86,9 @@ pub(super) fn summarise(
         blocks,
         payload_kg: segments.belief.entry(prior.payload_place()),
         payload_changes: maps().flat_map(|map| payload_changes(prior, map)).collect(),
+        external_force: maps()
+            .filter_map(|map| map.force)
+            .max_by(|a, b| a.probability.total_cmp(&b.probability)),
         motor_torque: motor_torque(estimator, recorded),
         left_out_share: out / weights.len().max(1) as f64,
         left_out: left_out(&recorded.blocks, &weights),
@@ -247,11 +250,12 @@ fn block_estimates(
 ) -> Vec<BlockEstimate> {
     let prior = estimator.prior();
     let mut out = Vec::with_capacity(recorded.blocks.len());
-    let mut residuals = vec![0.0; prior.joints()];
+    let n = prior.joints().max(1);
     for (from, map) in &segments.estimates {
-        for (b, weight) in map.weights.iter().enumerate() {
-            let block = &recorded.blocks[from + b];
-            estimator.residuals(map, block, &mut residuals);
+        let blocks = &recorded.blocks[*from..from + map.weights.len()];
+        let residuals = estimator.residuals(map, blocks);
+        let said = blocks.iter().zip(&map.weights);
+        for ((block, weight), residuals) in said.zip(residuals.chunks_exact(n)) {
             let offset_rad: Vec<Gaussian> = elastic
                 .iter()
                 .map(|&i| map.offset_at(prior, i, block.time_s))

@@ -89,6 +89,13 @@ pub enum Warning {
         /// In how long, s.
         duration_s: f64,
     },
+    /// A constant force from outside acts on the arm.
+    ExternalForce {
+        /// Probability that it does.
+        probability: f64,
+        /// Along the axes of the base, N, if it does.
+        force_n: [Gaussian; 3],
+    },
     /// Much of the reading fits nothing.
     Unexplained {
         /// Joint.

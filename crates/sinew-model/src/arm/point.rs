@@ -3,7 +3,7 @@
 use super::build::{ArmError, BodyInertia, Pose, check_body};
 use super::{Arm, ArmWorkspace, JointKind};
 use crate::StepError;
-use crate::vec3::{Vec3, add, cross, mul, rotate, scale};
+use crate::vec3::{Vec3, add, cross, mul, rotate, rotate_back, scale};
 
 impl Arm {
     /// Pose of link `link` in the base frame at `q`.
@@ -60,23 +60,69 @@ impl Arm {
             .iter()
             .find(|l| l.name == link)
             .ok_or(StepError::UnknownLink)?;
-        let Some(mut i) = frame.joint else {
+        let Some(i) = frame.joint else {
             return Ok(());
         };
         let base_from_joint = self.joint_pose(ws, q, i)?;
-        let f = crate::vec3::rotate_back(&base_from_joint.rotation, force);
-        let (mut moment, mut force) = (cross(frame.pose.apply(point), f), f);
+        let force = rotate_back(&base_from_joint.rotation, force);
+        let moment = cross(frame.pose.apply(point), force);
+        self.each_carries(ws, i, (moment, force), |i, torque| tau[i] += torque);
+        Ok(())
+    }
+
+    /// What a newton along each axis of the base does to every joint, N·m, where it acts on body `body`.
+    ///
+    /// * `points`: in the body's re-based frame, m. `out`: `n` for every point, one point after the other.
+    ///
+    /// # Errors
+    /// [`StepError::Length`], [`StepError::NotFinite`].
+    pub(crate) fn torques_per_newton(
+        &self,
+        ws: &mut ArmWorkspace,
+        q: &[f64],
+        body: usize,
+        points: &[Vec3],
+        out: &mut [Vec3],
+    ) -> Result<(), StepError> {
+        let n = self.joints.len();
+        if body >= n || out.len() != n * points.len() {
+            return Err(StepError::Length);
+        }
+        let base_from_joint = self.joint_pose(ws, q, body)?;
+        out.fill([0.0; 3]);
+        for (point, out) in points.iter().zip(out.chunks_exact_mut(n)) {
+            for axis in 0..3 {
+                let mut force = [0.0; 3];
+                force[axis] = 1.0;
+                let force = rotate_back(&base_from_joint.rotation, force);
+                let moment = cross(*point, force);
+                self.each_carries(ws, body, (moment, force), |i, torque| out[i][axis] = torque);
+            }
+        }
+        Ok(())
+    }
+
+    /// Torque at `joint` and every one before it of a wrench in the frame of `joint`; their poses are in the workspace.
+    fn each_carries(
+        &self,
+        ws: &ArmWorkspace,
+        mut joint: usize,
+        (mut moment, mut force): (Vec3, Vec3),
+        mut torque: impl FnMut(usize, f64),
+    ) {
         loop {
-            let joint = &self.joints[i];
-            tau[i] += match joint.kind {
+            let own = &self.joints[joint];
+            let along = match own.kind {
                 JointKind::Revolute => moment[2],
                 JointKind::Prismatic => force[2],
             };
-            if joint.parent_slot == 0 {
-                return Ok(());
+            torque(joint, along);
+            if own.parent_slot == 0 {
+                return;
             }
-            (moment, force) = super::mass_matrix::wrench_in_parent(&ws.state[i + 1], moment, force);
-            i = joint.parent_slot - 1;
+            let state = &ws.state[joint + 1];
+            (moment, force) = super::mass_matrix::wrench_in_parent(state, moment, force);
+            joint = own.parent_slot - 1;
         }
     }
 

@@ -1,7 +1,7 @@
 //! Sudden changes within a recording.
 
 use super::layout::Layout;
-use super::parameter::{JointParameter, PAYLOAD};
+use super::parameter::{FORCE, JointParameter, PAYLOAD};
 use alloc::vec::Vec;
 
 /// What changes.
@@ -18,6 +18,9 @@ pub enum ChangeKind {
     Creep(usize),
     /// What the gripper holds.
     Payload,
+    /// A constant force from outside, at the tool: a cable that drags, a hose, a spring balancer. Its entries are the
+    /// recording's alone: they change nothing that is believed of the robot.
+    Force,
 }
 
 impl ChangeKind {
@@ -26,16 +29,18 @@ impl ChangeKind {
         match self {
             Self::Offset(_) | Self::Compliance(_) | Self::Creep(_) => 1,
             Self::Payload => PAYLOAD,
+            Self::Force => FORCE,
         }
     }
 
-    /// First entry of the state it changes.
-    pub(crate) fn place(self, layout: Layout) -> usize {
-        match self {
+    /// First entry of the state it changes; `None`: it comes beside them.
+    pub(crate) fn place(self, layout: Layout) -> Option<usize> {
+        Some(match self {
             Self::Offset(joint) | Self::Creep(joint) => layout.place(joint, JointParameter::Offset),
             Self::Compliance(joint) => layout.place(joint, JointParameter::Compliance),
             Self::Payload => layout.payload_place(),
-        }
+            Self::Force => return None,
+        })
     }
 }
 
@@ -92,7 +97,7 @@ pub(crate) fn offset_terms(
     let mut terms = alloc::vec![(place, 1.0)];
     let mut column = layout.dimension();
     for change in changes {
-        if change.kind.place(layout) == place && change.at_s <= time_s {
+        if change.kind.place(layout) == Some(place) && change.at_s <= time_s {
             terms.push((column, change.factor(time_s)));
         }
         column += change.kind.columns();

@@ -28,6 +28,19 @@ pub struct CreepEstimate {
     pub rate_rad_per_s: Gaussian,
 }
 
+/// A constant force from outside that may act on the arm while the recording goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForceEstimate {
+    /// Whether somebody stated it.
+    pub is_stated: bool,
+    /// Posterior probability that it does; 1 where it was stated.
+    pub probability: f64,
+    /// Along the axes of the base, N, if it does.
+    pub force_n: [Gaussian; 3],
+}
+
 /// Posterior of a change found within a recording: whether it happened, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -119,6 +132,8 @@ pub struct MapEstimate {
     pub stiffness_changes: Vec<Option<StiffnessChange>>,
     /// Creep of each joint's tendon; `None` where the recording shows none.
     pub creep: Vec<Option<CreepEstimate>>,
+    /// A constant force from outside; `None` where the recording shows none.
+    pub force: Option<ForceEstimate>,
     /// Posterior of each change that was found ([`MapEstimate::posterior`]).
     pub posteriors: Vec<ChangePosterior>,
 }
@@ -182,7 +197,9 @@ impl MapEstimate {
         for change in &self.changes {
             let columns = change.kind.columns();
             let (base, factor) = if which(change) {
-                (change.kind.place(prior.layout()), change.factor(self.end_s))
+                // What comes beside the state goes nowhere.
+                let base = change.kind.place(prior.layout());
+                base.map_or((0, 0.0), |base| (base, change.factor(self.end_s)))
             } else {
                 left += columns;
                 (left - columns, 1.0)

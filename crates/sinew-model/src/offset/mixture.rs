@@ -12,19 +12,30 @@ pub(crate) struct PriorOdds {
     pub(crate) deviation: f64,
     /// PriorOdds that it happened.
     pub(crate) odds: f64,
-    /// Whether what makes one happen makes others happen: then `odds` are those that any did, every number of them
-    /// as likely, and every set of a number.
-    pub(crate) together: bool,
+    /// What the others have to do with one that happened.
+    pub(crate) occurrence: Occurrence,
+}
+
+/// How changes happen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Occurrence {
+    /// Each for itself.
+    Apart,
+    /// What makes one happen makes others happen: odds are those that any did, every number of them as likely, and every
+    /// set of a number.
+    Together,
+    /// All or none: they are the components of one.
+    AsOne,
 }
 
 impl PriorOdds {
     /// Logarithm of the prior odds of a set of `count` changes out of `n` against none.
     fn ln_prior(&self, count: usize, n: usize) -> f64 {
-        if !self.together {
-            return count as f64 * libm::log(self.odds);
-        }
-        if count == 0 {
-            return 0.0;
+        match self.occurrence {
+            _ if count == 0 => return 0.0,
+            Occurrence::Apart => return count as f64 * libm::log(self.odds),
+            Occurrence::AsOne => return libm::log(self.odds),
+            Occurrence::Together => {}
         }
         // ln of n over count.
         let sets = (0..count).map(|k| libm::log((n - k) as f64 / (k + 1) as f64));
@@ -36,7 +47,7 @@ impl PriorOdds {
 pub(crate) const LOST_STIFFNESS: PriorOdds = PriorOdds {
     deviation: 0.1,
     odds: 0.3,
-    together: false,
+    occurrence: Occurrence::Apart,
 };
 
 /// A rope that creeps within a recording, rad/s: a starting guess. In the first minutes after tensioning it may be as
@@ -44,7 +55,7 @@ pub(crate) const LOST_STIFFNESS: PriorOdds = PriorOdds {
 pub(crate) const CREEP: PriorOdds = PriorOdds {
     deviation: 2e-3 / 60.0,
     odds: 0.1,
-    together: true,
+    occurrence: Occurrence::Together,
 };
 
 /// Up to so many changes, all sets of them are weighed; of more, none, one, two and all.
@@ -182,7 +193,10 @@ impl Mixture {
         self.spread.fill(0.0);
         // Weights are relative to the largest so far.
         let (mut most, mut all) = (f64::NEG_INFINITY, 0.0);
-        for set in sets(self.changes) {
+        let all_of_them = bit(self.changes).wrapping_sub(1);
+        let is_one = odds.occurrence == Occurrence::AsOne;
+        let possible = |set: &u128| !is_one || *set == 0 || *set == all_of_them;
+        for set in sets(self.changes).filter(possible) {
             copy(&mut self.known, values);
             copy(&mut self.covariance, covariance);
             let mut evidence = odds.ln_prior(set.count_ones() as usize, self.changes);
@@ -279,7 +293,7 @@ mod tests {
     const ODDS: PriorOdds = PriorOdds {
         deviation: 0.4,
         odds: 0.1,
-        together: false,
+        occurrence: Occurrence::Apart,
     };
 
     fn positive_definite(seed: &mut u64, least: f64) -> Vec<f64> {
@@ -422,7 +436,7 @@ mod tests {
     #[test]
     fn without_data_changes_that_come_together_are_as_likely_as_they_were() {
         let together = PriorOdds {
-            together: true,
+            occurrence: Occurrence::Together,
             ..ODDS
         };
         let n = 4;
@@ -440,12 +454,46 @@ mod tests {
         }
     }
 
+    /// The components of one happen all or not at all, and vouch for each other.
+    #[test]
+    fn what_is_one_happened_as_a_whole() {
+        let occurrence = Occurrence::AsOne;
+        let odds = PriorOdds { occurrence, ..ODDS };
+        let n = 3;
+        let columns: Vec<usize> = (0..n).collect();
+        let of = |size: f64, deviation: f64| {
+            let mut p = alloc::vec![0.0; n * n];
+            for i in 0..n {
+                p[i * n + i] = deviation * deviation;
+            }
+            let mut x = alloc::vec![size; n];
+            let each = average(&columns, odds, &mut x, &mut p).unwrap();
+            assert!(each.iter().all(|p| *p == each[0]), "{each:?}");
+            each[0]
+        };
+        // Data that says nothing leaves 0.1 against 1.
+        assert!((of(0.0, ODDS.deviation) - 0.1 / 1.1).abs() < 1e-12);
+        // N(0; x, C) over N(0; 0, S), three times.
+        let (size, deviation): (f64, f64) = (0.2, 0.1);
+        let each = libm::log(deviation / ODDS.deviation) + 0.5 * (size / deviation).powi(2);
+        let expected = 0.1 * libm::exp(3.0 * each);
+        let found = of(size, deviation);
+        assert!(
+            (found / (1.0 - found) / expected - 1.0).abs() < 1e-9,
+            "{found}"
+        );
+    }
+
     /// What all show a little, together is sure.
     #[test]
     fn changes_that_come_together_vouch_for_each_other() {
         let n = 4;
         let of = |together: bool, shown: usize| {
-            let odds = PriorOdds { together, ..ODDS };
+            let occurrence = match together {
+                true => Occurrence::Together,
+                false => Occurrence::Apart,
+            };
+            let odds = PriorOdds { occurrence, ..ODDS };
             let mut p = alloc::vec![0.0; n * n];
             for i in 0..n {
                 p[i * n + i] = 0.01;

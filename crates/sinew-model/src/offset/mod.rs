@@ -17,6 +17,7 @@ mod equations;
 mod error;
 mod estimate;
 mod executor;
+mod external_force;
 mod features;
 #[cfg(test)]
 pub(crate) mod fixtures;
@@ -41,9 +42,11 @@ pub use config::{
 };
 pub use error::MapError;
 pub use estimate::{
-    ChangePosterior, Convergence, CreepEstimate, MapEstimate, StiffnessChange, Termination,
+    ChangePosterior, Convergence, CreepEstimate, ForceEstimate, MapEstimate, StiffnessChange,
+    Termination,
 };
 pub use executor::{Executor, Sequential};
+pub use external_force::ExternalForce;
 pub use features::FeatureObserver;
 pub use lag::lag_s;
 pub use observer::{OffsetObserver, Sample};

@@ -52,3 +52,5 @@ pub enum JointParameter {
 pub(crate) const PER_JOINT: usize = JointParameter::Zero as usize + 1;
 /// Payload: mass, and three first moments beside where it is expected.
 pub(crate) const PAYLOAD: usize = 4;
+/// A force from outside: along the axes of the base, and how far from where it is expected it acts.
+pub(crate) const FORCE: usize = 6;

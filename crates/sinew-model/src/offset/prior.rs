@@ -151,6 +151,11 @@ impl Prior {
         }
     }
 
+    /// How far from where it is expected a payload, or a force, may be, m.
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.tolerances.payload_reach_m
+    }
+
     pub(crate) fn body_start(&self) -> usize {
         self.layout().body_start()
     }

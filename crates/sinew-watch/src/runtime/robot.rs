@@ -159,6 +159,7 @@ fn estimate(settings: EstimateSettings, reads_current: bool) -> SessionOptions {
         motor_torque: settings.motor_torque,
         motor_current: reads_current,
         temperature_c: settings.temperature_c,
+        external_force_n: None,
     }
 }
 

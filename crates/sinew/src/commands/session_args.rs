@@ -48,6 +48,10 @@ pub(crate) struct SessionArgs {
     /// not stated
     #[arg(long, value_name = "C[±C]", value_parser = temperature, allow_negative_numbers = true)]
     temperature_c: Option<Gaussian>,
+    /// A constant force from outside at the tool, along x, y and z of the base; ± one standard deviation of each.
+    /// 0±2: there may be one. Otherwise one is estimated where the recording shows it
+    #[arg(long, value_name = "N[,N,N]±N", value_parser = external_force, allow_hyphen_values = true)]
+    external_force_n: Option<Force>,
     /// Leave a recorded motor torque out
     #[arg(long)]
     no_motor_torque: bool,
@@ -73,6 +77,34 @@ fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
     }
 }
 
+/// A force along the axes of the base, N. A type of its own: an argument's value is not an array's.
+#[derive(Debug, Clone, Copy)]
+struct Force([Gaussian; 3]);
+
+/// `0±2`, or `1,0,-3±0.5`: along all three axes alike only where that is nothing.
+fn external_force(text: &str) -> Result<Force, String> {
+    let refuse = || format!("'{text}' is no force, as in 0±2 or 1,0,-3±0.5 (N)");
+    let (mean, deviation) = text
+        .split_once('±')
+        .or_else(|| text.split_once("+-"))
+        .ok_or_else(refuse)?;
+    let number = |text: &str| {
+        let read = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        read.ok_or_else(refuse)
+    };
+    let means = mean
+        .split(',')
+        .map(number)
+        .collect::<Result<Vec<f64>, _>>()?;
+    let mean_n = match means[..] {
+        [0.0] => [0.0; 3],
+        [x, y, z] => [x, y, z],
+        _ => return Err(refuse()),
+    };
+    let force = stated::external_force(mean_n, number(deviation)?);
+    force.map(Force).map_err(|e| e.to_string())
+}
+
 fn known_payload(text: &str) -> Result<Payload, String> {
     let (mass_kg, deviation_kg) = with_deviation(text)?;
     stated::payload(mass_kg, deviation_kg).map_err(|e| e.to_string())
@@ -91,6 +123,7 @@ impl SessionArgs {
             ("--empty", self.empty),
             ("--payload-kg", self.payload_kg.is_some()),
             ("--temperature-c", self.temperature_c.is_some()),
+            ("--external-force-n", self.external_force_n.is_some()),
             ("--no-motor-torque", self.no_motor_torque),
             ("--save", self.save.is_some()),
             ("--nuisance", self.nuisance),
@@ -126,6 +159,7 @@ impl SessionArgs {
             },
             motor_torque: !self.no_motor_torque,
             temperature_c: self.temperature_c,
+            external_force_n: self.external_force_n.map(|force| force.0),
             ..SessionOptions::default()
         }
     }

@@ -75,6 +75,7 @@ fn descend(
         convergence: Convergence::new(0, f64::INFINITY, f64::INFINITY),
         stiffness_changes: alloc::vec![None; n],
         creep: alloc::vec![None; n],
+        force: None,
         posteriors: Vec::new(),
     };
     if let Some((state, known)) = warm {
@@ -153,7 +154,7 @@ fn parts(problem: &Problem<'_>, changes: &[ChangePoint], schedule: &[Step]) -> V
     };
     let layout = problem.layout();
     let part = |blocks: Range<usize>| Part {
-        normal: NormalEquations::new(problem.total(changes), layout),
+        normal: NormalEquations::new(problem.total(changes), layout, changes),
         residuals: Residuals::new(layout.joints, blocks.clone()),
         equations: Equations::new(layout, changes),
         weights: alloc::vec![1.0; blocks.len()],

@@ -18,16 +18,21 @@
 use super::gauss_newton;
 use super::problem::Problem;
 use super::search::ChangePointSearch;
+use crate::arm::Arm;
 use crate::offset::belief::{Belief, Payload};
 use crate::offset::block::Block;
-use crate::offset::change::{ChangePoint, SearchScope};
+use crate::offset::change::{ChangeKind, ChangePoint, SearchScope};
 use crate::offset::config::FeatureConfig;
 use crate::offset::equations::equation::{Equations, Side};
 use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::equations::linearise::{Content, Linearisation, linearise};
+use crate::offset::equations::measured::Measured;
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::{Executor, Sequential};
+use crate::offset::external_force::{ExternalForce, ForceModel};
 use crate::offset::prior::Prior;
+use alloc::vec::Vec;
 
 /// Solves for offsets and nuisance parameters together.
 #[derive(Debug, Clone)]
@@ -69,8 +74,21 @@ impl MapEstimator {
         &self.model.prior
     }
 
-    /// What the recursive form shares.
-    pub(crate) fn into_model(self) -> EstimationModel {
+    /// A constant force from outside that may act on `arm` where a payload is expected: searches look for it, or take it
+    /// for true. None is sought unless this says so.
+    #[must_use]
+    pub fn with_external_force(mut self, arm: &Arm, force: Option<ExternalForce>) -> Self {
+        let prior = &self.model.prior;
+        let place = (prior.payload_body, prior.payload_at);
+        self.model.force = force
+            .filter(|_| arm.dof() == prior.joints())
+            .map(|force| ForceModel::new(force, arm, place, prior.reach_m()));
+        self
+    }
+
+    /// What the recursive form shares: it knows nothing of a force from outside.
+    pub(crate) fn into_model(mut self) -> EstimationModel {
+        self.model.force = None;
         self.model
     }
 
@@ -116,18 +134,40 @@ impl MapEstimator {
         .run()
     }
 
-    /// What a block's link equations leave, `n`, rad; 0 for a rigid joint.
-    pub fn residuals(&self, at: &MapEstimate, block: &Block, out: &mut [f64]) {
-        let reduced = &self.model.reduced;
+    /// What the link equations of blocks that follow each other leave, `n` a block, rad; 0 for a rigid joint.
+    pub fn residuals(&self, at: &MapEstimate, blocks: &[Block]) -> Vec<f64> {
+        let model = &self.model;
+        let reduced = &model.reduced;
+        let n = reduced.layout.joints;
         let mut equations = Equations::new(reduced.layout, &at.changes);
         let state = reduced.reduced(&at.state);
-        self.model
-            .linearise(block, at.temperature_c, &at.changes, &state, &mut equations);
-        out.fill(0.0);
-        for e in equations.list.iter().filter(|e| e.side == Side::Link) {
-            if let Some(slot) = out.get_mut(e.joint) {
-                *slot = e.residual;
+        let acts = at.changes.iter().any(|c| c.kind == ChangeKind::Force);
+        let force = model.force.as_ref().filter(|_| acts);
+        let forces = force.map_or_else(Vec::new, |force| {
+            force.torques(blocks, model.gain_per_s, model.block_s)
+        });
+        let mut out = alloc::vec![0.0; n * blocks.len()];
+        for (b, (block, out)) in blocks
+            .iter()
+            .zip(out.chunks_exact_mut(n.max(1)))
+            .enumerate()
+        {
+            let forces = forces.get(b * n..(b + 1) * n);
+            let how = Linearisation {
+                reference_c: at.temperature_c,
+                changes: &at.changes,
+                motor: model.motor_torque,
+                force: force.zip(forces),
+                content: Content::Residuals,
+            };
+            let joints = (0..n).map(|i| Measured::of(reduced, block, i));
+            linearise(reduced, block, joints, &how, &state, &mut equations);
+            for e in equations.list.iter().filter(|e| e.side == Side::Link) {
+                if let Some(slot) = out.get_mut(e.joint) {
+                    *slot = e.residual;
+                }
             }
         }
+        out
     }
 }

@@ -9,6 +9,7 @@ mod candidates;
 mod changepoint_time;
 mod cost;
 mod creep;
+mod force;
 mod gauss_newton;
 mod lost_stiffness;
 mod map_estimator;

@@ -2,6 +2,7 @@
 
 use crate::cholesky::{self, Factor};
 use crate::offset::block::{Block, STAND_RAD};
+use crate::offset::change::ChangePoint;
 use crate::offset::equations::equation::{Equation, Equations, Side};
 use crate::offset::equations::gram::Gram;
 use crate::offset::equations::robust::DEVIATION_PER_MEDIAN;
@@ -22,13 +23,13 @@ pub(super) struct NormalEquations {
 }
 
 impl NormalEquations {
-    pub(super) fn new(total: usize, layout: Layout) -> Self {
+    pub(super) fn new(total: usize, layout: Layout, changes: &[ChangePoint]) -> Self {
         Self {
             total,
             information: alloc::vec![0.0; total * total],
             factor: Factor::new(total),
             gradient: alloc::vec![0.0; total],
-            gram: Gram::new(layout),
+            gram: Gram::new(layout, changes),
         }
     }
 
@@ -188,9 +189,9 @@ pub(super) fn pose_runs(blocks: &[Block]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::offset::change::{ChangeKind, ChangePoint};
+    use crate::offset::change::ChangeKind;
     use crate::offset::fixtures::{own, random};
-    use crate::offset::parameter::{JointParameter, PAYLOAD};
+    use crate::offset::parameter::{FORCE, JointParameter, PAYLOAD};
     use alloc::vec;
 
     #[test]
@@ -200,7 +201,7 @@ mod tests {
             joints: JOINTS,
             bodies: 11,
         };
-        // A load picked up before, a slip of the first joint, and creep of the second.
+        // A load picked up before, a slip of the first joint, creep of the second, and a force on both.
         let changes = [
             ChangePoint {
                 kind: ChangeKind::Payload,
@@ -218,8 +219,13 @@ mod tests {
                 kind: ChangeKind::Creep(1),
                 at_s: -3.0,
             },
+            ChangePoint {
+                kind: ChangeKind::Force,
+                at_s: -3.0,
+            },
         ];
-        let total = layout.dimension() + PAYLOAD + 3;
+        let total = layout.dimension() + PAYLOAD + 3 + FORCE;
+        let creep = total - FORCE - 1;
         let mut seed = 1;
         let mut equations = Equations::new(layout, &changes);
         equations.activate(&changes, 1.0);
@@ -234,7 +240,9 @@ mod tests {
                     }
                 })
                 .collect();
-            equations.carry(joint, &phi, &core::array::from_fn(|_| random(&mut seed)));
+            let load = core::array::from_fn(|_| random(&mut seed));
+            let force = core::array::from_fn(|_| random(&mut seed));
+            equations.carry(joint, &phi, &load, Some(&force));
             for (side, torque_gain) in [(Side::Link, 0.02), (Side::Motor, 1.1)] {
                 equations.push(Equation {
                     joint,
@@ -248,7 +256,7 @@ mod tests {
             }
         }
         let information = |e: &Equation| if e.side == Side::Link { 3.0 } else { 0.7 };
-        let mut normal = NormalEquations::new(total, layout);
+        let mut normal = NormalEquations::new(total, layout, &changes);
         let (mut square, mut gradient) = (vec![0.0; total * total], vec![0.0; total]);
         // Blocks from before the changes and since, more than are held back at once.
         for (time_s, times) in [(-1.0, 3), (1.0, 19)] {
@@ -270,7 +278,11 @@ mod tests {
                 // It creeps since −3 s, in steps of two seconds.
                 if e.joint == 1 {
                     let steps_s = if time_s > 0.0 { 5.0 } else { 3.0 };
-                    row[total - 1] = steps_s * row[layout.place(1, JointParameter::Offset)];
+                    row[creep] = steps_s * row[layout.place(1, JointParameter::Offset)];
+                }
+                let force = &equations.row(e.joint)[layout.carried().len()..];
+                for (to, value) in row[creep + 1..].iter_mut().zip(force) {
+                    *to = e.torque_gain * value;
                 }
                 if time_s > 0.0 {
                     let load = layout.payload_place();

@@ -47,8 +47,8 @@ pub(super) fn posteriors(
     let changes = &best.estimate.changes;
     let own = |c: &ChangePoint| {
         let before = matches!(c.kind, ChangeKind::Compliance(_)) && problem.is_before_recording(c);
-        let creeps = matches!(c.kind, ChangeKind::Creep(_));
-        !before && !creeps && !changes.iter().any(|slip| c.accompanies(slip))
+        let stays = matches!(c.kind, ChangeKind::Creep(_) | ChangeKind::Force);
+        !before && !stays && !changes.iter().any(|slip| c.accompanies(slip))
     };
     let numbers = (0..changes.len()).filter(|&k| own(&changes[k]));
     numbers
@@ -79,7 +79,10 @@ fn posterior(
     let all: f64 = odds.iter().sum();
     let happens = match change.kind {
         ChangeKind::Payload => PAYLOAD_ODDS,
-        ChangeKind::Offset(_) | ChangeKind::Compliance(_) | ChangeKind::Creep(_) => SLIP_ODDS,
+        ChangeKind::Offset(_)
+        | ChangeKind::Compliance(_)
+        | ChangeKind::Creep(_)
+        | ChangeKind::Force => SLIP_ODDS,
     };
     let ln_explains = here - least
         + libm::log(all / times.len().max(1) as f64)

@@ -13,6 +13,7 @@ use crate::offset::equations::measured::Measured;
 use crate::offset::error::MapError;
 use crate::offset::estimate::MapEstimate;
 use crate::offset::executor::Executor;
+use crate::offset::external_force::ForceTorque;
 use crate::offset::layout::Layout;
 use crate::offset::mixture::{CREEP, LOST_STIFFNESS};
 use alloc::vec::Vec;
@@ -37,6 +38,8 @@ pub(super) struct Problem<'a> {
     pub(super) blocks: &'a [Block],
     /// What they say of every joint, `n` a block.
     measured: Vec<Option<Measured>>,
+    /// What a force from outside would do to every joint, `n` a block; empty where none is looked for.
+    forces: Vec<ForceTorque>,
     /// Variance of a block's mean over that of independent noise, per block.
     pub(super) inflation: Vec<f64>,
 }
@@ -67,6 +70,9 @@ impl<'a> Problem<'a> {
             measured: (blocks.iter())
                 .flat_map(|block| (0..joints).map(|i| Measured::of(reduced, block, i)))
                 .collect(),
+            forces: (model.force.as_ref()).map_or_else(Vec::new, |force| {
+                force.torques(blocks, model.gain_per_s, model.block_s)
+            }),
             inflation: (pose_runs(blocks).iter().zip(blocks))
                 .map(|(run, block)| run.max(model.inflation) * same_again(block))
                 .collect(),
@@ -131,6 +137,7 @@ impl<'a> Problem<'a> {
             reference_c: at.temperature_c,
             changes: &at.changes,
             motor: self.model.motor_torque,
+            force: (self.model.force.as_ref()).zip(self.forces.get(b * n..(b + 1) * n)),
             content,
         };
         linearise(reduced, &self.blocks[b], joints, &how, &at.state, out);
@@ -180,7 +187,7 @@ impl<'a> Problem<'a> {
     /// Normal equations around `at`, with nothing but the prior in them yet.
     pub(super) fn prior_equations(&self, at: &MapEstimate) -> NormalEquations {
         let total = at.state.len();
-        let mut normal = NormalEquations::new(total, self.layout());
+        let mut normal = NormalEquations::new(total, self.layout(), &at.changes);
         let prior = self.prior_information(&at.changes, total);
         normal.start(&prior, &self.prior_gradient(at));
         normal
@@ -202,6 +209,10 @@ impl<'a> Problem<'a> {
             ChangeKind::Offset(_) => alloc::vec![UNKNOWN_OFFSET_RAD],
             ChangeKind::Compliance(_) => alloc::vec![STRAND],
             ChangeKind::Creep(_) => alloc::vec![CREEP.deviation],
+            ChangeKind::Force => {
+                let force = self.model.force.as_ref();
+                force.map_or_else(Vec::new, |force| force.deviations().to_vec())
+            }
             ChangeKind::Payload => {
                 let prior = &self.model.prior;
                 let open = prior.payload_belief(Payload::Unknown);

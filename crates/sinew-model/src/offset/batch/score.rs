@@ -106,7 +106,7 @@ impl ScoreSum {
                 ChangeKind::Offset(joint)
                 | ChangeKind::Compliance(joint)
                 | ChangeKind::Creep(joint) => e.side == Side::Link && e.joint == joint,
-                ChangeKind::Payload => true,
+                ChangeKind::Payload | ChangeKind::Force => true,
             };
             if !concerned {
                 continue;
@@ -214,7 +214,8 @@ mod tests {
                 .map(|b| {
                     let mut equations = Equations::new(layout, &[]);
                     let phi: Vec<f64> = (0..layout.bodies).map(|_| random(&mut seed)).collect();
-                    equations.carry(0, &phi, &core::array::from_fn(|_| random(&mut seed)));
+                    let load = core::array::from_fn(|_| random(&mut seed));
+                    equations.carry(0, &phi, &load, None);
                     let mut own = own(Side::Link, &mut seed);
                     own[JointParameter::Offset as usize] = 1.0;
                     own[JointParameter::Zero as usize] = 1.0;
@@ -231,7 +232,7 @@ mod tests {
                     equations
                 })
                 .collect();
-            let mut normal = NormalEquations::new(total, layout);
+            let mut normal = NormalEquations::new(total, layout, &[]);
             let mut prior = alloc::vec![0.0; total * total];
             for k in 0..total {
                 prior[k * (total + 1)] = 1.0;

@@ -4,6 +4,7 @@ use super::candidates::candidates;
 use super::changepoint_time::{at_best_time, retimed};
 use super::cost::{ThinnedResiduals, cost_at};
 use super::creep;
+use super::force;
 use super::gauss_newton::{refine, solve, solve_from, solve_without};
 use super::lost_stiffness::{self, MOST_SOFTER};
 use super::posterior::{SURE, posteriors};
@@ -90,10 +91,14 @@ impl ChangePointSearch<'_> {
         if let Some(softer) = softer.as_ref().filter(sure) {
             best = softer.clone();
         }
-        let first = best.clone();
-        best = self.with_changes(best)?;
+        let alone = best.clone();
         if self.scope.offsets {
-            best = creep::told_apart(problem, &first, best, |s| self.with_changes(s))?;
+            best = force::opened(problem, best)?;
+        }
+        best = self.with_slips_and_creep(best)?;
+        if force::is_none(problem, &best) {
+            // What spoke for it was a change.
+            best = self.with_slips_and_creep(alone)?;
         }
         let posteriors = posteriors(problem, &best, self.scope)?;
         let mut estimate = match softer {
@@ -101,10 +106,20 @@ impl ChangePointSearch<'_> {
             None => problem.complete(best)?,
         };
         creep::average(problem, &mut estimate)?;
+        force::average(problem, &mut estimate)?;
         Ok(MapEstimate {
             posteriors,
             ..estimate
         })
+    }
+
+    /// With the changes that are found beside those of `first`, and creep where there is any.
+    fn with_slips_and_creep(&self, first: Solution) -> Result<Solution, MapError> {
+        let best = self.with_changes(first.clone())?;
+        match self.scope.offsets {
+            true => creep::told_apart(self.problem, &first, best, |s| self.with_changes(s)),
+            false => Ok(best),
+        }
     }
 
     /// With the changes that are found beside those there are, and without those that makes needless.
@@ -239,9 +254,10 @@ impl ChangePointSearch<'_> {
             {
                 self.with_slip(&solution, joint, at_s)
             }
-            ChangeKind::Compliance(_) | ChangeKind::Payload | ChangeKind::Creep(_) => {
-                Ok(Some(solution))
-            }
+            ChangeKind::Compliance(_)
+            | ChangeKind::Payload
+            | ChangeKind::Creep(_)
+            | ChangeKind::Force => Ok(Some(solution)),
         }
     }
 
@@ -259,7 +275,7 @@ impl ChangePointSearch<'_> {
             ChangeKind::Payload => (LEAST_PAYLOAD_KG, f64::INFINITY),
             ChangeKind::Offset(_) => (LEAST_STEP_RAD, f64::INFINITY),
             ChangeKind::Compliance(_) => (LEAST_SOFTER, MOST_SOFTER),
-            ChangeKind::Creep(_) => (0.0, f64::INFINITY),
+            ChangeKind::Creep(_) | ChangeKind::Force => (0.0, f64::INFINITY),
         };
         size >= least && size >= LEAST_SIGNIFICANCE * deviation && size <= most
     }

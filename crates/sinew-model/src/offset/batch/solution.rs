@@ -113,6 +113,7 @@ mod tests {
                 convergence: Convergence::new(0, f64::INFINITY, 0.0),
                 stiffness_changes: Vec::new(),
                 creep: Vec::new(),
+                force: None,
                 posteriors: Vec::new(),
             },
             information,

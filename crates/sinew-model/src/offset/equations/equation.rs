@@ -3,7 +3,7 @@
 use crate::cholesky::dot;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::layout::Layout;
-use crate::offset::parameter::{JointParameter as P, PAYLOAD, PER_JOINT};
+use crate::offset::parameter::{FORCE, JointParameter as P, PAYLOAD, PER_JOINT};
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -50,8 +50,10 @@ pub(crate) struct Active {
 pub(crate) struct Equations {
     layout: Layout,
     pub(crate) list: Vec<Equation>,
-    /// How the torque of every joint moves with bodies and load, `n × (r + 4)`.
+    /// How the torque of every joint moves with bodies and load, and with a force where one is sought, `n` rows.
     carried: Vec<f64>,
+    /// Length of such a row.
+    width: usize,
     /// Changes that have happened by the block's time.
     active: Vec<Active>,
 }
@@ -67,19 +69,28 @@ impl Clone for Equations {
             layout: self.layout,
             list,
             carried: self.carried.clone(),
+            width: self.width,
             active,
         }
     }
+}
+
+/// Length of a row of what moves a joint's torque: bodies, load, and a force where one is sought.
+pub(crate) fn width(layout: Layout, changes: &[ChangePoint]) -> usize {
+    let is_sought = changes.iter().any(|c| c.kind == ChangeKind::Force);
+    layout.carried().len() + if is_sought { FORCE } else { 0 }
 }
 
 impl Equations {
     /// Room for the equations of a block while these changes are sought; allocates here only.
     pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
         let n = layout.joints;
+        let width = width(layout, changes);
         Self {
             layout,
             list: Vec::with_capacity(2 * n),
-            carried: alloc::vec![0.0; n * layout.carried().len()],
+            carried: alloc::vec![0.0; n * width],
+            width,
             active: Vec::with_capacity(changes.len()),
         }
     }
@@ -91,7 +102,13 @@ impl Equations {
 
     /// How the torque of a joint moves with bodies and load.
     pub(crate) fn carried(&self, joint: usize) -> &[f64] {
-        let m = self.layout.carried().len();
+        let bodies_and_load = self.layout.carried().len();
+        self.row(joint).get(..bodies_and_load).unwrap_or_default()
+    }
+
+    /// The same, and with a force where one is sought.
+    pub(crate) fn row(&self, joint: usize) -> &[f64] {
+        let m = self.width;
         let row = self.carried.get(joint * m..(joint + 1) * m);
         row.unwrap_or_default()
     }
@@ -110,6 +127,9 @@ impl Equations {
             ChangeKind::Compliance(joint) if joint == e.joint => e.own[P::Compliance as usize],
             ChangeKind::Payload => {
                 e.torque_gain * entry(self.carried(e.joint), self.layout.bodies + k)
+            }
+            ChangeKind::Force => {
+                e.torque_gain * entry(self.row(e.joint), self.layout.carried().len() + k)
             }
             _ => 0.0,
         }
@@ -159,11 +179,17 @@ impl Equations {
         }
     }
 
-    /// How the torque of joint `i` moves with bodies and load. Never allocates.
-    pub(crate) fn carry(&mut self, i: usize, phi: &[f64], load: &[f64; PAYLOAD]) {
-        let m = self.layout.carried().len();
+    /// How the torque of joint `i` moves with bodies and load, and with a force where one is sought. Never allocates.
+    pub(crate) fn carry(
+        &mut self,
+        i: usize,
+        phi: &[f64],
+        load: &[f64; PAYLOAD],
+        force: Option<&[f64; FORCE]>,
+    ) {
+        let m = self.width;
         let row = self.carried.get_mut(i * m..(i + 1) * m);
-        let values = phi.iter().chain(load);
+        let values = phi.iter().chain(load).chain(force.into_iter().flatten());
         for (to, value) in row.unwrap_or_default().iter_mut().zip(values) {
             *to = *value;
         }
@@ -201,7 +227,14 @@ impl Equations {
             .iter()
             .filter(|a| a.kind.place(self.layout) == place);
         let added = own.map(|a| a.factor * entry(x, a.first + k));
-        entry(x, place + k) + added.sum::<f64>()
+        place.map_or(0.0, |place| entry(x, place + k)) + added.sum::<f64>()
+    }
+
+    /// The entries of a force, where one acts.
+    pub(crate) fn force(&self, x: &[f64]) -> Option<[f64; FORCE]> {
+        let mut active = self.active.iter();
+        let of = active.find(|a| a.kind == ChangeKind::Force)?;
+        x.get(of.first..of.first + FORCE)?.try_into().ok()
     }
 }
 

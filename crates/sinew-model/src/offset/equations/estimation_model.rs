@@ -7,6 +7,7 @@ use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
 use crate::offset::change::ChangePoint;
 use crate::offset::config::FeatureConfig;
+use crate::offset::external_force::ForceModel;
 use crate::offset::prior::Prior;
 
 /// Prior of a robot, and noise and lag of blocks made of its recordings. Batch and recursive form
@@ -19,12 +20,16 @@ pub(crate) struct EstimationModel {
     /// Variance of a block's mean over that of independent noise: correlation time over length.
     pub(crate) inflation: f64,
     pub(crate) block_s: f64,
+    /// Pole of the blocks' low-pass, 1/s.
+    pub(crate) gain_per_s: f64,
     /// Lag of the blocks, s.
     pub(crate) delay_s: f64,
     /// No joint is trusted to better than this, rad.
     pub(crate) noise_floor_rad: f64,
     /// Whether a recorded motor torque is used.
     pub(crate) motor_torque: bool,
+    /// A force from outside that is looked for.
+    pub(crate) force: Option<ForceModel>,
 }
 
 impl EstimationModel {
@@ -38,9 +43,11 @@ impl EstimationModel {
             prior,
             inflation: (correlation_s / features.block_s).max(1.0),
             block_s: features.block_s,
+            gain_per_s: features.gain_per_s,
             delay_s: features.delay_s(),
             noise_floor_rad: 0.12e-3,
             motor_torque: true,
+            force: None,
         }
     }
 
@@ -59,6 +66,7 @@ impl EstimationModel {
             reference_c,
             changes,
             motor: self.motor_torque,
+            force: None,
             content: Content::Rows,
         };
         linearise(&self.reduced, block, joints, &how, x, out);

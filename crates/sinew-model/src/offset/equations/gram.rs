@@ -12,8 +12,8 @@
 //! so that link and motor row of a block share all but the first. What a change adds to an entry has
 //! that entry's column from its time on: it gets the same sums, of the blocks since then.
 
-use super::equation::{Active, Equation, Equations};
-use crate::offset::change::ChangeKind;
+use super::equation::{Active, Equation, Equations, width};
+use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::layout::Layout;
 use crate::offset::parameter::{JointParameter as P, PER_JOINT};
 use crate::tile::{TILE, Tile, lower, products};
@@ -139,8 +139,9 @@ fn own(e: &Equation) -> Own {
 }
 
 impl Gram {
-    pub(crate) fn new(layout: Layout) -> Self {
-        let tiles = layout.carried().len().div_ceil(TILE);
+    /// Room for rows in which these changes are sought.
+    pub(crate) fn new(layout: Layout, changes: &[ChangePoint]) -> Self {
+        let tiles = width(layout, changes).div_ceil(TILE);
         let (zero, link, motor) = ([[0.0; TILE]; TILE], LINK.len(), MOTOR.len());
         let joint = JointGram {
             held: 0,
@@ -184,7 +185,7 @@ impl Gram {
             joint.hold(
                 (link, information(link)),
                 motor.map(|e| (e, information(e))),
-                equations.carried(link.joint),
+                equations.row(link.joint),
             );
             if joint.held == HELD {
                 joint.sum(&mut self.square);
@@ -200,9 +201,12 @@ impl Gram {
         let bodies = self.layout.bodies;
         let mut carried: Vec<(usize, usize)> = self.layout.carried().enumerate().collect();
         for &Active { first, kind, .. } in &self.active {
-            if kind == ChangeKind::Payload {
-                carried.extend((0..kind.columns()).map(|k| (bodies + k, first + k)));
-            }
+            let from = match kind {
+                ChangeKind::Payload => bodies,
+                ChangeKind::Force => self.layout.carried().len(),
+                _ => continue,
+            };
+            carried.extend((0..kind.columns()).map(|k| (from + k, first + k)));
         }
         let mut own = Vec::new();
         for (i, joint) in self.joints.iter_mut().enumerate() {

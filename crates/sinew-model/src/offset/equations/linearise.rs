@@ -7,6 +7,7 @@ use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::external_force::{AppliedForce, ForceModel, ForceTorque};
 use crate::offset::parameter::{JointParameter as P, PER_JOINT};
 use crate::offset::prior::{JointPrior, STUCK};
 
@@ -28,6 +29,8 @@ pub(crate) struct Linearisation<'a> {
     pub(crate) changes: &'a [ChangePoint],
     /// Whether the motor's torque is used.
     pub(crate) motor: bool,
+    /// A force from outside, and what it does to every joint.
+    pub(crate) force: Option<(&'a ForceModel, &'a [ForceTorque])>,
     pub(crate) content: Content,
 }
 
@@ -39,6 +42,8 @@ struct Common<'a> {
     /// Temperature over that the offsets refer to, K.
     warmer: f64,
     motor: bool,
+    /// The force of the state, and what it does to every joint.
+    force: Option<(AppliedForce, &'a [ForceTorque])>,
     content: Content,
 }
 
@@ -64,6 +69,10 @@ pub(crate) fn linearise(
             0.0
         },
         motor: how.motor,
+        force: how.force.and_then(|(model, torques)| {
+            let entries = out.force(x)?;
+            Some((model.applied(entries), torques))
+        }),
         content: how.content,
     };
     for (i, (joint, measured)) in model.joints.iter().zip(joints).enumerate() {
@@ -95,8 +104,11 @@ fn linearise_joint(
     let bodies = carried.get(..phi.len()).unwrap_or_default();
     let (torque, load) = is.load.torque(&common.payload);
     let mut tau = is.tau + dot(phi, bodies) + torque;
+    let of_force = (common.force.as_ref())
+        .and_then(|(applied, torques)| Some(torques.get(i)?.torque(applied)));
+    tau += of_force.map_or(0.0, |(torque, _)| torque);
     if rows {
-        out.carry(i, phi, &load);
+        out.carry(i, phi, &load, of_force.as_ref().map(|(_, slope)| slope));
     }
     // A joint that has not slid since the recording began may be held either way.
     let load_friction = at(P::LoadFriction) * joint.stiffness_nm_per_rad;

@@ -1,0 +1,128 @@
+//! A constant force from outside that pulls at the tool since the baseline.
+
+use crate::support::{sessions, watching};
+use sinew_estimate::session::{
+    Learning, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded, learn_recorded,
+};
+use sinew_eval::scenarios::Plan;
+use sinew_model::Gaussian;
+
+/// A plan's sessions A and B, with what is true of B.
+struct Case {
+    plan: Plan,
+    sessions: [Recorded; 2],
+    truth_mrad: Vec<f64>,
+}
+
+impl Case {
+    fn new(name: &str, seed: u64) -> Self {
+        let plan = Plan::named(name).unwrap();
+        let (sessions, truth_mrad) = sessions(&plan, seed);
+        Self {
+            plan,
+            sessions,
+            truth_mrad,
+        }
+    }
+
+    /// B by its baseline, where a force may act as large as `possible_n`, or where one is stated; with the error of every
+    /// joint, mrad.
+    fn watched(
+        &self,
+        possible_n: f64,
+        external_force_n: Option<[Gaussian; 3]>,
+    ) -> (SessionEstimate, Vec<f64>) {
+        let mut robot = self.plan.robot.clone();
+        robot.tolerances.external_force_n = possible_n;
+        let [a, b] = &self.sessions;
+        let (baseline, _) = learn_recorded(&robot, a, "a", &Learning::default()).unwrap();
+        let options = SessionOptions {
+            external_force_n,
+            ..watching(&self.plan)
+        };
+        let known = Some((&baseline, "a"));
+        let (said, _) = estimate_recorded(&robot, b, "b", known, &options).unwrap();
+        let pairs = said.joints.iter().zip(&self.truth_mrad);
+        let errors = pairs.map(|(j, truth)| 1e3 * j.offset_rad.mean - truth);
+        let errors = errors.collect();
+        (said, errors)
+    }
+}
+
+fn widest_mrad(said: &SessionEstimate) -> f64 {
+    let widths = said
+        .joints
+        .iter()
+        .map(|j| 1e3 * j.offset_rad.half_width_95());
+    widths.fold(0.0, f64::max)
+}
+
+/// Every offset is in its interval, and the force in its.
+fn is_true(said: &SessionEstimate, errors: &[f64], truth_n: [f64; 3]) {
+    for (joint, error) in said.joints.iter().zip(errors) {
+        let half = 1e3 * joint.offset_rad.half_width_95();
+        assert!(error.abs() < half, "{}: {error} ± {half}", joint.name);
+    }
+    let force = said.external_force.unwrap();
+    for (found, truth) in force.force_n.iter().zip(truth_n) {
+        let off = (found.mean - truth).abs();
+        assert!(off < 3.0 * found.deviation, "{found:?} {truth}");
+    }
+}
+
+#[test]
+fn a_hose_that_pulls_is_no_stretch() {
+    let pulls = [
+        ("force-lateral", [0.0, 1.0, 0.0]),
+        ("force-radial", [1.0, 0.0, 0.0]),
+        ("force-down", [0.0, 0.0, -2.0]),
+    ];
+    for (name, truth_n) in pulls {
+        let case = Case::new(name, 4000);
+        // Held for none it is read as stretch.
+        let (_, blind) = case.watched(0.0, None);
+        let worst = |errors: &[f64]| errors.iter().fold(0.0_f64, |a, e| a.max(e.abs()));
+        assert!(worst(&blind) > 2.0, "{name}: {blind:?}");
+        let (said, errors) = case.watched(2.0, None);
+        println!(
+            "{name}: {blind:.2?}, {errors:.2?} ± {:.2}",
+            widest_mrad(&said)
+        );
+        is_true(&said, &errors, truth_n);
+        // The spring's own tolerances leave as much.
+        assert!(widest_mrad(&said) < 2.0, "{name}: {:?}", said.joints);
+        let named = said.warnings.iter().any(
+            |w| matches!(w, Warning::ExternalForce { probability, .. } if *probability > 0.99),
+        );
+        assert!(named, "{name}: {:?}", said.warnings);
+        // Stated, it is no news.
+        let stated_n = [Gaussian::new(0.0, 2.0); 3];
+        let (stated, errors) = case.watched(0.0, Some(stated_n));
+        is_true(&stated, &errors, truth_n);
+        assert!(stated.external_force.unwrap().is_stated);
+        let named = |w: &Warning| matches!(w, Warning::ExternalForce { .. });
+        assert!(!stated.warnings.iter().any(named), "{:?}", stated.warnings);
+    }
+}
+
+#[test]
+fn without_a_force_everything_reads_as_if_none_were_looked_for() {
+    for (name, seed) in [("S5", 3000), ("S7", 3001)] {
+        let case = Case::new(name, seed);
+        let (blind, _) = case.watched(0.0, None);
+        let (said, _) = case.watched(2.0, None);
+        assert_eq!(said.external_force, None);
+        assert_eq!(said.joints, blind.joints, "{name}");
+    }
+}
+
+/// One that may act and doesn't costs little.
+#[test]
+fn a_force_that_is_stated_and_does_not_act_is_nothing() {
+    let case = Case::new("S6", 3000);
+    let stated_n = [Gaussian::new(0.0, 2.0); 3];
+    let (said, errors) = case.watched(0.0, Some(stated_n));
+    println!("{errors:.2?} ± {:.2}", widest_mrad(&said));
+    is_true(&said, &errors, [0.0; 3]);
+    assert!(widest_mrad(&said) < 2.0, "{:?}", said.joints);
+}

@@ -1,0 +1,143 @@
+//! A constant force from outside, from the first block on.
+//!
+//! Held for nothing, it bends offsets, masses and stiffness, and what they can't take up is left as noise. So it is opened
+//! before changes are looked for: a step over one block in three tells whether the recording speaks for it, and in most it
+//! doesn't.
+
+use super::gauss_newton::solve_from;
+use super::problem::Problem;
+use super::schedule::{ROUGH_START, SCREENING};
+use super::solution::Solution;
+use crate::Gaussian;
+use crate::cholesky::dot;
+use crate::offset::change::{ChangeKind, ChangePoint};
+use crate::offset::error::MapError;
+use crate::offset::estimate::{ForceEstimate, MapEstimate};
+use crate::offset::mixture::{self, Mixture, Occurrence, PriorOdds};
+use alloc::vec::Vec;
+
+/// Odds that a force acts which nobody stated: a starting guess.
+const ODDS: f64 = 0.05;
+/// A force that is less likely than this is left out.
+const UNLIKELY: f64 = 0.05;
+/// One that the first step says is less likely than this stays so.
+const SUSPECTED: f64 = 0.03;
+
+/// `found` with a force open, where one is stated or the recording speaks for it.
+///
+/// # Errors
+/// [`MapError`].
+pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution, MapError> {
+    let Some(force) = &problem.model.force else {
+        return Ok(found);
+    };
+    let known = &found.estimate;
+    let mut changes = known.changes.clone();
+    changes.push(ChangePoint {
+        kind: ChangeKind::Force,
+        at_s: problem.start_of(0),
+    });
+    let mut state = known.state.clone();
+    state.resize(problem.total(&changes), 0.0);
+    let stated = force.believed.is_stated;
+    let screened = solve_from(problem, &changes, &state, known, SCREENING)?;
+    if !stated && probability(problem, &screened) < SUSPECTED {
+        return Ok(found);
+    }
+    // Much of it was taken for noise.
+    let at = &screened.estimate;
+    let with = solve_from(problem, &changes, &at.state, at, ROUGH_START)?;
+    match stated || probability(problem, &with) > UNLIKELY {
+        true => Ok(with),
+        false => Ok(found),
+    }
+}
+
+/// Whether an estimate has a force open that is too unlikely to be one.
+pub(super) fn is_none(problem: &Problem<'_>, with: &Solution) -> bool {
+    let force = problem.model.force.as_ref();
+    let is_stated = force.is_some_and(|f| f.believed.is_stated);
+    let is_open = first_column(&with.estimate.changes, 0).is_some();
+    is_open && !is_stated && probability(problem, with) <= UNLIKELY
+}
+
+/// Probability of the force that is open in an estimate.
+fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
+    let known = &with.estimate;
+    let total = known.state.len();
+    let (Some(first), Some(odds)) = (
+        first_column(&known.changes, problem.total(&[])),
+        odds(problem),
+    ) else {
+        return 0.0;
+    };
+    let through = [0, 1, 2].map(|k| {
+        let mut unit = alloc::vec![0.0; total];
+        unit[first + k] = 1.0;
+        with.factor.forward(&mut unit);
+        unit
+    });
+    let own: Vec<f64> = (through.iter())
+        .flat_map(|a| through.iter().map(|b| dot(a, b)))
+        .collect();
+    let mut mixture = Mixture::new(3, 0);
+    mixture.weigh(&known.state[first..first + 3], &own, odds);
+    mixture.probability.into_iter().fold(0.0, f64::max)
+}
+
+/// What is believed of a force that nobody stated.
+fn odds(problem: &Problem<'_>) -> Option<PriorOdds> {
+    let force = problem.model.force.as_ref()?;
+    let [deviation, ..] = force.deviations();
+    Some(PriorOdds {
+        deviation,
+        odds: ODDS,
+        occurrence: Occurrence::AsOne,
+    })
+}
+
+/// Where a force is in a state whose changes begin at `first`.
+fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
+    let mut column = first;
+    for change in changes {
+        if change.kind == ChangeKind::Force {
+            return Some(column);
+        }
+        column += change.kind.columns();
+    }
+    None
+}
+
+/// Averages a complete estimate over whether the force that is open in it acts; a stated one does.
+///
+/// # Errors
+/// [`MapError`].
+pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<(), MapError> {
+    let prior = &problem.model.prior;
+    let (Some(first), Some(force), Some(odds)) = (
+        first_column(&out.changes, prior.dimension()),
+        &problem.model.force,
+        odds(problem),
+    ) else {
+        return Ok(());
+    };
+    let total = out.state.len();
+    let force_n = core::array::from_fn(|k| {
+        let variance = out.covariance[(first + k) * (total + 1)];
+        let mean = force.believed.force_n[k].mean + out.state[first + k];
+        Gaussian::new(mean, libm::sqrt(variance))
+    });
+    let probability = if force.believed.is_stated {
+        1.0
+    } else {
+        let columns = [first, first + 1, first + 2];
+        let each = mixture::average(&columns, odds, &mut out.state, &mut out.covariance)?;
+        each.into_iter().fold(0.0, f64::max)
+    };
+    out.force = Some(ForceEstimate {
+        is_stated: force.believed.is_stated,
+        probability,
+        force_n,
+    });
+    Ok(())
+}
