@@ -1,6 +1,6 @@
 //! What several recordings learned, put together: of one robot, or of robots of one type.
 //!
-//! Both in information form ([`beliefs::merge`], [`beliefs::pool_bodies`]), so that what all started
+//! Both in information form ([`beliefs::merge`], [`alike::pool_bodies`]), so that what all started
 //! from counts once and order doesn't matter.
 //!
 //! | | recordings of one robot | robots of one type |
@@ -18,7 +18,10 @@ use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator};
 use crate::nuisance::NuisanceChange;
 use sinew_files::JsonDocument;
-use sinew_model::offset::{Belief, JointParameter, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs};
+use sinew_model::offset::alike::{self, Alike};
+use sinew_model::offset::{
+    Belief, JointParameter, MapError, Payload, Prior, UNKNOWN_OFFSET_RAD, beliefs,
+};
 use sinew_model::robot::Robot;
 
 /// How beliefs are put together.
@@ -76,39 +79,15 @@ pub fn merge(
 ) -> Result<(Baseline, MergeSummary), SessionError> {
     let estimator = estimator(robot, &SessionOptions::default());
     let prior = estimator.prior();
-    let recordings = check_recordings(parts, common, options.fleet)?;
-    let reference_c = reference(parts, common)?;
-    let mut start = match common {
-        None => prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD),
-        Some((baseline, file)) => {
-            // Whoever goes on from a baseline after a pause believes it a little less.
-            let mut belief = baseline.belief(robot, prior, file)?;
-            beliefs::age(prior, &mut belief);
-            belief
-        }
-    };
-    let mut learned = Vec::new();
-    for (baseline, file) in parts {
-        let mut after = baseline.belief(robot, prior, file)?;
-        let mut before = start.clone();
-        if common.is_none() {
-            // What robot.toml says is about the recording's own temperature.
-            before.temperature_c = after.temperature_c;
-        }
-        beliefs::refer_to(prior, &mut before, reference_c);
-        beliefs::refer_to(prior, &mut after, reference_c);
-        learned.push([before, after]);
-    }
-    if common.is_none() {
-        start.temperature_c = reference_c;
-    }
-    let refused = |error| SessionError::Map {
-        file: parts.first().map_or("", |(_, file)| file).into(),
-        error,
-    };
+    let Learned {
+        recordings,
+        start,
+        parts: learned,
+    } = Learned::of(robot, prior, parts, common, options.fleet)?;
+    let refused = |error| refused(parts, error);
     let (belief, noise) = if options.fleet {
         let alike = (options.scatter / robot.tolerances.mass.max(1e-9)).min(1.0);
-        let mut belief = beliefs::pool_bodies(prior, &learned, alike).map_err(refused)?;
+        let mut belief = alike::pool_bodies(prior, &learned, alike).map_err(refused)?;
         belief.temperature_c = f64::NAN;
         (belief, Default::default())
     } else {
@@ -123,15 +102,120 @@ pub fn merge(
         let nm = parts.iter().map(|(b, _)| &b.motor_noise_nm[..]);
         (together, [middle(rad), middle(nm)])
     };
+    Ok(put_together(
+        robot,
+        prior,
+        parts,
+        recordings,
+        [&start, &belief],
+        noise,
+    ))
+}
+
+/// What a further robot of a type starts from, by what `parts`, baselines of robots of the type with their files' names,
+/// have learned: masses, stiffness, friction, encoders and drives, each as far as robots are found to be alike in it.
+///
+/// The result is a start for `sinew baseline --start`; its offsets are unknown, and so is the encoders' zero where
+/// robot.toml doesn't say that it is known.
+///
+/// # Errors
+/// As [`merge`].
+pub fn pool(
+    robot: &Robot,
+    parts: &[(&Baseline, &str)],
+) -> Result<(Baseline, MergeSummary, Vec<Alike>), SessionError> {
+    let estimator = estimator(robot, &SessionOptions::default());
+    let prior = estimator.prior();
+    let Learned {
+        recordings,
+        start,
+        parts: learned,
+    } = Learned::of(robot, prior, parts, None, true)?;
+    let (mut belief, alike) =
+        alike::learn_type(prior, &learned).map_err(|error| refused(parts, error))?;
+    belief.temperature_c = start.temperature_c;
+    let ends = [&start, &belief];
+    let (baseline, summary) =
+        put_together(robot, prior, parts, recordings, ends, Default::default());
+    Ok((baseline, summary, alike))
+}
+
+fn refused(parts: &[(&Baseline, &str)], error: MapError) -> SessionError {
+    SessionError::Map {
+        file: parts.first().map_or("", |(_, file)| file).into(),
+        error,
+    }
+}
+
+/// The file of what is believed, and what became surer from the start.
+fn put_together(
+    robot: &Robot,
+    prior: &Prior,
+    parts: &[(&Baseline, &str)],
+    recordings: Vec<String>,
+    [start, belief]: [&Belief; 2],
+    noise: [Vec<f64>; 2],
+) -> (Baseline, MergeSummary) {
     let end_time_ns = parts.iter().map(|(b, _)| b.end_time_ns).max().unwrap_or(0);
-    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, &belief, noise);
+    let baseline = Baseline::new(robot, recordings.clone(), end_time_ns, belief, noise);
     let summary = MergeSummary {
         robot: robot.name.clone(),
         recordings,
         temperature_c: baseline.temperature_c,
-        nuisance: nuisance(prior, robot, &start, &belief),
+        nuisance: nuisance(prior, robot, start, belief),
     };
-    Ok((baseline, summary))
+    (baseline, summary)
+}
+
+/// What each of several baselines learned from their common start, at one temperature.
+struct Learned {
+    /// All they rest on.
+    recordings: Vec<String>,
+    start: Belief,
+    /// Of each what it believed before and after.
+    parts: Vec<[Belief; 2]>,
+}
+
+impl Learned {
+    fn of(
+        robot: &Robot,
+        prior: &Prior,
+        parts: &[(&Baseline, &str)],
+        common: Option<(&Baseline, &str)>,
+        fleet: bool,
+    ) -> Result<Self, SessionError> {
+        let recordings = check_recordings(parts, common, fleet)?;
+        let reference_c = reference(parts, common)?;
+        let mut start = match common {
+            None => prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD),
+            Some((baseline, file)) => {
+                // Whoever goes on from a baseline after a pause believes it a little less.
+                let mut belief = baseline.belief(robot, prior, file)?;
+                beliefs::age(prior, &mut belief);
+                belief
+            }
+        };
+        let mut learned = Vec::new();
+        for (baseline, file) in parts {
+            let mut after = baseline.belief(robot, prior, file)?;
+            let mut before = start.clone();
+            if common.is_none() {
+                // What robot.toml says is about the recording's own temperature.
+                before.temperature_c = after.temperature_c;
+            }
+            beliefs::refer_to(prior, &mut before, reference_c);
+            beliefs::refer_to(prior, &mut after, reference_c);
+            learned.push([before, after]);
+        }
+        if common.is_none() {
+            start.temperature_c = reference_c;
+        }
+        Ok(Self {
+            recordings,
+            start,
+            parts: learned,
+        })
+    }
 }
 
 /// Root mean square, joint by joint; as long as the shortest.

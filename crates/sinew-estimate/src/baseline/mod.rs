@@ -5,4 +5,4 @@ mod file;
 mod merge;
 
 pub use file::Baseline;
-pub use merge::{MergeOptions, MergeSummary, merge};
+pub use merge::{MergeOptions, MergeSummary, merge, pool};

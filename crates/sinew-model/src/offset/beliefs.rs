@@ -1,10 +1,9 @@
-//! Beliefs between recordings: aged, merged, at another temperature, pooled over robots of a type.
+//! Beliefs between recordings: aged, merged, at another temperature.
 
 use super::belief::{Belief, Payload, UNKNOWN_OFFSET_RAD};
 use super::error::MapError;
 use super::parameter::{JointParameter as P, PER_JOINT};
 use super::prior::Prior;
-use crate::arm::PARAMETERS_PER_BODY;
 use crate::cholesky;
 use alloc::vec::Vec;
 
@@ -144,84 +143,4 @@ pub fn unknown_temperature(prior: &Prior, belief: &mut Belief, deviation_k: f64)
         out[i] = drift;
     }
     out
-}
-
-/// Prior of a further robot of a type, from what `parts`, robots of the type, have each learned:
-/// `(before, after)` per robot.
-///
-/// Only the bodies' inertial parameters are shared. Robot `k` has `π_k = π + e_k` with
-/// `e_k ~ N(0, S)`, `S` the square of `alike` times the data sheet's deviation; everything else
-/// (offsets, stiffness, friction, encoders, motors) is each robot's own and stays as before any
-/// recording. With the marginal information `L_k = C_after⁻¹ − C_before⁻¹` of a robot's bodies
-/// about `π_k`, that about `π` is `L_k − L_k (L_k + S⁻¹)⁻¹ L_k`; it adds to the prior's, and the
-/// further robot's own difference adds `S` to the covariance.
-///
-/// # Errors
-/// [`MapError`] when a belief is of another robot or no covariance.
-pub fn pool_bodies(prior: &Prior, parts: &[[Belief; 2]], alike: f64) -> Result<Belief, MapError> {
-    // Nothing is alike to more than a thousandth of its tolerance.
-    let alike = alike.max(1e-3);
-    let (d, from) = (prior.dimension(), prior.body_start());
-    let m = prior.joints() * PARAMETERS_PER_BODY;
-    let fresh = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-    let bodies = |belief: &Belief| {
-        let mut block = alloc::vec![0.0; m * m];
-        for i in 0..m {
-            let line = &belief.covariance[(from + i) * d + from..][..m];
-            block[i * m..(i + 1) * m].copy_from_slice(line);
-        }
-        block
-    };
-    let times = |a: &[f64], x: &[f64]| -> Vec<f64> {
-        a.chunks_exact(m)
-            .map(|line| line.iter().zip(x).map(|(a, x)| a * x).sum())
-            .collect()
-    };
-    let inverse = |a: &[f64]| cholesky::inverse(a, m).map_err(MapError::Prior);
-    let before_any = bodies(&fresh);
-    let scatter: Vec<f64> = (0..m)
-        .map(|i| alike * alike * before_any[i * m + i])
-        .collect();
-    let mut information = inverse(&before_any)?;
-    let mut vector = alloc::vec![0.0; m];
-    for [before, after] in parts {
-        for belief in [before, after] {
-            belief.check_dimension(d)?;
-        }
-        let (then, now) = (inverse(&bodies(before))?, inverse(&bodies(after))?);
-        let learned: Vec<f64> = now.iter().zip(&then).map(|(a, b)| a - b).collect();
-        let mut pull = times(&now, &after.mean[from..from + m]);
-        for (p, t) in pull
-            .iter_mut()
-            .zip(times(&then, &before.mean[from..from + m]))
-        {
-            *p -= t;
-        }
-        let mut widened = learned.clone();
-        for i in 0..m {
-            widened[i * m + i] += 1.0 / scatter[i];
-        }
-        let widened = inverse(&widened)?;
-        // L (L + S⁻¹)⁻¹, row by row: all three are symmetric.
-        for i in 0..m {
-            let share = times(&widened, &learned[i * m..(i + 1) * m]);
-            vector[i] += pull[i] - share.iter().zip(&pull).map(|(s, p)| s * p).sum::<f64>();
-            for (k, taken) in times(&learned, &share).iter().enumerate() {
-                information[i * m + k] += learned[i * m + k] - taken;
-            }
-        }
-    }
-    let covariance = inverse(&information)?;
-    let mean = times(&covariance, &vector);
-    let mut out = fresh;
-    for i in 0..m {
-        out.mean[from + i] = mean[i];
-        for k in 0..m {
-            let own = if i == k { scatter[i] } else { 0.0 };
-            // What rounding leaves unsymmetric is no information.
-            let both = 0.5 * (covariance[i * m + k] + covariance[k * m + i]);
-            out.covariance[(from + i) * d + from + k] = both + own;
-        }
-    }
-    Ok(out)
 }

@@ -4,9 +4,10 @@
 //! Reading order: `observer` (a sample to every joint's offset), `features` (samples to blocks),
 //! `parameter`, `layout` and `prior` (the state, and what is believed of it), `equations` (a block's
 //! rows over the state), `batch` (a whole recording), `recursive` (block by block), [`beliefs`]
-//! (from one recording to the next), `shared_error` (what sessions since one baseline get wrong together),
+//! (from one recording to the next), [`alike`] (from robots of a type to the next), `shared_error` (what sessions since one baseline get wrong together),
 //! [`misfit`] (what fits nothing).
 
+pub mod alike;
 mod batch;
 mod belief;
 pub mod beliefs;
