@@ -33,6 +33,10 @@ pub enum Command {
     Compare(Compare),
     /// Say which tendons creep unlike others of their kind
     Outliers(Outliers),
+    /// Write a page of the fleet: work by week, ropes compared, worse batches
+    Report(Report),
+    /// Learn from a type's robots what a new one starts from
+    Pool(Pool),
     /// Ask by SQL
     Query(Query),
     /// Make up a fleet: records of years, and the truth beside them
@@ -65,7 +69,10 @@ pub struct Rows {
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Tables: records (each session of each tendon once, of the newest version), every_version (each \
-                  version once), robots, tendons, events (the .csv files of these names).\n\nExample:\n  \
+                  version once), robots, tendons, events (the .csv files of these names).\n\nFunctions beside \
+                  those of SQL: sinew_elongation_mm(offset_rad, robot_type, joint); of each tendon's records, with \
+                  GROUP BY robot, joint: sinew_trend(*), sinew_days_until(*), sinew_days_until(limit_mm, *).\n\n\
+                  Example:\n  \
                   sinew-fleet query fleet/ \"SELECT site, count(*) FROM records JOIN robots USING (robot) GROUP BY site\""
 )]
 pub struct Query {
@@ -74,6 +81,9 @@ pub struct Query {
     pub source: Source,
     /// The question
     pub sql: String,
+    /// Folder of a robot type beside those in types/, for the functions of Sinew; may be given again
+    #[arg(long = "robot", value_name = "DIR")]
+    pub robots: Vec<PathBuf>,
     /// Write all rows here, as CSV, instead of a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -177,6 +187,47 @@ pub struct Outliers {
     /// Write all that are listed here, as CSV or Parquet
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+}
+
+/// `report`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Example:\n  sinew-fleet report fleet/ --weeks 8 --out fleet.html")]
+pub struct Report {
+    /// Records.
+    #[command(flatten)]
+    pub source: Source,
+    /// The page
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Folder of a robot type beside those in types/; may be given again
+    #[arg(long = "robot", value_name = "DIR")]
+    pub robots: Vec<PathBuf>,
+    /// Weeks the work list looks ahead
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=52))]
+    pub weeks: u32,
+    /// Ages of a rope over which its creep counts, days since it was fitted
+    #[arg(long, value_name = "FROM,TO", default_value = "1,30", value_parser = ages)]
+    pub ages: Ages,
+    /// Seed of the draws: the same one says the same
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// `pool`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Example:\n  sinew-fleet pool fleet/baselines --robot robots/biorob-like --out type.known\n  \
+                  sinew baseline LOG --start type.known --robot robots/biorob-like --out arm.baseline"
+)]
+pub struct Pool {
+    /// Folder with .baseline files, one of each robot, learned right after tensioning
+    pub folder: PathBuf,
+    /// Folder of the robot type: robot.toml and URDF
+    #[arg(long, value_name = "DIR")]
+    pub robot: PathBuf,
+    /// Where the start for sinew baseline --start goes
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
 }
 
 /// How many by chance.

@@ -2,7 +2,8 @@
 
 use crate::FleetError;
 use crate::args::Source;
-use crate::folder::{Folder, RecordFile, SIDES};
+use crate::folder::{Folder, RecordFile, SIDES, side};
+use crate::functions;
 use datafusion::arrow::array::{AsArray as _, RecordBatch};
 use datafusion::arrow::compute::can_cast_types;
 use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef};
@@ -14,10 +15,11 @@ use datafusion::datasource::listing::{
 use datafusion::error::DataFusionError;
 use datafusion::execution::memory_pool::FairSpillPool;
 use datafusion::execution::runtime_env::RuntimeEnvBuilder;
-use datafusion::prelude::{CsvReadOptions, SessionConfig, SessionContext};
+use datafusion::logical_expr::type_coercion::functions::fields_with_udf;
+use datafusion::prelude::{CsvReadOptions, DataFrame, SessionConfig, SessionContext};
 use sinew_log::CellKind;
 use sinew_watch_core::table::{COLUMNS, kind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a column of `sinew-record/1` holds.
@@ -72,6 +74,8 @@ pub struct Engine {
     context: SessionContext,
     runtime: tokio::runtime::Runtime,
     source: Source,
+    /// Folders of robot types beside those in `types/`, for the functions of Sinew.
+    described: Vec<PathBuf>,
 }
 
 impl Engine {
@@ -80,7 +84,7 @@ impl Engine {
     /// # Errors
     /// [`FleetError`].
     pub fn open(source: &Source) -> Result<Self, FleetError> {
-        Self::of(source, Folder::open(&source.folder)?)
+        Self::of(source, Folder::open(&source.folder)?, &[])
     }
 
     /// Opens a folder and reads all of every file.
@@ -88,10 +92,18 @@ impl Engine {
     /// # Errors
     /// [`FleetError`].
     pub fn verified(source: &Source) -> Result<Self, FleetError> {
-        Self::of(source, Folder::verified(&source.folder)?)
+        Self::of(source, Folder::verified(&source.folder)?, &[])
     }
 
-    fn of(source: &Source, folder: Folder) -> Result<Self, FleetError> {
+    /// Opens a folder whose robot types are described elsewhere, too.
+    ///
+    /// # Errors
+    /// [`FleetError`].
+    pub fn described(source: &Source, described: &[PathBuf]) -> Result<Self, FleetError> {
+        Self::of(source, Folder::open(&source.folder)?, described)
+    }
+
+    fn of(source: &Source, folder: Folder, described: &[PathBuf]) -> Result<Self, FleetError> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()
             .build()
@@ -110,7 +122,9 @@ impl Engine {
             context,
             runtime,
             source: source.clone(),
+            described: described.to_vec(),
         };
+        functions::register(&engine.context, &engine.folder.path, described);
         engine.runtime.block_on(engine.register())?;
         Ok(engine)
     }
@@ -156,13 +170,13 @@ impl Engine {
         for sql in views {
             self.context.sql(&sql).await?;
         }
-        for side in SIDES {
-            if let Some(path) = self.folder.side(side) {
+        for name in SIDES {
+            if let Some(path) = side(&self.folder.path, name) {
                 let path = url_of(&path)?.to_string();
                 let options = CsvReadOptions::new()
                     .comment(b'#')
                     .schema_infer_max_records(10_000);
-                self.context.register_csv(side, path, options).await?;
+                self.context.register_csv(name, path, options).await?;
             }
         }
         Ok(())
@@ -211,16 +225,22 @@ impl Engine {
     /// [`FleetError::Engine`].
     pub fn ask(&mut self, sql: &str) -> Result<Answer, FleetError> {
         match self.try_ask(sql) {
+            // What one of our own functions refused is no damage.
+            Err(Wrong::Question(error) | Wrong::Reading(error)) if is_ours(&error) => {
+                Err(error.into())
+            }
             Err(Wrong::Reading(error)) => {
                 let before = self.folder.refused.len();
                 let verified = Folder::verified(&self.source.folder)?;
                 if verified.refused.len() == before {
                     return Err(error.into());
                 }
-                *self = Self::of(&self.source, verified)?;
+                *self = Self::of(&self.source, verified, &self.described)?;
                 self.try_ask(sql).map_err(FleetError::from)
             }
-            Err(Wrong::Question(error)) => Err(self.missing_table(sql).unwrap_or(error.into())),
+            Err(Wrong::Question(error)) => Err((self.missing_table(sql))
+                .or_else(|| self.wrong_type(sql))
+                .unwrap_or(error.into())),
             other => other.map_err(FleetError::from),
         }
     }
@@ -233,7 +253,9 @@ impl Engine {
         let named = state.resolve_table_references(&statement).ok()?;
         let exists = |name: &TableReference| self.context.table_exist(name.clone()).unwrap_or(true);
         let missing = named.into_iter().find(|name| !exists(name))?;
-        let sides = SIDES.into_iter().filter(|s| self.folder.side(s).is_some());
+        let sides = SIDES
+            .into_iter()
+            .filter(|name| side(&self.folder.path, name).is_some());
         Some(FleetError::NoTable {
             name: missing.table().to_owned(),
             known: ["records", "every_version"]
@@ -242,6 +264,30 @@ impl Engine {
                 .map(str::to_owned)
                 .collect(),
         })
+    }
+
+    /// The first function of a question that doesn't take the column of a record it is given.
+    fn wrong_type(&self, sql: &str) -> Option<FleetError> {
+        let state = self.context.state();
+        let dialect = state.config_options().sql_parser.dialect;
+        let statement = state.sql_to_statement(sql, &dialect).ok()?;
+        let fields = columns(&self.folder);
+        functions::calls_of_columns(&statement)
+            .into_iter()
+            .find_map(|(function, column)| {
+                let field = Arc::new(fields.field_with_name(&column).ok()?.clone());
+                let given = std::slice::from_ref(&field);
+                let aggregate = state.aggregate_functions().get(&function);
+                let scalar = state.scalar_functions().get(&function);
+                let refused = aggregate
+                    .is_some_and(|f| fields_with_udf(given, f.as_ref()).is_err())
+                    || scalar.is_some_and(|f| fields_with_udf(given, f.as_ref()).is_err());
+                refused.then(|| FleetError::WrongType {
+                    function,
+                    column,
+                    data_type: field.data_type().clone(),
+                })
+            })
     }
 
     /// Rows of a table.
@@ -255,13 +301,31 @@ impl Engine {
         Ok(counts.next().map_or(0, |n| n.unsigned_abs()))
     }
 
+    /// The plan of a question, with the functions of Sinew written out.
+    async fn plan(&self, sql: &str) -> Result<DataFrame, DataFusionError> {
+        let state = self.context.state();
+        let dialect = state.config_options().sql_parser.dialect;
+        let mut statement = state.sql_to_statement(sql, &dialect)?;
+        functions::write_out(&mut statement)?;
+        let plan = state.statement_to_plan(statement).await?;
+        self.context.execute_logical_plan(plan).await
+    }
+
     fn try_ask(&self, sql: &str) -> Result<Answer, Wrong> {
         self.runtime.block_on(async {
-            let frame = self.context.sql(sql).await.map_err(Wrong::Question)?;
+            let frame = self.plan(sql).await.map_err(Wrong::Question)?;
             let schema = Arc::new(frame.schema().as_arrow().clone());
             let batches = frame.collect().await.map_err(Wrong::Reading)?;
             Ok(Answer { schema, batches })
         })
+    }
+}
+
+/// Whether one of our own functions said so.
+fn is_ours(error: &DataFusionError) -> bool {
+    match error.find_root() {
+        DataFusionError::External(inner) => inner.is::<FleetError>(),
+        _ => false,
     }
 }
 
@@ -272,6 +336,17 @@ pub struct Answer {
     pub schema: SchemaRef,
     /// Its rows.
     pub batches: Vec<RecordBatch>,
+}
+
+impl Answer {
+    /// Every part of a column that has several as a column of its own: `days.low` of `days`.
+    pub(crate) fn flat(self) -> Result<Self, FleetError> {
+        let wrong = |e: datafusion::arrow::error::ArrowError| FleetError::Engine(e.to_string());
+        let flat = |batch: &RecordBatch| batch.normalize(".", None).map_err(wrong);
+        let schema = flat(&RecordBatch::new_empty(self.schema))?.schema();
+        let batches = self.batches.iter().map(flat).collect::<Result<_, _>>()?;
+        Ok(Self { schema, batches })
+    }
 }
 
 enum Wrong {

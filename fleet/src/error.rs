@@ -2,10 +2,12 @@
 
 use crate::args::By;
 use crate::creep::Ages;
+use datafusion::arrow::datatypes::DataType;
 use datafusion::common::SchemaError;
 use datafusion::error::DataFusionError;
 use sinew_files::names;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -107,6 +109,63 @@ pub enum FleetError {
         /// Tables there are.
         known: Vec<String>,
     },
+    /// Too few robots to say what they have in common.
+    #[error(
+        "{folder}: {found} baselines of '{robot}' can be used; what robots have in common needs two or more, better six: \
+         put one of each robot there, made by sinew baseline LOG --out ROBOT.baseline", folder = .folder.display()
+    )]
+    TooFewBaselines {
+        /// The folder.
+        folder: PathBuf,
+        /// The type.
+        robot: String,
+        /// How many there are.
+        found: usize,
+    },
+    /// A baseline.
+    #[error(transparent)]
+    Baseline(#[from] sinew_estimate::session::SessionError),
+    /// A file that can't be written.
+    #[error(transparent)]
+    Output(#[from] sinew_files::OutputError),
+    /// A function of Sinew that was asked in another way.
+    #[error("{function} is written {usage}")]
+    Usage {
+        /// The function.
+        function: &'static str,
+        /// How it is written.
+        usage: &'static str,
+    },
+    /// A trend of more than one tendon.
+    #[error(
+        "{function}: one of the groups holds {} and {}; add GROUP BY robot, joint", .tendons[0], .tendons[1]
+    )]
+    SeveralTendons {
+        /// The function.
+        function: &'static str,
+        /// Two of the tendons.
+        tendons: [String; 2],
+    },
+    /// A limit that is none, or not the same in all rows of a tendon.
+    #[error(
+        "{function}: the limit must be one number of mm above 0 for a tendon; here it is {found}"
+    )]
+    NoLimit {
+        /// The function.
+        function: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// A function that doesn't take the type of a column.
+    #[error("{function}({column}): {column} is {}, which {function} doesn't take; name another column", type_name(.data_type))]
+    WrongType {
+        /// The function.
+        function: String,
+        /// The column.
+        column: String,
+        /// What the column holds.
+        data_type: DataType,
+    },
     /// SQL, or a query that can't be done.
     #[error("{0}")]
     Engine(String),
@@ -114,8 +173,17 @@ pub enum FleetError {
 
 impl From<DataFusionError> for FleetError {
     fn from(error: DataFusionError) -> Self {
-        let DataFusionError::SchemaError(schema, _) = error.find_root() else {
-            return Self::Engine(error.strip_backtrace());
+        let error = match own(error) {
+            Ok(own) => return own,
+            Err(error) => error,
+        };
+        let schema = match error.find_root() {
+            DataFusionError::SchemaError(schema, _) => schema,
+            // Others hold it as well: its words are all that can be had.
+            DataFusionError::External(inner) if inner.is::<Self>() => {
+                return Self::Engine(inner.to_string());
+            }
+            _ => return Self::Engine(error.strip_backtrace()),
         };
         let SchemaError::FieldNotFound {
             field,
@@ -131,6 +199,37 @@ impl From<DataFusionError> for FleetError {
             name: field.name.clone(),
             known,
         }
+    }
+}
+
+/// What one of our own functions refused, whatever it was wrapped in on the way.
+fn own(error: DataFusionError) -> Result<FleetError, DataFusionError> {
+    match error {
+        DataFusionError::External(inner) => match inner.downcast::<FleetError>() {
+            Ok(own) => Ok(*own),
+            Err(inner) => Err(DataFusionError::External(inner)),
+        },
+        DataFusionError::Context(said, inner) => {
+            own(*inner).map_err(|inner| DataFusionError::Context(said, Box::new(inner)))
+        }
+        DataFusionError::Diagnostic(said, inner) => {
+            own(*inner).map_err(|inner| DataFusionError::Diagnostic(said, Box::new(inner)))
+        }
+        DataFusionError::Shared(inner) => match Arc::try_unwrap(inner) {
+            Ok(inner) => own(inner),
+            Err(inner) => Err(DataFusionError::Shared(inner)),
+        },
+        other => Err(other),
+    }
+}
+
+/// What a column holds, for people.
+fn type_name(of: &DataType) -> String {
+    match of {
+        DataType::Utf8 | DataType::Utf8View | DataType::LargeUtf8 => "a text".into(),
+        DataType::Boolean => "true or false".into(),
+        number if number.is_numeric() => "a number".into(),
+        other => other.to_string(),
     }
 }
 

@@ -3,15 +3,13 @@
 //! Robots are taken some at a time: what stays in memory is a row per tendon.
 
 use crate::FleetError;
+use crate::beside::{Beside, tendon_of};
 use crate::creep::{Ages, Creep, creep};
 use crate::due::sessions::Sessions;
-use crate::due::types;
 use crate::engine::Engine;
-use crate::folder::sides::{self, Fitted, Tendon};
+use crate::folder::sides::Fitted;
 use rayon::prelude::*;
-use sinew_estimate::trend::Stated;
-use sinew_model::robot::Robot;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Robots that are in memory at a time.
@@ -58,22 +56,16 @@ pub fn gather(
     described: &[PathBuf],
     ages: Ages,
 ) -> Result<Gathered, FleetError> {
-    let types = types(&engine.folder.path, described)?;
-    let beside = Beside {
-        types: types.into_iter().map(|r| (r.name.clone(), r)).collect(),
-        fitted: sides::fitted(&engine.folder)?,
-        events: sides::events(&engine.folder)?,
-        sites: sides::sites(&engine.folder)?,
-    };
+    let beside = Beside::read(&engine.folder.path, described)?;
     let robots = engine.folder.robots().into_iter();
     let names: Vec<String> = robots.map(str::to_owned).collect();
     let mut out = Gathered::default();
     for robots in names.chunks(TOGETHER) {
         let tendons = Sessions::read(engine, robots)?;
         let looked: Vec<Option<CreepingTendon>> =
-            tendons.par_iter().map(|t| beside.look(t, ages)).collect();
+            tendons.par_iter().map(|t| look(&beside, t, ages)).collect();
         for (sessions, found) in tendons.iter().zip(looked) {
-            if !beside.types.contains_key(&sessions.robot_type) {
+            if beside.robot_type(&sessions.robot_type).is_none() {
                 out.unknown_types.insert(sessions.robot_type.clone());
             }
             match found {
@@ -85,41 +77,26 @@ pub fn gather(
     Ok(out)
 }
 
-/// What is known beside the records.
-struct Beside {
-    types: BTreeMap<String, Robot>,
-    fitted: BTreeMap<Tendon, Fitted>,
-    events: BTreeMap<Tendon, Vec<Stated>>,
-    sites: BTreeMap<String, String>,
-}
-
-impl Beside {
-    fn look(&self, sessions: &Sessions, ages: Ages) -> Option<CreepingTendon> {
-        let last_utc_s = sessions.rows.last()?.time_utc_s;
-        let events = self.events.get(&sessions.tendon);
-        let replaced = events.into_iter().flatten();
-        let replaced = replaced.filter(|e| e.replaced && e.time_utc_s <= last_utc_s);
-        let fitted_utc_s = replaced.map(|e| e.time_utc_s).reduce(f64::max);
-        let robot = self.types.get(&sessions.robot_type);
-        let drift = robot.map_or(UNKNOWN_DRIFT_RAD_PER_K, |r| r.tolerances.drift_rad_per_k());
-        let creep = creep(&sessions.rows, fitted_utc_s, ages, drift)?;
-        let (name, joint) = sessions.tendon.clone();
-        let mut fit = self
-            .fitted
-            .get(&sessions.tendon)
-            .cloned()
-            .unwrap_or_default();
-        let index = robot.and_then(|r| r.arm.joint_index(&joint));
-        let tendon = index.and_then(|i| robot?.transmissions[i].as_ref()?.tendon.as_ref());
-        fit.rope = fit.rope.or(tendon.and_then(|t| t.rope.clone()));
-        Some(CreepingTendon {
-            robot_type: sessions.robot_type.clone(),
-            site: self.sites.get(&name).cloned(),
-            robot: name,
-            joint,
-            fit,
-            creep,
-            strain_per_rad: tendon.map(|t| t.joint_pulley_radius_m / t.length_m),
-        })
-    }
+fn look(beside: &Beside, sessions: &Sessions, ages: Ages) -> Option<CreepingTendon> {
+    let last_utc_s = sessions.rows.last()?.time_utc_s;
+    let events = beside.events.get(&sessions.tendon);
+    let replaced = events.into_iter().flatten();
+    let replaced = replaced.filter(|e| e.replaced && e.time_utc_s <= last_utc_s);
+    let fitted_utc_s = replaced.map(|e| e.time_utc_s).reduce(f64::max);
+    let robot = beside.robot_type(&sessions.robot_type);
+    let drift = robot.map_or(UNKNOWN_DRIFT_RAD_PER_K, |r| r.tolerances.drift_rad_per_k());
+    let creep = creep(&sessions.rows, fitted_utc_s, ages, drift)?;
+    let (name, joint) = sessions.tendon.clone();
+    let mut fit = beside.fit(&sessions.tendon);
+    let tendon = robot.and_then(|r| tendon_of(r, &joint));
+    fit.rope = fit.rope.or(tendon.and_then(|t| t.rope.clone()));
+    Some(CreepingTendon {
+        robot_type: sessions.robot_type.clone(),
+        site: beside.sites.get(&name).cloned(),
+        robot: name,
+        joint,
+        fit,
+        creep,
+        strain_per_rad: tendon.map(|t| t.joint_pulley_radius_m / t.length_m),
+    })
 }

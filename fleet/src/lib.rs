@@ -4,21 +4,26 @@
 //! trend of single tendons is that of `sinew trend`.
 //!
 //! Reading order: [`args`], [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
-//! [`query`], [`rows`], [`due`] (which tendon passes its limit when),
+//! [`query`] (SQL with the functions of Sinew), [`rows`], [`due`] (which tendon passes its limit when),
 //! [`creep`] (how fast a tendon creeps), [`gather`] (all of them), [`hierarchy`] (groups and what can be told of them),
-//! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`simulate`] (fleets whose truth is known).
+//! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`pool`] (what a new robot
+//! starts from), [`report`] (all of it as a page), [`simulate`] (fleets whose truth is known).
 
 pub mod args;
+mod beside;
 pub mod compare;
 pub mod creep;
 pub mod due;
 pub mod engine;
 mod error;
 pub mod folder;
+mod functions;
 pub mod gather;
 pub mod hierarchy;
 pub mod outliers;
+pub mod pool;
 pub mod query;
+pub mod report;
 pub mod rows;
 pub mod simulate;
 mod table;
@@ -40,5 +45,7 @@ pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
         Command::Due(asked) => due::command(asked),
         Command::Compare(asked) => compare::command(asked),
         Command::Outliers(asked) => outliers::command(asked),
+        Command::Pool(asked) => pool::command(asked),
+        Command::Report(asked) => report::command(asked),
     }
 }

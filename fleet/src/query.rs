@@ -15,8 +15,8 @@ use std::process::ExitCode;
 /// # Errors
 /// [`FleetError`].
 pub fn command(asked: &Query) -> Result<ExitCode, FleetError> {
-    let mut engine = Engine::open(&asked.source)?;
-    let answer = engine.ask(&asked.sql)?;
+    let mut engine = Engine::described(&asked.source, &asked.robots)?;
+    let answer = engine.ask(&asked.sql)?.flat()?;
     match &asked.csv {
         Some(path) => {
             let rows = write_csv(&answer, path)?;

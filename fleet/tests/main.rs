@@ -3,6 +3,9 @@
 mod compare;
 mod due;
 mod folders;
+mod functions;
 mod outliers;
+mod pool;
+mod report;
 mod simulated;
 mod support;

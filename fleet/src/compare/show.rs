@@ -32,19 +32,19 @@ fn more(ratio: f64) -> String {
 }
 
 /// A band of temperatures by its lower end.
-fn band(low: &str) -> String {
+pub(crate) fn band(low: &str) -> String {
     low.parse::<i64>()
         .map_or(low.into(), |low| format!("{low} to {} °C", low + 10))
 }
 
-fn name(group: &Group, by: By) -> String {
+pub(crate) fn name(group: &Group, by: By) -> String {
     match by {
         By::Temperature => band(&group.key.name),
         _ => plain(&group.key.name),
     }
 }
 
-fn family(group: &Group, by: By) -> Option<String> {
+pub(crate) fn family(group: &Group, by: By) -> Option<String> {
     let family = group.key.family.as_deref()?;
     Some(match by {
         By::RopeTemperature => band(family),
@@ -52,7 +52,7 @@ fn family(group: &Group, by: By) -> Option<String> {
     })
 }
 
-fn verdict(verdict: &Verdict) -> &'static str {
+pub(crate) fn verdict(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Worse => "worse",
         Verdict::Better => "better",
@@ -73,11 +73,8 @@ fn word(factor: Factor) -> &'static str {
     }
 }
 
-fn row(group: &Group, found: &Comparison) -> Vec<String> {
-    let scale = match found.unit {
-        CreepUnit::Strain => 1e6,
-        CreepUnit::Offset => 1e3,
-    };
+pub(crate) fn row(group: &Group, found: &Comparison) -> Vec<String> {
+    let scale = scale(found.unit);
     let [creep, low, high] = group.creep.map(|c| three(scale * c));
     let [ratio, ratio_low, ratio_high] = group.ratio.map(more);
     vec![
@@ -95,19 +92,35 @@ fn row(group: &Group, found: &Comparison) -> Vec<String> {
     ]
 }
 
-/// The comparison.
-pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
+/// What creep is given in, for people.
+pub(crate) fn unit(unit: CreepUnit) -> &'static str {
+    match unit {
+        CreepUnit::Strain => "µm/m per decade",
+        CreepUnit::Offset => "mrad per decade",
+    }
+}
+
+/// From SI to that.
+pub(crate) fn scale(unit: CreepUnit) -> f64 {
+    match unit {
+        CreepUnit::Strain => 1e6,
+        CreepUnit::Offset => 1e3,
+    }
+}
+
+pub(crate) fn head(found: &Comparison) -> [&'static str; 5] {
     let what = match found.by {
         By::Rope | By::RopeTemperature => "rope",
         By::Batch => "batch",
         By::Site => "site",
         By::Temperature => "temperature",
     };
-    let unit = match found.unit {
-        CreepUnit::Strain => "µm/m per decade",
-        CreepUnit::Offset => "mrad per decade",
-    };
-    let head = [what, "tendons", unit, "more by %", ""];
+    [what, "tendons", unit(found.unit), "more by %", ""]
+}
+
+/// The comparison.
+pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
+    let head = head(found);
     let mut out = String::new();
     for together in found.groups.chunk_by(|a, b| a.key.family == b.key.family) {
         if let Some(family) = together.first().and_then(|g| family(g, found.by)) {
@@ -116,20 +129,20 @@ pub(super) fn text(found: &Comparison, asked: &Compare) -> String {
         out += &table(&head, together.iter().map(|g| row(g, found)).collect(), 1);
         out.push('\n');
     }
-    for note in notes(found, asked) {
+    for note in notes(found, asked.least) {
         out += &paragraph(&note, 2);
     }
     out
 }
 
 /// What the table rests on, a sentence or two each.
-fn notes(found: &Comparison, asked: &Compare) -> Vec<String> {
+pub(crate) fn notes(found: &Comparison, least: f64) -> Vec<String> {
     let worse = found.worse().count();
     let mut out = vec![format!(
         "{worse} of {} are worse: they creep more than the middle one of the others, by more than {:.0} %. The chance that \
          any verdict here is wrong is 5 % at most, all groups together.",
         found.groups.len(),
-        100.0 * asked.least
+        100.0 * least
     )];
     let unit = match found.unit {
         CreepUnit::Strain => "in µm per metre of rope",

@@ -2,29 +2,19 @@
 
 use super::screen;
 use super::sessions::Sessions;
-use crate::FleetError;
-use crate::args::Due;
+use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
-use sinew_estimate::robot_dir;
 use sinew_estimate::trend::{
-    JointTrend, Limit, LimitForecast, LimitState, SessionRecord, Sorted, Stated, TrendRequest,
-    TrendVerdict, analyze,
+    JointTrend, Limit, LimitForecast, LimitState, SessionRecord, TrendVerdict,
 };
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
-use sinew_rope::Catalogue;
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 
-/// Days forecasts look ahead: intervals that end later are open.
-const HORIZON_DAYS: f64 = 365.0;
 /// Sessions of so many days before the last, and after each new baseline, are all taken; of the others one a week.
 const RECENT_DAYS: f64 = 45.0;
 const FRESH_DAYS: f64 = 14.0;
-/// A baseline is learned so long after a tensioning, s.
-const BASELINE_AFTER_S: f64 = 3600.0;
 /// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
 const DRIFT_FACTOR: f64 = 1.25;
 
@@ -42,7 +32,7 @@ pub struct Passage {
 }
 
 impl Passage {
-    fn of(found: &LimitForecast, last_utc_s: f64) -> Self {
+    pub(crate) fn of(found: &LimitForecast, last_utc_s: f64) -> Self {
         let at = |after_s: Option<f64>| after_s.map(|t| last_utc_s + t);
         Self {
             limit: found.limit,
@@ -63,7 +53,7 @@ impl Passage {
     }
 
     /// The earlier, the worse.
-    fn order(&self) -> f64 {
+    pub(crate) fn order(&self) -> f64 {
         let [median, low, _] = self.at_utc_s;
         let passed = if self.is_passed() { -1e12 } else { 0.0 };
         // What has no median comes after what has one.
@@ -95,14 +85,14 @@ pub struct Followed {
 }
 
 impl Followed {
-    fn of(trend: &JointTrend, sessions: &Sessions, fit: &Fitted, site: Option<String>) -> Self {
+    fn of(trend: &JointTrend, sessions: &Sessions, fit: Fitted, site: Option<String>) -> Self {
         let (robot, joint) = sessions.tendon.clone();
         let limits = trend.limits.iter();
         Self {
             robot,
             joint,
             site,
-            fit: fit.clone(),
+            fit,
             verdict: trend.verdict,
             offset_rad: trend.offset_rad,
             elongation_m: trend.elongation_m,
@@ -133,75 +123,22 @@ pub(super) enum Outcome {
     Followed(Box<Followed>),
 }
 
-/// Types of robots: those beside the records, and those named.
-pub(crate) fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
-    let beside = std::fs::read_dir(folder.join("types"))
-        .into_iter()
-        .flatten();
-    let mut places: Vec<PathBuf> = (beside.flatten().map(|entry| entry.path()))
-        .filter(|path| path.join("robot.toml").is_file())
-        .collect();
-    places.sort_unstable();
-    places.extend(named.iter().cloned());
-    let load = |place: &PathBuf| Ok(robot_dir::load(place, None)?.robot);
-    places.iter().map(load).collect()
+/// Screens tendons and follows them.
+pub(super) struct Followers<'a> {
+    pub(super) beside: &'a Beside,
+    pub(super) now_utc_s: f64,
+    pub(super) within_s: f64,
+    pub(super) screen: bool,
 }
 
-/// Robots of every type with every rope.
-pub(super) struct Followers {
-    robots: BTreeMap<(String, Option<String>), Robot>,
-    catalogue: Catalogue,
-    now_utc_s: f64,
-    within_s: f64,
-    screen: bool,
-}
-
-impl Followers {
-    pub(super) fn new(
-        types: Vec<Robot>,
-        ropes: BTreeSet<String>,
-        asked: &Due,
-        now_utc_s: f64,
-    ) -> Result<Self, FleetError> {
-        let catalogue = Catalogue::shipped()?;
-        let mut robots = BTreeMap::new();
-        for robot in types {
-            for rope in &ropes {
-                catalogue.find(rope)?;
-                let mut roped = robot.clone();
-                for transmission in roped.transmissions.iter_mut().flatten() {
-                    if let Some(tendon) = &mut transmission.tendon {
-                        tendon.rope = Some(rope.clone());
-                    }
-                }
-                robots.insert((robot.name.clone(), Some(rope.clone())), roped);
-            }
-            robots.insert((robot.name.clone(), None), robot);
-        }
-        Ok(Self {
-            robots,
-            catalogue,
-            now_utc_s,
-            within_s: asked.within_days * DAY_S,
-            screen: !asked.follow_all,
-        })
-    }
-
+impl Followers<'_> {
     /// Screens a tendon and follows it, if it isn't out of reach.
-    pub(super) fn look(
-        &self,
-        sessions: &Sessions,
-        fit: &Fitted,
-        stated: &[Stated],
-        site: Option<String>,
-    ) -> Outcome {
+    pub(super) fn look(&self, sessions: &Sessions) -> Outcome {
         let (name, joint) = &sessions.tendon;
-        let key = (sessions.robot_type.clone(), fit.rope.clone());
-        let Some(robot) = self.robots.get(&key) else {
-            return Outcome::UnknownType(key.0);
+        let Some(robot) = self.beside.robot(sessions) else {
+            return Outcome::UnknownType(sessions.robot_type.clone());
         };
-        let index = robot.arm.joint_index(joint);
-        let tendon = index.and_then(|i| robot.transmissions[i].as_ref()?.tendon.as_ref());
+        let tendon = tendon_of(robot, joint);
         let Some(tendon) = tendon.filter(|t| t.retension_at_m.or(t.replace_at_strain).is_some())
         else {
             return Outcome::NoLimit;
@@ -211,35 +148,14 @@ impl Followers {
         {
             return Outcome::OutOfReach;
         }
-        // What was done after the last session has no session yet.
-        let last_utc_s = sessions.rows.last().map_or(0.0, |r| r.time_utc_s);
-        let stated: Vec<Stated> = (stated.iter())
-            .filter(|s| s.time_utc_s <= last_utc_s)
-            .cloned()
-            .collect();
-        let mut rows = thinned(&sessions.rows);
-        date_baselines(&mut rows, &stated);
-        let request = TrendRequest {
-            robot: Some(robot),
-            catalogue: &self.catalogue,
-            stated,
-            duty: None,
-            life: None,
-            horizon_days: HORIZON_DAYS,
-            seed: 1,
-        };
-        let sorted = Sorted {
-            joints: vec![(joint.clone(), rows)],
-            robot: Some(name.clone()),
-            notes: Vec::new(),
-        };
-        match analyze(sorted, &request) {
-            Ok(report) => match report.joints.first() {
-                Some(trend) => {
-                    Outcome::Followed(Box::new(Followed::of(trend, sessions, fit, site)))
-                }
-                None => Outcome::NoLimit,
-            },
+        let rows = thinned(&sessions.rows);
+        match self.beside.trend(sessions, Some(robot), rows) {
+            Ok(Some(trend)) => {
+                let fit = self.beside.fit(&sessions.tendon);
+                let site = self.beside.sites.get(name).cloned();
+                Outcome::Followed(Box::new(Followed::of(&trend, sessions, fit, site)))
+            }
+            Ok(None) => Outcome::NoLimit,
             Err(error) => Outcome::Refused(name.clone(), joint.clone(), error.to_string()),
         }
     }
@@ -280,7 +196,7 @@ fn before_rad(rows: &[SessionRecord]) -> f64 {
 
 /// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
 /// creeps, and a day more or less of it hardly adds.
-fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
+pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
     let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
     let mut out: Vec<SessionRecord> = Vec::new();
     let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -298,26 +214,4 @@ fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
         week = number;
     }
     out
-}
-
-/// Dates baselines by the tensionings that were stated between a baseline's first session and the session before.
-fn date_baselines(rows: &mut [SessionRecord], stated: &[Stated]) {
-    let mut before: Option<(Option<String>, f64)> = None;
-    let mut known = None;
-    for row in rows {
-        let changed = before
-            .as_ref()
-            .is_none_or(|(name, _)| *name != row.baseline);
-        if changed {
-            let from = before.as_ref().map_or(f64::NEG_INFINITY, |(_, t)| *t);
-            let times = stated.iter().map(|s| s.time_utc_s);
-            let between = times.filter(|t| *t > from && *t <= row.time_utc_s);
-            let latest = between.fold(f64::NEG_INFINITY, f64::max);
-            known = latest
-                .is_finite()
-                .then_some((latest + BASELINE_AFTER_S).min(row.time_utc_s));
-        }
-        row.baseline_time_utc_s = known;
-        before = Some((row.baseline.clone(), row.time_utc_s));
-    }
 }

@@ -6,15 +6,17 @@
 mod follow;
 pub mod screen;
 pub(crate) mod sessions;
-mod show;
+pub(crate) mod show;
+pub(crate) mod words;
 
-pub(crate) use follow::types;
+pub(crate) use follow::thinned;
 pub use follow::{Followed, Passage};
 
 use crate::FleetError;
 use crate::args::Due;
+use crate::beside::Beside;
 use crate::engine::Engine;
-use crate::folder::sides::{self, Fitted};
+use crate::folder::sides::Fitted;
 use crate::rows::tell_refused;
 use datafusion::arrow::array::AsArray as _;
 use datafusion::arrow::datatypes::Float64Type;
@@ -61,16 +63,17 @@ impl DueList {
 /// # Errors
 /// [`FleetError`]; a tendon whose records are refused is in the list with its reason.
 pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
-    let types = follow::types(&engine.folder.path, &asked.robots)?;
-    let fitted = sides::fitted(&engine.folder)?;
-    let events = sides::events(&engine.folder)?;
-    let sites = sides::sites(&engine.folder)?;
+    let beside = Beside::read(&engine.folder.path, &asked.robots)?;
     let mut out = DueList {
         now_utc_s: now_utc_s(engine)?,
         ..DueList::default()
     };
-    let ropes = fitted.values().filter_map(|f| f.rope.clone());
-    let followers = Followers::new(types, ropes.collect(), asked, out.now_utc_s)?;
+    let followers = Followers {
+        beside: &beside,
+        now_utc_s: out.now_utc_s,
+        within_s: asked.within_days * DAY_S,
+        screen: !asked.follow_all,
+    };
     let names: Vec<String> = engine
         .folder
         .robots()
@@ -81,15 +84,7 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
     for robots in names.chunks(TOGETHER) {
         let tendons = Sessions::read(engine, robots)?;
         out.tendons += tendons.len();
-        let outcomes: Vec<Outcome> = (tendons.par_iter())
-            .map(|sessions| {
-                let fit = fitted.get(&sessions.tendon).cloned();
-                let stated = events.get(&sessions.tendon);
-                let site = sites.get(&sessions.tendon.0).cloned();
-                let stated = stated.map_or(&[][..], Vec::as_slice);
-                followers.look(sessions, &fit.unwrap_or_default(), stated, site)
-            })
-            .collect();
+        let outcomes: Vec<Outcome> = tendons.par_iter().map(|t| followers.look(t)).collect();
         for outcome in outcomes {
             match outcome {
                 Outcome::OutOfReach => out.out_of_reach += 1,

@@ -19,6 +19,21 @@ pub(crate) struct Sessions {
     pub(crate) rows: Vec<SessionRecord>,
 }
 
+/// What a session is made from, in this order.
+pub(crate) const COLUMNS: [&str; 11] = [
+    "robot",
+    "joint",
+    "robot_type",
+    "baseline",
+    "time_utc_s",
+    "duration_s",
+    "offset_rad",
+    "offset_deviation_rad",
+    "temperature_c",
+    "stiffness_ratio",
+    "stiffness_deviation_ratio",
+];
+
 impl Sessions {
     /// Reads those of robots whose names follow each other.
     pub(crate) fn read(engine: &mut Engine, robots: &[String]) -> Result<Vec<Self>, FleetError> {
@@ -28,10 +43,9 @@ impl Sessions {
         let quoted = |name: &str| format!("'{}'", name.replace('\'', "''"));
         // What a civil clock didn't date is no part of a trend.
         let sql = format!(
-            "SELECT robot, joint, robot_type, baseline, time_utc_s, duration_s, offset_rad, offset_deviation_rad, \
-             temperature_c, stiffness_ratio, stiffness_deviation_ratio FROM records \
-             WHERE robot >= {} AND robot <= {} AND clock = 'utc' AND offset_rad IS NOT NULL \
+            "SELECT {} FROM records WHERE robot >= {} AND robot <= {} AND clock = 'utc' AND offset_rad IS NOT NULL \
              AND offset_deviation_rad > 0 ORDER BY robot, joint, time_utc_s",
+            COLUMNS.join(", "),
             quoted(first),
             quoted(last)
         );
@@ -58,7 +72,8 @@ impl Sessions {
     }
 }
 
-fn take(batch: &RecordBatch, out: &mut Vec<Sessions>) -> Result<(), FleetError> {
+/// Takes rows of [`COLUMNS`], by robot, joint and time.
+pub(crate) fn take(batch: &RecordBatch, out: &mut Vec<Sessions>) -> Result<(), FleetError> {
     let wrong = |e: datafusion::arrow::error::ArrowError| FleetError::Engine(e.to_string());
     let texts = |i: usize| cast(batch.column(i), &DataType::Utf8).map_err(wrong);
     let [robots, joints, types, baselines] = [texts(0)?, texts(1)?, texts(2)?, texts(3)?];

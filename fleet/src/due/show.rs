@@ -1,6 +1,6 @@
 //! The list for people, and as a table for other programs.
 
-use super::{DueList, Followed, Passage, rope_of, screen};
+use super::{DueList, Followed, Passage, rope_of, screen, words};
 use crate::FleetError;
 use crate::args::Due;
 use sinew_estimate::trend::{Limit, LimitState, TrendVerdict};
@@ -9,6 +9,17 @@ use sinew_files::plain;
 use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_report::text::{paragraph, table};
 use std::path::Path;
+
+/// Columns of [`row`].
+pub(crate) const HEAD: [&str; 7] = [
+    "robot",
+    "joint",
+    "to do",
+    "limit mm",
+    "now mm",
+    "in days",
+    "95 % days",
+];
 
 /// Days from the fleet's last session, for people.
 fn days(at_utc_s: Option<f64>, now_utc_s: f64) -> String {
@@ -25,7 +36,7 @@ fn action(followed: &Followed, passage: &Passage) -> &'static str {
     }
 }
 
-fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec<String> {
+pub(crate) fn row(followed: &Followed, passage: &Passage, now_utc_s: f64) -> Vec<String> {
     let radius_m = followed
         .elongation_m
         .map(|e| e.mean / followed.offset_rad.mean);
@@ -58,18 +69,9 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
         .iter()
         .take(asked.rows)
         .filter_map(|f| Some(row(f, f.worst()?, list.now_utc_s)));
-    let head = [
-        "robot",
-        "joint",
-        "to do",
-        "limit mm",
-        "now mm",
-        "in days",
-        "95 % days",
-    ];
     let mut out = match due.is_empty() {
         true => String::new(),
-        false => table(&head, rows.collect(), 3) + "\n",
+        false => table(&HEAD, rows.collect(), 3) + "\n",
     };
     if due.len() > asked.rows {
         out += &format!(
@@ -142,17 +144,8 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
                 known(followed.site.as_deref()),
                 known(rope_of(&followed.fit)),
                 known(followed.fit.batch.as_deref()),
-                text(match passage.limit {
-                    Limit::Retension { .. } => "retension",
-                    Limit::Replace { .. } => "replace",
-                }),
-                text(match passage.state {
-                    LimitState::Passed => "passed",
-                    LimitState::Forecast => "forecast",
-                    LimitState::NotBefore => "not-before",
-                    LimitState::NotWithinHorizon => "not-within-horizon",
-                    LimitState::TooFewSessions => "too-few-sessions",
-                }),
+                text(words::limit(passage.limit)),
+                text(words::state(passage.state)),
                 Cell::Number(followed.last_utc_s),
                 Cell::Number(followed.offset_rad.mean),
                 Cell::Number(followed.offset_rad.deviation),

@@ -45,7 +45,7 @@ impl Folder {
 
     fn look(path: &Path, whole: bool) -> Result<Self, FleetError> {
         let mut found = Vec::new();
-        find(path, &mut found)?;
+        find(path, "parquet", &mut found)?;
         found.sort_unstable();
         let looked: Vec<Result<RecordFile, Refused>> = (found.into_par_iter())
             .map(|file| scan::scan(&file, whole))
@@ -97,12 +97,12 @@ impl Folder {
         all.sort_by_key(|version| order_of(version));
         all
     }
+}
 
-    /// A table beside the records, if it is there.
-    pub fn side(&self, name: &str) -> Option<PathBuf> {
-        let path = self.path.join(format!("{name}.csv"));
-        path.is_file().then_some(path)
-    }
+/// A table beside the records of a folder, if it is there.
+pub(crate) fn side(folder: &Path, name: &str) -> Option<PathBuf> {
+    let path = folder.join(format!("{name}.csv"));
+    path.is_file().then_some(path)
 }
 
 /// What versions are ordered by: `0.10.0` is later than `0.9.2`, and than its own `0.10.0-rc.1`.
@@ -115,8 +115,12 @@ fn order_of(version: &str) -> (Vec<u64>, bool, String) {
     (numbers.collect(), rest.is_empty(), rest.to_owned())
 }
 
-/// Parquet files of a folder and its folders, but for those that hide.
-fn find(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), FleetError> {
+/// Files of a folder and its folders whose names end so, but for those that hide.
+pub(crate) fn find(
+    folder: &Path,
+    ending: &str,
+    found: &mut Vec<PathBuf>,
+) -> Result<(), FleetError> {
     let wrong = |source| FleetError::Folder {
         path: folder.into(),
         source,
@@ -129,8 +133,8 @@ fn find(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), FleetError> {
         }
         // A link to a folder above would never end.
         if entry.file_type().map_err(wrong)?.is_dir() {
-            find(&path, found)?;
-        } else if path.extension().is_some_and(|e| e == "parquet") && path.is_file() {
+            find(&path, ending, found)?;
+        } else if path.extension().is_some_and(|e| e == ending) && path.is_file() {
             found.push(path);
         }
     }

@@ -1,12 +1,13 @@
 //! What somebody wrote beside the records: which rope a tendon has, and what was done to it when.
 
-use super::Folder;
+use super::side;
 use crate::FleetError;
 use sinew_estimate::trend::Stated;
 use sinew_files::csv::Table;
 use sinew_files::date::parse_utc_s;
 use sinew_files::{Fault, limits};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A robot and a joint.
 pub type Tendon = (String, String);
@@ -24,9 +25,9 @@ pub struct Fitted {
 ///
 /// # Errors
 /// The place of what is wrong.
-pub fn fitted(folder: &Folder) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
+pub fn fitted(folder: &Path) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
     let mut out = BTreeMap::new();
-    let Some(path) = folder.side("tendons") else {
+    let Some(path) = side(folder, "tendons") else {
         return Ok(out);
     };
     let table = Table::read(&path, &limits::SESSIONS)?;
@@ -56,8 +57,8 @@ pub fn fitted(folder: &Folder) -> Result<BTreeMap<Tendon, Fitted>, FleetError> {
 ///
 /// # Errors
 /// The place of what is wrong.
-pub fn sites(folder: &Folder) -> Result<BTreeMap<String, String>, FleetError> {
-    let Some(path) = folder.side("robots") else {
+pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
+    let Some(path) = side(folder, "robots") else {
         return Ok(BTreeMap::new());
     };
     let table = Table::read(&path, &limits::SESSIONS)?;
@@ -75,9 +76,9 @@ pub fn sites(folder: &Folder) -> Result<BTreeMap<String, String>, FleetError> {
 ///
 /// # Errors
 /// The place of what is wrong.
-pub fn events(folder: &Folder) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError> {
+pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError> {
     let mut out: BTreeMap<Tendon, Vec<Stated>> = BTreeMap::new();
-    let Some(path) = folder.side("events") else {
+    let Some(path) = side(folder, "events") else {
         return Ok(out);
     };
     let table = Table::read(&path, &limits::SESSIONS)?;

@@ -1,0 +1,158 @@
+//! What lies beside the records of a fleet: types of robots with the ropes they have, batches, sites, and what was done.
+
+use crate::FleetError;
+use crate::due::sessions::Sessions;
+use crate::folder::sides::{self, Fitted, Tendon};
+use sinew_estimate::robot_dir;
+use sinew_estimate::trend::{
+    AnalyzeError, JointTrend, SessionRecord, Sorted, Stated, TrendRequest, analyze,
+};
+use sinew_model::robot::Robot;
+use sinew_model::transmission;
+use sinew_rope::Catalogue;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Days forecasts look ahead: intervals that end later are open.
+const HORIZON_DAYS: f64 = 365.0;
+/// A baseline is learned so long after a tensioning, s.
+const BASELINE_AFTER_S: f64 = 3600.0;
+
+/// What is known beside the records.
+pub(crate) struct Beside {
+    /// Types by name, with the ropes robot.toml names and with every rope that some tendon has.
+    robots: BTreeMap<(String, Option<String>), Robot>,
+    pub(crate) fitted: BTreeMap<Tendon, Fitted>,
+    pub(crate) events: BTreeMap<Tendon, Vec<Stated>>,
+    pub(crate) sites: BTreeMap<String, String>,
+    catalogue: Catalogue,
+}
+
+impl Beside {
+    /// Reads it.
+    ///
+    /// * `described`: folders of robot types beside those in `types/`.
+    pub(crate) fn read(folder: &Path, described: &[PathBuf]) -> Result<Self, FleetError> {
+        let fitted = sides::fitted(folder)?;
+        let catalogue = Catalogue::shipped()?;
+        let ropes: BTreeSet<&String> = fitted.values().filter_map(|f| f.rope.as_ref()).collect();
+        let mut robots = BTreeMap::new();
+        for robot in types(folder, described)? {
+            for rope in &ropes {
+                catalogue.find(rope)?;
+                let mut roped = robot.clone();
+                for transmission in roped.transmissions.iter_mut().flatten() {
+                    if let Some(tendon) = &mut transmission.tendon {
+                        tendon.rope = Some((*rope).clone());
+                    }
+                }
+                robots.insert((robot.name.clone(), Some((*rope).clone())), roped);
+            }
+            robots.insert((robot.name.clone(), None), robot);
+        }
+        Ok(Self {
+            robots,
+            events: sides::events(folder)?,
+            sites: sides::sites(folder)?,
+            fitted,
+            catalogue,
+        })
+    }
+
+    /// Rope and batch of a tendon, as far as they are known.
+    pub(crate) fn fit(&self, tendon: &Tendon) -> Fitted {
+        self.fitted.get(tendon).cloned().unwrap_or_default()
+    }
+
+    /// A type as it is described.
+    pub(crate) fn robot_type(&self, name: &str) -> Option<&Robot> {
+        self.robots.get(&(name.to_owned(), None))
+    }
+
+    /// The type of a tendon's robot with the rope that it has; `None`: nobody described it.
+    pub(crate) fn robot(&self, sessions: &Sessions) -> Option<&Robot> {
+        let rope = self
+            .fitted
+            .get(&sessions.tendon)
+            .and_then(|f| f.rope.clone());
+        self.robots.get(&(sessions.robot_type.clone(), rope))
+    }
+
+    /// The trend of a tendon, by `sinew trend`.
+    ///
+    /// * `robot`: with the rope that the tendon has.
+    /// * `rows`: of its sessions those that are taken.
+    pub(crate) fn trend(
+        &self,
+        sessions: &Sessions,
+        robot: Option<&Robot>,
+        mut rows: Vec<SessionRecord>,
+    ) -> Result<Option<JointTrend>, AnalyzeError> {
+        // What was done after the last session has no session yet.
+        let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
+        let stated = self.events.get(&sessions.tendon).into_iter().flatten();
+        let stated: Vec<Stated> = stated
+            .filter(|s| s.time_utc_s <= last_utc_s)
+            .cloned()
+            .collect();
+        date_baselines(&mut rows, &stated);
+        let request = TrendRequest {
+            robot,
+            catalogue: &self.catalogue,
+            stated,
+            duty: None,
+            life: None,
+            horizon_days: HORIZON_DAYS,
+            seed: 1,
+        };
+        let (name, joint) = sessions.tendon.clone();
+        let sorted = Sorted {
+            joints: vec![(joint, rows)],
+            robot: Some(name),
+            notes: Vec::new(),
+        };
+        Ok(analyze(sorted, &request)?.joints.into_iter().next())
+    }
+}
+
+/// The tendon of a robot's joint.
+pub(crate) fn tendon_of<'a>(robot: &'a Robot, joint: &str) -> Option<&'a transmission::Tendon> {
+    let index = robot.arm.joint_index(joint)?;
+    robot.transmissions[index].as_ref()?.tendon.as_ref()
+}
+
+/// Types of robots: those beside the records, and those named.
+fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
+    let beside = std::fs::read_dir(folder.join("types"))
+        .into_iter()
+        .flatten();
+    let mut places: Vec<PathBuf> = (beside.flatten().map(|entry| entry.path()))
+        .filter(|path| path.join("robot.toml").is_file())
+        .collect();
+    places.sort_unstable();
+    places.extend(named.iter().cloned());
+    let load = |place: &PathBuf| Ok(robot_dir::load(place, None)?.robot);
+    places.iter().map(load).collect()
+}
+
+/// Dates baselines by the tensionings that were stated between a baseline's first session and the session before.
+fn date_baselines(rows: &mut [SessionRecord], stated: &[Stated]) {
+    let mut before: Option<(Option<String>, f64)> = None;
+    let mut known = None;
+    for row in rows {
+        let changed = before
+            .as_ref()
+            .is_none_or(|(name, _)| *name != row.baseline);
+        if changed {
+            let from = before.as_ref().map_or(f64::NEG_INFINITY, |(_, t)| *t);
+            let times = stated.iter().map(|s| s.time_utc_s);
+            let between = times.filter(|t| *t > from && *t <= row.time_utc_s);
+            let latest = between.fold(f64::NEG_INFINITY, f64::max);
+            known = latest
+                .is_finite()
+                .then_some((latest + BASELINE_AFTER_S).min(row.time_utc_s));
+        }
+        row.baseline_time_utc_s = known;
+        before = Some((row.baseline.clone(), row.time_utc_s));
+    }
+}

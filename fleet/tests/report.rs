@@ -1,0 +1,43 @@
+//! The page of a fleet says what the commands say.
+
+use crate::support::{fleet, open, source};
+use sinew_fleet::args::Report;
+use sinew_fleet::creep::Ages;
+use sinew_fleet::report::{command, find};
+
+#[test]
+fn the_page_counts_what_due_and_compare_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let fleet_folder = folder.path().join("fleet");
+    fleet(&fleet_folder, 12, 60);
+    let asked = Report {
+        source: source(&fleet_folder),
+        out: folder.path().join("fleet.html"),
+        robots: Vec::new(),
+        weeks: 8,
+        ages: Ages {
+            from_days: 1.0,
+            to_days: 30.0,
+        },
+        seed: 1,
+    };
+    command(&asked).unwrap();
+    let html = std::fs::read_to_string(&asked.out).unwrap();
+    let found = find(&mut open(&fleet_folder), &asked).unwrap();
+    let due: Vec<_> = found.due.due(56.0).collect();
+    assert!(!due.is_empty(), "nothing is due: this shows nothing");
+    for followed in due.iter().take(40) {
+        assert!(html.contains(&format!(
+            "<th scope=\"row\">{}</th><td>{}</td>",
+            followed.robot, followed.joint
+        )));
+    }
+    for group in found.compared.iter().flatten().flat_map(|c| &c.groups) {
+        assert!(html.contains(&group.key.name), "{}", group.key.name);
+    }
+    let overdue = due
+        .iter()
+        .filter(|f| f.worst().unwrap().is_passed())
+        .count();
+    assert!(html.contains(&format!("<th scope=\"row\">overdue</th><td>{overdue}</td>")));
+}
