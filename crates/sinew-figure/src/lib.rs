@@ -6,4 +6,6 @@ pub mod plot;
 
 pub use glance::glance;
 pub use page::{Block, Headline, Level, Page, Section, Sentence, Table};
-pub use sinew_files::number::{count, duration, given, rounded, share, with_interval};
+pub use sinew_files::number::{
+    count, duration, given, interval_cells, rounded, share, with_interval,
+};

@@ -3,6 +3,9 @@
 /// Most decimals shown: below a tenth of a microradian (in mrad) nothing here is known.
 const MOST_DECIMALS: i32 = 4;
 
+/// Stands where there is no number.
+const NONE: &str = "–";
+
 /// Decimals that show `digits` significant digits of `size`, 0 to 4.
 fn decimals(size: f64, digits: i32) -> usize {
     if !size.is_finite() || size == 0.0 {
@@ -14,7 +17,7 @@ fn decimals(size: f64, digits: i32) -> usize {
 
 fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
-        return "–".into();
+        return NONE.into();
     }
     let text = format!("{value:.decimals$}");
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) {
@@ -32,17 +35,26 @@ pub fn rounded(value: f64, digits: u8) -> String {
 /// A value with half its 95 % interval to two digits: `10.02 ± 0.26` for a standard error of 0.13; three
 /// digits without one. Whatever stands behind a ± in Sinew is 95 %.
 pub fn with_interval(value: f64, standard_error: f64) -> String {
+    let [value, half] = interval_cells(value, standard_error);
+    match half.as_str() {
+        NONE => value,
+        half => format!("{value} ± {half}"),
+    }
+}
+
+/// The same in two cells of a table, the value with as many decimals as half its interval; `–` for what there is not.
+pub fn interval_cells(value: f64, standard_error: f64) -> [String; 2] {
     /// Quantile of the normal distribution.
     const Z95: f64 = 1.96;
     if !value.is_finite() {
-        return "–".into();
+        return [NONE.into(), NONE.into()];
     }
     if !(standard_error.is_finite() && standard_error > 0.0) {
-        return rounded(value, 3);
+        return [rounded(value, 3), NONE.into()];
     }
     let half = Z95 * standard_error;
     let decimals = decimals(half, 2);
-    format!("{} ± {}", fixed(value, decimals), fixed(half, decimals))
+    [fixed(value, decimals), fixed(half, decimals)]
 }
 
 /// A number to three digits, as group names, files and tables write it.
@@ -115,6 +127,9 @@ mod tests {
         assert_eq!(with_interval(-1234.6, 56.7), "−1235 ± 111");
         assert_eq!(with_interval(10.0234, f64::NAN), "10.0");
         assert_eq!(with_interval(f64::NAN, 1.0), "–");
+        assert_eq!(interval_cells(12.794, 1.173), ["12.8", "2.3"]);
+        assert_eq!(interval_cells(-0.1234, 0.306), ["−0.12", "0.60"]);
+        assert_eq!(interval_cells(10.0234, 0.0), ["10.0", "–"]);
         assert_eq!(rounded(0.256_78, 2), "0.26");
         assert_eq!(rounded(1.2e-9, 2), "0.0000");
     }

@@ -345,7 +345,11 @@ impl<O: FrameObserver> Feeder<O> {
             .step(dt_s, &input)
             .map_err(|error| match error {
                 StepError::TimeStep => Refusal::TimeStep,
-                _ => Refusal::Range,
+                StepError::Length
+                | StepError::NotFinite
+                | StepError::NotPositiveDefinite { .. }
+                | StepError::Spring { .. }
+                | StepError::UnknownLink => Refusal::Range,
             })?;
         Ok(match self.accepted_ns.replace(reading.time_ns) {
             Some(_) => Fed::Taken(output),

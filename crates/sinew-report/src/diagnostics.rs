@@ -4,6 +4,7 @@ use crate::estimate_table::per_rad;
 use crate::sentences::headline;
 use crate::tables::verdict;
 use crate::units::Moves;
+use crate::words::plus_minus;
 use sinew_estimate::replay::{Estimate, JointEstimate, JointRefusal};
 use sinew_estimate::session::{LimitState, TendonEstimate, Verdict};
 use sinew_figure::rounded;
@@ -27,17 +28,8 @@ pub(crate) fn of_tendon(
     let elongation_m =
         per_rad(joint.elongation_m, joint.offset_rad).map(|factor| offset_rad.scaled(factor));
     let size = match elongation_m {
-        Some(m) => format!(
-            "{} ± {} mm",
-            rounded(1e3 * m.mean, 2),
-            rounded(1e3 * m.half_width_95(), 2)
-        ),
-        None => format!(
-            "{} ± {} {}",
-            rounded(1e3 * offset_rad.mean, 2),
-            rounded(1e3 * offset_rad.half_width_95(), 2),
-            joint.units().offset
-        ),
+        Some(m) => format!("{} mm", plus_minus(m, 1e3)),
+        None => format!("{} {}", plus_minus(offset_rad, 1e3), joint.units().offset),
     };
     // What withholds the answer in the end withholds it before.
     let limit = joint.retension.filter(|r| r.state == LimitState::Passed);

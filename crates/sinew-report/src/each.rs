@@ -5,7 +5,7 @@ use crate::tables::verdict;
 use crate::text::{paragraph, plain, table};
 use crate::units::{Moves, TURNS, name_in_table};
 use crate::warnings::document_warnings;
-use crate::words::{joint_refusal, nothing_estimated};
+use crate::words::{joint_refusal, nothing_estimated, plus_minus_cells};
 use sinew_estimate::replay::JointEstimate;
 use sinew_estimate::session::{LimitState, SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EachDocument, EstimateDocument, Method, RecordingOutcome};
@@ -19,10 +19,9 @@ struct Row<'a> {
     joint: &'a str,
     /// As the table has it, with its units where they aren't those of the heads.
     name: String,
-    offset_rad: Option<f64>,
-    half_width_rad: Option<f64>,
-    elongation_m: Option<f64>,
-    half_width_m: Option<f64>,
+    /// A reading has no deviation: it is NaN.
+    offset_rad: Option<Gaussian>,
+    elongation_m: Option<Gaussian>,
     strain_ratio: Option<f64>,
     verdict: Option<Verdict>,
     reason: String,
@@ -33,10 +32,8 @@ impl<'a> Row<'a> {
         Self {
             joint: &joint.name,
             name: name_in_table(joint, TURNS),
-            offset_rad: Some(joint.offset_rad.mean),
-            half_width_rad: Some(joint.offset_rad.half_width_95()),
-            elongation_m: joint.elongation_m.map(|m| m.mean),
-            half_width_m: joint.elongation_m.map(Gaussian::half_width_95),
+            offset_rad: Some(joint.offset_rad),
+            elongation_m: joint.elongation_m,
             strain_ratio: joint.strain_ratio.map(|strain| strain.mean),
             verdict: Some(joint.verdict),
             reason: reason(joint),
@@ -44,13 +41,12 @@ impl<'a> Row<'a> {
     }
 
     fn of_reading(joint: &'a JointEstimate) -> Self {
+        let without_interval = |mean| Gaussian::new(mean, f64::NAN);
         Self {
             joint: &joint.name,
             name: name_in_table(joint, TURNS),
-            offset_rad: joint.offset_rad,
-            half_width_rad: None,
-            elongation_m: joint.elongation_m,
-            half_width_m: None,
+            offset_rad: joint.offset_rad.map(without_interval),
+            elongation_m: joint.elongation_m.map(without_interval),
             strain_ratio: joint.strain_ratio,
             verdict: None,
             reason: joint.refused.map_or(String::new(), joint_refusal),
@@ -148,6 +144,8 @@ pub fn estimate_rows(document: &EstimateDocument) -> Table {
 fn push_rows(out: &mut Table, recording: &str, document: &EstimateDocument) {
     let session = document.session.as_ref();
     let duration_s = document.reading.recording.duration_s;
+    let mean = |x: Option<Gaussian>| x.map(|x| x.mean);
+    let half = |x: Option<Gaussian>| x.map(Gaussian::half_width_95).filter(|h| h.is_finite());
     for row in Row::all(document) {
         out.push(vec![
             recording.into(),
@@ -155,10 +153,10 @@ fn push_rows(out: &mut Table, recording: &str, document: &EstimateDocument) {
             session.and_then(|s| s.start_time_utc_s).into(),
             session.map_or(duration_s, |s| s.duration_s).into(),
             session.and_then(|s| s.temperature_c).into(),
-            row.offset_rad.into(),
-            row.half_width_rad.into(),
-            row.elongation_m.into(),
-            row.half_width_m.into(),
+            mean(row.offset_rad).into(),
+            half(row.offset_rad).into(),
+            mean(row.elongation_m).into(),
+            half(row.elongation_m).into(),
             row.strain_ratio.into(),
             row.verdict.map(verdict).into(),
             Some(row.reason).filter(|text| !text.is_empty()).into(),
@@ -178,10 +176,6 @@ fn folder(each: &EachDocument) -> Option<&Path> {
 /// The same for a terminal, and why recordings couldn't be estimated.
 pub fn each_summary(each: &EachDocument) -> String {
     let said = |text: &str| paragraph(&plain(text), 2);
-    let shown = |x: Option<f64>, digits: u8| match x {
-        Some(x) => rounded(x, digits),
-        None => "–".into(),
-    };
     let folder = folder(each);
     let short = |name: &str| {
         let within = folder.and_then(|folder| Path::new(name).strip_prefix(folder).ok());
@@ -209,13 +203,15 @@ pub fn each_summary(each: &EachDocument) -> String {
                 Some(v) => format!("{}: {}", verdict(v), row.reason),
                 None => row.reason,
             };
+            let [offset, half] = plus_minus_cells(row.offset_rad, 1e3);
+            let [elongation, _] = plus_minus_cells(row.elongation_m, 1e3);
             rows.push(vec![
                 // The name once: its rows stand below it.
                 if k == 0 { name.clone() } else { String::new() },
                 plain(&row.name),
-                shown(row.offset_rad.map(|x| 1e3 * x), 3),
-                shown(row.half_width_rad.map(|x| 1e3 * x), 2),
-                shown(row.elongation_m.map(|x| 1e3 * x), 2),
+                offset,
+                half,
+                elongation,
                 plain(&last),
             ]);
         }

@@ -3,6 +3,7 @@
 use crate::session_sentences::{change_kind, session_sentences};
 use crate::units::{Moves, in_units, name_in_table, of_heads};
 use crate::warnings::session_warnings;
+use crate::words::{plus_minus, plus_minus_cells};
 use sinew_estimate::NuisanceChange;
 use sinew_estimate::session::{
     BlockEstimate, LimitState, SessionEstimate, TendonChange, TendonChangeKind, TendonEstimate,
@@ -10,7 +11,6 @@ use sinew_estimate::session::{
 };
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded, with_interval};
-use sinew_model::Gaussian;
 
 /// Adds what the joint estimate says.
 pub(super) fn sections(page: Page, session: &SessionEstimate) -> Page {
@@ -125,7 +125,6 @@ fn offsets(session: &SessionEstimate) -> Table {
         "±, %",
         "torque, N·m",
     ];
-    let optional = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| rounded(1e3 * v, 3));
     let heads = of_heads(&session.joints);
     Table {
         caption: String::new(),
@@ -134,14 +133,18 @@ fn offsets(session: &SessionEstimate) -> Table {
             .joints
             .iter()
             .map(|j| {
+                let [offset, offset_half] = plus_minus_cells(Some(j.offset_rad), 1e3);
+                let [elongation, elongation_half] = plus_minus_cells(j.elongation_m, 1e3);
+                let [stiffness, stiffness_half] =
+                    plus_minus_cells(Some(j.stiffness_change_ratio), 100.0);
                 vec![
                     name_in_table(j, heads),
-                    rounded(1e3 * j.offset_rad.mean, 3),
-                    rounded(1e3 * j.offset_rad.half_width_95(), 2),
-                    optional(j.elongation_m.map(|m| m.mean)),
-                    optional(j.elongation_m.map(Gaussian::half_width_95)),
-                    rounded(100.0 * j.stiffness_change_ratio.mean, 2),
-                    rounded(100.0 * j.stiffness_change_ratio.half_width_95(), 2),
+                    offset,
+                    offset_half,
+                    elongation,
+                    elongation_half,
+                    stiffness,
+                    stiffness_half,
                     format!(
                         "{} to {}",
                         rounded(j.torque_nm.min, 2),
@@ -215,13 +218,12 @@ fn nuisance(session: &SessionEstimate) -> Table {
 }
 
 fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
-    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 3), rounded(x.half_width_95(), 2));
     let joint = n.joint.as_deref().unwrap_or("");
     vec![
         format!("{joint} {}", n.name).trim().to_string(),
         n.unit.clone(),
-        shown(n.prior),
-        shown(n.posterior),
+        plus_minus(n.prior, 1.0),
+        plus_minus(n.posterior, 1.0),
         if n.moved { "yes" } else { "no" }.into(),
     ]
 }

@@ -1,6 +1,7 @@
 //! What happened in a recording, in sentences.
 
 use crate::units::Moves;
+use crate::words::plus_minus;
 use sinew_estimate::session::{
     AnchorReading, AnchoredOffset, LimitState, MotorTorque, SessionEstimate, TendonChange,
     TendonChangeKind, TendonEstimate,
@@ -16,7 +17,7 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
     out.extend(session.payload_changes.iter().map(|change| {
         format!(
             "payload changed by {} kg {}",
-            with_95(change.change_kg),
+            plus_minus(change.change_kg, 1.0),
             when(change.time_s, change.interval_s, change.probability)
         )
     }));
@@ -31,7 +32,7 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
     }
     out.push(format!(
         "payload {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
-        with_95(session.payload_kg),
+        plus_minus(session.payload_kg, 1.0),
         if session.payload_changes.is_empty() {
             ""
         } else {
@@ -46,11 +47,6 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
         }
     ));
     out
-}
-
-/// Mean and half a 95 % interval.
-fn with_95(x: Gaussian) -> String {
-    format!("{} ± {}", rounded(x.mean, 2), rounded(x.half_width_95(), 2))
 }
 
 /// What happened to a tendon.
@@ -79,7 +75,7 @@ fn of_play(slack: Gaussian, unit: &str) -> String {
     if slack.mean > slack.half_width_95() {
         format!(
             "play of {} {unit} to either side: the pair of ropes is slack, and near zero torque the position is unknown by that",
-            with_95(slack.scaled(1e3))
+            plus_minus(slack, 1e3)
         )
     } else if at_most > 0.0 {
         let most = rounded(1e3 * at_most, 2);
@@ -93,7 +89,7 @@ fn of_play(slack: Gaussian, unit: &str) -> String {
 
 fn of_change(change: &TendonChange, unit: &str) -> String {
     let stiffness = match change.stiffness_change_ratio {
-        Some(ratio) => format!("stiffness {} %", with_95(ratio.scaled(100.0))),
+        Some(ratio) => format!("stiffness {} %", plus_minus(ratio, 100.0)),
         None => "no loss of stiffness seen".into(),
     };
     let when = when(change.time_s, change.interval_s, change.probability);
@@ -105,11 +101,7 @@ fn of_change(change: &TendonChange, unit: &str) -> String {
         }
         (_, None) => format!("{kind} {when} without a slip: {stiffness}"),
         (_, Some(size)) => {
-            let by = format!(
-                "by {} ± {} {unit} {when}",
-                rounded(1e3 * size.mean, 3),
-                rounded(1e3 * size.half_width_95(), 2)
-            );
+            let by = format!("by {} {unit} {when}", plus_minus(size, 1e3));
             match (change.kind, change.cause) {
                 (TendonChangeKind::StrandFailure, _) => {
                     format!("a strand has failed and let the rope go {by}; {stiffness}")
@@ -142,7 +134,7 @@ fn of_anchors(anchored: &AnchoredOffset, unit: &str) -> String {
         true => "since the baseline touched it",
         false => "against where it is said to be",
     };
-    let shown = |x: Gaussian| with_95(x.scaled(1e3));
+    let shown = |x: Gaussian| plus_minus(x, 1e3);
     let push = anchored.by_push_rad.map_or(String::new(), |push| {
         format!("; the push alone shows {} {unit}", shown(push))
     });

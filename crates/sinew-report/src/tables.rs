@@ -5,14 +5,13 @@ use super::session_sentences::session_sentences;
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::text::{paragraph, plain, table};
 use super::units::{Units, in_units, name_in_table, of_heads};
-use super::words::loss_reason;
+use super::words::{loss_reason, plus_minus, plus_minus_cells};
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EstimateDocument, NuisanceChange};
 use sinew_figure::{rounded, with_interval};
 use sinew_log::SignalSource;
-use sinew_model::Gaussian;
 
 /// A paragraph whose following lines are indented.
 fn words(text: &str) -> String {
@@ -203,14 +202,16 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
 }
 
 fn tendon_row(j: &TendonEstimate, heads: Units) -> Vec<String> {
-    let elongation_mm = j.elongation_m.map(|m| m.scaled(1e3));
+    let [offset, offset_half] = plus_minus_cells(Some(j.offset_rad), 1e3);
+    let [elongation, elongation_half] = plus_minus_cells(j.elongation_m, 1e3);
+    let [strain, _] = plus_minus_cells(j.strain_ratio, 100.0);
     vec![
         name_in_table(j, heads),
-        rounded(1e3 * j.offset_rad.mean, 3),
-        rounded(1e3 * j.offset_rad.half_width_95(), 2),
-        optional(elongation_mm.map(|mm| mm.mean), 2),
-        optional(elongation_mm.map(Gaussian::half_width_95), 2),
-        optional(j.strain_ratio.map(|strain| 100.0 * strain.mean), 2),
+        offset,
+        offset_half,
+        elongation,
+        elongation_half,
+        strain,
         verdict(j.verdict).into(),
     ]
 }
@@ -226,23 +227,19 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn nuisance_row(n: &NuisanceChange) -> Vec<String> {
-    let shown = |x: Gaussian| format!("{} ± {}", rounded(x.mean, 2), rounded(x.half_width_95(), 2));
     vec![
         n.joint.clone().unwrap_or_default(),
         format!("{} {}", n.name, n.unit).trim_end().to_string(),
-        shown(n.prior),
-        shown(n.posterior),
+        plus_minus(n.prior, 1.0),
+        plus_minus(n.posterior, 1.0),
     ]
 }
 
 /// What a recording right after tensioning taught.
 pub fn baseline(learned: &SessionEstimate) -> String {
     let row = |j: &TendonEstimate| {
-        vec![
-            j.name.clone(),
-            rounded(100.0 * j.stiffness_change_ratio.mean, 2),
-            rounded(100.0 * j.stiffness_change_ratio.half_width_95(), 2),
-        ]
+        let [change, half] = plus_minus_cells(Some(j.stiffness_change_ratio), 100.0);
+        vec![j.name.clone(), change, half]
     };
     let head = ["joint", "stiffness against robot.toml\n%", "± (95 %)\n%"];
     words(&format!(

@@ -1,9 +1,10 @@
 //! Warnings in words.
 
 use crate::units::{Moves, SLIDES, in_units};
+use crate::words::plus_minus;
 use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
-use sinew_figure::rounded;
+use sinew_figure::{rounded, with_interval};
 use sinew_log::StreamRole;
 use sinew_model::Z95;
 use sinew_model::offset::misfit::misfit_rad;
@@ -242,9 +243,8 @@ pub fn session_warning(warning: &Warning) -> String {
             if misfit_rad(*noise_rad) > 0.0 { ", and the interval is wider by that" } else { "" }
         ),
         Warning::NotZeroed { joint, zero_rad } => format!(
-            "{joint}: its encoders were not zeroed on the unloaded rope, as zero_mrad in robot.toml says they were: they read {:.1} ± {:.1} mrad there. The zero was estimated instead; state zero_mrad",
-            1e3 * zero_rad.mean,
-            1e3 * zero_rad.half_width_95()
+            "{joint}: its encoders were not zeroed on the unloaded rope, as zero_mrad in robot.toml says they were: they read {} mrad there. The zero was estimated instead; state zero_mrad",
+            plus_minus(*zero_rad, 1e3)
         ),
         Warning::Stuck {
             joint,
@@ -256,14 +256,12 @@ pub fn session_warning(warning: &Warning) -> String {
             1e3 * motor_travel_rad
         ),
         Warning::NegativePayload { payload_kg } => format!(
-            "payload {} ± {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
-            rounded(payload_kg.mean, 2),
-            rounded(payload_kg.half_width_95(), 2)
+            "payload {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
+            plus_minus(*payload_kg, 1.0)
         ),
         Warning::PayloadContradicted { payload_kg } => format!(
-            "the recording contradicts the payload that was stated: it shows {} ± {} kg, and that was used; look at the gripper",
-            rounded(payload_kg.mean, 2),
-            rounded(payload_kg.half_width_95(), 2)
+            "the recording contradicts the payload that was stated: it shows {} kg, and that was used; look at the gripper",
+            plus_minus(*payload_kg, 1.0)
         ),
         Warning::NothingFits { from_s, to_s } => format!(
             "from {from_s:.0} to {to_s:.0} s nothing fits: a contact that lasts, or a change this method doesn't know; nothing was learned there"
@@ -306,16 +304,13 @@ pub fn session_warning(warning: &Warning) -> String {
             by_push_rad,
             by_motion_rad,
         } => format!(
-            "{joint}: pushed against its stop its tendon shows {} ± {} mrad, by its motion {} ± {} mrad: the stop has moved or gives, something else was in the way, or masses or payload are wrong; the interval holds both",
-            rounded(1e3 * by_push_rad.mean, 2),
-            rounded(1e3 * by_push_rad.half_width_95(), 2),
-            rounded(1e3 * by_motion_rad.mean, 2),
-            rounded(1e3 * by_motion_rad.half_width_95(), 2)
+            "{joint}: pushed against its stop its tendon shows {} mrad, by its motion {} mrad: the stop has moved or gives, something else was in the way, or masses or payload are wrong; the interval holds both",
+            plus_minus(*by_push_rad, 1e3),
+            plus_minus(*by_motion_rad, 1e3)
         ),
         Warning::SidesOutOfStep { motor_late_s } => format!(
-            "the motor side looks {} ± {} ms {} against the joint side, or friction is that far from robot.toml: the interval holds it; stamp both sides where they are read",
-            rounded(1e3 * motor_late_s.mean.abs(), 2),
-            rounded(1e3 * motor_late_s.half_width_95(), 2),
+            "the motor side looks {} ms {} against the joint side, or friction is that far from robot.toml: the interval holds it; stamp both sides where they are read",
+            with_interval(1e3 * motor_late_s.mean.abs(), 1e3 * motor_late_s.deviation),
             if motor_late_s.mean > 0.0 { "late" } else { "early" }
         ),
         Warning::MotorTorqueLeftOut { joint, fault } => match fault {

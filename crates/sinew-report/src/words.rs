@@ -3,6 +3,19 @@
 use sinew_estimate::replay::{
     Basis, Estimate, JointEstimate, JointRefusal, LossReason, Origin, Quantity,
 };
+use sinew_figure::{interval_cells, with_interval};
+use sinew_model::Gaussian;
+
+/// `12.34 ± 0.42` with half a 95 % interval, in a unit of which `factor` make one of SI.
+pub(crate) fn plus_minus(value: Gaussian, factor: f64) -> String {
+    with_interval(factor * value.mean, factor * value.deviation)
+}
+
+/// The same in two cells of a table; dashes where there is none.
+pub(crate) fn plus_minus_cells(value: Option<Gaussian>, factor: f64) -> [String; 2] {
+    let Gaussian { mean, deviation } = value.unwrap_or(Gaussian::new(f64::NAN, f64::NAN));
+    interval_cells(factor * mean, factor * deviation)
+}
 
 /// Why frames gave no estimate.
 pub fn loss_reason(reason: LossReason) -> &'static str {

@@ -3,9 +3,10 @@
 use super::terminal::MONTH_S;
 use super::words::{
     event_name, format_basis, format_life, format_limit, format_meaning, format_note,
-    format_passage, format_sureness, format_verdict, format_when, limit_name, plus_minus,
-    plus_minus_or_dash, sessions,
+    format_passage, format_sureness, format_verdict, format_when, limit_name, plus_minus_or_dash,
+    sessions,
 };
+use crate::words::plus_minus;
 use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};

@@ -3,9 +3,10 @@
 use super::words::{
     event_name, format_basis, format_life, format_limit, format_meaning, format_passage,
     format_shared, format_sureness, format_verdict, format_when, limit_name, limit_of_verdict,
-    plus_minus, plus_minus_or_dash, sessions,
+    plus_minus_or_dash, sessions,
 };
 use crate::text::{indented, paragraph, plain, table};
+use crate::words::plus_minus;
 use sinew_estimate::trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};

@@ -1,5 +1,6 @@
 //! What a trend finds, in words.
 
+use crate::words::plus_minus;
 use sinew_estimate::trend::survival::LifeForecast;
 use sinew_estimate::trend::{
     JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast, LimitState, MissingFromRobot,
@@ -8,12 +9,6 @@ use sinew_estimate::trend::{
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::{Gaussian, Z95};
-
-/// `12.3 ± 0.4` with half a 95 % interval, in a unit of which `factor` make one of SI.
-pub(super) fn plus_minus(value: Gaussian, factor: f64) -> String {
-    let (mean, half) = (factor * value.mean, factor * Z95 * value.deviation);
-    format!("{} ± {}", rounded(mean, 3), rounded(half, 2))
-}
 
 /// The same, or a dash.
 pub(super) fn plus_minus_or_dash(value: Option<Gaussian>, factor: f64) -> String {
@@ -119,13 +114,9 @@ pub(super) fn sessions(joint: &JointTrend) -> String {
 
 /// What an event may be.
 pub(super) fn format_meaning(event: &TrendEvent) -> String {
-    let change = event.stiffness_change_ratio.map_or(String::new(), |c| {
-        format!(
-            " ({} ± {} %)",
-            rounded(100.0 * c.mean, 2),
-            rounded(100.0 * c.half_width_95(), 2)
-        )
-    });
+    let change = event
+        .stiffness_change_ratio
+        .map_or(String::new(), |c| format!(" ({} %)", plus_minus(c, 100.0)));
     match event.kind {
         TrendEventKind::Tensioned { stated: true } => "tensioned".into(),
         TrendEventKind::Tensioned { stated: false } => {
@@ -229,8 +220,7 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
         TrendVerdict::Retension => passed("tension it again"),
         TrendVerdict::Inspect => joint.events.iter().rfind(|e| e.is_jump()).map(|jump| {
             let size = jump.size_rad.map_or(String::new(), |s| {
-                let (size, half) = (1e3 * s.mean, 1e3 * Z95 * s.deviation);
-                format!(" by {} ± {} mrad", rounded(size, 2), rounded(half, 2))
+                format!(" by {} mrad", plus_minus(s, 1e3))
             });
             let (day, meaning) = (format_when(joint, jump.time_utc_s), format_meaning(jump));
             let (now, sure) = match format_sureness(jump) {
