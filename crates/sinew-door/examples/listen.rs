@@ -1,9 +1,11 @@
 //! Listens at a door for a while and says what came, line by line. `scripts/doors` reads them.
 //!
 //! ```text
+//! listen zenoh:tcp/127.0.0.1:7447 SECONDS JOINT…
 //! listen dds:0 SECONDS JOINT… [--namespace /arm7] [--publish] [--quiet] [--merely]
 //! listen mcap:FOLDER_OR_FILE SECONDS JOINT…
 //! listen discover:dds:0 SECONDS
+//! listen discover:zenoh:tcp/127.0.0.1:7447 SECONDS
 //! listen doors
 //! ```
 
@@ -32,7 +34,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let merely_receives = take("--merely", 0).is_some();
     let namespace = take("--namespace", 1).unwrap_or_default();
     if arguments == ["doors"] {
-        println!("dds mcap");
+        println!(
+            "dds mcap{}",
+            if cfg!(feature = "zenoh") {
+                " zenoh"
+            } else {
+                ""
+            }
+        );
         return Ok(());
     }
     let [door, seconds, joints @ ..] = arguments.as_slice() else {
@@ -43,6 +52,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(network) = door.strip_prefix("discover:") {
         let found = match network.split_once(':') {
             Some(("dds", domain)) => dds::discover(&dds_options(domain, false)?, clock, length)?,
+            #[cfg(feature = "zenoh")]
+            Some(("zenoh", router)) => {
+                sinew_door::zenoh::discover(&zenoh_options(router, false), clock, length)?
+            }
             _ => return Err(format!("{network}: dds:DOMAIN").into()),
         };
         println!("{}", serde_json::to_string_pretty(&found)?);
@@ -127,6 +140,10 @@ fn open(
 ) -> Result<(Door, Box<dyn Publisher>), Box<dyn Error>> {
     Ok(match door.split_once(':') {
         Some(("dds", domain)) => dds::open(&dds_options(domain, publishes)?, routes, clock)?,
+        #[cfg(feature = "zenoh")]
+        Some(("zenoh", router)) => {
+            sinew_door::zenoh::open(&zenoh_options(router, publishes), routes, clock)?
+        }
         Some(("mcap", path)) => {
             let options = TailOptions {
                 from: From::Start,
@@ -141,12 +158,25 @@ fn open(
 fn dds_options(domain: &str, publishes: bool) -> Result<DdsOptions, Box<dyn Error>> {
     Ok(DdsOptions {
         domain: domain.parse()?,
-        publishing: match publishes {
-            true => Publishing::default(),
-            false => Publishing::NOTHING,
-        },
+        publishing: publishing(publishes),
         ..DdsOptions::default()
     })
+}
+
+#[cfg(feature = "zenoh")]
+fn zenoh_options(router: &str, publishes: bool) -> sinew_door::zenoh::ZenohOptions {
+    sinew_door::zenoh::ZenohOptions {
+        connect: vec![router.to_owned()],
+        publishing: publishing(publishes),
+        ..Default::default()
+    }
+}
+
+fn publishing(publishes: bool) -> Publishing {
+    match publishes {
+        true => Publishing::default(),
+        false => Publishing::NOTHING,
+    }
 }
 
 /// Both messages that can be published.

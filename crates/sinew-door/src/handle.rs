@@ -102,7 +102,7 @@ impl Shared {
         *lock(&self.shut) = why;
     }
 
-    #[cfg(feature = "dds")]
+    #[cfg(any(feature = "dds", feature = "zenoh"))]
     pub(crate) fn set_not_published(&self, why: Option<String>) {
         *lock(&self.not_published) = why;
     }
@@ -140,7 +140,7 @@ impl Door {
     }
 
     /// Its thread, to be woken.
-    #[cfg(feature = "dds")]
+    #[cfg(any(feature = "dds", feature = "zenoh"))]
     pub(crate) fn thread(&self) -> Option<&std::thread::Thread> {
         self.threads.first().map(JoinHandle::thread)
     }

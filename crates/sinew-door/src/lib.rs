@@ -1,4 +1,4 @@
-//! Where a live monitor's messages come from: ROS 2 over DDS, an MCAP that grows, a recording played.
+//! Where a live monitor's messages come from: ROS 2 over DDS or Zenoh, an MCAP that grows, a recording played.
 //!
 //! A *door* is a thread that receives raw messages. It puts them, with the instant of their receipt, into a bounded
 //! queue for each robot: `inbox`. Nothing here decodes a message, and nothing waits: a full queue drops the
@@ -8,7 +8,7 @@
 //! A door listens. What it can publish is a [`Publisher`]'s two messages, and those can be switched off. Sinew
 //! never commands a robot.
 //!
-//! Reading order: `received`, `inbox`, `intake`, `trouble`, `route`, `publish`; then a door: `replay`, `tail`, `dds`;
+//! Reading order: `received`, `inbox`, `intake`, `trouble`, `route`, `publish`; then a door: `replay`, `tail`, `dds`, `zenoh`;
 //! then `found`, what there is to watch.
 //!
 //! ```
@@ -40,12 +40,16 @@ mod found;
 mod handle;
 mod inbox;
 mod intake;
-#[cfg(feature = "dds")]
+#[cfg(any(feature = "dds", feature = "zenoh"))]
 mod look;
+#[cfg(any(feature = "dds", feature = "zenoh"))]
+mod network;
+#[cfg(any(feature = "dds", feature = "zenoh"))]
+mod outbox;
 mod publish;
 mod received;
 mod records;
-#[cfg(feature = "dds")]
+#[cfg(any(feature = "dds", feature = "zenoh"))]
 mod ros_names;
 mod route;
 mod trouble;
@@ -54,6 +58,8 @@ mod trouble;
 pub mod dds;
 pub mod replay;
 pub mod tail;
+#[cfg(feature = "zenoh")]
+pub mod zenoh;
 
 pub use found::{DomainFound, PublisherFound, TopicFound};
 pub use handle::{Door, DoorError, DoorStatus};

@@ -4,6 +4,7 @@
 //! `sensor_msgs::msg::dds_::JointState_`.
 
 /// The topic of a DDS topic; `None`: not a topic of ROS 2 (a service, or of somebody else).
+#[cfg(feature = "dds")]
 pub(crate) fn topic_of(dds: &str) -> Option<String> {
     let name = dds.strip_prefix("rt/")?;
     (!name.is_empty()).then(|| format!("/{name}"))
@@ -17,6 +18,7 @@ pub(crate) fn schema_of(dds: &str) -> Option<String> {
 }
 
 /// A topic on DDS.
+#[cfg(feature = "dds")]
 pub(crate) fn dds_topic(topic: &str) -> String {
     format!("rt{topic}")
 }
@@ -29,7 +31,7 @@ pub(crate) fn dds_type(schema: &str) -> String {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "dds"))]
 mod tests {
     use super::*;
 

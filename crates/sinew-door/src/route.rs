@@ -28,7 +28,7 @@ impl Route {
     }
 
     /// Everything that can be looked into.
-    #[cfg(feature = "dds")]
+    #[cfg(any(feature = "dds", feature = "zenoh"))]
     pub(crate) fn of_everything(sender: Sender) -> Self {
         Route {
             sender,
@@ -141,7 +141,7 @@ impl Targets {
         }
     }
 
-    #[cfg(feature = "dds")]
+    #[cfg(any(feature = "dds", feature = "zenoh"))]
     pub(crate) fn trouble(&self, received: Received, trouble: &Trouble) {
         for (sender, _) in &self.all {
             sender.trouble(received, trouble.clone());

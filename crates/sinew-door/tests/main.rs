@@ -6,3 +6,5 @@ mod publish;
 mod replay;
 mod support;
 mod tail;
+#[cfg(feature = "zenoh")]
+mod zenoh;

@@ -7,7 +7,7 @@ use crate::mapping::{JointEffort, Mapping};
 ///
 /// A [`Mapping`] may set the topic and interface names as well; a name given
 /// here wins over the mapping's.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OpenOptions {
     /// Names, units, signs and gear ratios of a recording that has its own.
     pub mapping: Option<Mapping>,

@@ -102,7 +102,9 @@ fn door_fault(settings: &DoorSettings, error: &DoorError) -> String {
         (DoorSettings::Dds { .. }, DoorError::Refused { door, why }) => {
             format!("dds: {door} can't be joined: {why}; is there a network?")
         }
-        (DoorSettings::Zenoh { .. }, error) => format!("zenoh: {error}"),
+        (DoorSettings::Zenoh { .. }, DoorError::Refused { door, why }) => format!(
+            "zenoh: {door} can't be joined: {why}; is the router running (ros2 run rmw_zenoh_cpp rmw_zenohd), and does connect name it?"
+        ),
         (_, error) => error.to_string(),
     }
 }

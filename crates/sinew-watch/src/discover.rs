@@ -17,8 +17,18 @@ const LISTEN: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(5)];
 ///
 /// # Errors
 /// This build can't listen, or the network can't be used.
-#[cfg(feature = "dds")]
 pub fn listen(mut say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    if cfg!(not(any(feature = "dds", feature = "zenoh"))) {
+        return Err("this sinew-watch was built without DDS and Zenoh; name a configuration, or build it with --features dds".into());
+    }
+    let clock = Clock::start();
+    let mut found = over_dds(clock, &mut say)?;
+    found.extend(over_zenoh(clock, &mut say)?);
+    Ok(found)
+}
+
+#[cfg(feature = "dds")]
+fn over_dds(clock: Clock, say: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
     use sinew_door::dds::{DdsOptions, active_domains, discover};
     let [look, listen] = LISTEN;
     say(&format!("looks for ROS 2 domains, {} s …", look.as_secs()));
@@ -26,7 +36,6 @@ pub fn listen(mut say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
     if !domains.contains(&0) {
         domains.insert(0, 0);
     }
-    let clock = Clock::start();
     let mut found = Vec::new();
     for domain in domains {
         say(&format!(
@@ -42,14 +51,38 @@ pub fn listen(mut say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
     Ok(found)
 }
 
-/// Without DDS there is nothing to look through.
-///
-/// # Errors
-/// Always.
 #[cfg(not(feature = "dds"))]
-pub fn listen(_say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    let _never = (LISTEN, Clock::start());
-    Err("this sinew-watch was built without DDS; name a configuration, or build it with --features dds".into())
+fn over_dds(_: Clock, _: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    Ok(Vec::new())
+}
+
+/// Domains behind the router of this computer, where there is one.
+#[cfg(feature = "zenoh")]
+fn over_zenoh(clock: Clock, say: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    use sinew_door::zenoh::{ZenohOptions, active_domains, discover};
+    let [_, listen] = LISTEN;
+    // Without a router there is no network.
+    let Ok(domains) = active_domains(&ZenohOptions::default()) else {
+        return Ok(Vec::new());
+    };
+    let mut found = Vec::new();
+    for domain in domains {
+        say(&format!(
+            "listens to domain {domain} over Zenoh, {} s …",
+            listen.as_secs()
+        ));
+        let options = ZenohOptions {
+            domain,
+            ..ZenohOptions::default()
+        };
+        found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
+    }
+    Ok(found)
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn over_zenoh(_: Clock, _: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
+    Ok(Vec::new())
 }
 
 /// What was found, and what to do next.
@@ -163,11 +196,12 @@ fn of_robot(out: &mut String, domain: &DomainFound, robot: &RobotFound) {
     };
     missing(out, &init);
     let name = name_of(robot, Some(&init));
-    let number = domain.door.rsplit(':').next().unwrap_or("0");
+    // A door's name is that of its key and its domain.
+    let (door, number) = domain.door.split_once(':').unwrap_or(("dds", "0"));
     let _ok = write!(
         out,
         "\n  watch.toml:\n\n    [[robot]]\n    name = \"{name}\"\n    dir = \"{name}\"\n    \
-         dds = {{ domain = {number}, namespace = \"{}\" }}\n\n  {name}/robot.toml:\n\n",
+         {door} = {{ domain = {number}, namespace = \"{}\" }}\n\n  {name}/robot.toml:\n\n",
         plain(&robot.namespace)
     );
     // A URDF that is published needs no file.

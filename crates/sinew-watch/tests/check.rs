@@ -95,8 +95,12 @@ fn a_network_that_can_not_be_joined_is_named_once_for_all_its_robots() {
         ],
     );
     one(
-        &of(folder.path(), STORE, "zenoh = {}"),
-        &["arm-7: zenoh", "was built without it"],
+        &of(
+            folder.path(),
+            STORE,
+            "zenoh = { connect = [\"tcp/127.0.0.1:1\"] }",
+        ),
+        &["arm-7: zenoh", crate::WITHOUT_ZENOH],
     );
 }
 

@@ -14,3 +14,10 @@ mod reference;
 mod ship;
 mod store;
 mod web;
+
+/// Why a door to Zenoh is shut where no router is.
+const WITHOUT_ZENOH: &str = if cfg!(feature = "zenoh") {
+    "no router or peer is connected"
+} else {
+    "built without it"
+};

@@ -18,13 +18,14 @@ pub use domains::active_domains;
 use crate::found::DomainFound;
 use crate::handle::{Door, DoorError, Shared};
 use crate::look::{Directory, Look};
+use crate::network::{Listening, keep_open};
+use crate::outbox::Outbox;
 use crate::publish::{Publisher, Publishing};
 use crate::received::Clock;
 use crate::route::Routes;
-use participant::Listening;
+use participant::Participant;
 use std::net::IpAddr;
 use std::time::Duration;
-use writers::DdsPublisher;
 
 /// Highest domain: the ports of the next one are above 65535.
 pub const DOMAIN_MOST: u16 = 232;
@@ -105,15 +106,18 @@ fn open_with(
     options.check()?;
     let shared = Shared::new(options.name());
     let directory = Directory::default();
-    let (publisher, outgoing) = DdsPublisher::new(options.publishing);
+    let (publisher, outgoing) = Outbox::new(options.publishing);
+    let options = options.clone();
     let listening = Listening {
-        options: options.clone(),
         routes: routes.clone(),
         clock,
         outgoing,
         directory: directory.clone(),
     };
-    let door = Door::run(shared, move |shared| listening.run(shared))?;
+    let door = Door::run(shared, move |shared| {
+        let join = || Participant::new(&options, &listening, shared);
+        keep_open(&listening, shared, join, Participant::listen);
+    })?;
     publisher.wakes(&door);
     Ok((door, Box::new(publisher), directory))
 }

@@ -1,14 +1,16 @@
 //! A participant of a domain while the door stands open.
 
 use super::raw::{Forward, Forwarded, Raw};
-use super::writers::{Sealed, Writers};
+use super::writers::Writers;
 use super::{DdsOptions, qos};
 use crate::found::PublisherFound;
 use crate::handle::Shared;
-use crate::look::{Announced, Directory};
-use crate::received::{Clock, Received};
+use crate::network::{
+    End, IDLE, Listening, PUBLISHERS_MOST, Reader, Reading, Topics, is_description,
+};
+use crate::received::Received;
 use crate::ros_names::{dds_topic, dds_type, schema_of, topic_of};
-use crate::route::{Routes, Targets};
+use crate::route::Targets;
 use crate::trouble::{Lost, Trouble};
 use rustdds::no_key::SimpleDataReader;
 use rustdds::{
@@ -16,40 +18,20 @@ use rustdds::{
     DomainParticipantStatusListener, EndpointDescription, GUID, LostReason, QosPolicies,
     StatusEvented as _, Subscriber, TopicKind,
 };
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::net::UdpSocket;
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
 use std::task::{Wake, Waker};
 use std::thread::Thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Messages of so long are taken together: a thread that is woken for each costs more than what it does.
 const TOGETHER: Duration = Duration::from_millis(1);
-/// Without a message the network's events are looked at so often.
-const IDLE: Duration = Duration::from_millis(100);
-/// A network that can't be used is tried again after so long, at first and at most.
-const TRY_AGAIN: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
 /// The civil clock went back by more than this: the library, which numbers samples by it, would hand out nothing
 /// until it has caught up.
 const CLOCK_BACK_NS: i64 = 50_000_000;
 /// Messages taken of a topic before the others get their turn.
 const TURN: usize = 2_000;
-/// A publisher of which nothing comes for so long is quiet.
-const QUIET: Duration = Duration::from_secs(5);
-/// The type of a robot's description, which is published once.
-const DESCRIPTION: &str = "std_msgs/msg/String";
-/// Publishers remembered at most.
-const PUBLISHERS_MOST: usize = 4_096;
-
-/// What a door's thread has.
-pub(super) struct Listening {
-    pub(super) options: DdsOptions,
-    pub(super) routes: Routes,
-    pub(super) clock: Clock,
-    pub(super) outgoing: Receiver<Sealed>,
-    pub(super) directory: Directory,
-}
 
 /// Wakes the door's thread.
 struct Unpark(Thread);
@@ -60,113 +42,59 @@ impl Wake for Unpark {
     }
 }
 
-/// Why a participant is given up.
-enum End {
-    Stopped,
-    ClockWentBack { by_s: f64 },
-}
-
-impl Listening {
-    pub(super) fn run(self, shared: &Shared) {
-        let mut wait = TRY_AGAIN.0;
-        let mut was_shut = true;
-        while !shared.stops() {
-            let ended = match Participant::new(&self, shared) {
-                Ok(mut participant) => {
-                    wait = TRY_AGAIN.0;
-                    if std::mem::take(&mut was_shut) {
-                        shared.set_shut(None);
-                        let door = shared.name().to_owned();
-                        let open = Trouble::Open { door };
-                        self.routes.tell_all(self.clock.now(), &open);
-                    }
-                    participant.listen()
-                }
-                Err(why) => {
-                    if !std::mem::replace(&mut was_shut, true) || wait == TRY_AGAIN.0 {
-                        shared.set_shut(Some(why.clone()));
-                        let door = shared.name().to_owned();
-                        let shut = Trouble::Shut { door, why };
-                        self.routes.tell_all(self.clock.now(), &shut);
-                    }
-                    let until = Instant::now() + wait;
-                    while !shared.stops() && Instant::now() < until {
-                        std::thread::park_timeout(IDLE);
-                    }
-                    wait = (2 * wait).min(TRY_AGAIN.1);
-                    continue;
-                }
-            };
-            self.directory.change(Vec::clear);
-            match ended {
-                End::Stopped => break,
-                End::ClockWentBack { by_s } => {
-                    let trouble = Trouble::ClockWentBack { by_s };
-                    self.routes.tell_all(self.clock.now(), &trouble);
-                }
-            }
-        }
-    }
-}
-
-/// A topic that is read.
-struct Reading {
+/// What reads a topic of DDS.
+pub(super) struct DdsReader {
     reader: SimpleDataReader<Forwarded, Raw>,
-    topic: String,
-    schema: String,
-    targets: Targets,
     unreadable: u64,
-    /// Since when somebody publishes it and nothing came; `None`: something did, or it was said.
-    quiet_since: Option<Instant>,
 }
 
-/// A publisher that was announced.
-struct Writing {
-    topic: String,
-    schema: String,
+impl Reader for DdsReader {
+    // A reading's own targets are looked at when it is read.
+    fn aim(&mut self, _: &Arc<Targets>) {}
 }
 
-struct Participant<'a> {
+pub(super) struct Participant<'a> {
     listening: &'a Listening,
+    message_most_bytes: usize,
     shared: &'a Shared,
     participant: DomainParticipant,
     subscriber: Subscriber,
     events: DomainParticipantStatusListener,
     waker: Waker,
-    /// By name and type.
-    readings: BTreeMap<(String, String), Reading>,
-    writing: HashMap<GUID, Writing>,
+    topics: Topics<DdsReader>,
     /// Names of participants by the first bytes of their endpoints.
     names: HashMap<[u8; 12], String>,
     writers: Writers,
-    routes_version: u64,
     last: Received,
 }
 
 impl<'a> Participant<'a> {
-    fn new(listening: &'a Listening, shared: &'a Shared) -> Result<Self, String> {
-        let participant = join(&listening.options)?;
+    pub(super) fn new(
+        options: &DdsOptions,
+        listening: &'a Listening,
+        shared: &'a Shared,
+    ) -> Result<Self, String> {
+        let participant = join(options)?;
         let subscriber = participant
             .create_subscriber(&QosPolicies::default())
             .map_err(|e| e.to_string())?;
         Ok(Participant {
             listening,
+            message_most_bytes: options.message_most_bytes,
             shared,
             events: participant.status_listener(),
             participant,
             subscriber,
             waker: Waker::from(Arc::new(Unpark(std::thread::current()))),
-            readings: BTreeMap::new(),
-            writing: HashMap::new(),
+            topics: Topics::new(&listening.routes),
             names: HashMap::new(),
             writers: Writers::default(),
-            routes_version: listening.routes.now().0,
             last: listening.clock.now(),
         })
     }
 
-    /// Until the door is shut.
-    fn listen(&mut self) -> End {
+    /// Until the door is shut, or the network must be joined again.
+    pub(super) fn listen(mut self) -> End {
         loop {
             if self.shared.stops() {
                 return End::Stopped;
@@ -179,53 +107,28 @@ impl<'a> Participant<'a> {
                 let by_s = by_ns as f64 * 1e-9;
                 return End::ClockWentBack { by_s };
             }
-            self.follow_routes();
+            self.topics.follow_routes(
+                self.listening,
+                &mut opener(&self.participant, &self.subscriber),
+            );
             while let Some(event) = self.events.try_recv_status() {
-                self.event(event, now);
+                self.event(event);
             }
             while let Ok(sealed) = self.listening.outgoing.try_recv() {
                 let written = self.writers.write(&self.participant, sealed);
                 self.shared.set_not_published(written.err());
             }
-            let most = self.listening.options.message_most_bytes;
-            for reading in self.readings.values_mut() {
-                let taken = take(reading, &self.waker, now, most);
+            for reading in self.topics.readings() {
+                let taken = take(reading, &self.waker, now, self.message_most_bytes);
                 self.shared.count(taken as u64);
-                let is_quiet = |since: &mut Instant| since.elapsed() > QUIET;
-                if taken > 0 {
-                    reading.quiet_since = None;
-                } else if reading.quiet_since.take_if(is_quiet).is_some() {
-                    let topic = reading.topic.clone();
-                    let for_s = QUIET.as_secs_f64();
-                    reading
-                        .targets
-                        .trouble(now, &Trouble::Quiet { topic, for_s });
-                }
+                reading.heard(taken, now);
             }
             std::thread::park_timeout(IDLE);
             std::thread::sleep(TOGETHER);
         }
     }
 
-    /// Robots that were configured anew.
-    fn follow_routes(&mut self) {
-        let (version, routes) = self.listening.routes.now();
-        if version == self.routes_version {
-            return;
-        }
-        self.routes_version = version;
-        self.readings.retain(|_, reading| {
-            reading.targets = Targets::of(&routes, &reading.topic, &reading.schema);
-            !reading.targets.is_empty()
-        });
-        let known = self.writing.values();
-        let known = known.map(|w| (w.topic.clone(), w.schema.clone()));
-        for (topic, schema) in Vec::from_iter(known) {
-            self.read(&topic, &schema);
-        }
-    }
-
-    fn event(&mut self, event: DomainParticipantStatusEvent, now: Received) {
+    fn event(&mut self, event: DomainParticipantStatusEvent) {
         match event {
             DomainParticipantStatusEvent::ParticipantDiscovered { dpd } => {
                 if let Some(name) = dpd.entity_name.filter(|name| !name.is_empty())
@@ -234,16 +137,19 @@ impl<'a> Participant<'a> {
                     self.names.insert(prefix(dpd.guid), name);
                 }
             }
-            DomainParticipantStatusEvent::WriterDetected { writer } => self.found(&writer, now),
+            DomainParticipantStatusEvent::WriterDetected { writer } => self.found(&writer),
             DomainParticipantStatusEvent::WriterLost { guid, reason } => {
-                self.lost(guid, &reason, now);
+                self.lost(&id(guid), &reason);
             }
             // Whoever was killed takes all its publishers with it, without a word.
-            DomainParticipantStatusEvent::ParticipantLost { id, reason } => {
-                let of_it = |guid: &&GUID| guid.to_bytes().starts_with(id.as_ref());
-                let gone: Vec<GUID> = self.writing.keys().filter(of_it).copied().collect();
-                for guid in gone {
-                    self.lost(guid, &reason, now);
+            DomainParticipantStatusEvent::ParticipantLost { id: gone, reason } => {
+                let of_it = hex(gone.as_ref());
+                let all = self
+                    .topics
+                    .ids()
+                    .filter(|id| id.replace(':', "").starts_with(&of_it));
+                for id in Vec::from_iter(all.map(str::to_owned)) {
+                    self.lost(&id, &reason);
                 }
             }
             DomainParticipantStatusEvent::RemoteWriterQosIncompatible {
@@ -253,19 +159,16 @@ impl<'a> Participant<'a> {
                 ..
             } => {
                 let (offered, requested) = qos::conflict(&offered_qos, &requested_qos);
-                if let Some(writing) = self.writing.get(&remote_writer) {
-                    let topic = writing.topic.clone();
-                    let publisher = self.name_of(remote_writer);
-                    let key = (topic.clone(), writing.schema.clone());
+                let id = id(remote_writer);
+                if let Some(writing) = self.topics.writing(&id) {
                     let trouble = Trouble::Incompatible {
-                        topic,
-                        publisher,
+                        topic: writing.topic.clone(),
+                        publisher: self.name_of(&id),
                         offered,
                         requested,
                     };
-                    if let Some(reading) = self.readings.get(&key) {
-                        reading.targets.trouble(now, &trouble);
-                    }
+                    let (topic, schema) = (&writing.topic, &writing.schema);
+                    self.topics.tell(topic, schema, self.listening, &trouble);
                 }
             }
             _ => {}
@@ -273,129 +176,36 @@ impl<'a> Participant<'a> {
     }
 
     /// A publisher is there.
-    fn found(&mut self, writer: &EndpointDescription, now: Received) {
-        let Some(topic) = topic_of(&writer.topic_name) else {
+    fn found(&mut self, writer: &EndpointDescription) {
+        let topic = topic_of(&writer.topic_name);
+        let (Some(topic), Some(schema)) = (topic, schema_of(&writer.type_name)) else {
             return;
         };
-        let is_own = prefix(writer.guid) == prefix(self.participant_guid());
-        let Some(schema) = schema_of(&writer.type_name) else {
-            return;
-        };
-        if is_own || self.writing.len() >= PUBLISHERS_MOST {
+        if prefix(writer.guid) == prefix(self.participant_guid()) {
             return;
         }
-        let is_new = !self.writing.contains_key(&writer.guid);
-        let (guid, named) = (writer.guid, self.name_of(writer.guid));
-        self.writing.insert(
-            guid,
-            Writing {
-                topic: topic.clone(),
-                schema: schema.clone(),
-            },
-        );
         let publisher = PublisherFound {
-            id: id(guid),
-            name: self.names.get(&prefix(guid)).cloned(),
+            id: id(writer.guid),
+            name: self.names.get(&prefix(writer.guid)).cloned(),
             reliability: qos::reliability(&writer.qos),
             durability: qos::durability(&writer.qos),
         };
-        self.listening.directory.change(|all| {
-            all.retain(|known| known.publisher.id != publisher.id);
-            all.push(Announced {
-                topic: topic.clone(),
-                schema: schema.clone(),
-                publisher,
-            });
-        });
-        self.read(&topic, &schema);
-        if !is_new {
-            return;
-        }
-        match self.readings.get_mut(&(topic.clone(), schema.clone())) {
-            Some(reading) => {
-                let is_continuous = schema != DESCRIPTION;
-                reading.quiet_since = is_continuous.then(Instant::now);
-                let publisher = named;
-                let trouble = Trouble::PublisherFound { topic, publisher };
-                reading.targets.trouble(now, &trouble);
-            }
-            None => {
-                let routes = self.listening.routes.now().1;
-                for route in routes.iter().filter(|route| route.expects(&topic)) {
-                    let (topic, found) = (topic.clone(), schema.clone());
-                    route
-                        .sender()
-                        .trouble(now, Trouble::WrongType { topic, found });
-                }
-            }
-        }
+        let named = self.name_of(&publisher.id);
+        let mut open = opener(&self.participant, &self.subscriber);
+        let what = (topic, schema);
+        self.topics
+            .found(self.listening, what, publisher, named, &mut open);
     }
 
-    fn lost(&mut self, guid: GUID, reason: &LostReason, now: Received) {
-        let Some(writing) = self.writing.remove(&guid) else {
-            return;
-        };
-        let (gone, publisher) = (id(guid), self.name_of(guid));
-        self.listening
-            .directory
-            .change(|all| all.retain(|known| known.publisher.id != gone));
+    fn lost(&mut self, id: &str, reason: &LostReason) {
         let how = match reason {
             LostReason::Disposed => Lost::Left,
             LostReason::Timeout { elapsed, .. } => Lost::Silent {
                 for_s: elapsed.to_nanoseconds() as f64 * 1e-9,
             },
         };
-        let key = (writing.topic.clone(), writing.schema);
-        if let Some(reading) = self.readings.get(&key) {
-            let trouble = Trouble::PublisherLost {
-                topic: writing.topic,
-                publisher,
-                how,
-            };
-            reading.targets.trouble(now, &trouble);
-        }
-    }
-
-    /// Reads a topic from now on, where some robot wants it.
-    fn read(&mut self, topic: &str, schema: &str) {
-        let key = (topic.to_owned(), schema.to_owned());
-        if self.readings.contains_key(&key) {
-            return;
-        }
-        let targets = Targets::of(&self.listening.routes.now().1, topic, schema);
-        if targets.is_empty() {
-            return;
-        }
-        let qos = qos::reader(schema == DESCRIPTION);
-        let (name, kind) = (dds_topic(topic), dds_type(schema));
-        let made = self
-            .participant
-            .create_topic(name, kind, &qos, TopicKind::NoKey)
-            .and_then(|topic| {
-                self.subscriber
-                    .create_simple_datareader_no_key::<Forwarded, Raw>(&topic, Some(qos))
-            });
-        match made {
-            Ok(reader) => {
-                let reading = Reading {
-                    reader,
-                    topic: topic.to_owned(),
-                    schema: schema.to_owned(),
-                    targets,
-                    unreadable: 0,
-                    quiet_since: None,
-                };
-                self.readings.insert(key, reading);
-            }
-            Err(error) => {
-                let trouble = Trouble::Unreadable {
-                    topic: topic.to_owned(),
-                    messages: 0,
-                    why: error.to_string(),
-                };
-                targets.trouble(self.listening.clock.now(), &trouble);
-            }
-        }
+        let named = self.name_of(id);
+        self.topics.lost(self.listening, id, named, how);
     }
 
     fn participant_guid(&self) -> GUID {
@@ -404,11 +214,33 @@ impl<'a> Participant<'a> {
     }
 
     /// A publisher in words: its process or node where it says one, and its number.
-    fn name_of(&self, guid: GUID) -> String {
-        match self.names.get(&prefix(guid)) {
-            Some(name) => format!("{name} ({})", id(guid)),
-            None => id(guid),
+    fn name_of(&self, id: &str) -> String {
+        let bare = id.replace(':', "");
+        let mut names = self.names.iter();
+        match names.find(|(prefix, _)| bare.starts_with(&hex(&prefix[..]))) {
+            Some((_, name)) => format!("{name} ({id})"),
+            None => id.to_owned(),
         }
+    }
+}
+
+/// Reads a topic, as [`Topics`] asks for it.
+fn opener(
+    participant: &DomainParticipant,
+    subscriber: &Subscriber,
+) -> impl FnMut(&str, &str, &Arc<Targets>) -> Result<DdsReader, String> {
+    move |topic, schema, _| {
+        let qos = qos::reader(is_description(schema));
+        let (name, kind) = (dds_topic(topic), dds_type(schema));
+        let reader = participant
+            .create_topic(name, kind, &qos, TopicKind::NoKey)
+            .and_then(|topic| {
+                subscriber.create_simple_datareader_no_key::<Forwarded, Raw>(&topic, Some(qos))
+            });
+        Ok(DdsReader {
+            reader: reader.map_err(|e| e.to_string())?,
+            unreadable: 0,
+        })
     }
 }
 
@@ -427,10 +259,11 @@ pub(super) fn join(options: &DdsOptions) -> Result<DomainParticipant, String> {
 }
 
 /// Takes what a topic brought; how many messages.
-fn take(reading: &mut Reading, waker: &Waker, received: Received, most: usize) -> usize {
+fn take(reading: &mut Reading<DdsReader>, waker: &Waker, received: Received, most: usize) -> usize {
+    let DdsReader { reader, unreadable } = &mut reading.reader;
     // In this order: what comes from here on wakes the thread.
-    reading.reader.set_waker(Some(waker.clone()));
-    reading.reader.drain_read_notifications();
+    reader.set_waker(Some(waker.clone()));
+    reader.drain_read_notifications();
     let mut taken = 0;
     for _ in 0..TURN {
         let forward = Forward {
@@ -438,7 +271,7 @@ fn take(reading: &mut Reading, waker: &Waker, received: Received, most: usize) -
             received,
             most,
         };
-        match reading.reader.try_take_one_with(forward) {
+        match reader.try_take_one_with(forward) {
             Ok(None) => return taken,
             Ok(Some(change)) => {
                 if let Forwarded::TooLong(bytes) = change.into_value() {
@@ -450,12 +283,12 @@ fn take(reading: &mut Reading, waker: &Waker, received: Received, most: usize) -
                 taken += 1;
             }
             Err(error) => {
-                reading.unreadable += 1;
+                *unreadable += 1;
                 // The first, then ever more seldom: a stream of them is one trouble.
-                if reading.unreadable.is_power_of_two() {
+                if unreadable.is_power_of_two() {
                     let trouble = Trouble::Unreadable {
                         topic: reading.topic.clone(),
-                        messages: reading.unreadable,
+                        messages: *unreadable,
                         why: error.to_string(),
                     };
                     reading.targets.trouble(received, &trouble);
@@ -476,8 +309,11 @@ fn prefix(guid: GUID) -> [u8; 12] {
 
 /// A GUID as DDS tools write it.
 fn id(guid: GUID) -> String {
-    let hex = |bytes: &[u8]| -> String { bytes.iter().map(|b| format!("{b:02x}")).collect() };
     let bytes = guid.to_bytes();
     let parts = [&bytes[..4], &bytes[4..8], &bytes[8..12], &bytes[12..]];
     parts.map(hex).join(":")
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }

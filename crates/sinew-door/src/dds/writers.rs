@@ -1,82 +1,16 @@
-//! What goes out: two kinds of messages, made to bytes here and written by the door's thread.
+//! What goes out: two kinds of messages.
 
 use super::qos;
 use super::raw::Raw;
-use crate::handle::Door;
-use crate::publish::{Outgoing, PublishError, Publisher, Publishing};
+use crate::outbox::Sealed;
 use crate::ros_names::{dds_topic, dds_type};
 use rustdds::bytes::Bytes;
 use rustdds::no_key::DataWriter;
 use rustdds::{DomainParticipant, TopicKind};
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::thread::Thread;
 
-/// Messages that wait for the door's thread, at most.
-const WAITING_MOST: usize = 64;
 /// Bytes of the encapsulation header, which the library writes itself.
 const ENCAPSULATION: usize = 4;
-
-/// A message on its way out.
-pub(super) struct Sealed {
-    topic: String,
-    schema: &'static str,
-    payload: Bytes,
-}
-
-/// Hands messages to the door's thread.
-pub(super) struct DdsPublisher {
-    publishing: Publishing,
-    outgoing: SyncSender<Sealed>,
-    thread: OnceLock<Thread>,
-    cdr: Vec<u8>,
-}
-
-impl DdsPublisher {
-    pub(super) fn new(publishing: Publishing) -> (Self, Receiver<Sealed>) {
-        let (outgoing, incoming) = sync_channel(WAITING_MOST);
-        let publisher = DdsPublisher {
-            publishing,
-            outgoing,
-            thread: OnceLock::new(),
-            cdr: Vec::new(),
-        };
-        (publisher, incoming)
-    }
-
-    pub(super) fn wakes(&self, door: &Door) {
-        if let Some(thread) = door.thread() {
-            self.thread.get_or_init(|| thread.clone());
-        }
-    }
-}
-
-impl Publisher for DdsPublisher {
-    fn publish(&mut self, message: &Outgoing<'_>) -> Result<(), PublishError> {
-        if !self.publishing.allows(message) {
-            return Ok(());
-        }
-        message.encode(&mut self.cdr)?;
-        let topic = message.topic();
-        let sealed = Sealed {
-            schema: message.schema().name,
-            payload: Bytes::copy_from_slice(&self.cdr[ENCAPSULATION..]),
-            topic: topic.clone(),
-        };
-        let sent = self.outgoing.try_send(sealed);
-        if let Some(thread) = self.thread.get() {
-            thread.unpark();
-        }
-        sent.map_err(|error| match error {
-            TrySendError::Full(_) => PublishError::Refused {
-                topic,
-                why: format!("{WAITING_MOST} messages wait already"),
-            },
-            TrySendError::Disconnected(_) => PublishError::Shut { topic },
-        })
-    }
-}
 
 /// Writers of a participant, made when they are first used.
 #[derive(Default)]
@@ -109,7 +43,8 @@ impl Writers {
             self.all.insert(sealed.topic.clone(), writer);
         }
         let writer = self.all.get(&sealed.topic).ok_or("no writer")?;
-        let written = writer.write(sealed.payload, None);
+        let payload = Bytes::from(sealed.cdr).slice(ENCAPSULATION..);
+        let written = writer.write(payload, None);
         written.map_err(|error| error.to_string())
     }
 }

@@ -98,7 +98,7 @@ use survey::{NAMED_MESSAGES, Survey, Topic, description};
 pub const TOPICS_MOST: usize = 1024;
 
 /// What is made of messages.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LiveOptions {
     /// Joints of the frames, in this order: the robot's own.
     pub joints: Vec<String>,

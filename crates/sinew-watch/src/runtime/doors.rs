@@ -297,7 +297,7 @@ fn open(
 pub fn check(key: &DoorKey) -> Result<(), DoorError> {
     match key {
         DoorKey::Dds { domain, interfaces } => check_dds(*domain, interfaces),
-        DoorKey::Zenoh { domain, .. } => Err(without(format!("zenoh:{domain}"), "zenoh")),
+        DoorKey::Zenoh { domain, connect } => check_zenoh(*domain, connect),
         DoorKey::Mcap { path, .. } => tail::check(path),
     }
 }
@@ -346,6 +346,40 @@ fn dds(
     Err(without(format!("dds:{domain}"), "dds"))
 }
 
+#[cfg(feature = "zenoh")]
+fn check_zenoh(domain: u16, connect: &[String]) -> Result<(), DoorError> {
+    sinew_door::zenoh::check(&sinew_door::zenoh::ZenohOptions {
+        domain,
+        connect: connect.to_vec(),
+        publishing: Publishing::NOTHING,
+        ..Default::default()
+    })
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn check_zenoh(domain: u16, _: &[String]) -> Result<(), DoorError> {
+    Err(without(format!("zenoh:{domain}"), "zenoh"))
+}
+
+#[cfg(feature = "zenoh")]
+fn zenoh(
+    domain: u16,
+    connect: &[String],
+    publishing: Publishing,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<Opened, DoorError> {
+    let options = sinew_door::zenoh::ZenohOptions {
+        domain,
+        connect: connect.to_vec(),
+        publishing,
+        ..Default::default()
+    };
+    let (door, publisher) = sinew_door::zenoh::open(&options, routes, clock)?;
+    Ok((door, Some(publisher)))
+}
+
+#[cfg(not(feature = "zenoh"))]
 fn zenoh(
     domain: u16,
     _: &[String],
@@ -356,6 +390,7 @@ fn zenoh(
     Err(without(format!("zenoh:{domain}"), "zenoh"))
 }
 
+#[cfg(not(all(feature = "dds", feature = "zenoh")))]
 fn without(door: String, feature: &str) -> DoorError {
     DoorError::Refused {
         door,

@@ -31,7 +31,7 @@ pub use tell::{INTERFACES, Statuses, Tendons};
 use crate::config::{Config, Publish, RobotSettings};
 use crate::store::{Place, Reader, Store, StoreError};
 use core_thread::{CoreThread, Outlets, Watched};
-use robot::{Files, NotYet, is_read_alike};
+use robot::{Files, NotYet};
 use sinew_door::{Batch, Clock, Inbox, Intake, QueueLimits, RobotId, Route, Sender as Queue};
 use sinew_log::live::LiveOptions;
 use sinew_watch_core::journal::Entry;
@@ -306,7 +306,7 @@ impl Runtime {
         let name = &settings.name;
         if let Some(known) = self.robots.get_mut(name)
             && let State::Watched { core, queue } = &known.state
-            && is_read_alike(&queue.live, &live)
+            && queue.live == live
         {
             known.settings = settings.clone();
             let (reply, answer) = sync_channel(1);
@@ -371,7 +371,7 @@ impl Runtime {
         match self.robots.get_mut(name) {
             // The description came already, and holds.
             Some(known) if matches!(known.state, State::Watched { .. }) => return,
-            Some(known) if known.queue().is_some_and(|q| is_read_alike(&q.live, &live)) => return,
+            Some(known) if known.queue().is_some_and(|q| q.live == live) => return,
             _ => {}
         }
         let intake = match Intake::new(&live) {

@@ -104,12 +104,6 @@ impl Files {
     }
 }
 
-/// Whether messages are read alike.
-pub(super) fn is_read_alike(a: &LiveOptions, b: &LiveOptions) -> bool {
-    // A mapping is compared with all that was read of its file.
-    format!("{a:?}") == format!("{b:?}")
-}
-
 fn fault(error: impl std::fmt::Display) -> NotYet {
     NotYet::Fault(error.to_string())
 }

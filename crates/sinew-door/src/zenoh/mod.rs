@@ -1,0 +1,139 @@
+//! ROS 2 over Zenoh, with the keys of rmw_zenoh, without an installation of ROS.
+//!
+//! A client of a router, or of a peer: it opens no port. Whoever publishes has a liveliness token; topics that some
+//! robot wants are subscribed to, and a robot's description is asked for, as it was published before. Two writers
+//! may be announced at most: those of [`Outgoing`](crate::Outgoing).
+
+mod keys;
+mod network;
+mod reader;
+mod writers;
+
+use crate::found::DomainFound;
+use crate::handle::{Door, DoorError, Shared};
+use crate::look::{Directory, Look};
+use crate::network::{Listening, keep_open};
+use crate::outbox::Outbox;
+use crate::publish::{Publisher, Publishing};
+use crate::received::Clock;
+use crate::route::Routes;
+use network::Network;
+use std::time::Duration;
+
+/// Where rmw_zenoh's router listens.
+pub const ROUTER: &str = "tcp/127.0.0.1:7447";
+
+/// Which network is listened to.
+#[derive(Debug, Clone)]
+pub struct ZenohOptions {
+    /// Domain, as in `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// Routers or peers, such as `tcp/192.168.1.5:7447`: the first that answers. None: [`ROUTER`].
+    pub connect: Vec<String>,
+    /// What may be published.
+    pub publishing: Publishing,
+    /// Longest message taken, bytes.
+    pub message_most_bytes: usize,
+}
+
+impl Default for ZenohOptions {
+    fn default() -> Self {
+        ZenohOptions {
+            domain: 0,
+            connect: Vec::new(),
+            publishing: Publishing::default(),
+            message_most_bytes: 4 << 20,
+        }
+    }
+}
+
+impl ZenohOptions {
+    fn endpoints(&self) -> Vec<String> {
+        match self.connect.as_slice() {
+            [] => vec![ROUTER.to_owned()],
+            some => some.to_vec(),
+        }
+    }
+
+    fn name(&self) -> String {
+        format!("zenoh:{}", self.domain)
+    }
+}
+
+/// Opens the door; it listens until it is dropped. The publisher lives as long as the door.
+///
+/// # Errors
+/// No thread can be started. A router that isn't there is a [`Trouble`](crate::Trouble): it may come.
+pub fn open(
+    options: &ZenohOptions,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<(Door, Box<dyn Publisher>), DoorError> {
+    let (door, publisher, _directory) = open_with(options, routes, clock)?;
+    Ok((door, publisher))
+}
+
+/// Connects and leaves again: whether a door could be opened there now.
+///
+/// # Errors
+/// An endpoint that is none; no router or peer that answers.
+pub fn check(options: &ZenohOptions) -> Result<(), DoorError> {
+    let refused = |why| DoorError::Refused {
+        door: options.name(),
+        why,
+    };
+    network::join(options).map(drop).map_err(refused)
+}
+
+/// Domains of ROS 2 in which somebody has a token, in their order.
+///
+/// # Errors
+/// As [`check`].
+pub fn active_domains(options: &ZenohOptions) -> Result<Vec<u16>, DoorError> {
+    let refused = |why| DoorError::Refused {
+        door: options.name(),
+        why,
+    };
+    network::active_domains(options).map_err(refused)
+}
+
+fn open_with(
+    options: &ZenohOptions,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<(Door, Box<dyn Publisher>, Directory), DoorError> {
+    let shared = Shared::new(options.name());
+    let directory = Directory::default();
+    let (publisher, outgoing) = Outbox::new(options.publishing);
+    let options = options.clone();
+    let listening = Listening {
+        routes: routes.clone(),
+        clock,
+        outgoing,
+        directory: directory.clone(),
+    };
+    let door = Door::run(shared, move |shared| {
+        let join = || Network::join(&options, &listening, shared);
+        keep_open(&listening, shared, join, Network::listen);
+    })?;
+    publisher.wakes(&door);
+    Ok((door, Box::new(publisher), directory))
+}
+
+/// Listens to a domain for a while and says what there is. Publishes nothing.
+///
+/// # Errors
+/// As [`open`].
+pub fn discover(
+    options: &ZenohOptions,
+    clock: Clock,
+    length: Duration,
+) -> Result<DomainFound, DoorError> {
+    let look = Look::new();
+    let options = ZenohOptions {
+        publishing: Publishing::NOTHING,
+        ..options.clone()
+    };
+    let (door, _publisher, directory) = open_with(&options, look.routes(), clock)?;
+    Ok(look.listen(&door, &directory, length))
+}

@@ -1,0 +1,99 @@
+//! What goes out: two kinds of messages, numbered and dated as rmw_zenoh does.
+
+use super::keys;
+use crate::outbox::Sealed;
+use crate::received::Clock;
+use std::collections::BTreeMap;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::Publisher;
+use zenoh::{Session, Wait as _};
+
+/// A topic that is published.
+struct Writer {
+    publisher: Publisher<'static>,
+    /// Says that it is there.
+    _token: LivelinessToken,
+    identity: [u8; 16],
+    last: i64,
+}
+
+/// Writers of a session, made when they are first used.
+pub(super) struct Writers {
+    domain: u16,
+    clock: Clock,
+    node: Option<LivelinessToken>,
+    all: BTreeMap<String, Writer>,
+}
+
+impl Writers {
+    pub(super) fn new(domain: u16, clock: Clock) -> Self {
+        Writers {
+            domain,
+            clock,
+            node: None,
+            all: BTreeMap::new(),
+        }
+    }
+
+    pub(super) fn write(&mut self, session: &Session, sealed: Sealed) -> Result<(), String> {
+        if !self.all.contains_key(&sealed.topic) {
+            let writer = self.declare(session, &sealed)?;
+            self.all.insert(sealed.topic.clone(), writer);
+        }
+        let writer = self.all.get_mut(&sealed.topic).ok_or("no writer")?;
+        writer.last += 1;
+        let attachment = attachment(writer.last, self.clock.now().utc_ns, writer.identity);
+        let put = writer.publisher.put(sealed.cdr).attachment(attachment);
+        put.wait().map_err(|e| e.to_string())
+    }
+
+    fn declare(&mut self, session: &Session, sealed: &Sealed) -> Result<Writer, String> {
+        let said = |error: zenoh::Error| error.to_string();
+        let own = session.zid();
+        if self.node.is_none() {
+            let token = keys::node_token(self.domain, &own.to_string());
+            let declared = session.liveliness().declare_token(token);
+            self.node = Some(declared.wait().map_err(said)?);
+        }
+        let entity = self.all.len() + 1;
+        let (topic, schema) = (&sealed.topic, sealed.schema);
+        let without_hash = || format!("the type hash of {schema} is not known");
+        let key = keys::published(self.domain, topic, schema).ok_or_else(without_hash)?;
+        let token = keys::publisher_token(self.domain, &own.to_string(), entity, topic, schema);
+        let token = token.ok_or_else(without_hash)?;
+        let publisher = session.declare_publisher(key).wait().map_err(said)?;
+        let token = session.liveliness().declare_token(token);
+        let mut identity = own.to_le_bytes();
+        identity[15] ^= entity as u8;
+        Ok(Writer {
+            publisher,
+            _token: token.wait().map_err(said)?,
+            identity,
+            last: 0,
+        })
+    }
+}
+
+/// What rmw_zenoh attaches to a message: number, time of sending in ns, and the publisher's identity with its length.
+fn attachment(number: i64, utc_ns: i64, identity: [u8; 16]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(33);
+    out.extend(number.to_le_bytes());
+    out.extend(utc_ns.to_le_bytes());
+    out.push(identity.len() as u8);
+    out.extend(identity);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::attachment;
+
+    #[test]
+    fn an_attachment_has_number_time_and_identity() {
+        let bytes = attachment(7, -1, [9; 16]);
+        assert_eq!(bytes.len(), 33);
+        assert_eq!(bytes[..8], [7, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(bytes[8..16], [255; 8]);
+        assert_eq!(bytes[16..], [&[16], &[9; 16][..]].concat());
+    }
+}
