@@ -145,6 +145,12 @@ pub(crate) fn temperature(stated_c: Option<Stated>) -> Result<Option<Gaussian>, 
     Ok(read.transpose()?)
 }
 
+/// A constant force from outside, N.
+fn external_force(stated_n: Option<([f64; 3], f64)>) -> Result<Option<[Gaussian; 3]>, Failure> {
+    let read = stated_n.map(|(mean_n, deviation_n)| stated::external_force(mean_n, deviation_n));
+    Ok(read.transpose()?)
+}
+
 /// Payload of a session; `None`: unknown.
 pub(crate) fn payload(empty: bool, stated_kg: Option<Stated>) -> Result<Payload, Failure> {
     match (empty, stated_kg) {
@@ -184,6 +190,8 @@ pub(crate) struct Asked<'py> {
     empty: bool,
     payload_kg: Option<Stated>,
     temperature_c: Option<Stated>,
+    /// Along the axes of the base, and the standard deviation of each.
+    external_force_n: Option<([f64; 3], f64)>,
     motor_torque: bool,
     from_s: f64,
     to_s: Option<f64>,
@@ -211,6 +219,7 @@ impl Asked<'_> {
             ("empty", self.empty),
             ("payload_kg", self.payload_kg.is_some()),
             ("temperature_c", self.temperature_c.is_some()),
+            ("external_force_n", self.external_force_n.is_some()),
             ("motor_torque", !self.motor_torque),
             ("from_s", self.from_s != 0.0),
             ("to_s", self.to_s.is_some()),
@@ -288,6 +297,7 @@ impl Asked<'_> {
                 payload: payload(self.empty, self.payload_kg)?,
                 motor_torque: self.motor_torque,
                 temperature_c: temperature(self.temperature_c)?,
+                external_force_n: external_force(self.external_force_n)?,
                 ..SessionOptions::default()
             },
         })

@@ -47,6 +47,8 @@ def test_other_refusals_are_sentences(tmp_path: Path) -> None:
         (lambda: sn.estimate(SHIPPED, ROBOT, from_s=5.0, to_s=5.0), "end after its start"),
         (lambda: sn.estimate(SHIPPED, ROBOT, inject=[("elbo", 0.01)]), "did you mean 'elbow'"),
         (lambda: sn.estimate(SHIPPED, ROBOT, empty=True, payload_kg=1.0), "exclude each other"),
+        (lambda: sn.estimate(SHIPPED, ROBOT, external_force_n=((0, 0, 0), 0)), "a force known to ± 0 N"),
+        (lambda: sn.estimate(SHIPPED, ROBOT, method="paper", external_force_n=((0, 0, 5), 1)), "external_force_n is for"),
         (lambda: sn.Baseline.read(SHIPPED), "stretched-arm.mcap"),
         (lambda: sn.predict_rope("liros-dc000-0302", tension_n=1.0), "did you mean 'liros-dc000-0301'"),
         (lambda: sn.predict_rope("liros-dc000-0301"), "what has the rope to do"),

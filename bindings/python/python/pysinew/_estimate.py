@@ -92,6 +92,7 @@ def estimate(
     empty: bool = False,
     payload_kg: Stated | None = None,
     temperature_c: Stated | None = None,
+    external_force_n: tuple[Sequence[float], float] | None = None,
     motor_torque: bool = True,
     from_s: float = 0.0,
     to_s: float | None = None,
@@ -115,6 +116,8 @@ def estimate(
       Without it: the paper's where one of its settings is given and no baseline, else absolute.
     * ``empty``, ``payload_kg``: what the gripper holds, kg, known to 2 % or as ``(mean, deviation)``.
     * ``temperature_c``: °C where it isn't recorded, known to 2 K or as ``(mean, deviation)``.
+    * ``external_force_n``: a constant force from outside at the tool, as ``((x, y, z), deviation)`` along the axes of the
+      base, N: a cable, a hose, a balancer. Without it, one is estimated where the recording shows it.
     * ``motor_torque``: whether a recorded motor torque is used.
     * ``from_s``, ``to_s``: the part of the recording that is used, s.
     * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
@@ -138,6 +141,7 @@ def estimate(
         "empty": empty,
         "payload_kg": payload_kg,
         "temperature_c": temperature_c,
+        "external_force_n": external_force_n,
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
@@ -197,6 +201,7 @@ def estimate_each(
     empty: bool = False,
     payload_kg: Stated | None = None,
     temperature_c: Stated | None = None,
+    external_force_n: tuple[Sequence[float], float] | None = None,
     motor_torque: bool = True,
     from_s: float = 0.0,
     to_s: float | None = None,
@@ -224,6 +229,7 @@ def estimate_each(
         "empty": empty,
         "payload_kg": payload_kg,
         "temperature_c": temperature_c,
+        "external_force_n": external_force_n,
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
