@@ -167,6 +167,9 @@ fn added_offsets_lie_inside_their_interval() {
                 print!(" {:.2} ({width:.2})", square.sqrt());
             }
             println!("; {held} of {}", JOINTS * added.len());
+            // What joint 5 leaves unexplained is its own: the others know what they were taught.
+            let others = || (widths.iter().enumerate()).filter(|(i, _)| *i != 4);
+            assert!(others().all(|(_, w)| *w < 600.0 / k + 1.5), "{widths:?}");
             inside += held;
             all += JOINTS * added.len();
         }

@@ -160,7 +160,7 @@ pub fn learn_recorded(
         robot,
         vec![name.into()],
         recorded.end_time_ns,
-        &segments.learned(),
+        &segments.learned(prior),
         segments.noise(),
     );
     baseline.temperature_deviation_k = learning.temperature_c.map_or(0.0, |t| t.deviation);
@@ -381,7 +381,7 @@ fn estimate_with_lag(
         robot,
         recordings,
         recorded.end_time_ns,
-        &segments.learned(),
+        &segments.learned(prior),
         segments.noise(),
     );
     if let Some((baseline, _)) = baseline {

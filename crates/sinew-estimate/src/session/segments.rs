@@ -106,11 +106,11 @@ impl Segments {
     }
 
     /// What the recording taught, as far as it was understood.
-    pub(super) fn learned(&self) -> Belief {
+    pub(super) fn learned(&self, prior: &Prior) -> Belief {
         let noise: Vec<f64> = (self.estimates.iter())
             .flat_map(|(_, map)| map.noise_rad.iter().copied())
             .collect();
-        tempered(&self.before, self.belief.clone(), &noise)
+        tempered(prior, &self.before, self.belief.clone(), &noise)
     }
 
     /// Noise of the last segment's link (rad) and motor (N·m) equations, per joint.
