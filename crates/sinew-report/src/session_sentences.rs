@@ -8,6 +8,7 @@ use sinew_estimate::session::{
 };
 use sinew_estimate::{Cause, UnknownCause};
 use sinew_figure::rounded;
+use sinew_model::offset::ForceEstimate;
 use sinew_model::transmission::AnchorKind;
 use sinew_model::{Gaussian, Interval95};
 
@@ -30,6 +31,9 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
                 .into(),
         );
     }
+    // One that nobody stated is a warning.
+    let stated = session.external_force.as_ref().filter(|f| f.is_stated);
+    out.extend(stated.map(of_stated_force));
     out.push(format!(
         "payload {} kg{}; {:.0} % of the time left out as contact or disturbance; {} poses{}",
         plus_minus(session.payload_kg, 1.0),
@@ -47,6 +51,14 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
         }
     ));
     out
+}
+
+/// What the recording made of a force that was stated: whoever stated another one sees it here.
+fn of_stated_force(force: &ForceEstimate) -> String {
+    let newtons = force.force_n.map(|f| plus_minus(f, 1.0)).join(", ");
+    format!(
+        "force from outside, as stated and as the recording shows it: {newtons} N along x, y and z of the base"
+    )
 }
 
 /// What happened to a tendon.
@@ -197,6 +209,19 @@ fn when(time_s: f64, interval_s: Option<Interval95>, probability: Option<f64>) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stated_force_is_told_as_it_was_found() {
+        let force = ForceEstimate {
+            is_stated: true,
+            probability: 1.0,
+            force_n: [0.0, -0.12, 4.9].map(|mean| Gaussian::new(mean, 0.2)),
+        };
+        assert_eq!(
+            of_stated_force(&force),
+            "force from outside, as stated and as the recording shows it: 0.00 ± 0.39, −0.12 ± 0.39, 4.90 ± 0.39 N along x, y and z of the base"
+        );
+    }
 
     #[test]
     fn what_happened_is_said_with_its_moment_size_and_how_sure_it_is() {
