@@ -1,9 +1,10 @@
 //! What doors to a network do alike: publishers come and go, and what some robot wants is read.
 
 use crate::found::PublisherFound;
-use crate::handle::Shared;
+use crate::handle::{Door, DoorError, Shared};
 use crate::look::{Announced, Directory};
-use crate::outbox::Sealed;
+use crate::outbox::{Outbox, Sealed};
+use crate::publish::{Publisher, Publishing};
 use crate::received::{Clock, Received};
 use crate::route::{Routes, Targets};
 use crate::trouble::{Lost, Trouble};
@@ -50,19 +51,58 @@ pub(crate) enum End {
     },
 }
 
+/// Which network, and how it is joined.
+pub(crate) trait Network: Send + 'static {
+    /// The network while it is joined.
+    type Joined<'a>;
+
+    fn join<'a>(
+        &self,
+        listening: &'a Listening,
+        shared: &'a Shared,
+    ) -> Result<Self::Joined<'a>, String>;
+
+    /// Until the door is shut, or the network must be joined again.
+    fn listen(joined: Self::Joined<'_>) -> End;
+}
+
+/// What a door stands open with: its way out, and what the network announces.
+pub(crate) type Opened = (Door, Box<dyn Publisher>, Directory);
+
+/// Opens a door to a network.
+///
+/// # Errors
+/// No thread can be started.
+pub(crate) fn open(
+    network: impl Network,
+    name: String,
+    publishing: Publishing,
+    routes: &Routes,
+    clock: Clock,
+) -> Result<Opened, DoorError> {
+    let directory = Directory::default();
+    let (publisher, outgoing) = Outbox::new(publishing);
+    let listening = Listening {
+        routes: routes.clone(),
+        clock,
+        outgoing,
+        directory: directory.clone(),
+    };
+    let door = Door::run(Shared::new(name), move |shared| {
+        keep_open(&network, &listening, shared);
+    })?;
+    publisher.wakes(&door);
+    Ok((door, Box::new(publisher), directory))
+}
+
 /// Joins a network, listens, and joins again after it broke, until the door is shut.
-pub(crate) fn keep_open<N>(
-    listening: &Listening,
-    shared: &Shared,
-    mut join: impl FnMut() -> Result<N, String>,
-    mut listen: impl FnMut(N) -> End,
-) {
+fn keep_open<N: Network>(network: &N, listening: &Listening, shared: &Shared) {
     let mut wait = TRY_AGAIN.0;
     // `None`: it wasn't tried yet.
     let mut is_open = None;
     while !shared.stops() {
-        let why = match join() {
-            Ok(network) => {
+        let why = match network.join(listening, shared) {
+            Ok(joined) => {
                 wait = TRY_AGAIN.0;
                 if is_open != Some(true) {
                     is_open = Some(true);
@@ -71,7 +111,7 @@ pub(crate) fn keep_open<N>(
                     let now = listening.clock.now();
                     listening.routes.tell_all(now, &Trouble::Open { door });
                 }
-                let ended = listen(network);
+                let ended = N::listen(joined);
                 listening.directory.change(Vec::clear);
                 match ended {
                     End::Stopped => break,

@@ -17,9 +17,8 @@ pub use domains::active_domains;
 
 use crate::found::DomainFound;
 use crate::handle::{Door, DoorError, Shared};
-use crate::look::{Directory, Look};
-use crate::network::{Listening, keep_open};
-use crate::outbox::Outbox;
+use crate::look::Look;
+use crate::network::{self, End, Listening, Network, Opened};
 use crate::publish::{Publisher, Publishing};
 use crate::received::Clock;
 use crate::route::Routes;
@@ -98,28 +97,26 @@ pub fn check(options: &DdsOptions) -> Result<(), DoorError> {
     joined.map(drop).map_err(refused)
 }
 
-fn open_with(
-    options: &DdsOptions,
-    routes: &Routes,
-    clock: Clock,
-) -> Result<(Door, Box<dyn Publisher>, Directory), DoorError> {
+fn open_with(options: &DdsOptions, routes: &Routes, clock: Clock) -> Result<Opened, DoorError> {
     options.check()?;
-    let shared = Shared::new(options.name());
-    let directory = Directory::default();
-    let (publisher, outgoing) = Outbox::new(options.publishing);
-    let options = options.clone();
-    let listening = Listening {
-        routes: routes.clone(),
-        clock,
-        outgoing,
-        directory: directory.clone(),
-    };
-    let door = Door::run(shared, move |shared| {
-        let join = || Participant::new(&options, &listening, shared);
-        keep_open(&listening, shared, join, Participant::listen);
-    })?;
-    publisher.wakes(&door);
-    Ok((door, Box::new(publisher), directory))
+    let (name, publishing) = (options.name(), options.publishing);
+    network::open(options.clone(), name, publishing, routes, clock)
+}
+
+impl Network for DdsOptions {
+    type Joined<'a> = Participant<'a>;
+
+    fn join<'a>(
+        &self,
+        listening: &'a Listening,
+        shared: &'a Shared,
+    ) -> Result<Participant<'a>, String> {
+        Participant::join(self, listening, shared)
+    }
+
+    fn listen(joined: Participant<'_>) -> End {
+        joined.listen()
+    }
 }
 
 /// Listens to a domain for a while and says what there is. Publishes nothing.

@@ -53,7 +53,7 @@ impl Reader for DdsReader {
     fn aim(&mut self, _: &Arc<Targets>) {}
 }
 
-pub(super) struct Participant<'a> {
+pub(crate) struct Participant<'a> {
     listening: &'a Listening,
     message_most_bytes: usize,
     shared: &'a Shared,
@@ -69,7 +69,7 @@ pub(super) struct Participant<'a> {
 }
 
 impl<'a> Participant<'a> {
-    pub(super) fn new(
+    pub(super) fn join(
         options: &DdsOptions,
         listening: &'a Listening,
         shared: &'a Shared,

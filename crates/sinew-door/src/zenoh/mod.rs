@@ -5,19 +5,18 @@
 //! may be announced at most: those of [`Outgoing`](crate::Outgoing).
 
 mod keys;
-mod network;
 mod reader;
+mod session;
 mod writers;
 
 use crate::found::DomainFound;
 use crate::handle::{Door, DoorError, Shared};
-use crate::look::{Directory, Look};
-use crate::network::{Listening, keep_open};
-use crate::outbox::Outbox;
+use crate::look::Look;
+use crate::network::{self, End, Listening, Network, Opened};
 use crate::publish::{Publisher, Publishing};
 use crate::received::Clock;
 use crate::route::Routes;
-use network::Network;
+use session::Session;
 use std::time::Duration;
 
 /// Where rmw_zenoh's router listens.
@@ -82,7 +81,7 @@ pub fn check(options: &ZenohOptions) -> Result<(), DoorError> {
         door: options.name(),
         why,
     };
-    network::join(options).map(drop).map_err(refused)
+    session::join(options).map(drop).map_err(refused)
 }
 
 /// Domains of ROS 2 in which somebody has a token, in their order.
@@ -94,30 +93,28 @@ pub fn active_domains(options: &ZenohOptions) -> Result<Vec<u16>, DoorError> {
         door: options.name(),
         why,
     };
-    network::active_domains(options).map_err(refused)
+    session::active_domains(options).map_err(refused)
 }
 
-fn open_with(
-    options: &ZenohOptions,
-    routes: &Routes,
-    clock: Clock,
-) -> Result<(Door, Box<dyn Publisher>, Directory), DoorError> {
-    let shared = Shared::new(options.name());
-    let directory = Directory::default();
-    let (publisher, outgoing) = Outbox::new(options.publishing);
-    let options = options.clone();
-    let listening = Listening {
-        routes: routes.clone(),
-        clock,
-        outgoing,
-        directory: directory.clone(),
-    };
-    let door = Door::run(shared, move |shared| {
-        let join = || Network::join(&options, &listening, shared);
-        keep_open(&listening, shared, join, Network::listen);
-    })?;
-    publisher.wakes(&door);
-    Ok((door, Box::new(publisher), directory))
+fn open_with(options: &ZenohOptions, routes: &Routes, clock: Clock) -> Result<Opened, DoorError> {
+    let (name, publishing) = (options.name(), options.publishing);
+    network::open(options.clone(), name, publishing, routes, clock)
+}
+
+impl Network for ZenohOptions {
+    type Joined<'a> = Session<'a>;
+
+    fn join<'a>(
+        &self,
+        listening: &'a Listening,
+        shared: &'a Shared,
+    ) -> Result<Session<'a>, String> {
+        Session::join(self, listening, shared)
+    }
+
+    fn listen(joined: Session<'_>) -> End {
+        joined.listen()
+    }
 }
 
 /// Listens to a domain for a while and says what there is. Publishes nothing.

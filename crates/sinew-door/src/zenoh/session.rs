@@ -13,10 +13,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
+use zenoh::Wait as _;
 use zenoh::pubsub::Subscriber;
 use zenoh::query::{ConsolidationMode, QueryTarget, ReplyKeyExpr};
 use zenoh::sample::SampleKind;
-use zenoh::{Session, Wait as _};
 
 /// A router that takes longer to answer isn't there, ms.
 const ANSWER_MOST_MS: u32 = 3_000;
@@ -34,13 +34,13 @@ struct Said {
     is_there: bool,
 }
 
-pub(super) struct Network<'a> {
+pub(crate) struct Session<'a> {
     domain: u16,
     endpoints: Vec<String>,
     message_most_bytes: usize,
     listening: &'a Listening,
     shared: &'a Shared,
-    session: Session,
+    session: zenoh::Session,
     /// Its callback is called as long as it lives.
     _tokens: Subscriber<()>,
     said: Receiver<Said>,
@@ -48,7 +48,7 @@ pub(super) struct Network<'a> {
     writers: Writers,
 }
 
-impl<'a> Network<'a> {
+impl<'a> Session<'a> {
     pub(super) fn join(
         options: &ZenohOptions,
         listening: &'a Listening,
@@ -69,7 +69,7 @@ impl<'a> Network<'a> {
                 });
                 thread.unpark();
             });
-        Ok(Network {
+        Ok(Session {
             domain: options.domain,
             endpoints: options.endpoints(),
             message_most_bytes: options.message_most_bytes,
@@ -174,7 +174,7 @@ impl<'a> Network<'a> {
 
 /// Reads a topic, as [`Topics`] asks for it.
 fn opener(
-    session: &Session,
+    session: &zenoh::Session,
     domain: u16,
     listening: &Listening,
     message_most_bytes: usize,
@@ -195,7 +195,7 @@ fn opener(
 }
 
 /// Connects to the first router or peer that answers; nothing is read or published yet.
-pub(super) fn join(options: &ZenohOptions) -> Result<Session, String> {
+pub(super) fn join(options: &ZenohOptions) -> Result<zenoh::Session, String> {
     let endpoints = options.endpoints();
     let mut config = zenoh::Config::default();
     let quoted: Vec<String> = endpoints.iter().map(|e| format!("{e:?}")).collect();
@@ -232,7 +232,7 @@ fn nobody(endpoints: &[String]) -> String {
     format!("no router or peer is connected at {}", endpoints.join(", "))
 }
 
-fn is_connected(session: &Session) -> bool {
+fn is_connected(session: &zenoh::Session) -> bool {
     let info = session.info();
     let router = info.routers_zid().wait().next();
     router.or_else(|| info.peers_zid().wait().next()).is_some()
