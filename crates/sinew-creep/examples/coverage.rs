@@ -8,8 +8,11 @@
 mod support;
 
 use sinew_creep::*;
+use sinew_model::rope::Parameters;
 use std::process::ExitCode;
-use support::bench::{COLD, SIGMA, by_name, options, records_of, sampled, scores, truth_of};
+use support::bench::{
+    COLD, SIGMA, by_name, options, records_of, sampled, scores, truth_of, truth_of_one_load,
+};
 use support::laws::KNOWN;
 use support::outside::{END_S, Family, Material};
 use support::score::{Scores, heading};
@@ -22,13 +25,13 @@ fn main() -> ExitCode {
     };
     match args.first().map(String::as_str) {
         Some("laws") => laws(seeds(1000)),
-        Some("rope") => rope(seeds(300), |seed| {
+        Some("rope") => rope(seeds(300), truth_of, |seed| {
             records_of(truth_of(seed), &COLD, SIGMA, 100 + seed)
         }),
-        Some("one-load") => rope(seeds(300), |seed| {
-            records_of(truth_of(seed), &COLD[..1], SIGMA, 900 + seed)
+        Some("one-load") => rope(seeds(300), truth_of_one_load, |seed| {
+            records_of(truth_of_one_load(seed), &COLD[..1], SIGMA, 900 + seed)
         }),
-        Some("sampled") => rope(seeds(300), |seed| {
+        Some("sampled") => rope(seeds(300), truth_of, |seed| {
             let test = |(i, t): (u64, &support::bench::Test)| {
                 sampled(truth_of(seed), *t, 30.0, SIGMA, 7000 + 10 * seed + i).curve
             };
@@ -56,13 +59,17 @@ fn laws(seeds: u64) {
 }
 
 /// Parameters of the rope law that made the records.
-fn rope(seeds: u64, curves: impl Fn(u64) -> Vec<Curve> + Sync) {
+fn rope(
+    seeds: u64,
+    truth: impl Fn(u64) -> Parameters + Sync,
+    curves: impl Fn(u64) -> Vec<Curve> + Sync,
+) {
     let numbers: Vec<u64> = (0..seeds).collect();
     let rows = each(
         &numbers,
         |&seed| {
             fit(Law::Rope, &curves(seed), &options(seed))
-                .map_or_else(|_| Vec::new(), |found| scores(&found, &truth_of(seed)))
+                .map_or_else(|_| Vec::new(), |found| scores(&found, &truth(seed)))
         },
         |_| {},
     );

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::draw::Draw;
+use super::held::HeldDraws;
 use super::model::Model;
 use super::noise::Noise;
 use super::options::IntervalKind;
@@ -15,7 +16,8 @@ use super::student::{normal_quantile, normal_share};
 use sinew_model::statistics::quantile;
 
 /// Replaces intervals by bias-corrected quantiles of `count` replicates: the fitted strain with new
-/// noise of the fitted size, slow share and memory, fitted again from the best point.
+/// noise of the fitted size, slow share and memory, fitted again from the best point. The bias is that of the search alone;
+/// then every replicate takes its own values of what is held.
 ///
 /// # Source
 /// B. Efron, R. Tibshirani: *An Introduction to the Bootstrap*, 1993, chapters 6 and 14.
@@ -32,20 +34,25 @@ pub(super) fn intervals(
     let fitted: Vec<Vec<f64>> = (0..model.curves.len())
         .map(|c| best.strain(model, c, &model.curves[c].time_s))
         .collect();
-    let mut replicates: Vec<Vec<f64>> = Vec::with_capacity(count);
+    let mut replicates: Vec<[Vec<f64>; 2]> = Vec::with_capacity(count);
     let solver = TrustRegion { steps: 40 };
+    let held = HeldDraws::of(model, &best.unit);
     for _ in 0..count {
-        let replicate = replicate(model, best, &fitted, &mut random);
+        let mut replicate = replicate(model, best, &fitted, &mut random);
         let minimum = solver.minimum(&Search(&replicate), &best.unit);
         if minimum.cost.is_finite() {
-            replicates.push(Draw::at(&replicate, &minimum.x).numbers(model));
+            let as_held = Draw::at(&replicate, &minimum.x).numbers(model);
+            let (moved, z) = held.draw(&replicate, &minimum.x, &mut random);
+            replicate.held_z = z;
+            replicates.push([as_held, Draw::at(&replicate, &moved).numbers(model)]);
         }
     }
     for (i, parameter) in parameters.iter_mut().enumerate() {
-        let mut values: Vec<f64> = replicates.iter().map(|r| r[i]).collect();
+        let [as_held, mut values] =
+            [0, 1].map(|which| replicates.iter().map(|r| r[which][i]).collect::<Vec<f64>>());
         values.sort_by(f64::total_cmp);
         let n = values.len() as f64;
-        let below = values.partition_point(|v| *v < numbers[i]) as f64;
+        let below = as_held.iter().filter(|v| **v < numbers[i]).count() as f64;
         // Half a replicate keeps a parameter that always ends at its bound finite.
         let bias = normal_quantile(((below + 0.5) / (n + 1.0)).clamp(0.01, 0.99));
         let at = |p: f64| quantile(&values, normal_share(2.0 * bias + normal_quantile(p)));

@@ -2,22 +2,37 @@
 //!
 //! A parameter that the records can't tell keeps the base rope's value, which is known within an interval only. So each draw
 //! takes its own value of it, and the search says how the others follow: bedding-in under one load goes with the load ratio
-//! that is held. Else intervals would be those of a rope whose held values were certain.
+//! that is held. Else intervals would be those of a rope whose held values were certain. Replicates of a bootstrap follow in
+//! the same way; a profile searches over what is held.
 
 use super::model::Model;
 use super::search::Search;
 use super::solver::{LeastSquares, TrustRegion};
-use rand::Rng;
+use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
+use std::ops::RangeInclusive;
 
 /// A held parameter that moves the others.
 struct Held {
     index: usize,
-    /// Change of the nonlinear parameters per deviation, in the unit cube.
-    shift: Vec<f64>,
-    /// What the records say of it: a normal distribution of its deviations.
-    mean: f64,
-    deviation: f64,
+    /// Change of the nonlinear parameters at every one of [`ASIDE`], in the unit cube.
+    shifts: [Vec<f64>; ASIDE.len()],
+    /// What the records say of it: logarithm of the likelihood at every one of [`ASIDE`], and the largest.
+    log_likelihood: [f64; ASIDE.len()],
+    likeliest: f64,
+}
+
+/// Deviations of a held parameter at which the others are searched anew.
+const ASIDE: [f64; 7] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
+/// The middle one, where the fit is.
+const MIDDLE: usize = 3;
+
+/// The three of [`ASIDE`] nearest to so many deviations, and the share of each in a parabola through them.
+fn parabola(z: f64) -> (RangeInclusive<usize>, [f64; 3]) {
+    let middle = ((z - ASIDE[0]).round().max(1.0) as usize).min(ASIDE.len() - 2);
+    let t = z - ASIDE[middle];
+    let shares = [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)];
+    (middle - 1..=middle + 1, shares)
 }
 
 /// How draws follow what is held.
@@ -25,34 +40,87 @@ struct Held {
 pub(super) struct HeldDraws(Vec<Held>);
 
 impl HeldDraws {
-    /// Searches again at one deviation to either side of every held parameter that moves the fit.
+    /// Searches again aside, both ways, of every held parameter that moves the fit.
     pub(super) fn of(model: &Model, centre: &[f64]) -> Self {
         let count = model.held_z.len();
         Self((0..count).filter_map(|i| held(model, centre, i)).collect())
     }
 
     /// One draw: the point moved along, and the deviations of all held parameters.
+    ///
+    /// What the searches say of one held parameter at a time proposes a draw, and its own likelihood takes it: several that
+    /// each leave a coefficient above zero need not do so together.
     pub(super) fn draw(
         &self,
         model: &Model,
         unit: &[f64],
         random: &mut impl Rng,
     ) -> (Vec<f64>, Vec<f64>) {
-        let mut z: Vec<f64> = model
-            .held_z
-            .iter()
-            .map(|_| StandardNormal.sample(random))
-            .collect();
-        let mut moved = unit.to_vec();
-        for held in &self.0 {
-            z[held.index] = held.mean + held.deviation * z[held.index];
-            for (x, shift) in moved.iter_mut().zip(&held.shift) {
-                *x += z[held.index] * shift;
+        /// Draws proposed at most: where so many are refused the records speak against the base rope's interval.
+        const TRIES: usize = 50;
+        let log_likelihood = |x: &[f64], z: &[f64]| {
+            let point =
+                model.solve_values(&model.values_held(x, z), model.noise_at(x), false, None);
+            -0.5 * (model.readings as f64 * point.squares.ln() + point.log_det_noise)
+        };
+        let here = log_likelihood(unit, &model.held_z);
+        let mut last = (unit.to_vec(), model.held_z.clone());
+        for _ in 0..TRIES {
+            let (moved, z, expected) = self.proposed(unit, model.held_z.len(), random);
+            let taken = log_likelihood(&moved, &z) - here - expected;
+            last = (moved, z);
+            if random.random::<f64>().ln() <= taken {
+                break;
             }
         }
-        moved.iter_mut().for_each(|x| *x = x.clamp(0.0, 1.0));
-        (moved, z)
+        last
     }
+
+    /// A draw as the searches say, and the logarithm of its likelihood over that of the point.
+    fn proposed(
+        &self,
+        unit: &[f64],
+        count: usize,
+        random: &mut impl Rng,
+    ) -> (Vec<f64>, Vec<f64>, f64) {
+        let mut z: Vec<f64> = (0..count).map(|_| StandardNormal.sample(random)).collect();
+        let mut moved = unit.to_vec();
+        let mut expected = 0.0;
+        for held in &self.0 {
+            let own = held.deviations(z[held.index], random);
+            let (nearest, shares) = parabola(own);
+            for (i, x) in moved.iter_mut().enumerate() {
+                let shift = nearest.clone().zip(shares);
+                *x += shift
+                    .map(|(at, share)| share * held.shifts[at][i])
+                    .sum::<f64>();
+            }
+            expected += held.log_likelihood(own);
+            z[held.index] = own;
+        }
+        moved.iter_mut().for_each(|x| *x = x.clamp(0.0, 1.0));
+        (moved, z, expected)
+    }
+}
+
+/// Which of the held parameters move what is fitted: the squares, or a coefficient that makes up for them.
+pub(super) fn moving(model: &Model, centre: &[f64]) -> Vec<usize> {
+    /// A change as a share of the value: beyond what solving rounds.
+    const LEAST: f64 = 1e-6;
+    let numbers = |held_z: &[f64]| -> Vec<f64> {
+        let values = model.values_held(centre, held_z);
+        let point = model.solve_values(&values, model.noise_at(centre), false, None);
+        let betas = point.solutions.iter().flat_map(|s| s.beta.iter().copied());
+        betas.chain([point.squares]).collect()
+    };
+    let here = numbers(&model.held_z);
+    let moves = |index: &usize| {
+        let mut held_z = model.held_z.clone();
+        held_z[*index] += 1.0;
+        let aside = numbers(&held_z);
+        (here.iter().zip(&aside)).any(|(a, b)| (a - b).abs() > LEAST * a.abs().max(b.abs()))
+    };
+    (0..model.held_z.len()).filter(moves).collect()
 }
 
 fn held(model: &Model, centre: &[f64], index: usize) -> Option<Held> {
@@ -65,31 +133,62 @@ fn held(model: &Model, centre: &[f64], index: usize) -> Option<Held> {
     let least = cost(model, centre);
     let n = model.readings as f64;
     let mut aside = model.clone();
-    let mut at = |z: f64| {
+    let mut moves = |z: f64| {
         aside.held_z[index] = z;
-        // Where nothing moves no search is needed.
-        let moved = n * (cost(&aside, centre) / least).ln().abs() > MATTERS;
-        moved.then(|| TrustRegion { steps: 40 }.minimum(&Search(&aside), centre))
+        n * (cost(&aside, centre) / least).ln().abs() > MATTERS
     };
-    let (up, down) = (at(1.0), at(-1.0));
-    if up.is_none() && down.is_none() {
+    // Where nothing moves no search is needed.
+    if !(moves(1.0) || moves(-1.0)) {
         return None;
     }
-    let end = |found: &Option<super::solver::Minimum>| {
-        found
-            .as_ref()
-            .map_or_else(|| (centre.to_vec(), least), |m| (m.x.clone(), 2.0 * m.cost))
-    };
-    let ((up, more), (down, less)) = (end(&up), end(&down));
-    let shift = up.iter().zip(&down).map(|(u, d)| 0.5 * (u - d)).collect();
-    // −2 ln of the likelihood at ±1 against the middle: a parabola, and the base rope's own deviation beside it.
-    let [up, down] = [more, less].map(|s| n * (s / least).ln());
-    let precision = 1.0 + (0.5 * (up + down)).max(0.0);
-    let mean = -0.25 * (up - down) / precision;
+    let mut shifts: [Vec<f64>; ASIDE.len()] = std::array::from_fn(|_| vec![0.0; centre.len()]);
+    let mut squares = [least; ASIDE.len()];
+    // Each from where the one before ended.
+    let sides: [Vec<usize>; 2] = [
+        (MIDDLE + 1..ASIDE.len()).collect(),
+        (0..MIDDLE).rev().collect(),
+    ];
+    for side in sides {
+        let mut from = centre.to_vec();
+        for at in side {
+            aside.held_z[index] = ASIDE[at];
+            let found = TrustRegion { steps: 40 }.minimum(&Search(&aside), &from);
+            shifts[at] = found.x.iter().zip(centre).map(|(x, c)| x - c).collect();
+            squares[at] = 2.0 * found.cost;
+            from = found.x;
+        }
+    }
+    let log_likelihood = squares.map(|s| -0.5 * n * (s / least).ln());
     Some(Held {
         index,
-        shift,
-        mean: mean.clamp(-2.0, 2.0),
-        deviation: precision.sqrt().recip(),
+        shifts,
+        likeliest: log_likelihood.into_iter().fold(f64::MIN, f64::max),
+        log_likelihood,
     })
+}
+
+impl Held {
+    /// Logarithm of the likelihood so many deviations aside.
+    fn log_likelihood(&self, z: f64) -> f64 {
+        let (nearest, shares) = parabola(z);
+        (nearest.zip(shares))
+            .map(|(at, share)| share * self.log_likelihood[at])
+            .sum()
+    }
+
+    /// A draw of its deviations: what the base rope says (`first` is a draw of that), thinned by what the records say.
+    fn deviations(&self, first: f64, random: &mut impl Rng) -> f64 {
+        /// Records that leave one in so many speak against the base rope's interval: its likeliest value stays.
+        const MOST: usize = 10_000;
+        let mut z = first;
+        for _ in 0..MOST {
+            if random.random::<f64>().ln() <= self.log_likelihood(z) - self.likeliest {
+                return z;
+            }
+            z = StandardNormal.sample(random);
+        }
+        let best = (0..ASIDE.len())
+            .max_by(|a, b| self.log_likelihood[*a].total_cmp(&self.log_likelihood[*b]));
+        ASIDE[best.unwrap_or(MIDDLE)]
+    }
 }

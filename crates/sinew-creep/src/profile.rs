@@ -2,78 +2,100 @@
 //! fitted anew with it kept, make the readings not much less likely.
 
 use super::draw::Draw;
+use super::held::moving;
 use super::model::{Fixed, Model};
 use super::options::IntervalKind;
 use super::parameter::Parameter;
-use super::search::Search;
 use super::solver::{LeastSquares, Residuals, TrustRegion};
 use super::student::student_quantile;
 
 /// What is kept.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
-    Shape(usize),
-    Coefficient { block: usize, column: usize },
+    Nothing,
+    Shape { index: usize, value: f64 },
+    Coefficient(Fixed),
 }
 
+/// What is searched: the nonlinear parameters but the one that is kept, then what is held at the base rope's value and moves
+/// the others. Being off it costs what the base rope's own interval says.
+#[derive(Clone, Copy)]
 struct Constrained<'a> {
     model: &'a Model,
+    held: &'a [usize],
     kept: Kept,
-    value: f64,
 }
 
 impl Constrained<'_> {
-    fn full(&self, x: &[f64]) -> Vec<f64> {
-        let mut full = x.to_vec();
-        if let Kept::Shape(index) = self.kept {
-            full.insert(index, self.value);
+    /// Deviations from the base rope's value that are searched.
+    const WIDEST: f64 = 4.0;
+
+    /// The nonlinear parameters, and the deviations of all that is held.
+    fn full(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (own, beside) = x.split_at(x.len() - self.held.len());
+        let mut full = own.to_vec();
+        if let Kept::Shape { index, value } = self.kept {
+            full.insert(index, value);
         }
-        full
+        let mut held_z = self.model.held_z.clone();
+        for (index, u) in self.held.iter().zip(beside) {
+            held_z[*index] = Self::WIDEST * (2.0 * u - 1.0);
+        }
+        (full, held_z)
+    }
+
+    /// A coefficient where the rest is at `x`.
+    fn coefficient(&self, x: &[f64], block: usize, column: usize) -> f64 {
+        let (full, held_z) = self.full(x);
+        let values = self.model.values_held(&full, &held_z);
+        let noise = self.model.noise_at(&full);
+        self.model
+            .solve_values(&values, noise, false, None)
+            .solutions[block]
+            .beta[column]
     }
 }
 
 impl Residuals for Constrained<'_> {
     fn parameters(&self) -> usize {
-        self.model.dimension() - usize::from(matches!(self.kept, Kept::Shape(_)))
+        self.model.dimension() + self.held.len()
+            - usize::from(matches!(self.kept, Kept::Shape { .. }))
     }
 
     fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let fixed = match self.kept {
-            Kept::Shape(_) => None,
-            Kept::Coefficient { block, column } => Some(Fixed {
-                block,
-                column,
-                value: self.value,
-            }),
+            Kept::Coefficient(fixed) => Some(fixed),
+            Kept::Nothing | Kept::Shape { .. } => None,
         };
-        self.model.likelihood_residuals(&self.full(x), fixed)
+        let (full, held_z) = self.full(x);
+        self.model.held_residuals(&full, &held_z, fixed)
     }
 }
 
 /// One parameter's profile.
-struct Profile<'a> {
-    model: &'a Model,
-    kept: Kept,
+struct Profile<'a, K> {
+    free: Constrained<'a>,
+    /// What keeping the parameter at a value is.
+    kept: K,
     /// Where all is best, without what is kept.
     start: Vec<f64>,
     least: f64,
     threshold: f64,
 }
 
-impl Profile<'_> {
+impl<K: Fn(f64) -> Kept> Profile<'_, K> {
     /// How much less likely, over the threshold: 1 at the interval's ends. `warm` follows.
     fn excess(&self, value: f64, warm: &mut Vec<f64>) -> f64 {
         let problem = Constrained {
-            model: self.model,
-            kept: self.kept,
-            value,
+            kept: (self.kept)(value),
+            ..self.free
         };
         let solver = TrustRegion { steps: 40 };
         let near = solver.minimum(&problem, warm);
         let fresh = solver.minimum(&problem, &self.start);
         let best = if fresh.cost < near.cost { fresh } else { near };
         *warm = best.x;
-        let n = self.model.readings as f64;
+        let n = self.free.model.readings as f64;
         n * (best.cost / self.least).ln() / self.threshold
     }
 
@@ -119,20 +141,31 @@ impl Profile<'_> {
 /// Replaces intervals by those of the profile likelihood.
 ///
 /// `n ln(S(v)/S) ≤ n ln(1 + t²/(n − k))`, the F test of a linear law, `S` the whitened squares
-/// with the noise fitted along.
+/// with the noise fitted along. What is held at a base rope's value counts as one more reading each, by that rope's interval.
 pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw, level: f64) {
-    let residuals = Search(model).residuals(&best.unit);
+    let held = moving(model, &best.unit);
+    let free = Constrained {
+        model,
+        held: &held,
+        kept: Kept::Nothing,
+    };
+    let mut likeliest = best.unit.clone();
+    likeliest.resize(free.parameters(), 0.5);
+    if !held.is_empty() {
+        likeliest = TrustRegion { steps: 40 }.minimum(&free, &likeliest).x;
+    }
+    let residuals = free.residuals(&likeliest);
     let least = 0.5 * residuals.iter().map(|r| r * r).sum::<f64>();
     let n = model.readings as f64;
     let t = student_quantile(model.freedom(), level);
     let threshold = n * (t * t / model.freedom()).ln_1p();
     let mut ends = Vec::new();
     for index in 0..model.law_numbers() {
-        let mut start = best.unit.clone();
+        let mut start = likeliest.clone();
         let centre = start.remove(index);
         let profile = Profile {
-            model,
-            kept: Kept::Shape(index),
+            free,
+            kept: |value| Kept::Shape { index, value },
             start,
             least,
             threshold,
@@ -142,18 +175,24 @@ pub(super) fn intervals(parameters: &mut [Parameter], model: &Model, best: &Draw
         let shape = &model.shapes[index];
         ends.push((shape.value(low), shape.value(high)));
     }
-    for (b, block) in model.blocks.iter().enumerate() {
-        for column in 0..block.positive.len() {
+    for (block, own) in model.blocks.iter().enumerate() {
+        for column in 0..own.positive.len() {
             let profile = Profile {
-                model,
-                kept: Kept::Coefficient { block: b, column },
-                start: best.unit.clone(),
+                free,
+                kept: |value| {
+                    Kept::Coefficient(Fixed {
+                        block,
+                        column,
+                        value,
+                    })
+                },
+                start: likeliest.clone(),
                 least,
                 threshold,
             };
-            let centre = best.beta[b][column];
+            let centre = free.coefficient(&likeliest, block, column);
             let step = (0.1 * centre.abs()).max(1e-3);
-            let bound = if block.positive[column] { 0.0 } else { -1e9 };
+            let bound = if own.positive[column] { 0.0 } else { -1e9 };
             let low = profile.end(centre, -step, bound);
             let high = profile.end(centre, step, 1e9);
             let (a, b) = (model.number(column, low), model.number(column, high));

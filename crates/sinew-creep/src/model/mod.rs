@@ -231,8 +231,13 @@ impl Model {
 
     /// Values of the shapes, then how many deviations each held parameter stands from the base rope's value.
     pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.values_held(x, &self.held_z)
+    }
+
+    /// The same with what is held elsewhere.
+    pub(crate) fn values_held(&self, x: &[f64], held_z: &[f64]) -> Vec<f64> {
         let shapes = self.shapes.iter().zip(x).map(|(s, x)| s.value(*x));
-        shapes.chain(self.held_z.iter().copied()).collect()
+        shapes.chain(held_z.iter().copied()).collect()
     }
 
     /// The steps of a curve's load, those of unknown moment where the values have them. `member` is the curve with index

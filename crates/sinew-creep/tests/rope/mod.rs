@@ -3,12 +3,12 @@
 
 use crate::support::bench::{
     COLD, SIGMA, Test, by_name, certain, options, records, records_of, sampled, scores, truth,
-    truth_of,
+    truth_of, truth_of_one_load,
 };
 use crate::support::score::Scores;
 use crate::support::seeds;
 use sinew_creep::*;
-use sinew_model::rope::Parameter as P;
+use sinew_model::rope::{Parameter as P, Parameters};
 
 mod entry;
 
@@ -48,6 +48,7 @@ fn two_loads_and_their_recovery_give_the_rope_back() {
 /// Scores over so many records of a set of tests.
 fn over_seeds(
     count: u64,
+    truth: impl Fn(u64) -> Parameters + Sync,
     curves: impl Fn(u64) -> Vec<Curve> + Sync,
 ) -> Vec<(&'static str, Scores)> {
     let numbers: Vec<u64> = (0..count).collect();
@@ -55,7 +56,7 @@ fn over_seeds(
         &numbers,
         |&seed| {
             let found = fit(Law::Rope, &curves(seed), &options(seed)).unwrap();
-            scores(&found, &truth_of(seed))
+            scores(&found, &truth(seed))
         },
         |_| {},
     );
@@ -74,7 +75,7 @@ fn together(rows: &[(&str, Scores)]) -> Scores {
 
 #[test]
 fn intervals_of_the_rope_law_are_neither_narrow_nor_wide() {
-    let rows = over_seeds(seeds(40), |seed| {
+    let rows = over_seeds(seeds(40), truth_of, |seed| {
         records_of(truth_of(seed), &COLD, SIGMA, 100 + seed)
     });
     assert_eq!(rows.len(), 7);
@@ -84,7 +85,7 @@ fn intervals_of_the_rope_law_are_neither_narrow_nor_wide() {
 #[test]
 fn a_step_of_the_load_between_two_readings_is_not_taken_for_a_ramp() {
     // Readings every 30 s; the load comes and goes anywhere between two of them.
-    let rows = over_seeds(seeds(12), |seed| {
+    let rows = over_seeds(seeds(12), truth_of, |seed| {
         let test = |(i, t): (u64, &Test)| {
             sampled(truth_of(seed), *t, 30.0, SIGMA, 700 + 10 * seed + i).curve
         };
@@ -99,16 +100,13 @@ fn a_step_of_the_load_between_two_readings_is_not_taken_for_a_ramp() {
 
 #[test]
 fn one_load_with_recovery_holds_the_load_ratio_of_bedding_in() {
-    let rows = over_seeds(seeds(12), |seed| {
-        records_of(truth_of(seed), &COLD[..1], SIGMA, 900 + seed)
+    let rows = over_seeds(seeds(24), truth_of_one_load, |seed| {
+        records_of(truth_of_one_load(seed), &COLD[..1], SIGMA, 900 + seed)
     });
     let names: Vec<&str> = rows.iter().map(|r| r.0).collect();
     assert!(!names.contains(&"bedding_load_ratio"), "{names:?}");
-    // The truth's λ_b is 1.2 times the base rope's, and B goes with it.
-    together(&rows);
-    for (name, own) in &rows {
-        assert!(own.inside(1.0) >= 0.75, "{name}: {}", own.inside(1.0));
-    }
+    // The truth's λ_b is anywhere within the base rope's interval, and B goes with it.
+    together(&rows).hold("rope, one load and recovery");
 }
 
 #[test]
@@ -221,25 +219,31 @@ fn the_rope_law_refuses_what_it_can_not_use() {
 
 #[test]
 fn profile_and_bootstrap_intervals_agree_with_the_draws() {
-    let curves = records(&COLD, SIGMA, 21);
-    let of = |kind: IntervalKind| {
-        // Profile and bootstrap take what is held as certain.
-        let options = FitOptions {
-            kind,
-            ..certain(21)
+    // One load tells much less: what is held makes most of an interval there.
+    for tests in [&COLD[..], &COLD[..1]] {
+        let curves = records_of(truth(), tests, SIGMA, 21);
+        let of = |kind: IntervalKind| {
+            let options = FitOptions {
+                kind,
+                ..options(21)
+            };
+            fit(Law::Rope, &curves, &options).unwrap()
         };
-        fit(Law::Rope, &curves, &options).unwrap()
-    };
-    let draws = of(IntervalKind::Draws);
-    for kind in [IntervalKind::Profile, IntervalKind::Bootstrap] {
-        let other = of(kind);
-        for (a, b) in draws.parameters.iter().zip(&other.parameters) {
-            assert_eq!(b.interval, kind);
-            let ratio = (b.high - b.low) / (a.high - a.low);
-            println!("{:24} {:?}: width {ratio:.2} of the draws'", a.name, kind);
-            // 300 replicates know a 2.5 % quantile to a tenth of the width.
-            assert!((0.7..1.4).contains(&ratio), "{a:?} {b:?}");
-            assert!(b.low <= b.value && b.value <= b.high, "{b:?}");
+        let draws = of(IntervalKind::Draws);
+        for kind in [IntervalKind::Profile, IntervalKind::Bootstrap] {
+            let other = of(kind);
+            for (a, b) in draws.parameters.iter().zip(&other.parameters) {
+                assert_eq!(b.interval, kind);
+                // One load leaves it open whether a rope gives way at all: a profile ends at the bound.
+                if tests.len() == 1 && a.name == "elastic_k" {
+                    continue;
+                }
+                let ratio = (b.high - b.low) / (a.high - a.low);
+                println!("{:24} {:?}: width {ratio:.2} of the draws'", a.name, kind);
+                // 300 replicates know a 2.5 % quantile to a tenth of the width.
+                assert!((0.7..1.4).contains(&ratio), "{a:?} {b:?}");
+                assert!(b.low <= b.value && b.value <= b.high, "{b:?}");
+            }
         }
     }
 }

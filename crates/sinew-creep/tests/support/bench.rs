@@ -52,6 +52,17 @@ pub(crate) fn truth_of(seed: u64) -> Parameters {
     p
 }
 
+/// The same, with all that one load holds anywhere within the catalogue's intervals.
+pub(crate) fn truth_of_one_load(seed: u64) -> Parameters {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x10ad);
+    let mut p = truth();
+    for q in [P::Toe, P::ToeLoadRatio, P::BeddingLoadRatio, P::FlowRate] {
+        let z: f64 = StandardNormal.sample(&mut random);
+        p.set(q, base().entry.law[&q].at(z));
+    }
+    p
+}
+
 fn even_in_log(count: usize, last_s: f64) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| 5.0 * (last_s / 5.0).powf(i as f64 / (count - 1) as f64))
 }
