@@ -75,6 +75,7 @@ pub mod wire;
 mod cholesky;
 mod error;
 mod gaussian;
+mod sines;
 mod tile;
 pub use error::StepError;
 pub use gaussian::{Bounded, Gaussian, Interval95, Z95};

@@ -68,10 +68,18 @@ impl ArmJoint {
     /// chain of joints waits for one product per joint, not two; and the origin.
     #[inline(always)]
     pub(crate) fn placed(&self, q: f64) -> (Mat3, Vec3) {
+        match self.kind {
+            JointKind::Revolute => self.placed_by(q, libm::sincos(q)),
+            JointKind::Prismatic => self.placed_by(q, (0.0, 1.0)),
+        }
+    }
+
+    /// [`ArmJoint::placed`] where sine and cosine of `q` are known already; a prismatic joint has no use for them.
+    #[inline(always)]
+    pub(crate) fn placed_by(&self, q: f64, (s, c): (f64, f64)) -> (Mat3, Vec3) {
         let (e, r) = (&self.rotation, self.translation);
         match self.kind {
             JointKind::Revolute => {
-                let (s, c) = libm::sincos(q);
                 // E Rz(q)
                 let turned =
                     |row: &Vec3| [c * row[0] + s * row[1], c * row[1] - s * row[0], row[2]];
@@ -146,6 +154,8 @@ pub struct ArmWorkspace {
     /// Bodies of the momentum pass, which has a storage of its own for speed; slots as above.
     pub(crate) moving: Vec<momentum::Moving>,
     pub(crate) composite: Vec<Composite>,
+    pub(crate) sin_q: Vec<f64>,
+    pub(crate) cos_q: Vec<f64>,
     pub(crate) p: Vec<f64>,
     pub(crate) ct_dq: Vec<f64>,
     pub(crate) g: Vec<f64>,
@@ -170,6 +180,8 @@ impl ArmWorkspace {
             state,
             moving: alloc::vec![momentum::Moving::default(); n + 1],
             composite: alloc::vec![Composite::default(); n + 1],
+            sin_q: alloc::vec![0.0; n],
+            cos_q: alloc::vec![0.0; n],
             p: alloc::vec![0.0; n],
             ct_dq: alloc::vec![0.0; n],
             g: alloc::vec![0.0; n],

@@ -2,6 +2,7 @@
 
 use super::{Arm, ArmJoint, ArmWorkspace, JointKind};
 use crate::StepError;
+use crate::sines::sin_cos;
 use crate::vec3::{Mat3, Vec3, add, cross, rotate, rotate_back};
 
 /// What one pass yields, borrowed from the workspace. All of length `n`.
@@ -60,7 +61,8 @@ impl Arm {
         if !sum.is_finite() {
             return Err(StepError::NotFinite);
         }
-        self.place_joints(&mut ws.moving, q, dq);
+        sin_cos(q, &mut ws.sin_q, &mut ws.cos_q);
+        self.place_joints(&mut ws.moving, q, dq, (&ws.sin_q, &ws.cos_q));
         self.momentum_forward(&mut ws.moving);
         self.momentum_backward(&mut ws.moving, &mut ws.p, &mut ws.ct_dq, &mut ws.g);
         Ok(Momentum {
@@ -70,10 +72,15 @@ impl Arm {
         })
     }
 
-    /// What each joint does by itself: nothing here waits for another joint, so that sines of all
-    /// joints are computed side by side.
+    /// What each joint does by itself.
     #[inline]
-    fn place_joints(&self, moving: &mut [Moving], q: &[f64], dq: &[f64]) {
+    fn place_joints(
+        &self,
+        moving: &mut [Moving],
+        q: &[f64],
+        dq: &[f64],
+        (sin_q, cos_q): (&[f64], &[f64]),
+    ) {
         let Some((base, bodies)) = moving.split_first_mut() else {
             return;
         };
@@ -82,8 +89,10 @@ impl Arm {
             v: [0.0; 3],
             gamma: self.gravity,
         });
-        for (((joint, body), q), dq) in self.joints.iter().zip(bodies).zip(q).zip(dq) {
-            body.set_frame(&Frame::new(joint, *q, *dq));
+        let moved = q.iter().zip(dq).zip(sin_q.iter().zip(cos_q));
+        for ((joint, body), ((q, dq), (sin_q, cos_q))) in self.joints.iter().zip(bodies).zip(moved)
+        {
+            body.set_frame(&Frame::new(joint, *q, *dq, (*sin_q, *cos_q)));
         }
     }
 
@@ -148,8 +157,8 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(joint: &ArmJoint, q: f64, dq: f64) -> Self {
-        let (rotation, translation) = joint.placed(q);
+    fn new(joint: &ArmJoint, q: f64, dq: f64, turned: (f64, f64)) -> Self {
+        let (rotation, translation) = joint.placed_by(q, turned);
         let (spin, slide) = match joint.kind {
             JointKind::Revolute => (dq, 0.0),
             JointKind::Prismatic => (0.0, dq),
