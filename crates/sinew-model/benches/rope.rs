@@ -1,4 +1,4 @@
-//! Time of the rope law: a year of one-minute steps, one step, one ramp.
+//! Time of the rope law: a year of one-minute steps under loads that vary and under one that stays, one step, one ramp.
 //!
 //! `cargo bench -p sinew-model --bench rope`
 
@@ -46,6 +46,19 @@ fn year(c: &mut Criterion) {
             state
         });
     });
+    // Bedding-in goes on at every step.
+    for tension_n in [60.0, 200.0] {
+        group.bench_function(format!("the same at {tension_n} N and 23 °C"), |b| {
+            b.iter(|| {
+                let mut state = State::default();
+                for _ in 0..MINUTES_PER_YEAR {
+                    let load = black_box(RopeLoad::at_reference(tension_n));
+                    law.hold(&mut state, load, 60.0).expect("a load");
+                }
+                state
+            });
+        });
+    }
     group.finish();
 }
 

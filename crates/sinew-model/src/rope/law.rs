@@ -386,7 +386,14 @@ impl Law {
         }
         let per_percent = self.p.jamming / self.bedding_percent;
         let jam = exp(-per_percent * state.bedding_percent);
-        let closed = bedding::closed_fraction(per_percent * gap, per_s * jam * duration_s);
+        let rate = per_s * jam * duration_s;
+        // What closes is less than this. A rope that lies under one load keeps a few last digits of a gap that no step
+        // can close, and a year of minutes would compute them each time.
+        let most = state.bedding_percent + gap * rate.min(1.0);
+        if most == state.bedding_percent {
+            return;
+        }
+        let closed = bedding::closed_fraction(per_percent * gap, rate);
         let b = state.bedding_percent + gap * closed;
         state.bedding_percent = b.min(target).max(state.bedding_percent);
     }
