@@ -27,6 +27,9 @@ for arm in range(1, 11):
             if day > end:
                 break
             rows.append((day, unit, kind, event))
+            if event == "broken":
+                # A rope that breaks is out of sight until somebody says that another was put in.
+                rows.append((day, unit, kind, "installed"))
             if random.random() < 0.15 and day + datetime.timedelta(days=40) < end:
                 rows.append((day + datetime.timedelta(days=40), unit, kind, "loose; tensioned again"))
 rows.sort()
