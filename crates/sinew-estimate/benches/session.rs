@@ -1,10 +1,11 @@
-//! The absolute estimate against reading the log: one simulated minute with payload and contacts.
+//! The absolute estimate against reading the log: one simulated minute with payload and contacts, and three in which a
+//! payload is picked up, six slips come, and contacts.
 //!
 //! `cargo bench -p sinew-estimate --bench session` prints, for 250 Hz and 1 kHz, CSV and MCAP (and
 //! Parquet, 250 Hz, where `../shared` is there), what every stage of
 //! `sinew estimate LOG --baseline FILE` takes, of processors and by the clock, and its ratio to reading
 //! the log; then the cost of a feature step, of a block of the recursive form, and batch over
-//! recursive.
+//! recursive. A word after `--` leaves out recordings that are called otherwise (`-- eventful`).
 
 use cpu_time::ProcessTime;
 use sinew_estimate::Request;
@@ -32,54 +33,67 @@ fn main() {
     } else {
         (11, &[250.0, 1000.0])
     };
+    let only = std::env::args().skip(1).find(|a| !a.starts_with('-'));
+    let wanted = |name: &str| {
+        only.as_ref()
+            .is_none_or(|only| name.contains(only.as_str()))
+    };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let place = root.join("robots/biorob-like");
     let robot = robot_dir::load(&place, None).expect("robot").robot;
     let folder = tempfile::tempdir().expect("temporary folder");
     for &rate_hz in rates {
-        let (a, b) = sessions(&root, &robot, rate_hz);
+        let all = frames(&root, &robot, rate_hz);
+        let sessions: Vec<&[Frame]> = all.chunks((rate_hz * SESSION_S) as usize).collect();
+        let (a, b) = (sessions[0], sessions[1]);
         let (baseline, _) = session::learn_recorded(
             &robot,
-            &recorded(&robot, &a),
+            &recorded(&robot, a),
             "A",
             &session::Learning::default(),
         )
         .expect("baseline");
-        println!("{SESSION_S} s at {rate_hz} Hz, {} frames", b.len());
-        let csv = folder.path().join("b.csv");
-        let mcap = folder.path().join("b.mcap");
-        write_csv(&csv, &robot, &b);
-        write_mcap(&mcap, &robot, &b);
         let whole = Window::default();
-        stages("CSV", &csv, &place, &robot, whole, &baseline, rounds);
-        stages("MCAP", &mcap, &place, &robot, whole, &baseline, rounds);
-        if rate_hz == 250.0 {
-            parquet(&root, &place, &robot, rounds);
+        for (name, frames, rounds) in [
+            ("a minute", b, rounds),
+            ("eventful", &all, rounds.div_ceil(2)),
+        ] {
+            if !wanted(name) {
+                continue;
+            }
+            let seconds = (frames.len() as f64 / rate_hz).round();
+            println!(
+                "{name}: {seconds} s at {rate_hz} Hz, {} frames",
+                frames.len()
+            );
+            let csv = folder.path().join("b.csv");
+            let mcap = folder.path().join("b.mcap");
+            write_csv(&csv, &robot, frames);
+            write_mcap(&mcap, &robot, frames);
+            stages("CSV", &csv, &place, &robot, whole, &baseline, rounds);
+            stages("MCAP", &mcap, &place, &robot, whole, &baseline, rounds);
         }
-        steps(&robot, &b, &baseline, rounds);
+        if wanted("a minute") {
+            if rate_hz == 250.0 {
+                parquet(&root, &place, &robot, rounds);
+            }
+            steps(&robot, b, &baseline, rounds);
+        }
     }
 }
 
-/// Frames of sessions A and B of the example's work session.
-fn sessions(root: &Path, robot: &Robot, rate_hz: f64) -> (Vec<Frame>, Vec<Frame>) {
+/// Frames of the example's work session: A, B and C.
+fn frames(root: &Path, robot: &Robot, rate_hz: f64) -> Vec<Frame> {
     let file = root.join("examples/scenarios/work-session.toml");
     let text = std::fs::read_to_string(file).expect("scenario");
     let mut scenario = Scenario::from_toml(&text, "work-session.toml").expect("scenario");
     scenario.sample_rate_hz = rate_hz;
     let mut simulation = Simulation::new(robot, &scenario).expect("simulation");
-    let (mut a, mut b) = (Vec::new(), Vec::new());
+    let mut frames = Vec::new();
     while let Some(frame) = simulation.next_frame().expect("frame") {
-        let frame = frame.clone();
-        let t = simulation.true_state().time_s;
-        if t < SESSION_S {
-            a.push(frame);
-        } else if t < 2.0 * SESSION_S {
-            b.push(frame);
-        } else {
-            break;
-        }
+        frames.push(frame.clone());
     }
-    (a, b)
+    frames
 }
 
 fn recorded(robot: &Robot, frames: &[Frame]) -> Recorded {

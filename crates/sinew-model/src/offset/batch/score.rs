@@ -3,7 +3,7 @@
 use super::problem::{Problem, chi};
 use crate::cholesky::{self, Factor};
 use crate::offset::change::ChangeKind;
-use crate::offset::equations::equation::{Equations, Side};
+use crate::offset::equations::equation::Equations;
 use crate::offset::equations::linearise::Content;
 use crate::offset::equations::robust::redescending_weight;
 use crate::offset::error::MapError;
@@ -102,13 +102,7 @@ impl ScoreSum {
 
     pub(super) fn add(&mut self, equations: &Equations, kind: ChangeKind, weights: &[f64]) {
         for (e, weight) in equations.list.iter().zip(weights) {
-            let concerned = match kind {
-                ChangeKind::Offset(joint)
-                | ChangeKind::Compliance(joint)
-                | ChangeKind::Creep(joint) => e.side == Side::Link && e.joint == joint,
-                ChangeKind::Payload | ChangeKind::Force => true,
-            };
-            if !concerned {
+            if !e.moves_with(kind) {
                 continue;
             }
             for (c, shared) in self.shared.chunks_exact_mut(self.total).enumerate() {
@@ -190,7 +184,7 @@ impl ScoreSum {
 mod tests {
     use super::*;
     use crate::offset::batch::normal::NormalEquations;
-    use crate::offset::equations::equation::Equation;
+    use crate::offset::equations::equation::{Equation, Side};
     use crate::offset::fixtures::{own, random};
     use crate::offset::layout::Layout;
     use crate::offset::parameter::JointParameter;

@@ -35,6 +35,18 @@ pub(crate) struct Equation {
     pub(crate) stationary_share: f64,
 }
 
+impl Equation {
+    /// Whether what is expected moves with such a change: a motor's torque knows nothing of its rope but the load.
+    pub(crate) fn moves_with(&self, kind: ChangeKind) -> bool {
+        match kind {
+            ChangeKind::Offset(joint)
+            | ChangeKind::Compliance(joint)
+            | ChangeKind::Creep(joint) => joint == self.joint && self.side == Side::Link,
+            ChangeKind::Payload | ChangeKind::Force => true,
+        }
+    }
+}
+
 /// A change that has happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Active {
@@ -148,7 +160,10 @@ impl Equations {
             } = *active;
             (0..kind.columns()).map(move |k| (first + k, factor * self.entry(e, kind, k)))
         };
-        self.active.iter().flat_map(columns)
+        let active = self.active.iter();
+        active
+            .filter(move |active| e.moves_with(active.kind))
+            .flat_map(columns)
     }
 
     /// The row of `e` times a column.
