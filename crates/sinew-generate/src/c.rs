@@ -1,7 +1,7 @@
 //! C99: a header and a source that need `math.h` alone.
 
 use crate::write::{Body, momentum, number};
-use crate::{File, Language, Subject};
+use crate::{File, Language, Subject, turn};
 use sinew_model::transmission::Friction;
 use std::fmt::Write as _;
 
@@ -64,7 +64,13 @@ fn header(subject: &Subject<'_>) -> String {
 
 fn source(subject: &Subject<'_>) -> String {
     let n = subject.joints();
-    let Body { lines, p, ct_dq, g } = momentum(&subject.pass, Language::C);
+    let Body {
+        lines,
+        turns,
+        p,
+        ct_dq,
+        g,
+    } = momentum(&subject.pass, Language::C);
     let mut results = String::new();
     for (array, texts) in [("p", &p), ("ct_dq", &ct_dq), ("g", &g)] {
         for (i, text) in texts.iter().enumerate() {
@@ -131,7 +137,12 @@ fn source(subject: &Subject<'_>) -> String {
         None => format!("    o->delta_e[{i}] = NAN;\n"),
         Some(_) => String::new(),
     });
+    let turn = match turns {
+        true => turn::filled(TURN),
+        false => String::new(),
+    };
     filled(SOURCE, subject)
+        .replace("@TURN@\n", &turn)
         .replace("@NAMES@", &names.join(", "))
         .replace("@PASS@\n", &lines)
         .replace("@RESULTS@\n", &results)
@@ -250,6 +261,26 @@ int @name@_is_settled(const @name@_observer *o);
 #endif
 "#;
 
+const TURN: &str = r#"/* Sine and cosine: x is so many quarter turns and a rest, whose sine and cosine are polynomials. Within 2e-16; beyond
+ * some ten thousand turns math.h computes them. */
+static inline void turn(double x, double *s, double *c)
+{
+    if (fabs(x) <= 1e5) {
+        const double turns = x * @PER_RAD@;
+        const int k = (int)(turns + (turns < 0.0 ? -0.5 : 0.5));
+        const double r = x - k * @P0@ - k * @P1@ - k * @P2@;
+        const double z = r * r, h = 0.5 * z, w = 1.0 - h;
+        const double sine = r + r * z * (@SINE@);
+        const double cosine = w + (1.0 - w - h + z * z * (@COSINE@));
+        *s = (k & 1 ? cosine : sine) * (1 - (k & 2));
+        *c = (k & 1 ? sine : cosine) * (1 - ((k + 1) & 2));
+    } else {
+        *s = sin(x);
+        *c = cos(x);
+    }
+}
+"#;
+
 const SOURCE: &str = r#"/* @robot@: momentum pass and offset observer, written by Sinew @version@ (sinew robot generate). */
 #include "@name@.h"
 
@@ -258,6 +289,7 @@ const SOURCE: &str = r#"/* @robot@: momentum pass and offset observer, written b
 
 const char *const @name@_joint_names[@upper@_JOINTS] = {@NAMES@};
 
+@TURN@
 void @name@_momentum(const double q[@upper@_JOINTS], const double dq[@upper@_JOINTS], double p[@upper@_JOINTS],
                    double ct_dq[@upper@_JOINTS], double g[@upper@_JOINTS])
 {

@@ -5,13 +5,14 @@
 //! [`sinew_model::offset::OffsetObserver`] (observer as the source, matched comparison) to rounding.
 //!
 //! Reading order: `frames` (which frames and masses leave least to compute), `graph` (arithmetic as values),
-//! `pass` (the momentum pass as a graph), `write` (a graph as text), `c`, `rust`.
+//! `pass` (the momentum pass as a graph), `write` (a graph as text), `turn` (sines), `c`, `rust`.
 
 mod c;
 mod frames;
 mod graph;
 mod pass;
 mod rust;
+mod turn;
 mod write;
 
 use pass::Pass;

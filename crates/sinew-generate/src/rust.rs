@@ -1,7 +1,7 @@
 //! Rust without the standard library: one module that needs the crate `libm` alone.
 
 use crate::write::{Body, momentum, number};
-use crate::{File, Language, Subject};
+use crate::{File, Language, Subject, turn};
 use sinew_model::transmission::Friction;
 use std::fmt::Write as _;
 
@@ -25,7 +25,13 @@ fn filled(text: &str, subject: &Subject<'_>) -> String {
 
 fn source(subject: &Subject<'_>) -> String {
     let n = subject.joints();
-    let Body { lines, p, ct_dq, g } = momentum(&subject.pass, Language::Rust);
+    let Body {
+        lines,
+        turns,
+        p,
+        ct_dq,
+        g,
+    } = momentum(&subject.pass, Language::Rust);
     let elastic = |i: usize| subject.stiffness(i);
     let each = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
     let names = subject.robot.joint_names().iter();
@@ -72,7 +78,12 @@ fn source(subject: &Subject<'_>) -> String {
         let all: Vec<String> = (0..n).map(|i| format!("self.q[{i}].{part}")).collect();
         all.join(", ")
     };
+    let turn = match turns {
+        true => turn::filled(TURN),
+        false => String::new(),
+    };
     filled(SOURCE, subject)
+        .replace("@TURN@\n", &turn)
         .replace("@LIST@\n", &list)
         .replace("@N@", &n.to_string())
         .replace("@NAMES@", &names.join(", "))
@@ -110,6 +121,32 @@ fn friction(friction: Friction, i: usize) -> String {
     out
 }
 
+const TURN: &str = r#"/// Sine and cosine: `x` is so many quarter turns and a rest, whose sine and cosine are polynomials. Within 2e-16; beyond
+/// some ten thousand turns `libm` computes them.
+#[inline(always)]
+#[allow(clippy::excessive_precision, clippy::approx_constant)]
+fn turn(x: f64) -> (f64, f64) {
+    /// A number of this size has no room for a fraction: adding it rounds.
+    const ROUNDING: f64 = 6755399441055744.0;
+    if x.abs() <= 1e5 {
+        let rounded = x * @PER_RAD@ + ROUNDING;
+        let (k, quarter) = (rounded - ROUNDING, rounded.to_bits());
+        let r = x - k * @P0@ - k * @P1@ - k * @P2@;
+        let z = r * r;
+        let h = 0.5 * z;
+        let w = 1.0 - h;
+        let sine = r + r * z * (@SINE@);
+        let cosine = w + (1.0 - w - h + z * z * (@COSINE@));
+        let (s, c) = if quarter & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
+        let sign = |x: f64, of: u64| f64::from_bits(x.to_bits() ^ ((of & 2) << 62));
+        (sign(s, quarter), sign(c, quarter + 1))
+    } else {
+        libm::sincos(x)
+    }
+}
+
+"#;
+
 const SOURCE: &str = r#"//! @robot@: momentum pass and offset observer, written by Sinew @version@ (`sinew robot generate`).
 //!
 //! Masses, geometry, stiffness and friction are those of its `robot.toml` and URDF when this was written: write it anew
@@ -135,6 +172,7 @@ pub struct Momentum {
     pub g: [f64; JOINTS],
 }
 
+@TURN@
 /// The momentum pass.
 #[allow(unused_variables)]
 #[rustfmt::skip]

@@ -46,6 +46,8 @@ fn turned(graph: &Graph, order: &[Node]) -> Vec<usize> {
 pub(crate) struct Body {
     /// Lines, indented by four.
     pub(crate) lines: String,
+    /// Whether they call `turn`.
+    pub(crate) turns: bool,
     /// What the results are called, joint by joint.
     pub(crate) p: Vec<String>,
     pub(crate) ct_dq: Vec<String>,
@@ -59,8 +61,9 @@ pub(crate) fn momentum(pass: &Pass, language: Language) -> Body {
     let wanted = pass.wanted();
     let (order, uses) = pass.graph.needed(&wanted);
     let mut lines = String::new();
-    for joint in turned(&pass.graph, &order) {
-        lines += &sine_and_cosine(joint, pass.angles[joint], language);
+    let turned = turned(&pass.graph, &order);
+    for &joint in &turned {
+        lines += &turn(joint, pass.angles[joint], language);
     }
     let results: HashSet<Node> = wanted.iter().copied().collect();
     let mut texts: HashMap<Node, String> = HashMap::new();
@@ -98,18 +101,21 @@ pub(crate) fn momentum(pass: &Pass, language: Language) -> Body {
         ct_dq: named(&pass.ct_dq),
         g: named(&pass.g),
         lines,
+        turns: !turned.is_empty(),
     }
 }
 
 /// The line that takes a joint's sine and cosine, of its position plus a constant angle.
-fn sine_and_cosine(joint: usize, angle: f64, language: Language) -> String {
+fn turn(joint: usize, angle: f64, language: Language) -> String {
     let of = match angle {
         0.0 => format!("q[{joint}]"),
         angle => format!("q[{joint}] + {}", number(angle)),
     };
     match language {
-        Language::C => format!("    const double s{joint} = sin({of}), c{joint} = cos({of});\n"),
-        Language::Rust => format!("    let (s{joint}, c{joint}) = libm::sincos({of});\n"),
+        Language::C => {
+            format!("    double s{joint}, c{joint};\n    turn({of}, &s{joint}, &c{joint});\n")
+        }
+        Language::Rust => format!("    let (s{joint}, c{joint}) = turn({of});\n"),
     }
 }
 

@@ -64,10 +64,42 @@ pub(crate) struct Sample {
     pub(crate) dq: Vec<f64>,
 }
 
-/// A motion at 1 kHz that changes to 250 Hz, with samples that can't be.
+/// Angles in every quarter, at the borders between quarters, and many turns away, rad.
+const ANGLES: [f64; 24] = [
+    -0.0,
+    0.7853981633974483,
+    0.785398163397449,
+    1.5707963267948966,
+    2.356194490192345,
+    2.4,
+    3.141592653589793,
+    4.0,
+    5.497787143782138,
+    6.283185307179586,
+    -0.7853981633974483,
+    -0.785398163397449,
+    -1.5707963267948966,
+    -2.4,
+    -3.0,
+    -3.9269908169872414,
+    -5.0,
+    -6.283185307179586,
+    99_999.9,
+    -98_765.4,
+    100_000.1,
+    -123_456.7,
+    1e9,
+    31_415.926_535,
+];
+
+/// Samples of [`motion`] that a step refuses.
+pub(crate) const REFUSED: usize = 3 + ANGLES.len();
+
+/// A motion at 1 kHz that changes to 250 Hz, with samples that can't be. It ends with angles anywhere and no time in
+/// between, which the pass alone takes.
 pub(crate) fn motion(joints: usize, known: bool) -> Vec<Sample> {
     let mut t = 0.0;
-    (0..400)
+    (0..400 + ANGLES.len())
         .map(|k| {
             let mut dt_s = if k < 300 { 1e-3 } else { 4e-3 };
             t += dt_s;
@@ -81,6 +113,10 @@ pub(crate) fn motion(joints: usize, known: bool) -> Vec<Sample> {
                 150 => q[joints - 1] = f64::NAN,
                 170 => dt_s = 0.0,
                 190 => q[0] = 1e300,
+                400.. => {
+                    dt_s = 0.0;
+                    q = each(&|i| ANGLES[(k + 5 * i) % ANGLES.len()]);
+                }
                 _ => {}
             }
             Sample {
