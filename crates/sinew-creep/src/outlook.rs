@@ -110,21 +110,103 @@ impl Outlook {
         };
         let together: Vec<f64> = missed.iter().filter_map(|m| m.combined).collect();
         let widened = factor(&together, options.level);
+        let beyond = curves
+            .get(index)
+            .map(|curve| Beyond::of(&ahead.rehearsed(curve), ahead, options.level));
+        let far = |forecast: Forecast| match &beyond {
+            Some(beyond) => beyond.widened(forecast),
+            None => forecast,
+        };
         Outlook {
             laws: fits
                 .iter()
                 .map(|f| {
                     (
                         f.law,
-                        Ok(Forecast::under(f, index, ahead, time_s).widened(of_law(f.law))),
+                        Ok(far(
+                            Forecast::under(f, index, ahead, time_s).widened(of_law(f.law))
+                        )),
                     )
                 })
                 .collect(),
             combined: (!fits.is_empty())
-                .then(|| combined_under(fits, index, ahead, time_s).widened(widened)),
+                .then(|| far(combined_under(fits, index, ahead, time_s).widened(widened))),
             widened,
             rehearsals: together.len(),
         }
+    }
+}
+
+/// What no reading says of times far beyond the record.
+///
+/// Rehearsals speak for three times the record. From then on any retardation time may come that the record was too short to
+/// show, so that a decade may bring as much creep more or less as the record's decades brought on average: one standard
+/// deviation, and the decades go together.
+struct Beyond {
+    start_s: f64,
+    span_s: f64,
+    /// Strain at the record's end, m/m: under a load that stays, creep doesn't come back.
+    end_strain: f64,
+    /// Half an interval for every decade beyond, m/m.
+    per_decade: f64,
+    /// Whether it is another load that is asked for: then creep goes with the strain.
+    instead: bool,
+}
+
+impl Beyond {
+    fn of(curve: &Curve, ahead: Ahead, level: f64) -> Self {
+        let instead = matches!(ahead, Ahead::Instead { .. });
+        let start_s = curve.steps.first().map_or(0.0, |s| s.0);
+        let mut under_load = (curve.time_s.iter().zip(&curve.strain)).filter(|r| *r.0 > start_s);
+        let first = under_load.next();
+        let last = under_load.last().or(first);
+        let (Some((first_s, first)), Some((last_s, last))) = (first, last) else {
+            return Self {
+                start_s,
+                span_s: f64::INFINITY,
+                end_strain: f64::NEG_INFINITY,
+                per_decade: 0.0,
+                instead,
+            };
+        };
+        let span_s = last_s - start_s;
+        let decades = (span_s / (first_s - start_s)).log10().max(1.0);
+        Self {
+            start_s,
+            span_s,
+            end_strain: *last,
+            per_decade: normal_quantile(0.5 + 0.5 * level) * (last - first).abs() / decades,
+            instead,
+        }
+    }
+
+    fn widened(&self, mut forecast: Forecast) -> Forecast {
+        for (i, t) in forecast.time_s.iter().enumerate() {
+            let decades = ((t - self.start_s) / self.span_s).log10() - RATIO.1.log10();
+            if !(decades > 0.0) {
+                continue;
+            }
+            let middle = forecast.strain_ratio[i];
+            let (share, end) = match self.instead {
+                true => ((middle / self.end_strain).abs(), f64::NEG_INFINITY),
+                false => (1.0, self.end_strain),
+            };
+            let more = decades * share * self.per_decade;
+            for low in [
+                &mut forecast.low_strain_ratio[i],
+                &mut forecast.reading_low_strain_ratio[i],
+            ] {
+                let least = low.min(end);
+                *low = (middle - (middle - *low).hypot(more)).max(least);
+            }
+            for high in [
+                &mut forecast.high_strain_ratio[i],
+                &mut forecast.reading_high_strain_ratio[i],
+            ] {
+                *high = middle + (*high - middle).hypot(more);
+            }
+        }
+        forecast
     }
 }
 

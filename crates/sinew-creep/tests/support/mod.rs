@@ -2,10 +2,6 @@
 
 pub(crate) mod bench;
 pub(crate) mod laws;
-#[allow(
-    dead_code,
-    reason = "the study examples/coverage.rs alone draws such materials"
-)]
 pub(crate) mod outside;
 pub(crate) mod score;
 
