@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 use sinew_model::trend::{
-    BaselineError, Component, Event, Prior, Record, SharedPart, Softened, Stiffness, Trend,
-    TrendConfig, TrendEntry, TrendError, TrendState,
+    BaselineError, Component, Event, Misread, Prior, Record, SharedPart, Softened, Stiffness,
+    Trend, TrendConfig, TrendEntry, TrendError, TrendState,
 };
 
 /// Version written.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// What a trend remembers, to go on from later: some tens of kilobytes, just after a jump about one
 /// megabyte.
@@ -31,6 +31,11 @@ pub struct StoredTrend {
     /// What sessions since the baseline get wrong together: variance of each level, and whether sessions state it.
     #[serde(default)]
     pub baseline: Vec<(f64, bool)>,
+    /// The same of the last session before the last entries.
+    pub baseline_last: Option<(f64, bool)>,
+    /// Whether sessions since a jump have an error that those before it hadn't.
+    #[serde(default)]
+    pub misread: Misread,
     /// The stiffness since the last jump: mean, information, sessions.
     pub softened: Option<(f64, f64, u64)>,
     /// Sessions that reported one.
@@ -150,6 +155,8 @@ impl From<&Trend> for StoredTrend {
             baseline: (state.baseline.levels.iter().flatten())
                 .map(|level| (level.variance, level.stated))
                 .collect(),
+            baseline_last: (state.baseline.last).map(|last| (last.variance, last.stated)),
+            misread: state.baseline.misread,
             softened: (state.softened).map(|s| (s.mean, s.information, s.sessions)),
             stiffness_sessions: state.stiffness.sessions,
             entries: state.entries.iter().filter_map(entry).collect(),
@@ -213,19 +220,24 @@ fn entry(entry: &TrendEntry) -> Option<StoredEntry> {
     })
 }
 
-/// The levels of an error that sessions share; at most two.
-fn levels(stored: &[(f64, bool)]) -> Result<BaselineError, TrendError> {
-    let mut out = BaselineError::default();
-    if stored.len() > out.levels.len() {
-        return Err(TrendError::State);
-    }
-    for (level, &(variance, stated)) in out.levels.iter_mut().zip(stored) {
-        *level = Some(SharedPart { variance, stated });
-    }
-    Ok(out)
-}
-
 impl StoredTrend {
+    /// What sessions since a baseline get wrong together; at most two levels.
+    fn baseline(&self) -> Result<BaselineError, TrendError> {
+        let part = |(variance, stated)| SharedPart { variance, stated };
+        let mut out = BaselineError {
+            last: self.baseline_last.map(part),
+            misread: self.misread,
+            ..BaselineError::default()
+        };
+        if self.baseline.len() > out.levels.len() {
+            return Err(TrendError::State);
+        }
+        for (level, stored) in out.levels.iter_mut().zip(&self.baseline) {
+            *level = Some(part(*stored));
+        }
+        Ok(out)
+    }
+
     /// Goes on from here with the prior it was made with.
     ///
     /// # Errors
@@ -236,6 +248,7 @@ impl StoredTrend {
         }
         let fingerprint = u64::from_str_radix(&self.prior, 16).map_err(|_| TrendError::State)?;
         let [m0, m1, c0, c1, c2, shape, rate] = self.stiffness;
+        let baseline = self.baseline()?;
         let state = TrendState {
             fingerprint,
             time_s: self.time_s,
@@ -243,7 +256,7 @@ impl StoredTrend {
                 .map(StoredFilter::component)
                 .collect::<Option<_>>()
                 .ok_or(TrendError::State)?,
-            baseline: levels(&self.baseline)?,
+            baseline,
             softened: self.softened.map(|(mean, information, sessions)| Softened {
                 mean,
                 information,

@@ -271,6 +271,7 @@ impl Bank {
     /// The tendon has jumped: a strand may have failed, whose stiffness every session finds anew.
     pub(super) fn jumped(&mut self) {
         self.softened = Some(Softened::new());
+        self.baseline.jumped();
     }
 
     /// Opens the level (or what was taken out) to a change of `deviation_rad`.

@@ -29,10 +29,33 @@ pub struct SharedPart {
 /// A session that knows less has the error of the one that knows more, and another one beside it: so do errors of a chain
 /// of estimates of which each rests on the one before. Two states hold it: `W` of the better level and what the
 /// poorer one adds. No number of sessions averages them away.
+///
+/// After a jump a strand may have failed. How its lost stiffness is misread is another error of all sessions since: what they
+/// state more than before. The second state takes it up, and every session since sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaselineError {
     /// The better level, and the poorer one.
     pub levels: [Option<SharedPart>; 2],
+    /// That of the last session.
+    pub last: Option<SharedPart>,
+    /// What a jump has made of it.
+    pub misread: Misread,
+}
+
+/// Whether sessions since a jump have an error that those before it hadn't.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Misread {
+    /// They haven't, as far as they say.
+    #[default]
+    No,
+    /// It jumped after the last session; the next one will say.
+    Awaited,
+    /// They have.
+    Yes,
+    /// They have, and it jumped again after the last session.
+    AwaitedAgain,
 }
 
 /// What a record sees of the shared error.
@@ -88,11 +111,51 @@ impl Shares {
 impl BaselineError {
     /// Whether it can be one.
     pub(super) fn is_possible(&self) -> bool {
-        let levels = self.levels.iter().flatten();
-        let finite = levels
+        let parts = self.levels.iter().chain([&self.last]).flatten();
+        let finite = parts
             .clone()
             .all(|l| l.variance > 0.0 && l.variance.is_finite());
         finite && (self.levels[1].is_none() || self.levels[0].is_some())
+    }
+
+    /// It jumped.
+    pub(super) fn jumped(&mut self) {
+        self.misread = match self.misread {
+            Misread::No | Misread::Awaited => Misread::Awaited,
+            Misread::Yes | Misread::AwaitedAgain => Misread::AwaitedAgain,
+        };
+    }
+
+    /// The first session after a jump: what it states more than the last one is new, and stays.
+    fn softened(&mut self, part: SharedPart, prior: &Prior, components: &mut [Component]) {
+        let again = match self.misread {
+            Misread::Awaited => false,
+            Misread::AwaitedAgain => true,
+            Misread::No | Misread::Yes => return,
+        };
+        let before = self.last.unwrap_or(part);
+        let more = part.variance - before.variance;
+        self.misread = match again || more > 0.0 {
+            true => Misread::Yes,
+            false => Misread::No,
+        };
+        let [Some(better), poorer] = self.levels else {
+            return;
+        };
+        if !(more > 0.0) {
+            return;
+        }
+        for c in components {
+            if let Some(noise) = noise_of(prior, c) {
+                let more = part.variance_of(noise) - before.variance_of(noise);
+                c.open(EXCESS, more.max(0.0));
+            }
+        }
+        let level = poorer.unwrap_or(better);
+        self.levels[1] = Some(SharedPart {
+            variance: level.variance + more,
+            stated: part.stated,
+        });
     }
 
     /// A record of this shared part comes: a level is found or made for it.
@@ -102,6 +165,8 @@ impl BaselineError {
         prior: &Prior,
         components: &mut [Component],
     ) -> Shares {
+        self.softened(part, prior, components);
+        self.last = Some(part);
         let apart = |level: &SharedPart| libm::fabs(libm::log(part.variance / level.variance));
         let shares = |h: [f64; 2], level: SharedPart| Shares { h, part, level };
         let near = 2.0 * libm::log(ALIKE);
@@ -136,6 +201,7 @@ impl BaselineError {
                 self.levels = [Some(part), Some(only)];
                 shares([1.0, 0.0], part)
             }
+            [Some(_), Some(poorer)] if self.misread == Misread::Yes => shares([1.0, 1.0], poorer),
             [Some(better), Some(poorer)] => match apart(&better) <= apart(&poorer) {
                 true => shares([1.0, 0.0], better),
                 false => shares([1.0, 1.0], poorer),

@@ -59,7 +59,7 @@ mod state;
 mod stiffness;
 mod tracker;
 
-pub use baseline_error::{BaselineError, SharedPart};
+pub use baseline_error::{BaselineError, Misread, SharedPart};
 pub use component::{Component, STATES};
 pub use curve::{Curve, NODES, generic_curves, node_times_s};
 pub use forecast::{Paths, first_passage};

@@ -297,3 +297,50 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     let right = counts.map(|count| (count as f64 / ROBOTS as f64 - 0.95).abs() < most);
     assert_eq!(right, [true, false, false], "{counts:?}");
 }
+
+#[test]
+fn how_a_lost_stiffness_is_misread_is_known_to_no_session_since() {
+    const ROBOTS: usize = 300;
+    let mut prior = Prior::new(vec![log_curve()]);
+    prior.step_rad = 0.0;
+    prior.noises = vec![Noise {
+        slow_deviation_rad: 0.02e-3,
+        slow_time_s: 10.0 * DAY_S,
+        white_scale: 0.6,
+        pace_error: 0.0,
+        log_weight: 0.0,
+    }];
+    let (own_rad, shared_rad) = (0.1e-3, 0.3e-3);
+    let mut random = Random(31);
+    let mut counts = [0_usize; 2];
+    for _ in 0..ROBOTS {
+        let amplitude = (1e-3 + 0.4e-3 * random.normal()).max(0.1e-3);
+        let creep = |t: f64| amplitude * (t * DAY_S / prior.baseline_s).ln();
+        let mut trend = Trend::new(prior.clone(), TrendConfig::default()).expect("a prior");
+        let (mut jumped, mut softened) = (0.0, 0.0_f64);
+        let mut wrong = shared_rad * random.normal();
+        for day in 1..=50 {
+            let t = f64::from(day);
+            // Two strands fail, one after the other; each misread by as much as sessions since say.
+            if day == 15 || day == 32 {
+                jumped += 3e-3 + 2e-3 * random.uniform();
+                let more = 0.2e-3 + 0.4e-3 * random.uniform();
+                softened = softened.hypot(more);
+                wrong += more * random.normal();
+            }
+            let y = creep(t) + jumped + wrong + own_rad * random.normal();
+            let record = session(t, y, own_rad, shared_rad.hypot(softened));
+            trend.add(record).expect("in order");
+        }
+        let now = TrendNow::of(&trend).offset_rad;
+        let error = (now.mean - creep(50.0) - jumped).abs();
+        for (count, factor) in counts.iter_mut().zip([1.0, 0.7]) {
+            *count += usize::from(error < factor * now.half_width_95());
+        }
+    }
+    println!("{counts:?} of {ROBOTS} inside at 1 and 0.7 times the interval");
+    // Three standard deviations of a share of 0.95 among so many.
+    let most = 3.0 * (0.95 * 0.05 / ROBOTS as f64).sqrt();
+    let right = counts.map(|count| (count as f64 / ROBOTS as f64 - 0.95).abs() < most);
+    assert_eq!(right, [true, false], "{counts:?}");
+}
