@@ -63,6 +63,7 @@ pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod rope;
+pub mod sines;
 pub mod statistics;
 pub mod survival;
 pub mod tolerances;
@@ -75,7 +76,6 @@ pub mod wire;
 mod cholesky;
 mod error;
 mod gaussian;
-mod sines;
 mod tile;
 pub use error::StepError;
 pub use gaussian::{Bounded, Gaussian, Interval95, Z95};
