@@ -63,6 +63,14 @@ pub enum SessionError {
         /// The recording, or what stands for it.
         recording: String,
     },
+    /// Motor and joint side can't be the two sides of springs.
+    #[error("{file}: {fault}")]
+    Sides {
+        /// The recording.
+        file: String,
+        /// What is wrong with them.
+        fault: SidesFault,
+    },
     /// The baseline file can't be used.
     #[error("{file}: {why}")]
     Baseline {
@@ -71,4 +79,59 @@ pub enum SessionError {
         /// Why, and what to do.
         why: String,
     },
+}
+
+/// Why motor and joint side can't be the two sides of springs.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SidesFault {
+    /// Both are one signal at these joints.
+    Same {
+        /// Joints.
+        joints: Vec<String>,
+    },
+    /// Every spring that carries something turns against it.
+    Opposed {
+        /// Which.
+        springs: Vec<OpposedSpring>,
+    },
+}
+
+/// A spring that turns against what it carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpposedSpring {
+    /// Joint.
+    pub joint: String,
+    /// Its deflection over the one that masses and motion ask for; 1 is right.
+    pub slope: f64,
+}
+
+impl std::fmt::Display for SidesFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Same { joints } => {
+                let joints: Vec<String> = joints.iter().map(|name| format!("'{name}'")).collect();
+                write!(
+                    f,
+                    "motor and joint position of {} are the same all the time: both come from one encoder or one topic; name the motor side with --motor-topic, --motor-interface or --mapping",
+                    joints.join(", ")
+                )
+            }
+            Self::Opposed { springs } => {
+                let springs: Vec<String> = (springs.iter())
+                    .map(|s| {
+                        format!(
+                            "'{}' ({})",
+                            s.joint,
+                            format!("{:.2}", s.slope).replace('-', "−")
+                        )
+                    })
+                    .collect();
+                write!(
+                    f,
+                    "motor and joint side look swapped: by the described masses the springs turn against what they carry at {}, where 1 would be right; exchange topics, interfaces or columns (--mapping); if they are right, look at gravity_m_s2, and for a counterweight that the URDF lacks",
+                    springs.join(", ")
+                )
+            }
+        }
+    }
 }

@@ -74,6 +74,10 @@ fn every_trouble_is_named() {
         Some(Trouble::FarApart { .. })
     ));
 
+    let watched = spoilt(|_, frame| frame.theta[ELBOW] = frame.q[ELBOW] + 0.01);
+    assert_eq!(trouble(&watched, Some("elbow")), Some(Trouble::OneSignal));
+    assert_eq!(trouble(&watched, Some("wrist")), None);
+
     let watched = spoilt(|_, frame| frame.theta[ELBOW] = 0.7);
     assert_eq!(
         trouble(&watched, Some("elbow")),

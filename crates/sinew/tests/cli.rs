@@ -330,6 +330,52 @@ fn nothing_estimated_is_exit_code_1_with_the_reason_and_no_file() {
 }
 
 #[test]
+fn sides_that_are_one_or_swapped_are_refused_with_their_joints() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let scenario = repository().join("examples/scenarios/stretched-arm.toml");
+    let (scenario, robot) = (scenario.display().to_string(), robot());
+    let simulate = ["simulate", &scenario, "--robot", &robot, "--duration", "30"];
+    let made = sinew(&[&simulate[..], &["--out", "a.csv"]].concat(), dir.path());
+    assert_eq!(code(&made), 0, "{}", err(&made));
+    let text = std::fs::read_to_string(dir.path().join("a.csv")).expect("it is there");
+    let (header, rows) = text.split_once('\n').expect("a header");
+    let estimate = ["estimate", "b.csv", "--robot", &robot, "--csv", "e.csv"];
+    let baseline = [
+        "baseline",
+        "b.csv",
+        "--robot",
+        &robot,
+        "--out",
+        "b.baseline",
+    ];
+    let refuse = |text: String, words: &[&str]| {
+        std::fs::write(dir.path().join("b.csv"), text).expect("written");
+        refused(&estimate, dir.path(), 1, words);
+        refused(&baseline, dir.path(), 1, words);
+        assert!(!dir.path().join("e.csv").exists());
+        assert!(!dir.path().join("b.baseline").exists());
+    };
+    // The names exchanged: every spring turns against what it carries. The yaw carries little.
+    let swapped = header.replace("theta.", "Q.").replace("q.", "theta.");
+    let swapped = swapped.replace("Q.", "q.");
+    refuse(
+        format!("{swapped}\n{rows}"),
+        &["swapped", "shoulder_pitch' (−", "elbow' (−", "mapping"],
+    );
+    // One joint's motor side is its joint side.
+    let one = rows.lines().map(|row| {
+        let mut cells: Vec<&str> = row.split(',').collect();
+        cells[7] = cells[3];
+        cells.join(",") + "\n"
+    });
+    let one: String = one.collect();
+    refuse(
+        format!("{header}\n{one}"),
+        &["of 'elbow' are the same", "--motor-topic"],
+    );
+}
+
+#[test]
 fn a_recording_becomes_a_table_a_document_a_csv_and_a_report() {
     let dir = simulated("12");
     let robot = robot();

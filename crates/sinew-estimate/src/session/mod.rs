@@ -26,6 +26,7 @@ mod result;
 mod revisits;
 mod run;
 mod segments;
+mod sides;
 mod stand;
 pub mod stated;
 mod summary;

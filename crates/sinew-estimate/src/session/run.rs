@@ -8,7 +8,7 @@ use super::revisits;
 use super::segments::Segments;
 use super::summary::{Context, summarise, utc_s};
 use super::warning::Warning;
-use super::{temperature, witness, zero};
+use super::{sides, temperature, witness, zero};
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator, mean_temperature};
@@ -106,6 +106,7 @@ pub fn learn_recorded(
     let session = Session::new(robot, recorded, &options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
+    sides::check(robot, prior, recorded, name)?;
     let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
     let temperature_c = mean_temperature(&recorded.blocks);
     if let Some((known, file)) = known {

@@ -1,6 +1,7 @@
 //! The unknown parameters of a robot, with their prior before any recording.
 
 use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
+use super::block::Block;
 use super::layout::Layout;
 use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
 use super::state_entry::StateEntry;
@@ -168,6 +169,24 @@ impl Prior {
     /// What entry `k` of the state is.
     pub fn describe(&self, k: usize) -> Option<StateEntry> {
         StateEntry::of(self.layout(), k)
+    }
+
+    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for with the described masses and stiffness, payload,
+    /// friction and contact aside: `Φ_i z / K`, one per block, rad. Empty for a rigid joint. Allocates.
+    pub fn described_deflections_rad(&self, blocks: &[Block], i: usize) -> Vec<f64> {
+        let Some(joint) = self.joints.get(i).and_then(Option::as_ref) else {
+            return Vec::new();
+        };
+        let z = self.base.of(&self.inertial);
+        let row = i * z.len()..(i + 1) * z.len();
+        let load = |block: &Block| match block.phi.get(row.clone()) {
+            Some(phi) => crate::cholesky::dot(phi, &z),
+            None => f64::NAN,
+        };
+        let blocks = blocks.iter();
+        blocks
+            .map(|block| load(block) / joint.stiffness_nm_per_rad)
+            .collect()
     }
 
     /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.

@@ -218,6 +218,8 @@ pub enum Trouble {
         /// Whether it is the motor's; else the joint's.
         motor: bool,
     },
+    /// Motor and joint position are one signal: the spring never gives while the joint moves.
+    OneSignal,
     /// Joint and motor positions are so far apart as degrees or a missing gear ratio make them.
     FarApart {
         /// Mean distance, rad.

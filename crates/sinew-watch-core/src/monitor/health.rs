@@ -59,6 +59,8 @@ impl Range {
 struct Seen {
     joint: Range,
     motor: Range,
+    /// Motor less joint.
+    spring: Range,
     apart_rad: f64,
     apart_frames: u64,
 }
@@ -67,6 +69,7 @@ impl Seen {
     const NOTHING: Self = Self {
         joint: Range::NOTHING,
         motor: Range::NOTHING,
+        spring: Range::NOTHING,
         apart_rad: 0.0,
         apart_frames: 0,
     };
@@ -150,6 +153,7 @@ impl Health {
             };
             seen.joint.push(q);
             seen.motor.push(theta);
+            seen.spring.push(theta - q);
             let apart_rad = (theta - q).abs();
             if apart_rad.is_finite() {
                 seen.apart_rad += apart_rad;
@@ -228,6 +232,8 @@ impl Health {
                 Some(Trouble::Dead { motor: false })
             } else if motor <= STILL_RAD && joint > MOVED_RAD {
                 Some(Trouble::Dead { motor: true })
+            } else if joint > MOVED_RAD && seen.spring.travel() <= STILL_RAD {
+                Some(Trouble::OneSignal)
             } else if apart_rad > APART_RAD {
                 Some(Trouble::FarApart { apart_rad })
             } else {

@@ -164,6 +164,10 @@ fn data(trouble: &Trouble) -> String {
             "the {} position never changes while others do",
             side(*motor)
         ),
+        Trouble::OneSignal => {
+            "motor and joint position are the same all the time: one encoder or one topic for both?"
+                .into()
+        }
         Trouble::FarApart { apart_rad } => format!(
             "motor and joint position are {} rad apart: degrees, or a missing gear ratio?",
             rounded(*apart_rad, 2)
