@@ -126,3 +126,28 @@ fn a_force_that_is_stated_and_does_not_act_is_nothing() {
     is_true(&said, &errors, [0.0; 3]);
     assert!(widest_mrad(&said) < 2.0, "{:?}", said.joints);
 }
+
+/// A wrong statement is not believed against the data.
+#[test]
+fn a_force_that_is_stated_wrongly_is_contradicted() {
+    let stated_n = |n: [f64; 3]| Some(n.map(|n| Gaussian::new(n, 0.1)));
+    let contradicted = |said: &SessionEstimate| {
+        let mut warnings = said.warnings.iter();
+        let found = warnings.find_map(|w| match w {
+            Warning::ExternalForceContradicted { force_n } => Some(*force_n),
+            _ => None,
+        });
+        found.unwrap_or_else(|| panic!("{:?}", said.warnings))
+    };
+    let case = Case::new("S6", 3000);
+    let (said, errors) = case.watched(2.0, stated_n([20.0, 0.0, 0.0]));
+    assert_eq!(contradicted(&said), None);
+    for (joint, error) in said.joints.iter().zip(&errors) {
+        let half = 1e3 * joint.offset_rad.half_width_95();
+        assert!(error.abs() < half && half < 2.0, "{error} ± {half}");
+    }
+    let case = Case::new("force-lateral", 4000);
+    let (said, errors) = case.watched(2.0, stated_n([0.0, -6.0, 0.0]));
+    assert!(contradicted(&said).is_some());
+    is_true(&said, &errors, [0.0, 1.0, 0.0]);
+}

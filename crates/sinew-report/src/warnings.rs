@@ -6,8 +6,8 @@ use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::{rounded, with_interval};
 use sinew_log::StreamRole;
-use sinew_model::Z95;
 use sinew_model::offset::misfit::misfit_rad;
+use sinew_model::{Gaussian, Z95};
 
 /// What the reader of an estimate should know, a sentence each.
 pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
@@ -171,6 +171,11 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
     }
 }
 
+/// A force along three axes.
+fn newtons(force_n: [Gaussian; 3]) -> String {
+    force_n.map(|f| plus_minus(f, 1.0)).join(", ")
+}
+
 /// What the reader of a session's estimate should know, in a sentence.
 pub fn session_warning(warning: &Warning) -> String {
     match warning {
@@ -233,9 +238,7 @@ pub fn session_warning(warning: &Warning) -> String {
         } => format!(
             "a constant force from outside acts on the arm ({:.0} % likely): at the tool {} N along x, y and z of the base. It is estimated along; a cable that drags, a hose or a spring balancer does that. Take it off, or state it with --external-force-n",
             100.0 * probability,
-            force_n
-                .map(|f| format!("{:.1} ± {:.1}", f.mean, f.half_width_95()))
-                .join(", ")
+            newtons(*force_n)
         ),
         Warning::Unexplained { joint, noise_rad } => format!(
             "{joint}: {:.1} mrad of the reading fits nothing{}: a gear ratio, an axis, the encoders' zero (zero_mrad), the clock between them or a viscoelastic rope may differ from the description",
@@ -258,6 +261,13 @@ pub fn session_warning(warning: &Warning) -> String {
         Warning::NegativePayload { payload_kg } => format!(
             "payload {} kg: nothing weighs less than nothing. The tool may be lighter than robot.toml or the baseline say, or positions may be in another unit or direction: look at the gripper and at sinew log info before believing the offsets",
             plus_minus(*payload_kg, 1.0)
+        ),
+        Warning::ExternalForceContradicted { force_n } => format!(
+            "the recording contradicts the force that was stated with --external-force-n: {}; what it shows was used. Look at its direction (base axes) and at what pulls",
+            match force_n {
+                Some(force_n) => format!("it shows {} N", newtons(*force_n)),
+                None => "it shows none".into(),
+            }
         ),
         Warning::PayloadContradicted { payload_kg } => format!(
             "the recording contradicts the payload that was stated: it shows {} kg, and that was used; look at the gripper",

@@ -243,8 +243,8 @@ pub fn estimate_with_replay(
 /// Both sides are taken as stamped together, unless friction is such at every joint as one side's lag would show:
 /// then the lag is estimated along, and a warning says so.
 ///
-/// A stated payload is believed unless the recording contradicts it: where much fits nothing with it, and half as
-/// much without, it is estimated instead, and a warning says so.
+/// A stated payload or force is believed unless the recording contradicts it: where much fits nothing with it, and half
+/// as much without, it is estimated instead, and a warning says so.
 ///
 /// # Errors
 /// [`SessionError`].
@@ -297,23 +297,46 @@ pub fn estimate_stretch(
     };
     let stated = estimate_as_stated(options)?;
     let suspect_rad = worst(&stated.0);
-    if options.payload == Payload::Unknown || suspect_rad < SUSPECT_RAD {
+    if suspect_rad < SUSPECT_RAD {
         return Ok(stated);
     }
-    let open = SessionOptions {
-        payload: Payload::Unknown,
-        ..*options
-    };
-    let mut opened = estimate_as_stated(&open)?;
-    if worst(&opened.0) > 0.5 * suspect_rad {
-        return Ok(stated);
+    // One statement alone first, then both.
+    let (payload, force) = (
+        options.payload != Payload::Unknown,
+        options.external_force_n.is_some(),
+    );
+    let doubts = [(payload, false), (false, force), (payload, force)];
+    let mut doubted = Vec::new();
+    for (payload, force) in doubts {
+        if !(payload || force) || doubted.contains(&(payload, force)) {
+            continue;
+        }
+        doubted.push((payload, force));
+        let mut open = *options;
+        if payload {
+            open.payload = Payload::Unknown;
+        }
+        if force {
+            open.external_force_n = None;
+        }
+        let mut opened = estimate_as_stated(&open)?;
+        if worst(&opened.0) > 0.5 * suspect_rad {
+            continue;
+        }
+        let said = &mut opened.0;
+        if payload {
+            let payload_kg = said.payload_kg;
+            said.warnings
+                .push(Warning::PayloadContradicted { payload_kg });
+        }
+        if force {
+            let found = said.external_force.map(|found| found.force_n);
+            said.warnings
+                .push(Warning::ExternalForceContradicted { force_n: found });
+        }
+        return Ok(opened);
     }
-    let payload_kg = opened.0.payload_kg;
-    opened
-        .0
-        .warnings
-        .push(Warning::PayloadContradicted { payload_kg });
-    Ok(opened)
+    Ok(stated)
 }
 
 /// [`estimate_recorded`], whatever is stated taken as true, and the lag between the sides as `0 ± lag_s`.
@@ -328,6 +351,7 @@ fn estimate_with_lag(
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
+    sides::check(robot, prior, recorded, name)?;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
     // What every session since the baseline begins with.
     let common: Belief;

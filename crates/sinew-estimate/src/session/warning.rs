@@ -122,6 +122,11 @@ pub enum Warning {
         /// Payload as estimated, kg.
         payload_kg: Gaussian,
     },
+    /// The recording contradicts the constant force that was stated; what it shows was used instead.
+    ExternalForceContradicted {
+        /// Along the axes of the base, N; `None` where it shows no force.
+        force_n: Option<[Gaussian; 3]>,
+    },
     /// A long time in which nothing fits.
     NothingFits {
         /// From, s.
