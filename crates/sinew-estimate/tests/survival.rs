@@ -5,6 +5,7 @@ use sinew_estimate::trend::survival::{
     read_lives,
 };
 use sinew_files::JsonDocument as _;
+use sinew_files::date::{day_of, parse_utc_s};
 use sinew_report::trend::survival::{format_note, html, render_table};
 use std::path::PathBuf;
 
@@ -278,6 +279,11 @@ fn a_break_and_its_new_rope_on_one_day_are_one_life_each() {
         let text = format!("2024-01-01,a,installed\n{day}2025-01-01,a,seen\n");
         assert_eq!(ends(&text), expected, "{day}");
     }
+    // The first row of a log: a rope of unknown age broke, and another was put in. It didn't break on that day.
+    let text = "2024-12-01,a,broken\n2024-12-01,a,installed\n2025-01-01,a,seen\n";
+    assert_eq!(ends(text), [(31.0, LifeEnd::Whole)]);
+    let text = "2024-12-01,a,installed\n2024-12-01,a,broken\n2025-01-01,z,seen\n";
+    assert_eq!(ends(text), [(0.5, LifeEnd::Broke)]);
     // It stood without a rope for 19 days: that is no life.
     let text =
         "2024-01-01,a,installed\n2024-06-01,a,broken\n2024-06-20,a,installed\n2024-07-20,a,seen\n";
@@ -315,6 +321,38 @@ fn a_place_that_got_no_new_rope_is_out_of_observation_from_the_break_on() {
     // One that broke again was there; since then there is none.
     let again = "2024-02-01,a,broken\n2024-03-02,a,broken\n";
     assert_eq!(of(again), (vec![broke, (30.0, LifeEnd::Broke)], Some(1)));
+}
+
+/// Where every break was repaired, a log of breaks has the short lives only: those that ended by another break. Ropes that were
+/// put in and lasted must count, or ropes look weaker than they are.
+#[test]
+fn ropes_put_in_after_a_break_count_where_every_place_was_repaired() {
+    const MEAN_DAYS: f64 = 1000.0;
+    let begin = parse_utc_s("2024-01-01").unwrap();
+    // Quantiles of lives at a constant risk, a hundred places on their first day, each with another.
+    let mut rows = String::from("date,unit,event\n");
+    for place in 0..100 {
+        let life_days = -MEAN_DAYS * (1.0 - (f64::from(place) + 0.5) / 100.0).ln();
+        rows.push_str(&format!("2024-01-01,p{place},broken\n"));
+        if life_days < 500.0 {
+            let day = day_of(begin + 86_400.0 * life_days.round());
+            rows.push_str(&format!("{day},p{place},broken\n"));
+        }
+    }
+    let (_folder, path) = table(&rows);
+    let law = |repaired: bool| {
+        let columns = EventColumns {
+            until_utc_s: parse_utc_s("2025-05-15"),
+            repaired,
+            ..EventColumns::default()
+        };
+        let report = analyze_lives(&read_lives(&path, &columns).unwrap(), "log");
+        let law = report.groups[0].weibull.clone().unwrap();
+        law.scale_interval_95.map(|s| s.unwrap() / 86_400.0)
+    };
+    let ([low, high], seen) = (law(true), law(false));
+    assert!((low..high).contains(&MEAN_DAYS), "{low} {high}");
+    assert!(seen[1] < MEAN_DAYS, "{seen:?}");
 }
 
 #[test]

@@ -284,10 +284,19 @@ fn tight(code: &str) -> String {
         .fold(String::new(), |text, line| text + line + "\n")
 }
 
+/// Text of the page: an option of the command stays in one line.
+fn prose(text: &str) -> String {
+    let words = text.split(' ').map(|word| match word.starts_with("--") {
+        true => format!("<span class=\"whole\">{}</span>", escape_xml(word)),
+        false => escape_xml(word),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 fn write_block(out: &mut String, block: &Block) {
     let _ = match block {
-        Block::Paragraph(text) => writeln!(out, "<p>{}</p>", escape_xml(text)),
-        Block::Notice(text) => writeln!(out, "<p class=\"notice\">{}</p>", escape_xml(text)),
+        Block::Paragraph(text) => writeln!(out, "<p>{}</p>", prose(text)),
+        Block::Notice(text) => writeln!(out, "<p class=\"notice\">{}</p>", prose(text)),
         Block::Headlines(lines) => write_headlines(out, lines),
         Block::List(lines) => write_list(out, lines),
         Block::Table(table) => write_table(out, table),
@@ -312,7 +321,7 @@ fn write_headlines(out: &mut String, lines: &[Headline]) -> std::fmt::Result {
     writeln!(out, "<ul class=\"headlines\">")?;
     for Headline { level, text } in lines {
         let (class, sign) = (level.class(), level.sign());
-        writeln!(out, "<li class=\"{class}\">{sign}{}</li>", escape_xml(text))?;
+        writeln!(out, "<li class=\"{class}\">{sign}{}</li>", prose(text))?;
     }
     writeln!(out, "</ul>")
 }
@@ -320,7 +329,7 @@ fn write_headlines(out: &mut String, lines: &[Headline]) -> std::fmt::Result {
 fn write_list(out: &mut String, lines: &[String]) -> std::fmt::Result {
     writeln!(out, "<ul>")?;
     for line in lines {
-        writeln!(out, "<li>{}</li>", escape_xml(line))?;
+        writeln!(out, "<li>{}</li>", prose(line))?;
     }
     writeln!(out, "</ul>")
 }

@@ -191,6 +191,13 @@ impl Told {
     }
 }
 
+/// With a capital, to begin a sentence.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().map(|c| c.to_ascii_uppercase());
+    first.into_iter().chain(rest).collect()
+}
+
 /// A number to three digits.
 pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {

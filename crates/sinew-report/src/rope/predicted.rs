@@ -31,6 +31,10 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         let breaks = Headline::new(Level::Alarm, breaks);
         first.push(Block::Headlines(vec![breaks]));
     }
+    if let (Some(text), None) = (broken(p), p.breaks_after_s) {
+        let breaks = format!("{}. It {}.", text::capitalised(&text), life::lasts(&p.life));
+        first.push(Block::Headlines(vec![Headline::new(Level::Watch, breaks)]));
+    }
     first.extend(notices(&p.cautions));
     if p.readings.len() > 1 {
         first.push(Block::Figure(Box::new(course(p, curve)), String::new()));
@@ -58,7 +62,7 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         s.temperature_max_c,
     ];
     let constant = s.tension_min_n == s.tension_max_n && celsius[0] == celsius[2];
-    let mut basis = vec![Block::from(Table::facts([
+    let basis = vec![Block::from(Table::facts([
         ("duty", p.duty.clone()),
         (
             "one cycle",
@@ -107,7 +111,6 @@ pub fn predicted(p: &Prediction, curve: &[Reading]) -> Page {
         lasts.push(Block::Figure(Box::new(life::figure(&p.life)), about.into()));
         lasts.push(Table::new(&life::HEAD, life::rows(&p.life)).into());
     }
-    basis.extend(broken(p).map(|text| Block::Notice(text + ".")));
     page(format!("Elongation of {}", p.rope), p.duty.clone())
         .section("", first)
         .section("Readings", vec![Table::new(&head, rows).into()])
@@ -156,7 +159,7 @@ fn broken(p: &Prediction) -> Option<String> {
     let last = p.readings.last()?;
     (last.broken_share > 0.0).then(|| {
         format!(
-            "the rope breaks in {} % of the draws within {}, which are left out above",
+            "the rope breaks in {} % of the draws within {}, which are left out of the elongations",
             rounded(100.0 * last.broken_share, 2),
             spoken(last.time_s)
         )

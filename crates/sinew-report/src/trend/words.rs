@@ -1,5 +1,6 @@
 //! What a trend finds, in words.
 
+use crate::text::capitalised;
 use crate::words::plus_minus;
 use sinew_estimate::trend::survival::LifeForecast;
 use sinew_estimate::trend::{
@@ -197,13 +198,6 @@ pub(super) fn limit_of_verdict(joint: &JointTrend) -> Option<&LimitForecast> {
         | TrendVerdict::ReplaceByAge
         | TrendVerdict::NoLimit => None,
     }
-}
-
-/// With a capital, to begin a sentence.
-fn capitalised(text: &str) -> String {
-    let mut rest = text.chars();
-    let first = rest.next().map(|c| c.to_ascii_uppercase());
-    first.into_iter().chain(rest).collect()
 }
 
 /// The tendon in one sentence.

@@ -30,6 +30,8 @@ pub struct EventColumns {
     pub watched: Option<String>,
     /// Until when places were watched, s since 1970; `None`: until the last event of those watched together.
     pub until_utc_s: Option<f64>,
+    /// Whether a rope that broke was replaced the same day, though no row says so.
+    pub repaired: bool,
 }
 
 impl Default for EventColumns {
@@ -41,6 +43,7 @@ impl Default for EventColumns {
             group: None,
             watched: None,
             until_utc_s: None,
+            repaired: false,
         }
     }
 }
@@ -210,14 +213,13 @@ pub(super) fn lives_of_events(table: &Table, columns: &EventColumns) -> Result<L
         let mut events = place.events.clone();
         events.sort_by(|a, b| a.utc_s.total_cmp(&b.utc_s));
         for day in events.chunk_by_mut(|a, b| a.utc_s == b.utc_s) {
-            // The rope that runs broke before the next was put in; where none runs, one was put in before it broke.
-            match of_place.from_utc_s {
-                Some(_) => day.sort_by_key(|e| (e.meaning != Meaning::Broke, e.meaning)),
-                None => day.sort_by_key(|e| e.meaning),
+            // The rope that runs broke before the next was put in; where none runs, the order of the rows says which came first.
+            if of_place.from_utc_s.is_some() {
+                day.sort_by_key(|e| (e.meaning != Meaning::Broke, e.meaning));
             }
             day.iter().for_each(|event| of_place.take(event));
         }
-        of_place.watch_ends(watch_ends(place));
+        of_place.watch_ends(watch_ends(place), columns.repaired);
     }
     if first_breaks > 0 {
         notes.push(SurvivalNote::AgeUnknown {
@@ -305,9 +307,9 @@ impl PlaceLives<'_> {
     }
 
     /// Nobody watches any more. A place whose rope broke and of which nothing was heard since has no rope that anybody
-    /// knows of: one that was seen since is whole as long as it was seen.
-    fn watch_ends(&mut self, at_utc_s: f64) {
-        match (self.supposed, self.seen_utc_s) {
+    /// knows of: one that was seen since is whole as long as it was seen. Where every place was `repaired` it has one.
+    fn watch_ends(&mut self, at_utc_s: f64, repaired: bool) {
+        match (self.supposed && !repaired, self.seen_utc_s) {
             (false, _) => self.ends(at_utc_s, LifeEnd::Whole),
             (true, Some(seen)) => self.ends(seen, LifeEnd::Whole),
             (true, None) => *self.without_rope += 1,

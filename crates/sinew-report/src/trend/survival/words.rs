@@ -111,7 +111,8 @@ pub fn format_note(note: &SurvivalNote) -> String {
              stronger than they are"
         ),
         SurvivalNote::NoNewRope { places } => format!(
-            "{} out of observation since the rope there broke: nobody says that another was put in ('installed')",
+            "{} out of observation since the rope there broke: nobody says that another was put in ('installed'). Where one was, \
+             ropes look weaker than they are; --repaired says that every place got one the same day",
             match places {
                 1 => "1 place is".to_string(),
                 n => format!("{n} places are"),

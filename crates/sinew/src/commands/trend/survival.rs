@@ -64,6 +64,9 @@ struct Columns {
     /// Day until which ropes that didn't break were watched
     #[arg(long, value_name = "DATE", value_parser = date)]
     until: Option<f64>,
+    /// A rope that broke was replaced the same day, though no row says so
+    #[arg(long)]
+    repaired: bool,
 }
 
 fn date(text: &str) -> Result<f64, String> {
@@ -88,6 +91,7 @@ impl Survival {
             group: self.columns.group.clone(),
             watched: self.columns.watched.clone(),
             until_utc_s: self.columns.until,
+            repaired: self.columns.repaired,
         };
         let lives = read_lives(&self.table, &columns)?;
         let report = analyze_lives(&lives, &self.table.display().to_string());
