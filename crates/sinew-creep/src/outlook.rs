@@ -159,7 +159,7 @@ impl Beyond {
         let start_s = curve.steps.first().map_or(0.0, |s| s.0);
         let mut under_load = (curve.time_s.iter().zip(&curve.strain)).filter(|r| *r.0 > start_s);
         let first = under_load.next();
-        let last = under_load.last().or(first);
+        let last = under_load.next_back().or(first);
         let (Some((first_s, first)), Some((last_s, last))) = (first, last) else {
             return Self {
                 start_s,
