@@ -27,6 +27,8 @@ fn filled(text: &str, subject: &Subject<'_>) -> String {
         .replace("@gain@", &number(subject.gain_per_s))
         .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
         .replace("@settling@", &number(subject.settling_s()))
+        .replace("@precision@", subject.precision.name())
+        .replace("@LARGEST@", subject.precision.largest())
         .replace("@version@", env!("CARGO_PKG_VERSION"))
         .replace("@robot@", &comment(&subject.robot.name))
 }
@@ -138,7 +140,7 @@ fn source(subject: &Subject<'_>) -> String {
         Some(_) => String::new(),
     });
     let turn = match turns {
-        true => turn::filled(TURN),
+        true => turn::filled(TURN, subject.precision),
         false => String::new(),
     };
     filled(SOURCE, subject)
@@ -184,7 +186,7 @@ fn friction(friction: Friction, i: usize) -> String {
 const HEADER: &str = r#"/* @robot@: momentum pass and offset observer, written by Sinew @version@ (sinew robot generate).
  *
  * Masses, geometry, stiffness and friction are those of its robot.toml and URDF when this was written: write it anew
- * when they change. Positions are rad (m of a sliding joint), torques N m (N), time s.
+ * when they change. Positions are rad (m of a sliding joint), torques N m (N), time s; in @precision@ precision.
  *
  *   joint
 @LIST@
@@ -261,19 +263,20 @@ int @name@_is_settled(const @name@_observer *o);
 #endif
 "#;
 
-const TURN: &str = r#"/* Sine and cosine: x is so many quarter turns and a rest, whose sine and cosine are polynomials. Within 2e-16; beyond
- * some ten thousand turns math.h computes them. */
+const TURN: &str = r#"/* Sine and cosine: x is so many quarter turns and a rest, whose sine and cosine are polynomials. To rounding; beyond
+ * @FAR@ rad math.h computes them. */
 static inline void turn(double x, double *s, double *c)
 {
-    if (fabs(x) <= 1e5) {
+    if (fabs(x) <= @FAR@) {
         const double turns = x * @PER_RAD@;
         const int k = (int)(turns + (turns < 0.0 ? -0.5 : 0.5));
-        const double r = x - k * @P0@ - k * @P1@ - k * @P2@;
+        const double n = (double)k;
+        const double r = x - n * @P0@ - n * @P1@ - n * @P2@;
         const double z = r * r, h = 0.5 * z, w = 1.0 - h;
         const double sine = r + r * z * (@SINE@);
         const double cosine = w + (1.0 - w - h + z * z * (@COSINE@));
-        *s = (k & 1 ? cosine : sine) * (1 - (k & 2));
-        *c = (k & 1 ? sine : cosine) * (1 - ((k + 1) & 2));
+        *s = (k & 1 ? cosine : sine) * (double)(1 - (k & 2));
+        *c = (k & 1 ? sine : cosine) * (double)(1 - ((k + 1) & 2));
     } else {
         *s = sin(x);
         *c = cos(x);
@@ -368,7 +371,7 @@ int @name@_step(@name@_observer *o, double dt_s, const double q[@upper@_JOINTS],
     if (tau_ext) {
 @EXTERNAL@
     }
-    if (!(sum < 1e60)) {
+    if (!(sum < @LARGEST@)) {
         return @upper@_NOT_FINITE;
     }
     if (started && !(dt_s >= 1e-9 && dt_s <= 1e9)) {

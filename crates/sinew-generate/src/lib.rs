@@ -5,12 +5,13 @@
 //! [`sinew_model::offset::OffsetObserver`] (observer as the source, matched comparison) to rounding.
 //!
 //! Reading order: `frames` (which frames and masses leave least to compute), `graph` (arithmetic as values),
-//! `pass` (the momentum pass as a graph), `write` (a graph as text), `turn` (sines), `c`, `rust`.
+//! `pass` (the momentum pass as a graph), `write` (a graph as text), `turn` (sines), `c`, `rust`, `precision`.
 
 mod c;
 mod frames;
 mod graph;
 mod pass;
+mod precision;
 mod rust;
 mod turn;
 mod write;
@@ -28,6 +29,16 @@ pub enum Language {
     C,
     /// Rust without the standard library, with the crate `libm`.
     Rust,
+}
+
+/// How exact the numbers of the code are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// 64 bits: values of the library to rounding.
+    #[default]
+    Double,
+    /// 32 bits, for a chip whose hardware has no more. Offsets are those of the library to some microradians.
+    Single,
 }
 
 /// A file of code.
@@ -84,6 +95,7 @@ struct Subject<'a> {
     gain_per_s: f64,
     cutoff_rad_per_s: f64,
     pass: Pass,
+    precision: Precision,
 }
 
 impl Subject<'_> {
@@ -109,7 +121,8 @@ impl Subject<'_> {
     }
 }
 
-/// Writes the code of a robot; `config` says gain and filter of its observer.
+/// Writes the code of a robot; `config` says gain and filter of its observer, which is a text for double precision written anew
+/// for single precision where that is asked for.
 ///
 /// # Errors
 /// [`GenerateError`].
@@ -117,6 +130,7 @@ pub fn generate(
     robot: &Robot,
     config: &OffsetConfig,
     language: Language,
+    precision: Precision,
 ) -> Result<Generated, GenerateError> {
     if robot.arm.dof() == 0 {
         return Err(GenerateError::NoJoint(robot.name.clone()));
@@ -135,13 +149,18 @@ pub fn generate(
         gain_per_s: config.gain_per_s,
         cutoff_rad_per_s,
         pass: Pass::of(&robot.arm),
+        precision,
     };
+    let mut files = match language {
+        Language::C => c::files(&subject),
+        Language::Rust => rust::files(&subject),
+    };
+    for file in &mut files {
+        file.text = precision::written_in(&file.text, language, precision);
+    }
     Ok(Generated {
         operations: write::operations(&subject.pass),
-        files: match language {
-            Language::C => c::files(&subject),
-            Language::Rust => rust::files(&subject),
-        },
+        files,
     })
 }
 

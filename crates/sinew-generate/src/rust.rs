@@ -21,6 +21,8 @@ fn filled(text: &str, subject: &Subject<'_>) -> String {
     .replace("@gain@", &number(subject.gain_per_s))
     .replace("@cutoff@", &number(subject.cutoff_rad_per_s))
     .replace("@settling@", &number(subject.settling_s()))
+    .replace("@precision@", subject.precision.name())
+    .replace("@LARGEST@", subject.precision.largest())
 }
 
 fn source(subject: &Subject<'_>) -> String {
@@ -79,7 +81,7 @@ fn source(subject: &Subject<'_>) -> String {
         all.join(", ")
     };
     let turn = match turns {
-        true => turn::filled(TURN),
+        true => turn::filled(TURN, subject.precision),
         false => String::new(),
     };
     filled(SOURCE, subject)
@@ -121,14 +123,14 @@ fn friction(friction: Friction, i: usize) -> String {
     out
 }
 
-const TURN: &str = r#"/// Sine and cosine: `x` is so many quarter turns and a rest, whose sine and cosine are polynomials. Within 2e-16; beyond
-/// some ten thousand turns `libm` computes them.
+const TURN: &str = r#"/// Sine and cosine: `x` is so many quarter turns and a rest, whose sine and cosine are polynomials. To rounding; beyond
+/// @FAR@ rad `libm` computes them.
 #[inline(always)]
 #[allow(clippy::excessive_precision, clippy::approx_constant)]
 fn turn(x: f64) -> (f64, f64) {
     /// A number of this size has no room for a fraction: adding it rounds.
-    const ROUNDING: f64 = 6755399441055744.0;
-    if x.abs() <= 1e5 {
+    const ROUNDING: f64 = @ROUNDING@;
+    if x.abs() <= @FAR@ {
         let rounded = x * @PER_RAD@ + ROUNDING;
         let (k, quarter) = (rounded - ROUNDING, rounded.to_bits());
         let r = x - k * @P0@ - k * @P1@ - k * @P2@;
@@ -138,7 +140,7 @@ fn turn(x: f64) -> (f64, f64) {
         let sine = r + r * z * (@SINE@);
         let cosine = w + (1.0 - w - h + z * z * (@COSINE@));
         let (s, c) = if quarter & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
-        let sign = |x: f64, of: u64| f64::from_bits(x.to_bits() ^ ((of & 2) << 62));
+        let sign = |x: f64, of: u64| f64::from_bits(x.to_bits() ^ ((of & 2) << @SHIFT@));
         (sign(s, quarter), sign(c, quarter + 1))
     } else {
         libm::sincos(x)
@@ -150,8 +152,8 @@ fn turn(x: f64) -> (f64, f64) {
 const SOURCE: &str = r#"//! @robot@: momentum pass and offset observer, written by Sinew @version@ (`sinew robot generate`).
 //!
 //! Masses, geometry, stiffness and friction are those of its `robot.toml` and URDF when this was written: write it anew
-//! when they change. Positions are rad (m of a sliding joint), torques N·m (N), time s. Needs the crate `libm`, no
-//! standard library. Nothing here allocates, locks, panics, loops or reads a clock.
+//! when they change. Positions are rad (m of a sliding joint), torques N·m (N), time s; in @precision@ precision. Needs
+//! the crate `libm`, no standard library. Nothing here allocates, locks, panics, loops or reads a clock.
 //!
 @LIST@
 
@@ -348,7 +350,7 @@ impl Observer {
         let external = tau_ext.unwrap_or(&[0.0; JOINTS]);
         let mut sum = 0.0;
 @CHECKED@
-        if !(sum < 1e60) {
+        if !(sum < @LARGEST@) {
             return Err(Refused::NotFinite);
         }
         if started && !(1e-9..=1e9).contains(&dt_s) {

@@ -2,6 +2,7 @@
 
 use sinew_model::arm::urdf;
 use sinew_model::robot::{Robot, RobotFile};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -67,29 +68,29 @@ pub(crate) struct Sample {
 /// Angles in every quarter, at the borders between quarters, and many turns away, rad.
 const ANGLES: [f64; 24] = [
     -0.0,
-    0.7853981633974483,
-    0.785398163397449,
-    1.5707963267948966,
-    2.356194490192345,
+    FRAC_PI_4,
+    FRAC_PI_4.next_up(),
+    FRAC_PI_2,
+    3.0 * FRAC_PI_4,
     2.4,
-    3.141592653589793,
+    PI,
     4.0,
-    5.497787143782138,
-    6.283185307179586,
-    -0.7853981633974483,
-    -0.785398163397449,
-    -1.5707963267948966,
+    7.0 * FRAC_PI_4,
+    TAU,
+    -FRAC_PI_4,
+    -FRAC_PI_4.next_up(),
+    -FRAC_PI_2,
     -2.4,
     -3.0,
-    -3.9269908169872414,
+    -5.0 * FRAC_PI_4,
     -5.0,
-    -6.283185307179586,
+    -TAU,
     99_999.9,
     -98_765.4,
     100_000.1,
     -123_456.7,
     1e9,
-    31_415.926_535,
+    31_415.9,
 ];
 
 /// Samples of [`motion`] that a step refuses.

@@ -1,7 +1,7 @@
 //! What stands in the files.
 
 use crate::robots::{biorob_like, models};
-use sinew_generate::{GenerateError, Language, generate};
+use sinew_generate::{GenerateError, Language, Precision, generate};
 use sinew_model::offset::{Comparison, OffsetConfig, VelocityFilter};
 
 fn config() -> OffsetConfig {
@@ -19,7 +19,10 @@ fn config() -> OffsetConfig {
 fn there_is_no_loop_and_nothing_to_link_with() {
     for robot in std::iter::once(biorob_like()).chain(models()) {
         for language in [Language::C, Language::Rust] {
-            for file in generate(&robot, &config(), language).unwrap().files {
+            for file in generate(&robot, &config(), language, Precision::Double)
+                .unwrap()
+                .files
+            {
                 for line in file.text.lines().map(str::trim) {
                     let comment =
                         line.starts_with("//") || line.starts_with('*') || line.starts_with("/*");
@@ -41,7 +44,7 @@ fn there_is_no_loop_and_nothing_to_link_with() {
 #[test]
 fn the_same_robot_is_written_alike() {
     for language in [Language::C, Language::Rust] {
-        let write = || generate(&biorob_like(), &config(), language).unwrap();
+        let write = || generate(&biorob_like(), &config(), language, Precision::Double).unwrap();
         assert_eq!(write(), write());
     }
 }
@@ -52,13 +55,13 @@ fn what_code_is_not_written_for_is_refused() {
         comparison: Comparison::Paper,
         ..config()
     };
-    let refused = generate(&biorob_like(), &paper, Language::C).unwrap_err();
+    let refused = generate(&biorob_like(), &paper, Language::C, Precision::Double).unwrap_err();
     assert!(matches!(refused, GenerateError::Source), "{refused}");
     let gain = OffsetConfig {
         gain_per_s: -1.0,
         ..config()
     };
-    let refused = generate(&biorob_like(), &gain, Language::C).unwrap_err();
+    let refused = generate(&biorob_like(), &gain, Language::C, Precision::Double).unwrap_err();
     assert!(matches!(refused, GenerateError::Config(_)), "{refused}");
 }
 
@@ -66,7 +69,7 @@ fn what_code_is_not_written_for_is_refused() {
 fn structure_known_beforehand_saves_arithmetic() {
     // Seven joints with orthogonal and parallel axes: as every common arm.
     let serial7 = models().nth(1).unwrap();
-    let counted = generate(&serial7, &config(), Language::C)
+    let counted = generate(&serial7, &config(), Language::C, Precision::Double)
         .unwrap()
         .operations;
     println!("serial7: {counted:?}");

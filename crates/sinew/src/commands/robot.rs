@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use sinew_estimate::robot_check::{RobotCheck, Severity};
 use sinew_estimate::robot_dir;
 use sinew_files::{limits, read_text, write_file};
-use sinew_generate::{Language, generate};
+use sinew_generate::{Language, Precision, generate};
 use sinew_log::Mapping;
 use sinew_model::offset::{OffsetConfig, VelocityFilter};
 use std::path::PathBuf;
@@ -77,6 +77,15 @@ enum Lang {
     Rust,
 }
 
+/// How exact the code's numbers are
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Exactness {
+    /// 64 bits: what `sinew` gives, to rounding
+    Double,
+    /// 32 bits, for chips without more in hardware: offsets to some microradians
+    Single,
+}
+
 /// Write code for this robot alone: its momentum pass and observer without loops
 ///
 /// The arm's structure, masses, stiffness and friction stand in the code as numbers, and what they make zero is gone.
@@ -91,6 +100,9 @@ pub(crate) struct Generate {
     /// Language
     #[arg(long, value_name = "LANGUAGE")]
     lang: Lang,
+    /// Precision of its numbers
+    #[arg(long, value_name = "PRECISION", default_value = "double")]
+    precision: Exactness,
     /// Folder to write to, made where it isn't there
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     out: PathBuf,
@@ -112,6 +124,10 @@ impl Generate {
             Lang::C => Language::C,
             Lang::Rust => Language::Rust,
         };
+        let precision = match self.precision {
+            Exactness::Double => Precision::Double,
+            Exactness::Single => Precision::Single,
+        };
         let config = OffsetConfig {
             gain_per_s: self.gain,
             velocity: VelocityFilter::StateVariable {
@@ -119,7 +135,7 @@ impl Generate {
             },
             ..OffsetConfig::default()
         };
-        let written = generate(&robot, &config, language)?;
+        let written = generate(&robot, &config, language, precision)?;
         let planned = written.files.iter();
         let planned: Vec<_> = planned.map(|f| (self.out.join(&f.name), &f.text)).collect();
         if let (false, Some((file, _))) = (self.force, planned.iter().find(|(p, _)| p.exists())) {
