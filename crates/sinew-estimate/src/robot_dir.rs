@@ -76,6 +76,16 @@ pub enum RobotDirError {
         "no robot.toml beside the recording nor in the current folder; name the robot's folder with --robot DIR (it holds robot.toml with stiffness_nm_per_rad per joint; robots/biorob-like is an example)"
     )]
     NotFound,
+    /// A URDF stands where `robot.toml` belongs.
+    #[error(
+        "{path} is a URDF, which knows no stiffness; name the folder of robot.toml instead: {cure}", path = path.display()
+    )]
+    Urdf {
+        /// The URDF.
+        path: PathBuf,
+        /// Which folder, or how to get one.
+        cure: String,
+    },
     /// Neither the robot's folder nor the recording has a URDF.
     #[error(
         "{path} names no urdf and the recording has no /robot_description; add urdf = \"NAME.urdf\"", path = path.display()
@@ -137,6 +147,9 @@ pub fn draft(
         place.to_path_buf()
     };
     let file_text = read_text(&file, &limits::DESCRIPTION)?;
+    if file_text.trim_start().starts_with('<') {
+        return Err(urdf_as_robot(file));
+    }
     let parsed = RobotFile::parse(&file_text, &file.display().to_string())?;
     let (urdf_text, urdf) = match (parsed.urdf(), description) {
         (Some(name), _) => {
@@ -161,6 +174,17 @@ pub fn draft(
         urdf_text,
     };
     Ok((loaded, gaps))
+}
+
+/// What to say where a URDF was named as the robot.
+fn urdf_as_robot(path: PathBuf) -> RobotDirError {
+    let folder = path.parent().filter(|folder| *folder != Path::new(""));
+    let folder = folder.unwrap_or(Path::new("."));
+    let cure = match folder.join("robot.toml").is_file() {
+        true => folder.display().to_string(),
+        false => format!("sinew init {} writes one", path.display()),
+    };
+    RobotDirError::Urdf { path, cure }
 }
 
 /// Where a robot is looked for when none is named: beside the recording, then here.

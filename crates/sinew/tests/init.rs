@@ -223,3 +223,18 @@ fn what_is_impossible_is_exit_code_1_and_what_is_odd_3() {
         "89.9 % of the rope's breaking load; usual are at most 20.0 %",
     );
 }
+
+#[test]
+fn a_urdf_named_as_the_robot_is_answered_with_the_folder() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let from = root().join("robots/biorob-like/biorob-like.urdf");
+    std::fs::copy(from, dir.join("arm.urdf")).expect("copied");
+    let said = ends(1, &["robot", "check", "arm.urdf"], dir);
+    let words = "arm.urdf is a URDF, which knows no stiffness; name the folder of robot.toml instead: sinew init arm.urdf writes one";
+    assert!(unwrapped(&said).contains(words), "{said}");
+    let urdf = path("robots/biorob-like/biorob-like.urdf");
+    let said = ends(1, &["robot", "check", &urdf], dir);
+    let words = format!("instead: {}", path("robots/biorob-like"));
+    assert!(unwrapped(&said).contains(&words), "{said}");
+}
