@@ -182,6 +182,19 @@ fn a_plan_of_tests_is_a_table_and_a_programme() {
     fn with<'a>(asked: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
         [asked, more].concat()
     }
+    for (loads, words) in [
+        (
+            "60,5000",
+            "5000 N breaks liros-dc000-0301, whose breaking load is 4450 N",
+        ),
+        ("3", "more than 3 N"),
+    ] {
+        let refused = sinew(&with(&asked[..10], &["--loads", loads]));
+        assert_eq!(refused.status.code(), Some(1), "{loads}");
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(words), "{said}");
+    }
     let plan = json(&with(&asked, &["--json", "--csv", csv.to_str().unwrap()]));
     let tests = plan["tests"].as_array().unwrap();
     assert!(!tests.is_empty(), "{plan}");

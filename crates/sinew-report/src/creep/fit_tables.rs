@@ -133,7 +133,7 @@ fn end(set: &FitSet) -> Option<String> {
     let (f, conditions) = (set.forecast.as_ref()?, set.forecast_conditions.as_ref()?);
     let last = f.time_s.len().checked_sub(1)?;
     Some(format!(
-        "{}: after {} h {} % ({} to {} %) under {}; all laws weighed, the interval widened by how far they missed the record's own end",
+        "{}: after {} h {} % ({} to {} %) under {}; all laws weighed, the interval widened by how far they missed the record's own end and, beyond three times its length, by what every decade of it brought",
         set.name,
         short(f.time_s[last] / 3600.0),
         short(100.0 * f.strain_ratio[last]),

@@ -341,7 +341,7 @@ pub(super) fn forecast_table(fits: &[FitSet]) -> Option<Table> {
     let head = ["specimen", "under", "after", "strain, %", "from", "to"];
     (!rows.is_empty()).then(|| {
         Table::new(&head, rows).captioned(
-            "All laws weighed; the interval of a reading, widened by how far the laws missed the record's own end.",
+            "All laws weighed; the interval of a reading, widened by how far the laws missed the record's own end. Beyond three times its length it grows by what every decade of the record brought.",
         )
     })
 }

@@ -69,6 +69,8 @@ pub(crate) struct Plan {
 /// Ropes that a plan goes through the work with, unless --draws says otherwise: their mean is known to a fifth of how they
 /// differ.
 const TRUTHS: usize = 24;
+/// A load of no more than so many preloads shows too little beside it.
+const LEAST_OF_PRELOAD: f64 = 1.5;
 
 impl Plan {
     pub(super) fn run(&self) -> Result<Finish, Failure> {
@@ -110,6 +112,7 @@ impl Plan {
         let catalogue = self.ropes.catalogue(self.quiet)?;
         let rope = find(&catalogue, &self.name)?;
         let base = Arc::new(RopeBase::new(rope.entry.clone())?);
+        self.loads_are_possible(base.breaking_load_n())?;
         let duty = self.duty.resolve(self.quiet)?.request;
         let seed = duty.seed;
         let known = self.known()?;
@@ -124,6 +127,28 @@ impl Plan {
             truths: self.duty.draws().unwrap_or(TRUTHS),
             seed,
         })
+    }
+
+    /// Whether a bench can hold every load that was asked for with this rope.
+    fn loads_are_possible(&self, breaking_load_n: f64) -> Result<(), Failure> {
+        let least_n = LEAST_OF_PRELOAD * self.preload;
+        for load_n in &self.loads {
+            let why = match *load_n {
+                n if n >= breaking_load_n => {
+                    format!(
+                        "breaks {}, whose breaking load is {breaking_load_n} N",
+                        self.name
+                    )
+                }
+                n if n <= least_n => format!(
+                    "shows too little beside the preload of {} N; ask for more than {least_n} N, or lower --preload",
+                    self.preload
+                ),
+                _ => continue,
+            };
+            return Err(Failure::Refused(format!("--loads: {load_n} N {why}")));
+        }
+        Ok(())
     }
 
     fn known(&self) -> Result<Vec<sinew_creep::Curve>, Failure> {
@@ -168,7 +193,10 @@ impl Plan {
         distinct(&mut loads, |_| 0.0);
         distinct(&mut celsius, |_| 0.0);
         let mut out = Vec::new();
-        for &load_n in loads.iter().filter(|n| **n > 1.5 * self.preload) {
+        for &load_n in loads
+            .iter()
+            .filter(|n| **n > LEAST_OF_PRELOAD * self.preload)
+        {
             for &temperature_c in &celsius {
                 for &loaded_s in &self.durations {
                     // Not watched after it, or for half as long.
