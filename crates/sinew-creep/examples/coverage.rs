@@ -14,7 +14,7 @@ use support::bench::{
     COLD, SIGMA, by_name, options, records_of, sampled, scores, truth_of, truth_of_one_load,
 };
 use support::laws::KNOWN;
-use support::outside::{END_S, Family, Material};
+use support::outside::{END_S, Family, forecast_and_truth};
 use support::score::{Scores, heading};
 
 fn main() -> ExitCode {
@@ -95,18 +95,7 @@ fn decades(seeds: u64) {
         let numbers: Vec<u64> = (0..seeds).collect();
         let rows = each(
             &numbers,
-            |&seed| {
-                let material = Material::new(family, seed);
-                let curve = material.record(seed);
-                let options = FitOptions {
-                    seed,
-                    ..FitOptions::default()
-                };
-                let found = Outlook::new(&Law::ALL, &[curve], 0, &options, &later);
-                found
-                    .combined
-                    .map(|f| (f, later.map(|t| material.strain(t))))
-            },
+            |&seed| forecast_and_truth(family, seed, &later),
             |_| {},
         );
         let rows: Vec<_> = rows.into_iter().flatten().collect();

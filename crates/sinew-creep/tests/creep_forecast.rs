@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
-use support::outside::{END_S as RECORD_S, Family, Material};
+use support::outside::{END_S as RECORD_S, Family, forecast_and_truth};
 use support::seeds;
 
 const END_S: f64 = 5100.0;
@@ -224,17 +224,9 @@ fn a_year_from_an_hour_is_held_of_what_no_law_made() {
     let held = each(
         &cases,
         |&(family, seed)| {
-            let material = Material::new(family, seed);
-            let curve = material.record(seed);
-            let options = FitOptions {
-                seed,
-                ..FitOptions::default()
-            };
-            let found = Outlook::new(&Law::ALL, &[curve], 0, &options, &later);
-            let all = found.combined.unwrap();
+            let (all, truth) = forecast_and_truth(family, seed, &later).unwrap();
             let inside = |i: usize| {
-                let truth = material.strain(later[i]);
-                all.low_strain_ratio[i] <= truth && truth <= all.high_strain_ratio[i]
+                all.low_strain_ratio[i] <= truth[i] && truth[i] <= all.high_strain_ratio[i]
             };
             [inside(0), inside(1)]
         },

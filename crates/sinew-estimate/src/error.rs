@@ -35,6 +35,14 @@ pub enum EstimateError {
     /// `--inject` with a joint or value nobody has.
     #[error("can't inject an offset: {0}")]
     Injection(String),
+    /// Motor and joint side can't be the two sides of springs.
+    #[error("{file}: {fault}")]
+    Sides {
+        /// The recording.
+        file: String,
+        /// What is wrong with them.
+        fault: SidesFault,
+    },
     /// A mark is said to be passed where none is, or when nothing was recorded.
     #[error("no mark is read: {0}")]
     Touch(String),
@@ -63,14 +71,6 @@ pub enum SessionError {
         /// The recording, or what stands for it.
         recording: String,
     },
-    /// Motor and joint side can't be the two sides of springs.
-    #[error("{file}: {fault}")]
-    Sides {
-        /// The recording.
-        file: String,
-        /// What is wrong with them.
-        fault: SidesFault,
-    },
     /// The baseline file can't be used.
     #[error("{file}: {why}")]
     Baseline {
@@ -89,7 +89,7 @@ pub enum SidesFault {
         /// Joints.
         joints: Vec<String>,
     },
-    /// Every spring that carries something turns against it.
+    /// Springs that turn against what they carry.
     Opposed {
         /// Which.
         springs: Vec<OpposedSpring>,
@@ -101,8 +101,9 @@ pub enum SidesFault {
 pub struct OpposedSpring {
     /// Joint.
     pub joint: String,
-    /// Its deflection over the one that masses and motion ask for; 1 is right.
-    pub slope: f64,
+    /// How far its deflection lies about the turned one that masses and motion ask for, over how far about that one; above 1
+    /// is right.
+    pub turned_share: f64,
 }
 
 impl std::fmt::Display for SidesFault {
@@ -118,17 +119,11 @@ impl std::fmt::Display for SidesFault {
             }
             Self::Opposed { springs } => {
                 let springs: Vec<String> = (springs.iter())
-                    .map(|s| {
-                        format!(
-                            "'{}' ({})",
-                            s.joint,
-                            format!("{:.2}", s.slope).replace('-', "−")
-                        )
-                    })
+                    .map(|s| format!("{:.1} times at '{}'", 1.0 / s.turned_share, s.joint))
                     .collect();
                 write!(
                     f,
-                    "motor and joint side look swapped: by the described masses the springs turn against what they carry at {}, where 1 would be right; exchange topics, interfaces or columns (--mapping); if they are right, look at gravity_m_s2, and for a counterweight that the URDF lacks",
+                    "motor and joint side look swapped, or one has the wrong sign: turned round, what the springs show fits the described masses better, {}; look at topics, interfaces, columns and signs (--mapping); if they are right, at gravity_m_s2, and for a counterweight that the URDF lacks",
                     springs.join(", ")
                 )
             }

@@ -18,6 +18,7 @@ pub mod init;
 pub mod jumps;
 pub mod live;
 mod nuisance;
+mod one_signal;
 mod recording;
 pub mod replay;
 mod request;

@@ -1,6 +1,7 @@
 //! A recording and its robot, opened together.
 
 use crate::error::EstimateError;
+use crate::one_signal::OneSignal;
 use crate::request::{Progress, Request};
 use crate::robot_dir;
 use crate::robot_dir::LoadedRobot;
@@ -51,7 +52,7 @@ impl Opened {
     }
 
     /// Hands every frame to `take` until it breaks, read ahead on another thread. `progress` is called
-    /// every few thousand frames.
+    /// every few thousand frames. A recording whose two sides are one signal is refused.
     pub(crate) fn each_frame(
         &mut self,
         is_reference: bool,
@@ -59,8 +60,10 @@ impl Opened {
         mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, EstimateError>,
     ) -> Result<(), EstimateError> {
         let mut frames = 0u64;
+        let mut one_signal = OneSignal::new(&self.loaded.robot);
         let stopped = self.recording.each_frame(|frame, at| {
             frames += 1;
+            one_signal.frame(frame);
             if frames.is_multiple_of(8192) {
                 progress(Progress {
                     bytes_done: at.bytes_done,
@@ -75,7 +78,8 @@ impl Opened {
                 Err(error) => ControlFlow::Break(Err(error)),
             }
         });
-        stopped?.unwrap_or(Ok(()))
+        stopped?.unwrap_or(Ok(()))?;
+        one_signal.judge(&self.loaded.robot, self.recording.name())
     }
 }
 

@@ -1,7 +1,7 @@
 //! What happened in a recording, in sentences.
 
 use crate::units::Moves;
-use crate::words::plus_minus;
+use crate::words::{newtons, plus_minus};
 use sinew_estimate::session::{
     AnchorReading, AnchoredOffset, LimitState, MotorTorque, SessionEstimate, TendonChange,
     TendonChangeKind, TendonEstimate,
@@ -55,9 +55,9 @@ pub fn session_sentences(session: &SessionEstimate) -> Vec<String> {
 
 /// What the recording made of a force that was stated: whoever stated another one sees it here.
 fn of_stated_force(force: &ForceEstimate) -> String {
-    let newtons = force.force_n.map(|f| plus_minus(f, 1.0)).join(", ");
     format!(
-        "force from outside, as stated and as the recording shows it: {newtons} N along x, y and z of the base"
+        "force from outside, as stated and as the recording shows it: {} N along x, y and z of the base",
+        newtons(force.force_n)
     )
 }
 

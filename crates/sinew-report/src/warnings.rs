@@ -1,13 +1,13 @@
 //! Warnings in words.
 
 use crate::units::{Moves, SLIDES, in_units};
-use crate::words::plus_minus;
+use crate::words::{newtons, plus_minus};
 use sinew_estimate::session::{SessionEstimate, Warning, WitnessFault};
 use sinew_estimate::{EstimateDocument, RecordingWarning};
 use sinew_figure::{rounded, with_interval};
 use sinew_log::StreamRole;
+use sinew_model::Z95;
 use sinew_model::offset::misfit::misfit_rad;
-use sinew_model::{Gaussian, Z95};
 
 /// What the reader of an estimate should know, a sentence each.
 pub fn document_warnings(document: &EstimateDocument) -> Vec<String> {
@@ -99,8 +99,8 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
             quoted(joints)
         ),
         RecordingWarning::ImplausibleOffset { joint, offset_rad } => format!(
-            "joint '{joint}': an offset of {:.0} mrad is no stretch of a rope; check units (degrees?), gear ratio, sign and zero of its positions",
-            1e3 * offset_rad
+            "joint '{joint}': an offset of {} mrad is no stretch of a rope; check units (degrees?), gear ratio, sign and zero of its positions",
+            rounded(1e3 * offset_rad, 3)
         ),
         RecordingWarning::TorqueHardlyChanges {
             joint,
@@ -171,11 +171,6 @@ pub fn recording_warning(warning: &RecordingWarning) -> String {
     }
 }
 
-/// A force along three axes.
-fn newtons(force_n: [Gaussian; 3]) -> String {
-    force_n.map(|f| plus_minus(f, 1.0)).join(", ")
-}
-
 /// What the reader of a session's estimate should know, in a sentence.
 pub fn session_warning(warning: &Warning) -> String {
     match warning {
@@ -227,9 +222,8 @@ pub fn session_warning(warning: &Warning) -> String {
             moved_rad,
             duration_s,
         } => format!(
-            "{joint}: its offset moved by {:.2} ± {:.2} mrad in {duration_s:.0} s ({:.0} % likely): a rope that creeps, as after tensioning, or that warms. The offset is that at the end; record again later to see whether it settles",
-            1e3 * moved_rad.mean,
-            1e3 * moved_rad.half_width_95(),
+            "{joint}: its offset moved by {} mrad in {duration_s:.0} s ({:.0} % likely): a rope that creeps, as after tensioning, or that warms. The offset is that at the end; record again later to see whether it settles",
+            plus_minus(*moved_rad, 1e3),
             100.0 * probability
         ),
         Warning::ExternalForce {

@@ -17,6 +17,11 @@ pub(crate) fn plus_minus_cells(value: Option<Gaussian>, factor: f64) -> [String;
     interval_cells(factor * mean, factor * deviation)
 }
 
+/// A force along three axes, in N.
+pub(crate) fn newtons(force_n: [Gaussian; 3]) -> String {
+    force_n.map(|f| plus_minus(f, 1.0)).join(", ")
+}
+
 /// Why frames gave no estimate.
 pub fn loss_reason(reason: LossReason) -> &'static str {
     match reason {

@@ -332,47 +332,56 @@ fn nothing_estimated_is_exit_code_1_with_the_reason_and_no_file() {
 #[test]
 fn sides_that_are_one_or_swapped_are_refused_with_their_joints() {
     let dir = tempfile::tempdir().expect("a folder");
-    let scenario = repository().join("examples/scenarios/stretched-arm.toml");
-    let (scenario, robot) = (scenario.display().to_string(), robot());
-    let simulate = ["simulate", &scenario, "--robot", &robot, "--duration", "30"];
-    let made = sinew(&[&simulate[..], &["--out", "a.csv"]].concat(), dir.path());
-    assert_eq!(code(&made), 0, "{}", err(&made));
-    let text = std::fs::read_to_string(dir.path().join("a.csv")).expect("it is there");
-    let (header, rows) = text.split_once('\n').expect("a header");
-    let estimate = ["estimate", "b.csv", "--robot", &robot, "--csv", "e.csv"];
-    let baseline = [
-        "baseline",
-        "b.csv",
-        "--robot",
-        &robot,
-        "--out",
-        "b.baseline",
-    ];
-    let refuse = |text: String, words: &[&str]| {
+    let robot = robot();
+    let refuse = |text: &str, words: &[&str]| {
         std::fs::write(dir.path().join("b.csv"), text).expect("written");
+        let estimate = ["estimate", "b.csv", "--robot", &robot, "--csv", "e.csv"];
         refused(&estimate, dir.path(), 1, words);
-        refused(&baseline, dir.path(), 1, words);
+        let learn = [
+            "baseline",
+            "b.csv",
+            "--robot",
+            &robot,
+            "--out",
+            "b.baseline",
+        ];
+        refused(&learn, dir.path(), 1, words);
         assert!(!dir.path().join("e.csv").exists());
         assert!(!dir.path().join("b.baseline").exists());
     };
-    // The names exchanged: every spring turns against what it carries. The yaw carries little.
-    let swapped = header.replace("theta.", "Q.").replace("q.", "theta.");
-    let swapped = swapped.replace("Q.", "q.");
-    refuse(
-        format!("{swapped}\n{rows}"),
-        &["swapped", "shoulder_pitch' (−", "elbow' (−", "mapping"],
-    );
-    // One joint's motor side is its joint side.
-    let one = rows.lines().map(|row| {
-        let mut cells: Vec<&str> = row.split(',').collect();
-        cells[7] = cells[3];
-        cells.join(",") + "\n"
-    });
-    let one: String = one.collect();
-    refuse(
-        format!("{header}\n{one}"),
-        &["of 'elbow' are the same", "--motor-topic"],
-    );
+    // A quiet motion; a session with a payload that comes, slips and contacts.
+    for (scenario, duration) in [("stretched-arm", "30"), ("work-session", "180")] {
+        let file = format!("examples/scenarios/{scenario}.toml");
+        let file = repository().join(file).display().to_string();
+        let simulate = ["simulate", &file, "--robot", &robot, "--duration", duration];
+        let made = sinew(&[&simulate[..], &["--out", "a.csv"]].concat(), dir.path());
+        assert_eq!(code(&made), 0, "{}", err(&made));
+        let text = std::fs::read_to_string(dir.path().join("a.csv")).expect("it is there");
+        let (header, rows) = text.split_once('\n').expect("a header");
+        let exchanged = |joint: &str| {
+            let [q, theta] = ["q.", "theta."].map(|side| format!("{side}{joint}"));
+            let header = header.replace(&theta, "?").replace(&q, &theta);
+            format!("{}\n{rows}", header.replace('?', &q))
+        };
+        refuse(&exchanged(""), &["swapped", "'elbow'", "mapping"]);
+        refuse(&exchanged("elbow"), &["swapped", "times at 'elbow'; look"]);
+        // One joint's motor side is its joint side.
+        let one = rows.lines().map(|row| {
+            let mut cells: Vec<&str> = row.split(',').collect();
+            cells[7] = cells[3];
+            cells.join(",") + "\n"
+        });
+        let one = format!("{header}\n{}", one.collect::<String>());
+        refuse(&one, &["of 'elbow' are the same", "--motor-topic"]);
+        let paper = ["estimate", "b.csv", "--robot", &robot, "--method", "paper"];
+        refused(&paper, dir.path(), 1, &["of 'elbow' are the same"]);
+        let info = sinew(&["log", "info", "b.csv"], dir.path());
+        assert!(
+            out(&info).contains("theta.elbow is q.elbow in every"),
+            "{}",
+            out(&info)
+        );
+    }
 }
 
 #[test]

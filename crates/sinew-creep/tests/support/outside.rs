@@ -4,7 +4,7 @@ use super::laws::noisy;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use sinew_creep::Curve;
+use sinew_creep::{Curve, FitOptions, Forecast, Law, Outlook};
 
 /// A family of materials; each seed is one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,4 +122,19 @@ impl Material {
         let strain = noisy(|t| self.strain(t), &time, 1e-5, seed);
         Curve::constant_load("made", time, strain)
     }
+}
+
+/// What all laws together forecast of a material's record at times beyond it, if they can, and what is true there.
+pub(crate) fn forecast_and_truth<const N: usize>(
+    family: Family,
+    seed: u64,
+    later_s: &[f64; N],
+) -> Option<(Forecast, [f64; N])> {
+    let material = Material::new(family, seed);
+    let options = FitOptions {
+        seed,
+        ..FitOptions::default()
+    };
+    let found = Outlook::new(&Law::ALL, &[material.record(seed)], 0, &options, later_s);
+    Some((found.combined?, later_s.map(|t| material.strain(t))))
 }

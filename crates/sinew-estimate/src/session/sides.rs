@@ -1,99 +1,65 @@
-//! Whether what is recorded can be the two sides of springs.
+//! Whether motor and joint side stand in each other's place.
 
 use super::recorder::Recorded;
-use crate::error::{OpposedSpring, SessionError, SidesFault};
+use crate::error::{EstimateError, OpposedSpring, SidesFault};
 use sinew_model::offset::Prior;
 use sinew_model::robot::Robot;
+use sinew_model::statistics::upper_median;
 
-/// A joint that moved less than this tells nothing, rad.
-const MOVED_RAD: f64 = 10e-3;
-/// A spring whose deflection changes by no more than this carries nothing at all: rounding of positions, rad.
-const NOTHING_RAD: f64 = 1e-9;
-/// The description must expect so much change of the deflection (standard deviation) for its sign to be told, rad.
+/// The deflection that the description expects must spread by more for its sign to be told, rad: half of the blocks
+/// lie farther from its median.
 const LOADED_RAD: f64 = 5e-3;
-/// Slope over what the description expects. Wrong masses and a payload leave it above zero.
-const OPPOSED: f64 = -0.5;
-/// Correlation with it. A contact can turn a slope round, but then what is read follows nothing.
-const FOLLOWS: f64 = -0.9;
-/// Fewer blocks tell no slope.
+/// Spread about the turned expectation over that about the expectation. Where sides are right the least of 668 recordings and
+/// joints was 1.7, with pushes, payloads, slips and wrong masses; exchanged it is one over that.
+const OPPOSED: f64 = 0.75;
+/// Fewer blocks tell nothing.
 const ENOUGH: usize = 20;
 
-/// Refuses a recording whose motor and joint side are one signal, or stand in each other's place.
+/// Refuses a recording in which a joint's motor and joint side are exchanged, or one has the wrong sign.
 ///
-/// A spring's deflection `y` follows what moves with the joint, `Φ z / K` with the described masses `z`, with a slope near
-/// one. Where both sides are exchanged it is minus one at every joint, and no tolerance of stiffness or mass leads there.
+/// A spring's deflection `y` follows what moves with the joint, `d = Φ z / K` with the described masses `z`. Where the sides are
+/// exchanged it follows `−d`, and no tolerance of stiffness or mass leads there. Medians tell: a contact pushes for a part
+/// of the time only, and can turn a regression round.
 pub(super) fn check(
     robot: &Robot,
     prior: &Prior,
     recorded: &Recorded,
     name: &str,
-) -> Result<(), SessionError> {
-    let refuse = |fault| {
-        Err(SessionError::Sides {
-            file: name.into(),
-            fault,
+) -> Result<(), EstimateError> {
+    let springs = recorded.elastic.iter().filter_map(|&i| {
+        let turned_share = turned_share(prior, recorded, i)?;
+        (turned_share < OPPOSED).then(|| OpposedSpring {
+            joint: robot.joint_names()[i].clone(),
+            turned_share,
         })
-    };
-    let named = |i: usize| robot.joint_names()[i].clone();
-    let elastic = || recorded.elastic.iter().copied();
-    let same: Vec<String> = elastic()
-        .filter(|&i| are_one(recorded, i))
-        .map(named)
-        .collect();
-    if !same.is_empty() {
-        return refuse(SidesFault::Same { joints: same });
+    });
+    let springs: Vec<OpposedSpring> = springs.collect();
+    match springs.is_empty() {
+        true => Ok(()),
+        false => Err(EstimateError::Sides {
+            file: name.into(),
+            fault: SidesFault::Opposed { springs },
+        }),
     }
-    let loaded: Vec<(usize, Fit)> = elastic()
-        .filter_map(|i| Some((i, fit(prior, recorded, i)?)))
-        .collect();
-    let opposed = |fit: &Fit| fit.slope < OPPOSED && fit.correlation < FOLLOWS;
-    if !loaded.is_empty() && loaded.iter().all(|(_, fit)| opposed(fit)) {
-        let springs = loaded.iter().map(|(i, fit)| OpposedSpring {
-            joint: named(*i),
-            slope: fit.slope,
-        });
-        let springs = springs.collect();
-        return refuse(SidesFault::Opposed { springs });
-    }
-    Ok(())
 }
 
-/// Whether a joint moved and its motor went along to the last digit.
-fn are_one(recorded: &Recorded, joint: usize) -> bool {
-    let range = |of: &dyn Fn(usize) -> f64| {
-        let all = (0..recorded.blocks.len()).map(of);
-        let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(x), b.max(x))
-        });
-        most - least
-    };
-    range(&|k| recorded.blocks[k].turned[joint]) > MOVED_RAD
-        && range(&|k| recorded.blocks[k].y[joint]) <= NOTHING_RAD
-}
-
-/// The deflection as read, over the described one.
-struct Fit {
-    slope: f64,
-    correlation: f64,
-}
-
-/// Least squares; `None` where the described deflection hardly changes.
-fn fit(prior: &Prior, recorded: &Recorded, joint: usize) -> Option<Fit> {
+/// Spread of `y + d` over that of `y − d`; `None` where `d` hardly changes.
+fn turned_share(prior: &Prior, recorded: &Recorded, joint: usize) -> Option<f64> {
     let described = prior.described_deflections_rad(&recorded.blocks, joint);
-    let pairs: Vec<(f64, f64)> = (described.into_iter())
-        .zip(recorded.blocks.iter().map(|b| b.y[joint]))
-        .collect();
-    if pairs.len() < ENOUGH {
+    if described.len() < ENOUGH || !(spread(described.clone()) > LOADED_RAD) {
         return None;
     }
-    let count = pairs.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
-    let (described, read) = (mean(&|p| p.0), mean(&|p| p.1));
-    let variance = mean(&|p| (p.0 - described).powi(2));
-    let of_reading = mean(&|p| (p.1 - read).powi(2));
-    let both = mean(&|p| (p.0 - described) * (p.1 - read));
-    (variance.sqrt() > LOADED_RAD).then(|| Fit {
-        slope: both / variance,
-        correlation: both / (variance * of_reading).sqrt(),
-    })
+    let about = |sign: f64| {
+        let pairs = recorded.blocks.iter().zip(&described);
+        spread(pairs.map(|(b, d)| b.y[joint] + sign * d).collect())
+    };
+    Some(about(1.0) / about(-1.0))
+}
+
+/// Median distance from the median; NaN of nothing.
+fn spread(mut values: Vec<f64>) -> f64 {
+    let median = |values: &mut Vec<f64>| upper_median(values).unwrap_or(f64::NAN);
+    let middle = median(&mut values);
+    values.iter_mut().for_each(|x| *x = (*x - middle).abs());
+    median(&mut values)
 }

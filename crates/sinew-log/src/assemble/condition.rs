@@ -24,6 +24,8 @@ const DEGREES_FROM_RAD: f64 = 2.0 * std::f64::consts::PI * 1.01;
 const SLOPE_EVERY: u64 = 8;
 /// Least motion of a joint for that comparison, rad.
 const SLOPE_SPAN_RAD: f64 = 0.05;
+/// Sides that move apart by less are one signal: rounding, rad.
+const ONE_SIGNAL_RAD: f64 = 1e-9;
 
 /// 0 °C, K.
 const CELSIUS_ZERO_K: f64 = 273.15;
@@ -79,6 +81,8 @@ struct Slope {
     theta: f64,
     qq: f64,
     q_theta: f64,
+    /// Least and largest of `theta − q`, from where it began.
+    apart: [f64; 2],
 }
 
 /// Unwraps, converts and watches the signals; one frame after the other.
@@ -392,6 +396,8 @@ impl Conditioner {
             slope.theta += theta;
             slope.qq += q * q;
             slope.q_theta += q * theta;
+            let [least, most] = slope.apart;
+            slope.apart = [least.min(theta - q), most.max(theta - q)];
         }
     }
 
@@ -469,7 +475,7 @@ impl Conditioner {
         }
     }
 
-    /// Compares the motor side with the joint side: unit, gear ratio, sign.
+    /// Compares the motor side with the joint side: one signal, unit, gear ratio, sign.
     fn suspect_sides(&self, joint: usize, health: &mut Health) {
         const RAD_TO_DEG: f64 = 180.0 / std::f64::consts::PI;
         let slope = &self.slopes[joint];
@@ -482,7 +488,11 @@ impl Conditioner {
         }
         let ratio = covariance / variance;
         let name = &self.joints[joint];
-        if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
+        if slope.apart[1] - slope.apart[0] <= ONE_SIGNAL_RAD {
+            health.suspicion(format!(
+                "theta.{name} is q.{name} in every sample: one encoder or one topic for both sides? ignore this for a rigid joint"
+            ));
+        } else if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
             health.suspicion(format!(
                 "theta.{name} moves {ratio:.1} times as much as q.{name}: theta looks like degrees"
             ));

@@ -78,6 +78,17 @@ mod tests {
     use crate::offset::fixtures::{random, turntables};
     use alloc::vec::Vec;
 
+    /// Every one of `d` parameters is known to the same variance.
+    fn even(d: usize, variance: f64) -> Belief {
+        Belief {
+            mean: alloc::vec![0.0; d],
+            covariance: (0..d * d)
+                .map(|k| if k % (d + 1) == 0 { variance } else { 0.0 })
+                .collect(),
+            temperature_c: f64::NAN,
+        }
+    }
+
     #[test]
     fn sensors_alone_are_no_misfit_and_a_large_residual_is_almost_all_misfit() {
         assert_eq!(misfit_rad(1.9e-3), 0.0);
@@ -91,13 +102,7 @@ mod tests {
         let prior = turntables(2, 0.1).prior;
         let layout = prior.layout();
         let d = layout.dimension();
-        let belief = |variance: f64| Belief {
-            mean: alloc::vec![0.0; d],
-            covariance: (0..d * d)
-                .map(|k| if k % (d + 1) == 0 { variance } else { 0.0 })
-                .collect(),
-            temperature_c: f64::NAN,
-        };
+        let belief = |variance| even(d, variance);
         let of = |noise_rad: &[f64], k: usize| {
             tempered(&prior, &belief(1.0), belief(0.01), noise_rad).covariance[k * (d + 1)]
         };
@@ -120,13 +125,7 @@ mod tests {
         let prior = turntables(1, 0.1).prior;
         let layout = prior.layout();
         let d = layout.dimension();
-        let belief = |rad: f64| Belief {
-            mean: alloc::vec![0.0; d],
-            covariance: (0..d * d)
-                .map(|k| if k % (d + 1) == 0 { rad * rad } else { 0.0 })
-                .collect(),
-            temperature_c: f64::NAN,
-        };
+        let belief = |rad: f64| even(d, rad * rad);
         let zero = layout.place(0, JointParameter::Zero) * (d + 1);
         // Anywhere before: known to the misfit after.
         let open = tempered(&prior, &belief(30e-3), belief(0.1e-3), &[4e-3]).covariance[zero];
