@@ -42,9 +42,10 @@ pub(crate) enum End {
     /// The door is shut.
     Stopped,
     /// It can't be used any more.
+    #[cfg(feature = "zenoh")]
     Broken(String),
-    #[cfg(feature = "dds")]
     /// The civil clock went back.
+    #[cfg(feature = "dds")]
     ClockWentBack {
         /// By so much, s.
         by_s: f64,
@@ -122,6 +123,7 @@ fn keep_open<N: Network>(network: &N, listening: &Listening, shared: &Shared) {
                         listening.routes.tell_all(now, &trouble);
                         continue;
                     }
+                    #[cfg(feature = "zenoh")]
                     End::Broken(why) => why,
                 }
             }
