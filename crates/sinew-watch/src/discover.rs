@@ -8,9 +8,11 @@ use sinew_files::plain;
 use sinew_log::TopicUse;
 use sinew_log::live::RobotFound;
 use std::fmt::Write as _;
+#[cfg(any(feature = "dds", feature = "zenoh"))]
 use std::time::Duration;
 
 /// Domains are looked for so long, and each is then listened to so long.
+#[cfg(any(feature = "dds", feature = "zenoh"))]
 const LISTEN: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(5)];
 
 /// Listens to every domain in which somebody speaks, and says what is there.
