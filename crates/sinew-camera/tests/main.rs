@@ -6,3 +6,5 @@ mod example;
 mod rejections;
 mod scale_picture;
 mod series;
+#[path = "../../sinew-files/tests/support/skipped.rs"]
+mod skipped;

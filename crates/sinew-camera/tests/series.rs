@@ -1,6 +1,7 @@
 //! Folders and videos: times, order, what is left out, what is refused, what is written.
 
 use crate::scale_picture::{Camera, Print, draw8, jpeg, png};
+use crate::skipped::skipped;
 use sinew_camera::{
     CameraError, Outcome, RejectionKind, Request, Summary, Times, VideoTools, html,
 };
@@ -310,7 +311,7 @@ fn a_video_without_ffmpeg_says_what_to_install() {
 #[test]
 fn a_video_is_read_through_ffmpeg() {
     if Command::new("ffmpeg").arg("-version").output().is_err() {
-        println!("SKIPPED: ffmpeg is not installed");
+        skipped("ffmpeg is not installed");
         return;
     }
     let folder = TempDir::new().unwrap();

@@ -1,5 +1,6 @@
 //! How honest forecasts are: made data of known truth, the next decade of time.
 
+use crate::skipped::skipped;
 use crate::support;
 
 use rand::SeedableRng;
@@ -141,7 +142,7 @@ fn forecast(maker: Maker, own: Option<Law>, seed: u64) -> Outcome {
 fn judge(name: &str, maker: Maker, own: Option<Law>, always: bool) {
     let count = seeds(if always { 4 } else { 0 });
     if count == 0 {
-        println!("SKIPPED: {name}; SINEW_SEEDS=60 measures it");
+        skipped(format_args!("{name}; SINEW_SEEDS=60 measures it"));
         return;
     }
     let numbers: Vec<u64> = (1000..1000 + count).collect();

@@ -4,4 +4,6 @@ mod creep_forecast;
 mod fits;
 mod plan;
 mod rope;
+#[path = "../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
 mod support;

@@ -1,6 +1,7 @@
 //! Compiled code beside the generic code, over one motion.
 
 use crate::robots::{REFUSED, Sample, biorob_like, models, motion};
+use crate::skipped::skipped;
 use sinew_generate::{File, Language, Precision, generate};
 use sinew_model::arm::ArmWorkspace;
 use sinew_model::offset::{self, OffsetConfig, OffsetObserver, VelocityFilter};
@@ -222,7 +223,7 @@ fn c_gives_what_the_generic_code_gives() {
     let mut found = 0;
     for compiler in ["gcc", "clang"] {
         if Command::new(compiler).arg("--version").output().is_err() {
-            println!("SKIPPED: {compiler} is not there");
+            skipped(format_args!("{compiler} is not there"));
             continue;
         }
         found += 1;
@@ -273,7 +274,7 @@ fn c_gives_what_the_generic_code_gives() {
         }
     }
     if found == 0 {
-        println!("SKIPPED: there is no C compiler; generated C is not compiled");
+        skipped("there is no C compiler; generated C is not compiled");
     }
 }
 

@@ -2,4 +2,6 @@
 
 mod compiled;
 mod robots;
+#[path = "../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
 mod text;

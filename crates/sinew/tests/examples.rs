@@ -1,5 +1,6 @@
 //! The commands of the example stories, of the manual and of the README run as they stand there.
 
+use crate::skipped::skipped;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -82,11 +83,7 @@ fn every_story_and_every_page_of_the_manual_runs() {
             if command.contains("../shared") && !root().join("../shared/data").is_dir()
                 || command.contains("--robot out") && !folder.path().join("out/robot.toml").exists()
             {
-                // Past the capture of a test that passes.
-                let _ = std::io::Write::write_fmt(
-                    &mut std::io::stderr(),
-                    format_args!("SKIPPED: no shared folder for: {command}\n"),
-                );
+                skipped(format_args!("no shared folder for: {command}"));
                 continue;
             }
             if !ran.insert(command.clone()) {

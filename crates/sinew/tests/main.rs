@@ -19,6 +19,8 @@ mod reference;
 mod rope;
 #[cfg(feature = "schema")]
 mod schemas;
+#[path = "../../sinew-files/tests/support/skipped.rs"]
+mod skipped;
 mod slides;
 mod terminal;
 mod trend;

@@ -1,5 +1,6 @@
 //! Outputs are whole or not there, whatever happens to a run and wherever they go.
 
+use crate::skipped::skipped;
 use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::{FileTypeExt as _, symlink};
@@ -112,7 +113,7 @@ fn an_interrupted_run_leaves_nothing() {
     let ignored = ignored.map_or(0, |mask| u64::from_str_radix(mask.trim(), 16).unwrap());
     for (signal, number) in [("INT", 2), ("TERM", 15)] {
         if ignored >> (number - 1) & 1 == 1 {
-            println!("SKIPPED: SIG{signal} is ignored here");
+            skipped(format_args!("SIG{signal} is ignored here"));
             continue;
         }
         let dir = tempfile::tempdir().unwrap();

@@ -1,5 +1,6 @@
 //! `sinew rope` and `sinew bench` as a user meets them.
 
+use crate::skipped::skipped;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -196,11 +197,7 @@ fn a_recordings_torques_become_a_duty() {
                 .is_some_and(|e| e == "mcap" || e == "csv" || e == "parquet")
         });
     let Some(log) = log else {
-        // Past the capture of a test that passes.
-        let _ = std::io::Write::write_fmt(
-            &mut std::io::stderr(),
-            format_args!("SKIPPED: the example has no recording\n"),
-        );
+        skipped("the example has no recording");
         return;
     };
     let log = log.display().to_string();

@@ -4,6 +4,7 @@
 //! `SINEW_WRITE=1 cargo test -p sinew --all-features schemas` writes `docs/schema/` and the reference anew.
 
 use crate::checker::check;
+use crate::skipped::skipped;
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
@@ -352,7 +353,7 @@ fn every_command_prints_what_its_schema_says() {
     }
     // Creep at several temperatures comes with ../shared only.
     if !seen.contains("sinew/creep-shift/1") {
-        eprintln!("SKIPPED: creep-shift needs ../shared");
+        skipped("creep-shift needs ../shared");
         seen.insert("sinew/creep-shift/1");
     }
     let unseen: Vec<_> = documents

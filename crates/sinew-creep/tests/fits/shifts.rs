@@ -1,6 +1,7 @@
 //! Shift factors of isotherms.
 
 use super::times;
+use crate::skipped::shared;
 use sinew_creep::*;
 use sinew_log::{TestOptions, TestQuantity, read_test};
 
@@ -32,19 +33,9 @@ fn shift_factors_of_a_made_material_come_back() {
 
 #[test]
 fn published_shift_factors_are_met() {
-    let shared = std::env::var_os("SINEW_SHARED").map_or_else(
-        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        Into::into,
-    );
-    let folder = shared.join("data/creep/pyvisco");
-    if !folder.exists() {
-        // Past the capture of a test that passes.
-        let _ = std::io::Write::write_fmt(
-            &mut std::io::stderr(),
-            format_args!("SKIPPED: {} is not there\n", folder.display()),
-        );
+    let Some(folder) = shared("data/creep/pyvisco") else {
         return;
-    }
+    };
     let file = read_test(&folder.join("time_user_raw.csv"), &TestOptions::default()).unwrap();
     let isotherms: Vec<Isotherm> = file
         .specimens
