@@ -93,22 +93,40 @@ fn about(joint: &InitDescribed) -> String {
 /// Keys of an elastic joint, all still to be filled in.
 fn spring(joint: &InitJoint, key: &str) -> String {
     let described = joint.described.as_ref();
-    let usual = described.and_then(|d| d.stiffness_usual_nm_per_rad);
-    let usual = usual.map_or("Often 5 to 500 (the arm swings".into(), |[low, high]| {
-        let (low, high) = (three_digits(low), three_digits(high));
-        format!("On this arm {low} to {high} (it swings")
-    });
     let friction = match described.is_some_and(|d| d.friction_stated) {
         true => "the URDF's, unless stated here",
         false => "guessed, unless stated here",
     };
+    let slides = described.is_some_and(|d| d.motion == JointMotion::Prismatic);
+    let [unit, pull, inertia, radius] = match slides {
+        false => [
+            "N·m/rad",
+            "torque",
+            "kg·m², rotor's of the data sheet times gear ratio squared; 0.001 to 1",
+            "mm, middle of the rope at the joint, 5 to 50; drawing or calliper",
+        ],
+        true => [
+            "N/m, as the joint slides,",
+            "force",
+            "kg, rotor's kg·m² over the square of the travel per rad of the rotor, m",
+            "mm of rope per m of travel: 1000 for a rope that moves with it",
+        ],
+    };
+    let usual = match (slides, described.and_then(|d| d.stiffness_usual_nm_per_rad)) {
+        (_, Some([low, high])) => {
+            let (low, high) = (three_digits(low), three_digits(high));
+            format!(" On this arm {low} to {high} (it swings at 1 to")
+        }
+        (false, None) => " Often 5 to 500 (the arm swings at 1 to".into(),
+        (true, None) => " (The arm swings at 1 to".into(),
+    };
     let mut out = format!(
-        "# stiffness_nm_per_rad =            # N·m/rad at the joint; needed. {usual} at 1 to\n\
-         #                                   # 20 Hz). Hang a weight on the link, hold the motor: K = torque / change\n\
+        "# stiffness_nm_per_rad =            # {unit} at the joint; needed.{usual}\n\
+         #                                   # 20 Hz). Hang a weight on the link, hold the motor: K = {pull} / change\n\
          #                                   # of theta - q. No spring in it? Then: rigid = true\n\
-         # motor_inertia_kg_m2 =             # kg·m², rotor's of the data sheet times gear ratio squared; 0.001 to 1\n\
+         # motor_inertia_kg_m2 =             # {inertia}\n\
          # joint_friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # {friction}\n\
-         # motor_friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # torque that just turns motor and gear\n"
+         # motor_friction = {{ coulomb_nm = , viscous_nm_s_per_rad =  }}   # {pull} that just turns motor and gear\n"
     );
     if joint.recorded.contains(&Quantity::TauM) {
         out += "# Its motor torque is recorded: with motor_inertia_kg_m2 it is a second witness.\n";
@@ -118,7 +136,7 @@ fn spring(joint: &InitJoint, key: &str) -> String {
         "# [joints.{key}.tendon]             # for mm and strain; without it mrad only\n\
          # rope = \"\"                         # a name of `sinew rope list`\n\
          # length_mm =                       # mm between the pulleys, 50 to 2000; measure it\n\
-         # joint_pulley_radius_mm =          # mm, middle of the rope at the joint, 5 to 50; drawing or calliper\n\
+         # joint_pulley_radius_mm =          # {radius}\n\
          # pretension_n =                    # N at rest, 5 to 20 % of the rope's breaking load; spring scale\n\
          # guides = [{{ radius_mm = , wrap_deg = , friction = 0.05 }}]     # from drive to joint\n\
          # retension_at_mm =                 # mm of elongation at which you tension again, 0.3 to 3\n"

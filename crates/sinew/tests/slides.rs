@@ -81,6 +81,18 @@ fn a_joint_that_slides_is_shown_in_mm_and_newtons() {
     ] {
         std::fs::write(dir.join(name), text).expect("written");
     }
+    sinew(dir, &["init", "lift.urdf", "--out", "first"]);
+    let first = std::fs::read_to_string(dir.join("first/robot.toml")).expect("a robot");
+    let [lift, turn] = ["[joints.lift]", "[joints.turn]"].map(|s| first.split(s).nth(1));
+    let lift = lift.and_then(|s| s.split("[joints.turn]").next());
+    assert!(
+        lift.is_some_and(|s| s.contains(" N/m") && !s.contains("N·m")),
+        "{first}"
+    );
+    assert!(
+        turn.is_some_and(|s| s.contains(" N·m/rad") && !s.contains(" N/m")),
+        "{first}"
+    );
     sinew(dir, &["simulate", "lift.toml", "--out", "lift.mcap"]);
     for method in ["absolute", "paper"] {
         let text = sinew(
