@@ -151,6 +151,13 @@ mod tests {
     }
 
     #[test]
+    fn another_unit_is_the_same_interval() {
+        let mm = Bounded::even(0.012, 0.002).scaled(1e3);
+        assert!((mm.value - 12.0).abs() < 1e-12 && (mm.low - 10.0).abs() < 1e-12);
+        assert!((mm.high - 14.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn the_probability_of_more_is_the_table_s() {
         let x = Gaussian::new(1.0, 2.0);
         assert!((x.probability_above(1.0) - 0.5).abs() < 1e-15);

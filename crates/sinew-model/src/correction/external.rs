@@ -319,11 +319,6 @@ impl ExternalTorqueObserver {
         &self.threshold
     }
 
-    /// Corrected elastic torque as it entered, `n`, N·m; 0 for rigid joints.
-    pub fn tau_el(&self) -> &[f64] {
-        &self.tau_el
-    }
-
     /// Time after which a start in motion has faded to a thousandth, s: `7/K_I + 9/ω`.
     pub fn settling_time_s(&self) -> f64 {
         let filter = match self.config.velocity {

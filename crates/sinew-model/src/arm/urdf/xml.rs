@@ -393,3 +393,77 @@ fn fault(node: Node<'_, '_>, problem: &str) -> UrdfError {
         problem: format!("{owner}<{}> {problem}", node.tag_name().name()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quaternion's rotation matrix by its own closed form, and by the angles that it is turned into.
+    #[test]
+    fn a_quaternion_and_its_angles_turn_alike() {
+        let half = 0.5 * core::f64::consts::FRAC_PI_2;
+        let r = libm::sqrt(0.5);
+        for q in [
+            [0.0, 0.0, 0.0, 1.0],
+            [0.18, -0.36, 0.54, 0.74],
+            [-0.7, 0.1, 0.5, -0.5],
+            // Pitch of a quarter turn either way, where yaw and roll turn about one axis.
+            [
+                r * libm::sin(half),
+                r * libm::cos(half),
+                -r * libm::sin(half),
+                r * libm::cos(half),
+            ],
+            [
+                -r * libm::sin(0.3),
+                r * libm::cos(0.3),
+                r * libm::sin(0.3),
+                r * libm::cos(0.3),
+            ],
+            [
+                -r * libm::sin(0.4),
+                -r * libm::cos(0.4),
+                -r * libm::sin(0.4),
+                r * libm::cos(0.4),
+            ],
+        ] {
+            let norm = libm::sqrt(q.iter().map(|v: &f64| v * v).sum());
+            let [x, y, z, w] = q.map(|v| v / norm);
+            let of_quaternion = [
+                [
+                    1.0 - 2.0 * (y * y + z * z),
+                    2.0 * (x * y - z * w),
+                    2.0 * (x * z + y * w),
+                ],
+                [
+                    2.0 * (x * y + z * w),
+                    1.0 - 2.0 * (x * x + z * z),
+                    2.0 * (y * z - x * w),
+                ],
+                [
+                    2.0 * (x * z - y * w),
+                    2.0 * (y * z + x * w),
+                    1.0 - 2.0 * (x * x + y * y),
+                ],
+            ];
+            let [[sr, cr], [sp, cp], [sy, cy]] = rpy_of(q).map(|a| [libm::sin(a), libm::cos(a)]);
+            let of_angles = [
+                [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                [-sp, cp * sr, cp * cr],
+            ];
+            for (a, b) in of_quaternion
+                .iter()
+                .flatten()
+                .zip(of_angles.iter().flatten())
+            {
+                assert!(
+                    (a - b).abs() < 1e-9,
+                    "{q:?}: {of_quaternion:?} {of_angles:?}"
+                );
+            }
+        }
+        // Nothing to turn by.
+        assert_eq!(rpy_of([0.0; 4]), [0.0; 3]);
+    }
+}
