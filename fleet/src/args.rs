@@ -1,6 +1,8 @@
 //! What the program is asked for.
 
+use crate::bucket::folder_or_address;
 use crate::creep::Ages;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -8,7 +10,7 @@ use std::path::PathBuf;
 ///
 /// Reads folders of sinew-record/1 files as the monitors write them, copies and damaged files among them, and
 /// answers with bounded memory.
-#[derive(Debug, Parser)]
+#[derive(Debug, Clone, Parser)]
 #[command(
     name = "sinew-fleet",
     version,
@@ -23,7 +25,7 @@ pub struct Args {
 }
 
 /// What to do.
-#[derive(Debug, Subcommand)]
+#[derive(Debug, Clone, Subcommand)]
 pub enum Command {
     /// Say what a folder of records holds, what is twice and what can't be read
     Rows(Rows),
@@ -46,7 +48,8 @@ pub enum Command {
 /// Where records lie and how they are read.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Source {
-    /// Folder with records/ of the monitors; robots.csv, tendons.csv and events.csv may lie in it
+    /// Folder with records/ of the monitors, or s3://BUCKET/FOLDER; robots.csv, tendons.csv and events.csv may lie in it
+    #[arg(value_parser = PathBufValueParser::new().try_map(folder_or_address))]
     pub folder: PathBuf,
     /// Memory a query may take before it goes on disk, MB
     #[arg(long, value_name = "MB", default_value_t = 1024, value_parser = clap::value_parser!(u64).range(64..))]
@@ -54,7 +57,7 @@ pub struct Source {
 }
 
 /// `rows`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example:\n  sinew-fleet rows fleet/")]
 pub struct Rows {
     /// Records.
@@ -66,7 +69,7 @@ pub struct Rows {
 }
 
 /// `query`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 #[command(
     after_help = "Tables: records (each session of each tendon once, of the newest version), every_version (each \
                   version once), robots, tendons, events (the .csv files of these names).\n\nFunctions beside \
@@ -220,7 +223,8 @@ pub struct Report {
                   sinew baseline LOG --start type.known --robot robots/biorob-like --out arm.baseline"
 )]
 pub struct Pool {
-    /// Folder with .baseline files, one of each robot, learned right after tensioning
+    /// Folder with .baseline files, or s3://BUCKET/FOLDER: one of each robot, learned right after tensioning
+    #[arg(value_parser = PathBufValueParser::new().try_map(folder_or_address))]
     pub folder: PathBuf,
     /// Folder of the robot type: robot.toml and URDF
     #[arg(long, value_name = "DIR")]

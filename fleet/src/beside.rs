@@ -2,6 +2,7 @@
 
 use crate::FleetError;
 use crate::due::sessions::Sessions;
+use crate::folder::TYPES;
 use crate::folder::sides::{self, Fitted, Tendon};
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend::{
@@ -123,9 +124,7 @@ pub(crate) fn tendon_of<'a>(robot: &'a Robot, joint: &str) -> Option<&'a transmi
 
 /// Types of robots: those beside the records, and those named.
 fn types(folder: &Path, named: &[PathBuf]) -> Result<Vec<Robot>, FleetError> {
-    let beside = std::fs::read_dir(folder.join("types"))
-        .into_iter()
-        .flatten();
+    let beside = std::fs::read_dir(folder.join(TYPES)).into_iter().flatten();
     let mut places: Vec<PathBuf> = (beside.flatten().map(|entry| entry.path()))
         .filter(|path| path.join("robot.toml").is_file())
         .collect();

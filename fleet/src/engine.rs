@@ -2,7 +2,7 @@
 
 use crate::FleetError;
 use crate::args::Source;
-use crate::folder::{Folder, RecordFile, SIDES, side};
+use crate::folder::{Folder, RECORDS, RecordFile, SIDES, side};
 use crate::functions;
 use datafusion::arrow::array::{AsArray as _, RecordBatch};
 use datafusion::arrow::compute::can_cast_types;
@@ -209,7 +209,7 @@ impl Engine {
             .map(|file| Ok(ListingTableUrl::try_new(url_of(&file.path)?, None)?))
             .collect::<Result<_, FleetError>>()?;
         let options =
-            ListingOptions::new(Arc::new(ParquetFormat::default())).with_file_extension("parquet");
+            ListingOptions::new(Arc::new(ParquetFormat::default())).with_file_extension(RECORDS);
         let config = ListingTableConfig::new_with_multi_paths(urls)
             .with_listing_options(options)
             .with_schema(schema.clone());

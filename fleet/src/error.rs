@@ -1,6 +1,7 @@
 //! Why there is no answer.
 
 use crate::args::By;
+use crate::bucket::Address;
 use crate::creep::Ages;
 use datafusion::arrow::datatypes::DataType;
 use datafusion::common::SchemaError;
@@ -166,6 +167,55 @@ pub enum FleetError {
         /// What the column holds.
         data_type: DataType,
     },
+    /// Nothing says who asks.
+    #[error(
+        "{0}: no credentials; set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY (those of a profile: aws configure \
+         export-credentials --format env), or AWS_SKIP_SIGNATURE=true for a public bucket"
+    )]
+    NoCredentials(Address),
+    /// The keys are wrong or don't allow it.
+    #[error(
+        "{0}: these credentials may not list or read it; look at AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and what they are \
+         allowed: s3:ListBucket and s3:GetObject"
+    )]
+    Forbidden(Address),
+    /// No bucket of that name.
+    #[error(
+        "{address}: {endpoint} has no bucket '{}'; look at its name, AWS_REGION and AWS_ENDPOINT_URL", .address.bucket
+    )]
+    NoBucket {
+        /// What was asked for.
+        address: Address,
+        /// Who was asked.
+        endpoint: String,
+    },
+    /// A folder of a bucket without anything.
+    #[error("{0}: nothing lies there; give the folder that holds the monitors' records/")]
+    EmptyPrefix(Address),
+    /// Nobody answers.
+    #[error(
+        "{address}: {endpoint} doesn't answer; look at the network, AWS_ENDPOINT_URL and AWS_REGION"
+    )]
+    Unreachable {
+        /// What was asked for.
+        address: Address,
+        /// Who was asked.
+        endpoint: String,
+    },
+    /// A bucket that can't be read, for another reason.
+    #[error("{address}: {said}")]
+    Bucket {
+        /// What was asked for.
+        address: Address,
+        /// What the store says.
+        said: String,
+    },
+    /// A program that was built without buckets.
+    #[cfg(not(feature = "s3"))]
+    #[error(
+        "{0}: this sinew-fleet was built without buckets; build it with cargo install --path fleet --features s3"
+    )]
+    NoS3(Address),
     /// SQL, or a query that can't be done.
     #[error("{0}")]
     Engine(String),

@@ -3,7 +3,7 @@
 //! A folder of `sinew-record/1` files goes in ([`folder`]), DataFusion answers SQL on it ([`engine`]), and the
 //! trend of single tendons is that of `sinew trend`.
 //!
-//! Reading order: [`args`], [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
+//! Reading order: [`args`], [`bucket`] (folders elsewhere), [`folder`] (what is there, what is twice, what can't be read), [`engine`] (tables),
 //! [`query`] (SQL with the functions of Sinew), [`rows`], [`due`] (which tendon passes its limit when),
 //! [`creep`] (how fast a tendon creeps), [`gather`] (all of them), [`hierarchy`] (groups and what can be told of them),
 //! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`pool`] (what a new robot
@@ -11,6 +11,7 @@
 
 pub mod args;
 mod beside;
+pub mod bucket;
 pub mod compare;
 pub mod creep;
 pub mod due;
@@ -38,6 +39,9 @@ use std::process::ExitCode;
 /// # Errors
 /// [`FleetError`].
 pub fn run(args: &Args) -> Result<ExitCode, FleetError> {
+    let mut args = args.clone();
+    // Kept until there is an answer.
+    let _copied = bucket::copy(&mut args)?;
     match &args.command {
         Command::Simulate(asked) => simulate::command(asked),
         Command::Rows(asked) => rows::command(asked),

@@ -13,6 +13,13 @@ use std::path::{Path, PathBuf};
 /// Tables that may lie beside the records, as CSV.
 pub const SIDES: [&str; 3] = ["robots", "tendons", "events"];
 
+/// Ending of a file of records.
+pub(crate) const RECORDS: &str = "parquet";
+/// Ending of a baseline.
+pub(crate) const BASELINES: &str = "baseline";
+/// Folder of the robot types, beside the records.
+pub(crate) const TYPES: &str = "types";
+
 /// What a folder holds.
 #[derive(Debug, Clone, Default)]
 pub struct Folder {
@@ -45,7 +52,7 @@ impl Folder {
 
     fn look(path: &Path, whole: bool) -> Result<Self, FleetError> {
         let mut found = Vec::new();
-        find(path, "parquet", &mut found)?;
+        find(path, RECORDS, &mut found)?;
         found.sort_unstable();
         let looked: Vec<Result<RecordFile, Refused>> = (found.into_par_iter())
             .map(|file| scan::scan(&file, whole))

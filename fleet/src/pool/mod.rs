@@ -4,7 +4,7 @@ mod show;
 
 use crate::FleetError;
 use crate::args::Pool;
-use crate::folder::find;
+use crate::folder::{BASELINES, find};
 use sinew_estimate::baseline::{self, Baseline, MergeSummary};
 use sinew_estimate::robot_dir;
 use sinew_model::offset::alike::Alike;
@@ -44,7 +44,7 @@ pub struct Pooled {
 pub fn pool(asked: &Pool) -> Result<Pooled, FleetError> {
     let robot = robot_dir::load(&asked.robot, None)?.robot;
     let mut files = Vec::new();
-    find(&asked.folder, "baseline", &mut files)?;
+    find(&asked.folder, BASELINES, &mut files)?;
     files.sort_unstable();
     let (mut used, mut left_out) = (Vec::new(), Vec::new());
     for path in files {

@@ -3,6 +3,7 @@
 use super::life::{Life, LookAhead};
 use super::plan::{Plan, PlannedRobot, SITES};
 use crate::FleetError;
+use crate::folder::TYPES;
 use rayon::prelude::*;
 use sinew_estimate::robot_dir::LoadedRobot;
 use sinew_files::date::{DAY_S, civil};
@@ -24,7 +25,7 @@ fn folder_for(path: &Path) -> Result<(), FleetError> {
 /// Copies the robot type: its limits, geometry and ropes belong to the fleet.
 pub(super) fn robot_type(out: &Path, loaded: &LoadedRobot) -> Result<(), FleetError> {
     let from = sinew_files::folder_of(&loaded.file);
-    let to = out.join("types").join(&loaded.robot.name);
+    let to = out.join(TYPES).join(&loaded.robot.name);
     let wrong = |source| FleetError::Folder {
         path: to.clone(),
         source,
