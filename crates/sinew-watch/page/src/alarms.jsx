@@ -1,8 +1,9 @@
 // Alarms of all robots, the most severe first.
 import { useEffect, useState } from "preact/hooks";
 import { AlarmActions } from "./actions.jsx";
+import { alike } from "./alike.js";
 import { get } from "./api.js";
-import { dayAndTime, utc } from "./format.js";
+import { count, dayAndTime, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
 
 const STATES = {
@@ -31,10 +32,36 @@ export function AlarmLine({ said, named = true }) {
   );
 }
 
-export function AlarmList({ alarms, named }) {
+const keyOf = said => `${said.robot}/${said.alarm.key.joint}/${said.alarm.key.condition}`;
+
+// What is said of many, once; each of them on demand.
+function Alike({ group }) {
+  const [open, setOpen] = useState(false);
+  const [first] = group;
+  const three = group.slice(0, 3).map(said => [said.robot, said.alarm.key.joint].filter(Boolean).join(" "));
+  return (
+    <li class={`${CLASSES[first.level]} ${first.alarm.acknowledged ? "seen" : ""}`}>
+      <Sign level={first.level} />
+      <div>
+        <p class="title">{count(group.length)} alike: {first.title}</p>
+        <p>{first.text}{first.advice && <> <strong>{first.advice}</strong></>}</p>
+        <details onToggle={event => setOpen(event.currentTarget.open)}>
+          <summary>{three.join(", ")} and {count(group.length - 3)} more</summary>
+          {open && <ul class="alarms">{group.map(said => <AlarmLine key={keyOf(said)} said={said} />)}</ul>}
+        </details>
+      </div>
+    </li>
+  );
+}
+
+// `named`: alarms of several robots.
+export function AlarmList({ alarms, named = true }) {
+  const groups = named ? alike(alarms) : alarms.map(said => [said]);
   return (
     <ul class="alarms">
-      {alarms.map(said => <AlarmLine key={`${said.robot}/${said.alarm.key.joint}/${said.alarm.key.condition}`} said={said} named={named} />)}
+      {groups.map(group => (group.length > 1
+        ? <Alike key={`alike ${keyOf(group[0])}`} group={group} />
+        : <AlarmLine key={keyOf(group[0])} said={group[0]} named={named} />))}
     </ul>
   );
 }
