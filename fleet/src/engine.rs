@@ -8,6 +8,7 @@ use datafusion::arrow::array::{AsArray as _, RecordBatch};
 use datafusion::arrow::compute::can_cast_types;
 use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef};
 use datafusion::common::TableReference;
+use datafusion::datasource::MemTable;
 use datafusion::datasource::file_format::parquet::ParquetFormat;
 use datafusion::datasource::listing::{
     ListingOptions, ListingTable, ListingTableConfig, ListingTableUrl,
@@ -176,7 +177,17 @@ impl Engine {
                 let options = CsvReadOptions::new()
                     .comment(b'#')
                     .schema_infer_max_records(10_000);
-                self.context.register_csv(name, path, options).await?;
+                // In memory a join knows how few they are, and keeps them there instead of the records, whichever comes first.
+                let frame = self.context.read_csv(&path, options.clone()).await?;
+                let schema = Arc::new(frame.schema().as_arrow().clone());
+                match frame.collect().await {
+                    Ok(rows) => {
+                        let table = MemTable::try_new(schema, vec![rows])?;
+                        self.context.register_table(name, Arc::new(table))?;
+                    }
+                    // Whoever asks for it is told what is wrong with it.
+                    Err(_) => self.context.register_csv(name, path, options).await?,
+                }
             }
         }
         Ok(())

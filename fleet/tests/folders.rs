@@ -260,3 +260,29 @@ fn a_sort_larger_than_its_memory_goes_on_disk_with_the_same_answer() {
     let narrow = cells(&mut Engine::open(&narrow).unwrap(), sql);
     assert_eq!(narrow, cells(&mut open(folder.path()), sql));
 }
+
+#[test]
+fn a_join_keeps_the_few_robots_in_memory_and_not_the_records() {
+    let folder = tempfile::tempdir().unwrap();
+    fleet(folder.path(), 8, 60);
+    let sql = "EXPLAIN SELECT site, count(*) FROM records JOIN robots USING (robot) GROUP BY site";
+    let plan = cells(&mut open(folder.path()), sql).concat().concat();
+    // A join's first part is the one that is kept.
+    let (_, join) = plan.split_once("HashJoinExec").unwrap();
+    let [few, many] = ["partition_sizes", ".parquet"].map(|sign| join.find(sign).unwrap());
+    assert!(few < many, "{plan}");
+}
+
+#[test]
+fn a_table_beside_that_cannot_be_read_fails_only_who_asks_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fleet(folder.path(), 4, 60);
+    // So many rows are looked at to find out that a number is one.
+    let numbers: String = (0..10_000).map(|i| format!("arm-{i},{i}\n")).collect();
+    let text = format!("robot,shelf\n{numbers}arm-x,none\n");
+    std::fs::write(folder.path().join("robots.csv"), text).unwrap();
+    let mut engine = open(folder.path());
+    assert!(engine.count("records").unwrap() > 100);
+    let refused = engine.ask("SELECT sum(shelf) FROM robots").unwrap_err();
+    assert!(refused.to_string().contains("none"), "{refused}");
+}
