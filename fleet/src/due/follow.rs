@@ -11,6 +11,7 @@ use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
+use std::cmp::Ordering;
 
 /// Sessions of so many days before the last, and after each new baseline, are all taken; of the others one a week.
 const RECENT_DAYS: f64 = 45.0;
@@ -108,9 +109,14 @@ impl Followed {
             .min_by(|a, b| a.order().total_cmp(&b.order()))
     }
 
-    /// The earlier, the worse.
-    pub(super) fn order(&self) -> f64 {
-        self.worst().map_or(f64::INFINITY, Passage::order)
+    /// What has passed its limit comes first, the farthest beyond it before the others; then the earlier, the worse.
+    pub(super) fn worse_first(&self, other: &Self) -> Ordering {
+        let key = |of: &Self| match of.worst() {
+            Some(passage) if passage.is_passed() => (false, passage.limit_rad - of.offset_rad.mean),
+            worst => (true, worst.map_or(f64::INFINITY, Passage::order)),
+        };
+        let ((waits, mine), (other_waits, others)) = (key(self), key(other));
+        waits.cmp(&other_waits).then(mine.total_cmp(&others))
     }
 }
 
@@ -214,4 +220,39 @@ pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
         week = number;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_farthest_beyond_its_limit_is_the_worst() {
+        let of = |robot: &str, state, mrad: f64, day: Option<f64>| Followed {
+            robot: robot.into(),
+            joint: "elbow".into(),
+            site: None,
+            fit: Fitted::default(),
+            verdict: TrendVerdict::Wait,
+            offset_rad: Gaussian::new(1e-3 * mrad, 1e-4),
+            elongation_m: None,
+            last_utc_s: 0.0,
+            passages: vec![Passage {
+                limit: Limit::Retension { elongation_m: 5e-4 },
+                limit_rad: 20e-3,
+                state,
+                at_utc_s: [day.map(|day| day * DAY_S); 3],
+            }],
+        };
+        let mut all = [
+            of("never", LimitState::NotWithinHorizon, 1.0, None),
+            of("soon", LimitState::Forecast, 19.0, Some(3.0)),
+            of("just", LimitState::Passed, 20.1, Some(0.0)),
+            of("later", LimitState::Forecast, 19.9, Some(30.0)),
+            of("far", LimitState::Passed, 46.0, Some(0.5)),
+        ];
+        all.sort_by(Followed::worse_first);
+        let names = all.map(|f| f.robot);
+        assert_eq!(names, ["far", "just", "soon", "later", "never"]);
+    }
 }

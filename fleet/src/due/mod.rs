@@ -99,7 +99,7 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
         }
     }
     out.unknown_types = unknown.into_keys().collect();
-    (out.followed).sort_by(|a, b| a.order().total_cmp(&b.order()));
+    out.followed.sort_by(Followed::worse_first);
     Ok(out)
 }
 
