@@ -1,8 +1,9 @@
 //! Routing: portions, pass counts and the capstan law.
 
 use proptest::prelude::*;
+use sinew_model::rope::damage;
 use sinew_model::rope::routing::{
-    Pulley, RoutingError, capstan, far_share, portions, tension_share,
+    Portion, Pulley, RoutingError, capstan, far_share, portions, tension_share,
 };
 use std::f64::consts::PI;
 
@@ -41,6 +42,40 @@ fn tension_falls_along_a_rope_that_is_pulled_in() {
         ..pulley(0.1, 1.0)
     }];
     assert_eq!(far_share(&own, 0.1, true), 1.0);
+}
+
+#[test]
+fn an_edge_without_a_length_takes_its_whole_friction_at_once() {
+    let edge = [Pulley {
+        radius_m: 0.0,
+        ..pulley(0.1, 1.0)
+    }];
+    assert_eq!(tension_share(&edge, 0.1, 0.099, 0.0, true), 1.0);
+    let behind = tension_share(&edge, 0.1, 0.101, 0.0, true);
+    assert!((behind - (-0.1f64).exp()).abs() < 1e-15);
+}
+
+#[test]
+fn only_pulleys_that_pass_over_a_portion_bend_it_and_gentle_ones_count_less() {
+    let pulleys = [pulley(0.1, PI), pulley(0.3, PI), pulley(0.7, PI)];
+    let portion = Portion {
+        length_m: 0.02,
+        middle_m: 0.25,
+        guides: 0,
+    };
+    // Within a stroke of 0.1 m the second one alone comes over it; within one of 0.5 m the third, too. Once it is past
+    // the first, that one never comes back.
+    for (stroke_m, count) in [(0.01, 0.0), (0.1, 1.0), (0.5, 2.0)] {
+        assert_eq!(damage::passes(&portion, &pulleys, stroke_m, None), count);
+    }
+    // 16 mm at a rope of 1 mm, wrapped half round: bent like a pulley of a larger diameter by what a short contact spares.
+    let bend_m = 0.016 / (1.0 - (-0.008 * PI / 1e-3f64).exp());
+    assert!((damage::bend_diameter_m(&pulleys[0], 1e-3) - bend_m).abs() < 1e-15);
+    let weight = damage::pass_weight(&pulleys[0], 1e-3);
+    let expected = (damage::REFERENCE_DIAMETER_RATIO * 1e-3 / bend_m).min(1.0);
+    assert!((weight - expected).abs() < 1e-15);
+    let passes = damage::passes(&portion, &pulleys, 0.5, Some(1e-3));
+    assert!((passes - 2.0 * expected).abs() < 1e-14);
 }
 
 #[test]
