@@ -39,10 +39,25 @@ def test_a_recording_gives_the_rows_of_its_estimate() -> None:
         assert (row["offset_rad"], row["offset_deviation_rad"]) == (joint.offset_rad.mean, joint.offset_rad.deviation)
         assert joint.elongation_m is not None and row["elongation_m"] == joint.elongation_m.mean
         assert row["time_utc_s"] == session.start_time_utc_s and row["refused"] is None
+        assert row["frames"] + row["frames_lost"] == 20_000 and row["strain_ratio"] is None
     # The columns of a record are those that Sinew's own programs write.
     text = (Path("crates/sinew-watch-core/src/table.rs")).read_text()
     names = text.split("pub const COLUMNS")[1].split("= [")[1].split("]")[0]
     assert [name.strip().strip('"') for name in names.split(",") if name.strip()] == list(rows[0])[:-1]
+
+
+def test_what_cannot_be_told_is_no_offset(tmp_path: Path) -> None:
+    short = tmp_path / "short.csv"
+    sn.simulate("examples/scenarios/stretched-arm.toml", out=short, duration_s=3.0)
+    session = sn.estimate(short, ROBOT).session
+    assert session is not None
+    told = {joint.name: joint.verdict != "cannot-tell" for joint in session.joints}
+    assert not all(told.values())
+    for row in records(recording(str(short))):
+        if told[row["joint"]]:
+            assert row["offset_rad"] is not None and row["reason"] is None
+        else:
+            assert row["offset_rad"] is None and row["elongation_m"] is None and row["reason"] == "too-wide"
 
 
 def test_a_recording_that_is_refused_loses_only_itself(tmp_path: Path) -> None:

@@ -377,7 +377,7 @@ fn sides_that_are_one_or_swapped_are_refused_with_their_joints() {
         refused(&paper, dir.path(), 1, &["of 'elbow' are the same"]);
         let info = sinew(&["log", "info", "b.csv"], dir.path());
         assert!(
-            out(&info).contains("theta.elbow is q.elbow in every"),
+            out(&info).contains("theta.elbow moves as q.elbow does to the last"),
             "{}",
             out(&info)
         );

@@ -132,7 +132,8 @@ class _Sessions:
         # A file that isn't there is an OSError; both are about this recording alone.
         except (SinewError, OSError) as refused:
             return [row | {"refused": str(refused)}]
-        frames = found.reading.recording.frames if found.reading else None
+        reading = found.reading
+        used = {joint.name: joint.usable_frames for joint in reading.joints} if reading else {}
         row |= {
             "time_utc_s": session.start_time_utc_s,
             "duration_s": session.duration_s,
@@ -141,23 +142,31 @@ class _Sessions:
             "clock": "utc",
             "in_doubt": False,
             "poses": session.poses,
-            "frames": frames,
         }
-        return [row | self.tendon(joint) for joint in session.joints]
+        rows = []
+        for joint in session.joints:
+            frames = used.get(joint.name)
+            lost = reading.recording.frames - frames if reading and frames is not None else None
+            rows.append(row | self.tendon(joint) | {"frames": frames, "frames_lost": lost})
+        return rows
 
     @staticmethod
     def tendon(joint: results.TendonEstimate) -> dict[str, Any]:
+        # As the monitor has it: what can't be told from nothing is no offset. Strain counts from the new rope, of which a
+        # recording knows nothing.
         stiffness = joint.stiffness_change_ratio
-        return {
+        row = {
             "joint": joint.name,
+            "stiffness_ratio": stiffness and stiffness.mean,
+            "stiffness_deviation_ratio": stiffness and stiffness.deviation,
+        }
+        if joint.verdict == "cannot-tell":
+            return row | {"reason": "too-wide"}
+        return row | {
             "offset_rad": joint.offset_rad.mean,
             "offset_deviation_rad": joint.offset_rad.deviation,
             "elongation_m": joint.elongation_m and joint.elongation_m.mean,
             "elongation_deviation_m": joint.elongation_m and joint.elongation_m.deviation,
-            "strain_ratio": joint.strain_ratio and joint.strain_ratio.mean,
-            "strain_deviation_ratio": joint.strain_ratio and joint.strain_ratio.deviation,
-            "stiffness_ratio": stiffness and stiffness.mean,
-            "stiffness_deviation_ratio": stiffness and stiffness.deviation,
         }
 
 

@@ -490,7 +490,7 @@ impl Conditioner {
         let name = &self.joints[joint];
         if slope.apart[1] - slope.apart[0] <= ONE_SIGNAL_RAD {
             health.suspicion(format!(
-                "theta.{name} is q.{name} in every sample: one encoder or one topic for both sides? ignore this for a rigid joint"
+                "theta.{name} moves as q.{name} does to the last digit: one encoder or one topic for both sides? ignore this for a rigid joint"
             ));
         } else if (ratio / RAD_TO_DEG - 1.0).abs() < 0.1 {
             health.suspicion(format!(
