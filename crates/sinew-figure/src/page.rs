@@ -127,6 +127,8 @@ pub struct Table {
     /// Cells, one per column. The first of a row names it; the others are numbers to the right
     /// when the table has a head.
     pub rows: Vec<Vec<String>>,
+    /// Numbers of the columns of words: they stand to the left and are broken into lines.
+    pub worded: Vec<usize>,
 }
 
 impl Table {
@@ -153,6 +155,16 @@ impl Table {
         // Text takes everything.
         let _ = write_table(&mut out, self);
         out
+    }
+
+    /// Columns of these headings hold words: they stand to the left and are broken into lines. A heading that isn't there is none.
+    #[must_use]
+    pub fn worded(mut self, headings: &[&str]) -> Self {
+        let worded = |name: &String| headings.contains(&name.as_str());
+        self.worded = (0..self.head.len())
+            .filter(|i| worded(&self.head[*i]))
+            .collect();
+        self
     }
 
     /// Puts a line above.
@@ -352,8 +364,9 @@ fn write_table(out: &mut String, table: &Table) -> std::fmt::Result {
     }
     if !facts {
         out.push_str("<thead><tr>");
-        for cell in &table.head {
-            write!(out, "<th scope=\"col\">{}</th>", escape_xml(cell))?;
+        for (i, cell) in table.head.iter().enumerate() {
+            let class = class(table, i);
+            write!(out, "<th scope=\"col\"{class}>{}</th>", escape_xml(cell))?;
         }
         out.push_str("</tr></thead>\n");
     }
@@ -364,13 +377,21 @@ fn write_table(out: &mut String, table: &Table) -> std::fmt::Result {
             let cell = escape_xml(cell);
             match i {
                 0 => write!(out, "<th scope=\"row\">{cell}</th>")?,
-                _ => write!(out, "<td>{cell}</td>")?,
+                _ => write!(out, "<td{}>{cell}</td>", class(table, i))?,
             }
         }
         out.push_str("</tr>\n");
     }
     let closing = if facts { "" } else { "</div>" };
     writeln!(out, "</tbody></table>{closing}")
+}
+
+/// What a cell of a column is styled as.
+fn class(table: &Table, column: usize) -> &'static str {
+    match table.worded.contains(&column) {
+        true => " class=\"words\"",
+        false => "",
+    }
 }
 
 fn write_sentences(out: &mut String, sentences: &[Sentence]) -> std::fmt::Result {

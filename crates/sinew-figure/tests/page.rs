@@ -133,6 +133,19 @@ fn an_answer_shows_what_it_asks_without_its_colour() {
 }
 
 #[test]
+fn words_stand_to_the_left_and_break_numbers_to_the_right_and_whole() {
+    let row = vec!["Fig. 1".into(), "a long sentence".into(), "1.5".into()];
+    let table = Table::new(&["where", "sentence", "found"], vec![row]);
+    let page = page(vec![table.worded(&["sentence", "verdict"]).into()]);
+    for words in [
+        "<th scope=\"col\" class=\"words\">sentence</th><th scope=\"col\">found</th>",
+        "<td class=\"words\">a long sentence</td><td>1.5</td>",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
 fn what_few_want_to_read_is_folded_and_whole() {
     let table =
         Table::new(&["a", "b"], vec![vec!["x".into(), "1".into()]]).captioned("all of them");

@@ -140,7 +140,6 @@ fn offsets(estimate: &Estimate) -> Table {
     ];
     let heads = of_heads(&estimate.joints);
     Table {
-        caption: String::new(),
         head: head.map(|h| in_units(h, heads)).to_vec(),
         rows: estimate
             .joints
@@ -165,6 +164,7 @@ fn offsets(estimate: &Estimate) -> Table {
                 ]
             })
             .collect(),
+        ..Table::default()
     }
 }
 
@@ -201,6 +201,7 @@ fn differences(estimate: &Estimate) -> Table {
                 ]
             })
             .collect(),
+        ..Table::default()
     }
 }
 
@@ -244,22 +245,19 @@ fn losses(estimate: &Estimate) -> Vec<Block> {
 }
 
 fn loss_table(caption: &str, losses: &[Loss]) -> Block {
-    Block::Table(Table {
-        caption: caption.into(),
-        head: ["reason", "frames", "of all frames"]
-            .map(String::from)
-            .to_vec(),
-        rows: losses
-            .iter()
-            .map(|l| {
+    Block::Table(
+        Table::new(
+            &["reason", "frames", "of all frames"],
+            losses.iter().map(|l| {
                 vec![
                     loss_reason(l.reason).into(),
                     count(l.frames),
                     share(l.share),
                 ]
-            })
-            .collect(),
-    })
+            }),
+        )
+        .captioned(caption),
+    )
 }
 
 fn circumstances(estimate: &Estimate) -> Table {

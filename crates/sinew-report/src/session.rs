@@ -127,7 +127,6 @@ fn offsets(session: &SessionEstimate) -> Table {
     ];
     let heads = of_heads(&session.joints);
     Table {
-        caption: String::new(),
         head: head.map(|h| in_units(h, heads)).to_vec(),
         rows: session
             .joints
@@ -153,6 +152,7 @@ fn offsets(session: &SessionEstimate) -> Table {
                 ]
             })
             .collect(),
+        ..Table::default()
     }
 }
 
@@ -210,11 +210,7 @@ fn course(session: &SessionEstimate, i: usize) -> Figure {
 
 fn nuisance(session: &SessionEstimate) -> Table {
     let head = ["what", "unit", "before", "after", "moved by the data"];
-    Table {
-        caption: String::new(),
-        head: head.map(String::from).to_vec(),
-        rows: session.nuisance.iter().map(nuisance_row).collect(),
-    }
+    Table::new(&head, session.nuisance.iter().map(nuisance_row))
 }
 
 fn nuisance_row(n: &NuisanceChange) -> Vec<String> {

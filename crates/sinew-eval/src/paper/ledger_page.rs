@@ -122,11 +122,12 @@ fn overview(ledger: &Ledger) -> Table {
     let rows = ledger.rows.iter().map(|row| {
         vec![
             row.place.name().into(),
-            row.text.clone(),
             row.status.name().into(),
+            row.text.clone(),
             row.found.clone(),
             row.figure.map_or_else(|| "–".into(), |f| f.to_string()),
         ]
     });
-    Table::new(&["where", "sentence", "verdict", "found", "figure"], rows)
+    Table::new(&["where", "verdict", "sentence", "found", "figure"], rows)
+        .worded(&["verdict", "sentence", "figure"])
 }

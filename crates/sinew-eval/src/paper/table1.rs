@@ -114,6 +114,7 @@ fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
         caption: caption.into(),
         head: head.iter().map(|h| (*h).to_owned()).collect(),
         rows,
+        ..Table::default()
     }
 }
 

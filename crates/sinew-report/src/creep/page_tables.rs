@@ -270,11 +270,12 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
                     f.law.equation().to_owned(),
                     format!("{:.1}", f.aicc - least),
                     format!("{:.2}", f.weight),
-                    format!("{:.1}", f.bic),
+                    format!("{:.1}", f.bic).replace('-', "−"),
                     short(100.0 * f.residual_strain_ratio),
                 ]
             }),
         )
+        .worded(&["equation"])
         .captioned("Smaller AICc is better; a difference above 10 leaves no doubt."),
     )];
     for fit in fits {
@@ -298,7 +299,7 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
                             format!("not identifiable from this record: {why}")
                         }),
                     ]
-                })).captioned(format!(
+                })).worded(&["unit", "remark"]).captioned(format!(
                 "{}: std. errors from the covariance, intervals by {kind}; noise of the readings {} %, {:.0} % of its variance slow (memory: time times {})",
                 fit.law.name(),
                 short(100.0 * fit.residual_strain_ratio),
@@ -314,6 +315,7 @@ pub(super) fn fit_blocks(fits: &[Fit]) -> Vec<Block> {
             };
             blocks.push(Block::Table(
                 Table::new(&["parameter", "value", "why"], fit.fixed.iter().map(fixed))
+                    .worded(&["why"])
                     .captioned("Held at the base rope's values: the records can't tell them."),
             ));
         }

@@ -131,25 +131,24 @@ fn schedules(p: &Plan) -> Block {
         s.start_n
             .map_or_else(|| "no tension does".into(), |i| bracketed(i, 2))
     };
-    Table::new(
-        &["", "as it comes", "bedded in"],
-        vec![
-            row("re-tension after", &times),
-            row("times", &|s| bracketed(s.count, 2)),
-            row("none needed, % of the draws", &|s| {
-                format!("{:.0}", 100.0 * s.never_share)
-            }),
-            row("left alone it ends at, N", &|s| {
-                bracketed(s.tension_at_end_n, 2)
-            }),
-            row("string it at, N, and none is needed", &start),
-            row(&format!("joint sags by, {}", sag_unit(p)), &|s| {
-                let sag = s.left_alone.sag_rad.last();
-                sag.map_or_else(|| "-".into(), |v| rounded(1e3 * v, 2))
-            }),
-        ],
-    )
-    .into()
+    let mut rows = vec![
+        row("re-tension after", &times),
+        row("times", &|s| bracketed(s.count, 2)),
+        row("none needed, % of the draws", &|s| {
+            format!("{:.0}", 100.0 * s.never_share)
+        }),
+        row("left alone it ends at, N", &|s| {
+            bracketed(s.tension_at_end_n, 2)
+        }),
+        row("string it at, N, and none is needed", &start),
+    ];
+    if p.joint.is_some() {
+        rows.push(row(&format!("joint sags by, {}", sag_unit(p)), &|s| {
+            let sag = s.left_alone.sag_rad.last();
+            sag.map_or_else(|| "–".into(), |v| rounded(1e3 * v, 2))
+        }));
+    }
+    Table::new(&["", "as it comes", "bedded in"], rows).into()
 }
 
 fn plan_figure(p: &Plan) -> Figure {

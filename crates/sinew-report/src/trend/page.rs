@@ -159,26 +159,23 @@ pub fn page(report: &TrendReport) -> Page {
         "strain, %",
         "creep, mrad/month",
     ];
-    let rows = (report.joints.iter())
-        .map(|j| {
-            vec![
-                j.name.clone(),
-                plus_minus(j.offset_rad, 1e3),
-                plus_minus_or_dash(j.elongation_m, 1e3),
-                plus_minus_or_dash(j.strain_ratio, 100.0),
-                plus_minus(j.rate_rad_per_s, 1e3 * MONTH_S),
-            ]
-        })
-        .collect();
+    let rows = (report.joints.iter()).map(|j| {
+        vec![
+            j.name.clone(),
+            plus_minus(j.offset_rad, 1e3),
+            plus_minus_or_dash(j.elongation_m, 1e3),
+            plus_minus_or_dash(j.strain_ratio, 100.0),
+            plus_minus(j.rate_rad_per_s, 1e3 * MONTH_S),
+        ]
+    });
     page = page.section(
         "",
         vec![
             Block::Headlines(headlines),
-            Block::Table(Table {
-                caption: "Now, at the reference temperature; ± is half a 95 % interval".into(),
-                head: head.map(String::from).to_vec(),
-                rows,
-            }),
+            Block::Table(
+                Table::new(&head, rows)
+                    .captioned("Now, at the reference temperature; ± is half a 95 % interval"),
+            ),
         ],
     );
     for joint in &report.joints {
@@ -216,13 +213,10 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         ),
     )];
     if !joint.limits.is_empty() {
-        blocks.push(Block::Table(Table {
-            caption: "Limits; days count from the last session".into(),
-            head: ["limit", "value", "passed with probability", "in days", "on"]
-                .map(String::from)
-                .to_vec(),
-            rows: (joint.limits.iter())
-                .map(|l| {
+        blocks.push(Block::Table(
+            Table::new(
+                &["limit", "value", "passed with probability", "in days", "on"],
+                (joint.limits.iter()).map(|l| {
                     let days = l.after_s.map(|t| rounded(t / DAY_S, 3));
                     vec![
                         limit_name(l.limit).into(),
@@ -231,9 +225,10 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
                         days.unwrap_or_else(|| "–".into()),
                         l.at_utc_s.map_or("–".into(), day_of),
                     ]
-                })
-                .collect(),
-        }));
+                }),
+            )
+            .captioned("Limits; days count from the last session"),
+        ));
         // Too long for a table's cell.
         let passages = joint.limits.iter();
         blocks.push(Block::List(
@@ -249,13 +244,10 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         )]));
     }
     if !joint.events.is_empty() {
-        blocks.push(Block::Table(Table {
-            caption: "Events".into(),
-            head: ["seen from", "what", "by, mrad", "sure"]
-                .map(String::from)
-                .to_vec(),
-            rows: (joint.events.iter())
-                .map(|e| {
+        blocks.push(Block::Table(
+            Table::new(
+                &["seen from", "what", "by, mrad", "sure"],
+                (joint.events.iter()).map(|e| {
                     vec![
                         format_when(joint, e.time_utc_s),
                         event_name(e.kind).into(),
@@ -269,9 +261,11 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
                             ),
                         },
                     ]
-                })
-                .collect(),
-        }));
+                }),
+            )
+            .worded(&["what", "sure"])
+            .captioned("Events"),
+        ));
         // Too long for a table's cell.
         let meanings = joint.events.iter();
         blocks.push(Block::List(
@@ -318,10 +312,9 @@ fn joint_blocks(joint: &JointTrend) -> Vec<Block> {
         let drift = plus_minus(drift, 1e3);
         facts.push(["Drift with temperature, mrad/K".into(), drift]);
     }
-    blocks.push(Block::Table(Table {
-        caption: String::new(),
-        head: Vec::new(),
-        rows: facts.into_iter().map(Vec::from).collect(),
-    }));
+    blocks.push(Block::Table(Table::new(
+        &[],
+        facts.into_iter().map(Vec::from),
+    )));
     blocks
 }

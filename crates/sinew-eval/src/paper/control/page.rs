@@ -100,7 +100,7 @@ pub(super) fn full_table(rows: &[Row], seeds: u64) -> Table {
                     range(c.missed_share(), &r.missed_share, 0),
                     number(r.delay_median_ms(), 0),
                 ]
-            })).captioned(format!(
+            })).worded(&["known"]).captioned(format!(
             "Before and after. Two numbers in a cell: shoulder pitch; elbow. RMS of q − q_d; σ: standard deviation over {seeds} sessions; {contacts} contacts in each row; brackets: lowest and highest session."
         ))
 }

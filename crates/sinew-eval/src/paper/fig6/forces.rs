@@ -138,6 +138,7 @@ impl Forces {
             ),
             head,
             rows: rows.collect(),
+            ..Table::default()
         }
     }
 }

@@ -145,11 +145,9 @@ fn blocks(report: &SurvivalReport, group: &SurvivalGroup) -> Vec<Block> {
         let share = rounded(100.0 * q.broken_ratio, 2);
         vec![format!("{share} %, by the law"), format_quantile(q, factor)]
     }));
-    blocks.push(Block::Table(Table {
-        caption: format!("Ages by which ropes have broken, {unit}; brackets are 95 %"),
-        head: vec!["broken".into(), unit.into()],
-        rows,
-    }));
+    blocks.push(Block::Table(Table::new(&["broken", unit], rows).captioned(
+        format!("Ages by which ropes have broken, {unit}; brackets are 95 %"),
+    )));
     let mut facts = Vec::new();
     facts.extend(
         group
@@ -161,30 +159,24 @@ fn blocks(report: &SurvivalReport, group: &SurvivalGroup) -> Vec<Block> {
     if !facts.is_empty() {
         blocks.push(Block::List(facts));
     }
-    let points = (group.curve.iter())
-        .map(|p| {
-            let percent = |x: f64| rounded(100.0 * x, 3);
-            vec![
-                rounded(factor * p.age, 3),
-                p.at_risk.to_string(),
-                p.broke.to_string(),
-                percent(p.survival),
-                format!(
-                    "{} to {}",
-                    percent(p.interval_95.low),
-                    percent(p.interval_95.high)
-                ),
-            ]
-        })
-        .collect();
+    let points = (group.curve.iter()).map(|p| {
+        let percent = |x: f64| rounded(100.0 * x, 3);
+        vec![
+            rounded(factor * p.age, 3),
+            p.at_risk.to_string(),
+            p.broke.to_string(),
+            percent(p.survival),
+            format!(
+                "{} to {}",
+                percent(p.interval_95.low),
+                percent(p.interval_95.high)
+            ),
+        ]
+    });
     let head = [unit, "had reached it", "broke", "last longer, %", "95 %"];
     blocks.push(Block::Folded(
         "The curve as a table".into(),
-        vec![Block::Table(Table {
-            caption: String::new(),
-            head: head.map(String::from).to_vec(),
-            rows: points,
-        })],
+        vec![Block::Table(Table::new(&head, points))],
     ));
     blocks
 }
