@@ -97,7 +97,9 @@ pub struct Query {
 
 /// `due`.
 #[derive(Debug, Clone, clap::Args)]
-#[command(after_help = "Example:\n  sinew-fleet due fleet/ --within 30 --csv due.csv")]
+#[command(
+    after_help = "Example:\n  sinew-fleet due fleet/ --within 30 --state due.state --csv due.csv"
+)]
 pub struct Due {
     /// Records.
     #[command(flatten)]
@@ -114,7 +116,10 @@ pub struct Due {
     /// Write every tendon that was followed here, as CSV or Parquet
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Follow every tendon: half a second each
+    /// Keep here how far each tendon was followed: the next question goes on from there, with the same answers
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
+    /// Follow every tendon: a fifth of a second each
     #[arg(long)]
     pub follow_all: bool,
 }
@@ -205,6 +210,9 @@ pub struct Report {
     /// Folder of a robot type beside those in types/; may be given again
     #[arg(long = "robot", value_name = "DIR")]
     pub robots: Vec<PathBuf>,
+    /// File of due --state: tendons are followed from where it left them
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// Weeks the work list looks ahead
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=52))]
     pub weeks: u32,

@@ -5,14 +5,16 @@ use crate::due::sessions::Sessions;
 use crate::folder::TYPES;
 use crate::folder::sides::{self, Fitted, Tendon};
 use sinew_estimate::robot_dir;
+use sinew_estimate::trend::prior::{RopePrior, rope_prior};
 use sinew_estimate::trend::{
-    AnalyzeError, JointTrend, SessionRecord, Sorted, Stated, TrendRequest, analyze,
+    AnalyzeError, GoneOn, KeptTrend, SessionRecord, Stated, TrendRequest, go_on, mean_temperature_c,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission;
-use sinew_rope::Catalogue;
-use std::collections::{BTreeMap, BTreeSet};
+use sinew_rope::{Catalogue, CatalogueError};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Days forecasts look ahead: intervals that end later are open.
 const HORIZON_DAYS: f64 = 365.0;
@@ -27,7 +29,12 @@ pub(crate) struct Beside {
     pub(crate) events: BTreeMap<Tendon, Vec<Stated>>,
     pub(crate) sites: BTreeMap<String, String>,
     catalogue: Catalogue,
+    /// What ropes say of tendons, by type, joint, rope and whole degree of their mean temperature: tendons have few such kinds.
+    priors: Mutex<HashMap<Kind, Arc<RopePrior>>>,
 }
+
+/// Type, joint, rope and whole degree Celsius.
+type Kind = (String, String, Option<String>, i64);
 
 impl Beside {
     /// Reads it.
@@ -57,6 +64,7 @@ impl Beside {
             sites: sides::sites(folder)?,
             fitted,
             catalogue,
+            priors: Mutex::default(),
         })
     }
 
@@ -83,12 +91,14 @@ impl Beside {
     ///
     /// * `robot`: with the rope that the tendon has.
     /// * `rows`: of its sessions those that are taken.
+    /// * `kept`: where an earlier question left it.
     pub(crate) fn trend(
         &self,
         sessions: &Sessions,
         robot: Option<&Robot>,
         mut rows: Vec<SessionRecord>,
-    ) -> Result<Option<JointTrend>, AnalyzeError> {
+        kept: Option<KeptTrend>,
+    ) -> Result<GoneOn, AnalyzeError> {
         // What was done after the last session has no session yet.
         let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
         let stated = self.events.get(&sessions.tendon).into_iter().flatten();
@@ -106,13 +116,32 @@ impl Beside {
             horizon_days: HORIZON_DAYS,
             seed: 1,
         };
-        let (name, joint) = sessions.tendon.clone();
-        let sorted = Sorted {
-            joints: vec![(joint, rows)],
-            robot: Some(name),
-            notes: Vec::new(),
-        };
-        Ok(analyze(sorted, &request)?.joints.into_iter().next())
+        let joint = &sessions.tendon.1;
+        let rope = self.prior(sessions, robot, &request)?;
+        go_on(joint, &rows, &rope, &request, kept)
+    }
+
+    /// What its rope says of a tendon.
+    fn prior(
+        &self,
+        sessions: &Sessions,
+        robot: Option<&Robot>,
+        request: &TrendRequest<'_>,
+    ) -> Result<Arc<RopePrior>, CatalogueError> {
+        let tendon = robot.and_then(|robot| tendon_of(robot, &sessions.tendon.1));
+        let celsius = mean_temperature_c(&sessions.rows).round();
+        let kind = (
+            sessions.robot_type.clone(),
+            sessions.tendon.1.clone(),
+            tendon.and_then(|t| t.rope.clone()),
+            celsius as i64,
+        );
+        let priors = || self.priors.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = priors().get(&kind) {
+            return Ok(known.clone());
+        }
+        let found = rope_prior(tendon, request.catalogue, None, celsius, request.seed)?;
+        Ok(priors().entry(kind).or_insert(Arc::new(found)).clone())
     }
 }
 

@@ -129,6 +129,19 @@ pub enum FleetError {
     /// A file that can't be written.
     #[error(transparent)]
     Output(#[from] sinew_files::OutputError),
+    /// A file of trends that is something else.
+    #[error(
+        "{path}: not written by sinew-fleet due --state, so it stays as it is; name a file that isn't there yet", path = .0.display()
+    )]
+    NoState(PathBuf),
+    /// A file of trends that can't be read.
+    #[error("{path}: {source}", path = path.display())]
+    StateUnread {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A function of Sinew that was asked in another way.
     #[error("{function} is written {usage}")]
     Usage {

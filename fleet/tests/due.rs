@@ -1,10 +1,19 @@
-//! What is due: the screen rules out no tendon that the whole trend would list, and dates hold against the truth.
+//! What is due: the screen rules out no tendon that the whole trend would list, dates hold against the truth, and a question that goes on
+//! from the last one says what one from nothing says.
 
 use crate::support::{fleet, open, session, source, write};
+use datafusion::arrow::array::{ArrayRef, AsArray as _, BooleanArray, Float64Array, RecordBatch};
+use datafusion::arrow::compute::filter_record_batch;
+use datafusion::arrow::datatypes::Float64Type;
+use datafusion::parquet::arrow::ArrowWriter;
+use datafusion::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use sinew_fleet::FleetError;
 use sinew_fleet::args::Due;
-use sinew_fleet::due::{DueList, due};
+use sinew_fleet::due::{DueList, StateUnused, due};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What is asked of a folder.
 fn asked(folder: &Path, follow_all: bool) -> Due {
@@ -14,6 +23,7 @@ fn asked(folder: &Path, follow_all: bool) -> Due {
         within_days: 30.0,
         rows: 40,
         csv: None,
+        state: None,
         follow_all,
     }
 }
@@ -84,4 +94,180 @@ fn robots_of_a_type_nobody_described_are_counted_and_named() {
         (1, 1, 0)
     );
     assert_eq!(list.unknown_types, ["arm"]);
+}
+
+/// The same question, which goes on from a file and leaves one.
+fn list_from(folder: &Path, state: &Path) -> Result<DueList, FleetError> {
+    let asked = Due {
+        state: Some(state.into()),
+        ..asked(folder, false)
+    };
+    due(&mut open(folder), &asked)
+}
+
+/// Files of records below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut out = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => out.extend(files(&path)),
+            false if path.extension().is_some_and(|e| e == "parquet") => out.push(path),
+            false => {}
+        }
+    }
+    out
+}
+
+/// Does something to the rows of every file of records.
+fn change(folder: &Path, of: impl Fn(RecordBatch) -> RecordBatch) {
+    for path in files(folder) {
+        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+        let schema = reader.schema().clone();
+        let batches: Vec<RecordBatch> = reader.build().unwrap().map(|b| of(b.unwrap())).collect();
+        let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), schema, None).unwrap();
+        batches.iter().for_each(|b| writer.write(b).unwrap());
+        writer.close().unwrap();
+    }
+}
+
+fn numbers<'b>(batch: &'b RecordBatch, column: &str) -> &'b Float64Array {
+    batch
+        .column_by_name(column)
+        .unwrap()
+        .as_primitive::<Float64Type>()
+}
+
+/// A fleet of 90 days as it was on day 88, a list of that day with its file of trends, and the whole fleet.
+fn two_days(folder: &Path) -> (DueList, PathBuf, PathBuf) {
+    let [before, now, state] = ["before", "now", "due.state"].map(|name| folder.join(name));
+    for fleet_of in [&before, &now] {
+        std::fs::create_dir(fleet_of).unwrap();
+        fleet(fleet_of, 5, 90);
+    }
+    let last_utc_s = list(&now, false).now_utc_s;
+    change(&before, |batch| {
+        let times = numbers(&batch, "time_utc_s").iter();
+        let kept: BooleanArray = times
+            .map(|t| Some(t? < last_utc_s - 1.5 * 86_400.0))
+            .collect();
+        filter_record_batch(&batch, &kept).unwrap()
+    });
+    (list_from(&before, &state).unwrap(), state, now)
+}
+
+#[test]
+fn a_question_goes_on_from_the_last_one_and_says_the_same_as_from_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, state, now) = two_days(folder.path());
+    assert_eq!(first.went_on, 0);
+    let anew = list(&now, false);
+    let list = list_from(&now, &state).unwrap();
+    assert_eq!(list.followed, anew.followed);
+    assert_ne!(list.followed, first.followed);
+    let known = |f: &&sinew_fleet::due::Followed| {
+        let key = (&f.robot, &f.joint);
+        first
+            .followed
+            .iter()
+            .any(|other| (&other.robot, &other.joint) == key)
+    };
+    let went_on = list.followed.iter().filter(known).count();
+    assert!(went_on > 2, "{went_on} of {}", list.followed.len());
+    assert_eq!((list.went_on, list.state_unused), (went_on, None));
+    // Asked again, nothing is new.
+    let again = list_from(&now, &state).unwrap();
+    assert_eq!(
+        (again.went_on, again.followed),
+        (anew.followed.len(), anew.followed)
+    );
+}
+
+#[test]
+fn a_tendon_whose_past_is_corrected_is_followed_anew_and_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, state, now) = two_days(folder.path());
+    let before = list_from(&now, &state).unwrap();
+    let one = before.followed[0].clone();
+    // Half a millirad more, thirty days back.
+    let day = one.last_utc_s - 30.0 * 86_400.0;
+    change(&now, |batch| {
+        let texts = |name: &str| {
+            batch
+                .column_by_name(name)
+                .unwrap()
+                .as_string::<i32>()
+                .clone()
+        };
+        let (robots, joints) = (texts("robot"), texts("joint"));
+        let (times, offsets) = (numbers(&batch, "time_utc_s"), numbers(&batch, "offset_rad"));
+        let corrected = |i: usize| -> Option<f64> {
+            let its = (robots.value(i), joints.value(i)) == (&one.robot, &one.joint);
+            let that = its && (times.value(i) - day).abs() < 3.0 * 86_400.0;
+            let offset = offsets.iter().nth(i).flatten()?;
+            Some(offset + if that { 0.5e-3 } else { 0.0 })
+        };
+        let column: Float64Array = (0..batch.num_rows()).map(corrected).collect();
+        let mut columns = batch.columns().to_vec();
+        columns[batch.schema().index_of("offset_rad").unwrap()] = Arc::new(column) as ArrayRef;
+        RecordBatch::try_new(batch.schema(), columns).unwrap()
+    });
+    let anew = list(&now, false);
+    let list = list_from(&now, &state).unwrap();
+    assert_eq!(list.followed, anew.followed);
+    assert_ne!(list.followed, before.followed);
+    assert_eq!(list.went_on, before.followed.len() - 1);
+}
+
+#[test]
+fn another_pretension_follows_every_tendon_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, state, now) = two_days(folder.path());
+    let path = now.join("types/biorob-like/robot.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("pretension_n = ", "pretension_n = 1")).unwrap();
+    let anew = list(&now, false);
+    let list = list_from(&now, &state).unwrap();
+    assert_eq!((list.went_on, list.followed), (0, anew.followed));
+}
+
+#[test]
+fn a_damaged_or_older_file_of_trends_is_no_reason_for_another_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, state, now) = two_days(folder.path());
+    let anew = list(&now, false);
+    let good = std::fs::read(&state).unwrap();
+    let mut flipped = good.clone();
+    flipped[good.len() / 2] ^= 1;
+    let older = [
+        b"sinew-fleet due 1 0.0.9\n",
+        &good[good.iter().position(|b| *b == b'\n').unwrap() + 1..],
+    ]
+    .concat();
+    let version = StateUnused::Version("0.0.9".into());
+    for (bytes, unused) in [
+        (flipped, StateUnused::Damaged),
+        (good[..good.len() - 3].to_vec(), StateUnused::Damaged),
+        (older, version),
+    ] {
+        std::fs::write(&state, bytes).unwrap();
+        let list = list_from(&now, &state).unwrap();
+        assert_eq!(
+            (list.state_unused, list.followed),
+            (Some(unused), anew.followed.clone())
+        );
+        // It is whole again.
+        assert_eq!(
+            list_from(&now, &state).unwrap().went_on,
+            anew.followed.len()
+        );
+    }
+    let other = folder.path().join("notes.txt");
+    std::fs::write(&other, "tension arm 7 on Friday\n").unwrap();
+    let refused = list_from(&now, &other).unwrap_err();
+    assert!(matches!(refused, FleetError::NoState(_)), "{refused}");
+    assert_eq!(
+        std::fs::read_to_string(&other).unwrap(),
+        "tension arm 7 on Friday\n"
+    );
 }

@@ -47,6 +47,7 @@ fn a_tendons_trend_and_days_are_those_of_due() {
         within_days: 30.0,
         rows: 40,
         csv: None,
+        state: None,
         follow_all: true,
     };
     let mut engine = open(folder.path());

@@ -15,6 +15,7 @@ fn the_page_counts_what_due_and_compare_count() {
         out: folder.path().join("fleet.html"),
         robots: Vec::new(),
         weeks: 8,
+        state: None,
         ages: Ages {
             from_days: 1.0,
             to_days: 30.0,

@@ -671,3 +671,78 @@ fn where_no_strain_says_when_other_ropes_lives_do() {
     let error = LifePrior::new(&lives, "lives.csv", 0.1, 1).unwrap_err();
     assert!(error.to_string().contains("cycles"), "{error}");
 }
+
+#[test]
+fn a_trend_goes_on_from_where_it_was_kept_as_from_nothing() {
+    use sinew_estimate::trend::{KeptTrend, go_on, mean_temperature_c, prior::rope_prior};
+    let robot = biorob_like();
+    let catalogue = Catalogue::shipped().unwrap();
+    let index = robot.arm.joint_index("elbow").unwrap();
+    let tendon = robot.transmissions[index].as_ref().unwrap().tendon.as_ref();
+    // A strand fails on day 20; somebody tensions after day 30, which a new baseline follows.
+    let record = |d: i32| {
+        let t = f64::from(d);
+        let jumped = if d >= 20 { 5.0 } else { 0.0 };
+        let mrad = if d > 30 {
+            0.1
+        } else {
+            0.8 * (24.0 * t).ln() + jumped
+        } + wobble(t);
+        SessionRecord {
+            baseline: Some(if d > 30 { "new" } else { "old" }.into()),
+            ..session_record(t, mrad)
+        }
+    };
+    let records: Vec<SessionRecord> = (1..=36).map(record).collect();
+    let rope = rope_prior(tendon, &catalogue, None, mean_temperature_c(&records), 1).unwrap();
+    let asked = |days: usize, records: &[SessionRecord], kept: Option<KeptTrend>| {
+        let stated = if days > 30 {
+            vec![tensioned(30.5)]
+        } else {
+            Vec::new()
+        };
+        let request = TrendRequest {
+            robot: Some(&robot),
+            catalogue: &catalogue,
+            stated,
+            duty: None,
+            life: None,
+            horizon_days: 365.0,
+            seed: 1,
+        };
+        go_on("elbow", &records[..days], &rope, &request, kept).unwrap()
+    };
+    let mut kept: Option<KeptTrend> = None;
+    for days in [15, 21, 22, 33, 33, 36] {
+        let anew = asked(days, &records, None);
+        let on = asked(days, &records, kept.take());
+        assert_eq!((anew.went_on, on.went_on), (false, days > 15));
+        assert_eq!((&on.trend, &on.kept), (&anew.trend, &anew.kept));
+        kept = Some(on.kept);
+    }
+    let whole = asked(36, &records, kept.clone());
+    assert_eq!(whole.trend.events.len(), 2, "{:?}", whole.trend.events);
+    // A session of the past that was estimated again, and a rope of which something else is known.
+    let mut corrected = records.clone();
+    corrected[9] = session_record(10.0, 4.4);
+    corrected[9].baseline = Some("old".into());
+    assert!(!asked(36, &corrected, kept.clone()).went_on);
+    let warmer = rope_prior(tendon, &catalogue, None, 30.0, 1).unwrap();
+    let request = TrendRequest {
+        robot: Some(&robot),
+        catalogue: &catalogue,
+        stated: vec![tensioned(30.5)],
+        duty: None,
+        life: None,
+        horizon_days: 365.0,
+        seed: 1,
+    };
+    let other = go_on("elbow", &records, &warmer, &request, kept).unwrap();
+    assert!(!other.went_on);
+    // The report says the same, and has the series and the forecast besides.
+    let report = analyze(sort(records, None).unwrap(), &request).unwrap();
+    let mut found = report.joints[0].clone();
+    assert_eq!(found.series.len(), 36);
+    (found.series, found.forecast) = (Vec::new(), Vec::new());
+    assert_eq!(found, whole.trend);
+}

@@ -1,7 +1,7 @@
 //! A tendon that may come near its limit, by the trend of `sinew trend`.
 
-use super::screen;
 use super::sessions::Sessions;
+use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
 use sinew_estimate::trend::{
@@ -13,8 +13,10 @@ use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 use std::cmp::Ordering;
 
-/// Sessions of so many days before the last, and after each new baseline, are all taken; of the others one a week.
-const RECENT_DAYS: f64 = 45.0;
+/// All sessions of the present period and of the one before are taken, a period from a tendon's first session on, and those of some days
+/// after each new baseline; of the others one a week. So what is taken of the past changes with the period, not from day to day, and a trend
+/// goes on from yesterday.
+const PERIOD_DAYS: f64 = 30.0;
 const FRESH_DAYS: f64 = 14.0;
 /// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
 const DRIFT_FACTOR: f64 = 1.25;
@@ -126,7 +128,13 @@ pub(super) enum Outcome {
     NoLimit,
     UnknownType(String),
     Refused(String, String, String),
-    Followed(Box<Followed>),
+    Followed {
+        found: Box<Followed>,
+        /// To go on from, for who keeps it.
+        kept: Vec<u8>,
+        /// Whether it went on from what was kept.
+        went_on: bool,
+    },
 }
 
 /// Screens tendons and follows them.
@@ -135,11 +143,13 @@ pub(super) struct Followers<'a> {
     pub(super) now_utc_s: f64,
     pub(super) within_s: f64,
     pub(super) screen: bool,
+    /// Whether trends are kept.
+    pub(super) keeps: bool,
 }
 
 impl Followers<'_> {
-    /// Screens a tendon and follows it, if it isn't out of reach.
-    pub(super) fn look(&self, sessions: &Sessions) -> Outcome {
+    /// Screens a tendon and follows it, if it isn't out of reach, from where it was kept.
+    pub(super) fn look(&self, sessions: &Sessions, kept: Option<&Vec<u8>>) -> Outcome {
         let (name, joint) = &sessions.tendon;
         let Some(robot) = self.beside.robot(sessions) else {
             return Outcome::UnknownType(sessions.robot_type.clone());
@@ -155,14 +165,23 @@ impl Followers<'_> {
             return Outcome::OutOfReach;
         }
         let rows = thinned(&sessions.rows);
-        match self.beside.trend(sessions, Some(robot), rows) {
-            Ok(Some(trend)) => {
-                let fit = self.beside.fit(&sessions.tendon);
-                let site = self.beside.sites.get(name).cloned();
-                Outcome::Followed(Box::new(Followed::of(&trend, sessions, fit, site)))
-            }
-            Ok(None) => Outcome::NoLimit,
-            Err(error) => Outcome::Refused(name.clone(), joint.clone(), error.to_string()),
+        let refused = |why: String| Outcome::Refused(name.clone(), joint.clone(), why);
+        let kept = kept.and_then(|bytes| state::trend_of(bytes));
+        let followed = match self.beside.trend(sessions, Some(robot), rows, kept) {
+            Ok(followed) => followed,
+            Err(error) => return refused(error.to_string()),
+        };
+        let kept = match self.keeps.then(|| state::encoded(&followed.kept)) {
+            None => Vec::new(),
+            Some(Ok(bytes)) => bytes,
+            Some(Err(error)) => return refused(error.to_string()),
+        };
+        let fit = self.beside.fit(&sessions.tendon);
+        let site = self.beside.sites.get(name).cloned();
+        Outcome::Followed {
+            found: Box::new(Followed::of(&followed.trend, sessions, fit, site)),
+            kept,
+            went_on: followed.went_on,
         }
     }
 
@@ -203,7 +222,11 @@ fn before_rad(rows: &[SessionRecord]) -> f64 {
 /// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
 /// creeps, and a day more or less of it hardly adds.
 pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
-    let last_utc_s = rows.last().map_or(0.0, |r| r.time_utc_s);
+    let [first_utc_s, last_utc_s] =
+        [rows.first(), rows.last()].map(|row| row.map_or(0.0, |r| r.time_utc_s));
+    let period_s = PERIOD_DAYS * DAY_S;
+    let period = ((last_utc_s - first_utc_s) / period_s).floor();
+    let recent_utc_s = first_utc_s + (period - 1.0) * period_s;
     let mut out: Vec<SessionRecord> = Vec::new();
     let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     let mut baseline: Option<&Option<String>> = None;
@@ -211,7 +234,7 @@ pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
         if baseline != Some(&row.baseline) {
             (baseline, since_utc_s) = (Some(&row.baseline), row.time_utc_s);
         }
-        let recent = last_utc_s - row.time_utc_s <= RECENT_DAYS * DAY_S;
+        let recent = row.time_utc_s >= recent_utc_s;
         let fresh = row.time_utc_s - since_utc_s <= FRESH_DAYS * DAY_S;
         let number = (row.time_utc_s / (7.0 * DAY_S)).floor();
         if recent || fresh || number != week {
@@ -225,6 +248,24 @@ pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_taken_of_the_past_changes_with_the_period_only() {
+        let days = |count: u32| -> Vec<SessionRecord> {
+            let session = |day: u32| SessionRecord {
+                time_utc_s: 1.75e9 + f64::from(day) * DAY_S,
+                ..SessionRecord::default()
+            };
+            (0..count).map(session).collect()
+        };
+        let [day_99, day_119, day_120] = [100, 120, 121].map(|count| thinned(&days(count)));
+        // Two weeks, seven weeks until day 60, and all since; twenty days later the same and all since.
+        assert!(day_99.len() < 14 + 7 + 40 + 2, "{}", day_99.len());
+        assert!(day_119.starts_with(&day_99));
+        assert_eq!(day_119.len(), day_99.len() + 20);
+        assert!(!day_120.starts_with(&day_99));
+        assert!(day_120.len() < day_119.len());
+    }
 
     #[test]
     fn the_farthest_beyond_its_limit_is_the_worst() {

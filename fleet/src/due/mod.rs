@@ -7,10 +7,12 @@ mod follow;
 pub mod screen;
 pub(crate) mod sessions;
 pub(crate) mod show;
+mod state;
 pub(crate) mod words;
 
 pub(crate) use follow::thinned;
 pub use follow::{Followed, Passage};
+pub use state::StateUnused;
 
 use crate::FleetError;
 use crate::args::Due;
@@ -24,6 +26,7 @@ use follow::{Followers, Outcome};
 use rayon::prelude::*;
 use sessions::Sessions;
 use sinew_files::date::DAY_S;
+use state::State;
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -38,6 +41,10 @@ pub struct DueList {
     pub now_utc_s: f64,
     /// Tendons that were followed, the worst first.
     pub followed: Vec<Followed>,
+    /// Of them those that went on from where the last question left them.
+    pub went_on: usize,
+    /// Why what the last question left was of no use.
+    pub state_unused: Option<StateUnused>,
     /// Tendons with records.
     pub tendons: usize,
     /// Tendons that the screen ruled out.
@@ -73,7 +80,9 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
         now_utc_s: out.now_utc_s,
         within_s: asked.within_days * DAY_S,
         screen: !asked.follow_all,
+        keeps: asked.state.is_some(),
     };
+    let mut state = asked.state.as_deref().map(State::open).transpose()?;
     let names: Vec<String> = engine
         .folder
         .robots()
@@ -84,8 +93,13 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
     for robots in names.chunks(TOGETHER) {
         let tendons = Sessions::read(engine, robots)?;
         out.tendons += tendons.len();
-        let outcomes: Vec<Outcome> = tendons.par_iter().map(|t| followers.look(t)).collect();
-        for outcome in outcomes {
+        let mut before = (state.as_mut()).map_or_else(BTreeMap::new, |state| state.of(robots));
+        let outcomes: Vec<Outcome> = (tendons.par_iter())
+            .map(|t| followers.look(t, before.get(&t.tendon)))
+            .collect();
+        for (sessions, outcome) in tendons.iter().zip(outcomes) {
+            // Of one that needn't be followed today the last trend stays.
+            let mut keep = before.remove(&sessions.tendon);
             match outcome {
                 Outcome::OutOfReach => out.out_of_reach += 1,
                 Outcome::NoLimit => out.without_limit += 1,
@@ -94,10 +108,22 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
                     unknown.insert(name, ());
                 }
                 Outcome::Refused(robot, joint, why) => out.refused.push((robot, joint, why)),
-                Outcome::Followed(found) => out.followed.push(*found),
+                Outcome::Followed {
+                    found,
+                    kept,
+                    went_on,
+                } => {
+                    out.followed.push(*found);
+                    out.went_on += usize::from(went_on);
+                    keep = Some(kept);
+                }
+            }
+            if let (Some(state), Some(trend)) = (&mut state, keep) {
+                state.keep(&sessions.tendon, &trend)?;
             }
         }
     }
+    out.state_unused = state.map_or(Ok(None), State::finish)?;
     out.unknown_types = unknown.into_keys().collect();
     out.followed.sort_by(Followed::worse_first);
     Ok(out)
@@ -124,6 +150,7 @@ pub fn command(asked: &Due) -> Result<ExitCode, FleetError> {
     let mut engine = Engine::open(&asked.source)?;
     let list = due(&mut engine, asked)?;
     print!("{}", show::text(&list, asked));
+    show::tell_unused(&list, asked.state.as_deref());
     if let Some(path) = &asked.csv {
         show::csv(&list, asked, path)?;
     }

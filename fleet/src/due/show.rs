@@ -1,6 +1,6 @@
 //! The list for people, and as a table for other programs.
 
-use super::{DueList, Followed, Passage, rope_of, screen, words};
+use super::{DueList, Followed, Passage, StateUnused, rope_of, screen, words};
 use crate::FleetError;
 use crate::args::Due;
 use sinew_estimate::trend::{Limit, LimitState, TrendVerdict};
@@ -88,10 +88,15 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
         ),
         2,
     );
+    let from = match (&asked.state, list.went_on) {
+        (Some(path), n) => format!(", {n} of them from where {} left them", path.display()),
+        (None, _) => String::new(),
+    };
     out += &paragraph(
         &format!(
-            "{} were followed by the whole trend. {} can't reach a limit within these days, by a bound: {}.",
+            "{} were followed by the whole trend{}. {} can't reach a limit within these days, by a bound: {}.",
             list.followed.len(),
+            plain(&from),
             list.out_of_reach,
             screen::RULE
         ),
@@ -114,6 +119,23 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
         out += &paragraph(&plain(&format!("{robot}, {joint}: no trend: {why}")), 2);
     }
     out
+}
+
+/// Says why tendons were followed anew though a file was there.
+pub(crate) fn tell_unused(list: &DueList, state: Option<&Path>) {
+    let (Some(unused), Some(path)) = (&list.state_unused, state) else {
+        return;
+    };
+    let path = plain(&path.display().to_string());
+    match unused {
+        StateUnused::Version(version) => eprintln!(
+            "{path}: written by version {}; every tendon was followed anew, and the file written anew",
+            plain(version)
+        ),
+        StateUnused::Damaged => eprintln!(
+            "{path}: damaged; tendons beyond the damage were followed anew, and the file written anew"
+        ),
+    }
 }
 
 /// Writes every tendon that was followed, a row per limit.

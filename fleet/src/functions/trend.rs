@@ -278,9 +278,8 @@ impl Rows {
             }
         }
         let rows = thinned(&sessions.rows);
-        Ok(match beside.trend(sessions, robot.as_ref(), rows) {
-            Ok(Some(trend)) => Found::Trend(Box::new(trend), sessions.rows.len()),
-            Ok(None) => Found::Nothing,
+        Ok(match beside.trend(sessions, robot.as_ref(), rows, None) {
+            Ok(followed) => Found::Trend(Box::new(followed.trend), sessions.rows.len()),
             Err(error) => Found::Refused(error.to_string()),
         })
     }

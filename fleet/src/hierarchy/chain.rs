@@ -27,6 +27,8 @@ pub(super) struct Chain<'a> {
     column_factor: Vec<f64>,
     /// Widths of the proposals, over ln τ.
     steps: Vec<f64>,
+    /// Sums for the present `τ` of tendons and robots, from the step before.
+    gram: Option<Gram>,
 }
 
 impl<'a> Chain<'a> {
@@ -43,6 +45,7 @@ impl<'a> Chain<'a> {
             deviations,
             column_factor: vec![1.0; model.columns()],
             steps: vec![0.3; count],
+            gram: None,
         }
     }
 
@@ -61,7 +64,7 @@ impl<'a> Chain<'a> {
     }
 
     fn step(&mut self, adapt: Option<f64>) -> Option<Vec<f64>> {
-        let mut gram = self.gram();
+        let mut gram = self.gram.take().unwrap_or_else(|| self.sums());
         let mut now = self.posterior(&gram)?;
         for which in 0..self.deviations.len() {
             let before = self.deviations.clone();
@@ -69,10 +72,12 @@ impl<'a> Chain<'a> {
             let step = self.steps[which] * self.normal();
             self.move_by(which, step);
             // Tendons and robots are in the sums; factors are in the prior alone.
-            let other = (which < 2).then(|| self.gram());
             let possible = self.deviations.iter().all(|d| *d >= LEAST);
-            let proposed = self.posterior(other.as_ref().unwrap_or(&gram));
-            let proposed = proposed.filter(|_| possible);
+            let other = (which < 2 && possible).then(|| self.sums());
+            let proposed = match possible {
+                true => self.posterior(other.as_ref().unwrap_or(&gram)),
+                false => None,
+            };
             let odds = proposed.as_ref().map_or(f64::NEG_INFINITY, |p| {
                 p.log_evidence + self.log_prior() - old
             });
@@ -93,6 +98,7 @@ impl<'a> Chain<'a> {
         let normals = DVector::from_iterator(self.model.columns(), normals);
         let drawn = now.draw(normals);
         self.stray_groups(&drawn);
+        self.gram = Some(gram);
         Some(drawn)
     }
 
@@ -115,7 +121,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    fn gram(&self) -> Gram {
+    fn sums(&self) -> Gram {
         let [tendon, robot] = [self.deviations[0], self.deviations[1]];
         let own = |unit: &Unit| unit.variance + (tendon * unit.spread).powi(2);
         Gram::of(self.model, own, robot * robot)

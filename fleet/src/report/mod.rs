@@ -6,6 +6,7 @@ mod weeks;
 use crate::FleetError;
 use crate::args::{By, Compare, Due, Report};
 use crate::compare::{Comparison, compared};
+use crate::due::show::tell_unused;
 use crate::due::{DueList, Passage, due};
 use crate::engine::Engine;
 use crate::gather::gather;
@@ -51,6 +52,7 @@ pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
             within_days,
             rows: ROWS,
             csv: None,
+            state: asked.state.clone(),
             follow_all: false,
         },
     )?;
@@ -86,6 +88,7 @@ pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
 pub fn command(asked: &Report) -> Result<ExitCode, FleetError> {
     let mut engine = Engine::open(&asked.source)?;
     let found = find(&mut engine, asked)?;
+    tell_unused(&found.due, asked.state.as_deref());
     sinew_files::write_file(&asked.out, page::page(&found).html().as_bytes())?;
     println!("{}", asked.out.display());
     let refused = tell_refused(&engine.folder);

@@ -1,21 +1,22 @@
 //! From records to what a maintenance engineer acts on.
 
-use super::clock::{Clock, LEVEL_UNKNOWN_RAD, Since, Stated, clock};
+use super::clock::{Clock, LEVEL_UNKNOWN_RAD, Stated, clock};
 use super::error::AnalyzeError;
+use super::given::{Fed, KeptTrend, feed, given};
 use super::limits;
 use super::prior::{RopePrior, days, rope_prior};
 use super::records::{SessionRecord, Sorted};
 use super::result::{
-    CycleClock, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState, PriorBasis,
-    SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote, TrendReport, TrendVerdict,
+    CycleClock, ForecastPoint, JointTrend, LifeNotUsed, Limit, LimitForecast, LimitState,
+    PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind, TrendNote, TrendReport,
+    TrendVerdict,
 };
 use super::stiffness;
 use super::survival::{LifeForecast, LifePrior};
 use sinew_files::date::DAY_S;
-use sinew_model::offset::TENSIONED_OFFSET_RAD;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Added, Event, Record, Trend, TrendConfig, TrendNow};
+use sinew_model::trend::{Event, Paths, Prior, TrendNow};
 use sinew_rope::{Catalogue, Duty};
 
 /// A drift with temperature somewhat beyond what robot.toml, or rope and frame, allow for surprises nobody.
@@ -83,13 +84,91 @@ fn joint(
 ) -> Result<JointTrend, AnalyzeError> {
     let tendon = request.robot.and_then(|r| tendon_of(r, name));
     let (clock, records) = clock(name, records, &request.stated)?;
-    let mut prior = prior_of(tendon, records, request)?;
-    if let Some(robot) = request.robot {
-        let unknown = drift_deviation_rad_per_k(robot, name);
-        prior.prior.temperature_deviation_rad_per_k = DRIFT_FACTOR * unknown;
+    let duty = request.duty.as_ref();
+    let mean_c = mean_temperature_c(records);
+    let rope = rope_prior(tendon, request.catalogue, duty, mean_c, request.seed)?;
+    let prior = prior(name, rope.prior, records, &clock, request);
+    note_clock(name, records, &clock, notes);
+    let given = given(records, &clock, name, notes);
+    let mut sessions = records.iter();
+    let mut series = Vec::with_capacity(records.len());
+    let fed = feed(prior, &given, None, |trend, added| {
+        series.extend(sessions.next().map(|record| SessionPoint {
+            time_utc_s: record.time_utc_s,
+            cycle: record.cycle,
+            offset_rad: record.offset_rad,
+            at_reference_rad: None,
+            temperature_c: record.temperature_c,
+            tracked_rad: TrendNow::of(trend).offset_rad,
+            jump_probability: added.jump_probability,
+            is_off: added.off,
+        }));
+    })?;
+    let (mut out, paths) = found(name, records, rope.basis, &clock, &fed, request, notes);
+    for (point, record) in series.iter_mut().zip(records) {
+        let reference_c = record.reference_c.unwrap_or(out.reference_c);
+        let warm = point.temperature_c.map_or(0.0, |t| t - reference_c);
+        let drift = fed.now.drift_rad_per_k.mean;
+        point.at_reference_rad = (point.offset_rad).map(|y| y.mean - drift * warm);
     }
-    prior.prior.baseline_s = clock.baseline_s;
-    prior.prior.level_deviation_rad = clock.level_deviation_rad;
+    out.series = series;
+    out.forecast = limits::forecast(&paths, clock.start_utc_s);
+    Ok(out)
+}
+
+/// The trend of one tendon without its series and the forecast over time, from where an earlier question left it: to the last
+/// bit as from nothing. Where the records, what was done or the rope's prior aren't what they were, it begins anew.
+///
+/// * `rope`: what its rope says ([`rope_prior`]), instead of the request's.
+///
+/// # Errors
+/// [`AnalyzeError`].
+pub fn go_on(
+    name: &str,
+    records: &[SessionRecord],
+    rope: &RopePrior,
+    request: &TrendRequest<'_>,
+    kept: Option<KeptTrend>,
+) -> Result<GoneOn, AnalyzeError> {
+    let mut notes = Vec::new();
+    let (clock, records) = clock(name, records, &request.stated)?;
+    let prior = prior(name, rope.prior.clone(), records, &clock, request);
+    let given = given(records, &clock, name, &mut notes);
+    let fed = feed(prior, &given, kept, |_, _| ())?;
+    let basis = rope.basis.clone();
+    let (trend, paths) = found(name, records, basis, &clock, &fed, request, &mut notes);
+    Ok(GoneOn {
+        trend,
+        kept: fed.keep(),
+        went_on: fed.went_on,
+        paths,
+        now_s: fed.trend.time_s(),
+    })
+}
+
+/// A trend that can go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GoneOn {
+    /// The trend.
+    pub trend: JointTrend,
+    /// To go on from, when there are more sessions.
+    pub kept: KeptTrend,
+    /// Whether it went on from what was kept, and not from nothing.
+    pub went_on: bool,
+    paths: Paths,
+    now_s: f64,
+}
+
+impl GoneOn {
+    /// The offset so long after the last session; `None`: beyond the horizon.
+    pub fn offset_after(&self, after_s: f64) -> Option<ForecastPoint> {
+        let time_utc_s = self.trend.last_utc_s + after_s;
+        limits::forecast_at(&self.paths, self.now_s + after_s, time_utc_s)
+    }
+}
+
+/// What is worth a word of how a clock began.
+fn note_clock(name: &str, records: &[SessionRecord], clock: &Clock, notes: &mut Vec<TrendNote>) {
     if clock.level_deviation_rad == LEVEL_UNKNOWN_RAD {
         notes.push(TrendNote::TensioningNotStated { joint: name.into() });
     }
@@ -104,21 +183,25 @@ fn joint(
             days: silent_days,
         });
     }
-    let mut trend = Trend::new(prior.prior, TrendConfig::default())?;
-    let (mut series, last) = feed(&mut trend, records, &clock, name, notes)?;
-    let now = TrendNow::of(&trend);
-    let reference_c = trend.prior().temperature_ref_c;
-    for (point, record) in series.iter_mut().zip(records) {
-        let reference_c = record.reference_c.unwrap_or(reference_c);
-        let warm = point.temperature_c.map_or(0.0, |t| t - reference_c);
-        point.at_reference_rad =
-            (point.offset_rad).map(|y| y.mean - now.drift_rad_per_k.mean * warm);
-    }
-    let paths = limits::forecast_paths(&trend, days(request.horizon_days), request.seed);
-    let rope_known = matches!(prior.basis, PriorBasis::Rope { .. });
+}
+
+/// What a trend that has seen everything says, without its series and the forecast over time; and the paths it may take.
+fn found(
+    name: &str,
+    records: &[SessionRecord],
+    basis: PriorBasis,
+    clock: &Clock,
+    fed: &Fed,
+    request: &TrendRequest<'_>,
+    notes: &mut Vec<TrendNote>,
+) -> (JointTrend, Paths) {
+    let tendon = request.robot.and_then(|r| tendon_of(r, name));
+    let (trend, now) = (&fed.trend, fed.now);
+    let paths = limits::forecast_paths(trend, days(request.horizon_days), request.seed);
+    let rope_known = matches!(basis, PriorBasis::Rope { .. });
     let time_of = |r: Option<&SessionRecord>| r.map_or(f64::NAN, |r| r.time_utc_s);
     let last_utc_s = time_of(records.last());
-    let limits = limits::limits(tendon, &trend, &paths, rope_known, last_utc_s);
+    let limits = limits::limits(tendon, trend, &paths, rope_known, last_utc_s);
     let is_strain = |l: &LimitForecast| matches!(l.limit, Limit::Replace { .. });
     let unused = match limits.iter().any(is_strain) {
         true => Some(LifeNotUsed::StrainLimit),
@@ -148,14 +231,14 @@ fn joint(
         rate_rad_per_s: now.rate_rad_per_s,
         drift_rad_per_k: (records.iter().any(|r| r.temperature_c.is_some()))
             .then_some(now.drift_rad_per_k),
-        reference_c,
+        reference_c: trend.prior().temperature_ref_c,
         baseline_error_rad: now.baseline_error_rad,
         shared_error_rad: now.slow_deviation_rad,
         stated_width_ratio: now.white_scale,
         events: (trend.events().iter())
-            .map(|e| found_event(e, &clock, records))
+            .map(|e| found_event(e, clock, records))
             .collect(),
-        suspicion: last.and_then(|added| {
+        suspicion: fed.last.and_then(|added| {
             Some(Suspicion {
                 time_utc_s: clock.start_utc_s + added.suspected_s?,
                 probability: added.jump_probability,
@@ -163,31 +246,42 @@ fn joint(
         }),
         limits,
         life,
-        basis: prior.basis,
-        series,
-        forecast: limits::forecast(&paths, clock.start_utc_s),
+        basis,
+        series: Vec::new(),
+        forecast: Vec::new(),
     };
     out.verdict = verdict(&out);
-    Ok(out)
+    (out, paths)
 }
 
-/// The prior of a tendon before its first record.
-fn prior_of(
-    tendon: Option<&Tendon>,
+/// Mean temperature of sessions, °C; that of a workshop where none says one.
+pub fn mean_temperature_c(records: &[SessionRecord]) -> f64 {
+    let (count, sum) = (records.iter().filter_map(|r| r.temperature_c))
+        .fold((0.0, 0.0), |(count, sum), celsius| {
+            (count + 1.0, sum + celsius)
+        });
+    if count > 0.0 { sum / count } else { 23.0 }
+}
+
+/// What is known of a tendon before its first record: its rope's prior, and how its clock began.
+fn prior(
+    name: &str,
+    rope: Prior,
     records: &[SessionRecord],
+    clock: &Clock,
     request: &TrendRequest<'_>,
-) -> Result<RopePrior, AnalyzeError> {
-    let temperatures: Vec<f64> = records.iter().filter_map(|r| r.temperature_c).collect();
-    let mean_c = match temperatures.len() {
-        0 => 23.0,
-        n => temperatures.iter().sum::<f64>() / n as f64,
-    };
-    let duty = request.duty.as_ref();
-    let mut prior = rope_prior(tendon, request.catalogue, duty, mean_c, request.seed)?;
+) -> Prior {
+    let mut out = rope;
     let reference_c = records.first().and_then(|r| r.reference_c);
-    let first_c = temperatures.first().copied();
-    prior.prior.temperature_ref_c = reference_c.or(first_c).unwrap_or(23.0);
-    Ok(prior)
+    let first_c = records.iter().find_map(|r| r.temperature_c);
+    out.temperature_ref_c = reference_c.or(first_c).unwrap_or(23.0);
+    if let Some(robot) = request.robot {
+        let unknown = drift_deviation_rad_per_k(robot, name);
+        out.temperature_deviation_rad_per_k = DRIFT_FACTOR * unknown;
+    }
+    out.baseline_s = clock.baseline_s;
+    out.level_deviation_rad = clock.level_deviation_rad;
+    out
 }
 
 /// What is unknown of a joint's drift with temperature, as a standard deviation, rad/K: its sessions expect what rope and
@@ -233,67 +327,6 @@ fn verdict(joint: &JointTrend) -> TrendVerdict {
 fn tendon_of<'a>(robot: &'a Robot, joint: &str) -> Option<&'a Tendon> {
     let i = robot.arm.joint_index(joint)?;
     robot.transmissions.get(i)?.as_ref()?.tendon.as_ref()
-}
-
-/// Gives the records and what was stated to the trend in the order of time.
-fn feed(
-    trend: &mut Trend,
-    records: &[SessionRecord],
-    clock: &Clock,
-    name: &str,
-    notes: &mut Vec<TrendNote>,
-) -> Result<(Vec<SessionPoint>, Option<Added>), AnalyzeError> {
-    let mut series = Vec::with_capacity(records.len());
-    let mut pending = clock.tensioned.iter().copied().peekable();
-    let (mut last, mut since): (Option<Added>, Option<Since<'_>>) = (None, None);
-    for record in records {
-        let mut just_tensioned = false;
-        while let Some(t) = pending.next_if(|t| *t <= record.time_utc_s) {
-            trend.tensioned(t - clock.start_utc_s)?;
-            just_tensioned = true;
-        }
-        let time_s = record.time_utc_s - clock.start_utc_s;
-        let own = Since::of(record);
-        if since.is_some_and(|before| own.differs(before)) {
-            let known = record.baseline_time_utc_s.map(|t| t - clock.start_utc_s);
-            match known.filter(|t| (trend.time_s()..=time_s).contains(t)) {
-                Some(t) => trend.rebased(t, TENSIONED_OFFSET_RAD)?,
-                None => trend.rebased(trend.time_s().max(time_s - 1.0), LEVEL_UNKNOWN_RAD)?,
-            }
-            if !just_tensioned {
-                notes.push(TrendNote::OtherBaseline {
-                    joint: name.into(),
-                    time_utc_s: record.time_utc_s,
-                });
-            }
-        }
-        since = Some(since.map_or(own, |before| own.or(before)));
-        let added = trend.add(Record {
-            time_s,
-            offset_rad: record.offset_rad,
-            shared: record.shared_error,
-            temperature_c: record.temperature_c,
-            reference_c: record.reference_c,
-            stiffness: record.stiffness_ratio,
-        })?;
-        series.push(SessionPoint {
-            time_utc_s: record.time_utc_s,
-            cycle: record.cycle,
-            offset_rad: record.offset_rad,
-            at_reference_rad: None,
-            temperature_c: record.temperature_c,
-            tracked_rad: TrendNow::of(trend).offset_rad,
-            jump_probability: added.jump_probability,
-            is_off: added.off,
-        });
-        if record.offset_rad.is_some() {
-            last = Some(added);
-        }
-    }
-    for t in pending {
-        trend.tensioned(t - clock.start_utc_s)?;
-    }
-    Ok((series, last))
 }
 
 fn found_event(event: &Event, clock: &Clock, records: &[SessionRecord]) -> TrendEvent {

@@ -34,16 +34,38 @@ pub(super) fn forecast_paths(trend: &Trend, horizon_s: f64, seed: u64) -> Paths 
 pub(super) fn forecast(paths: &Paths, start_utc_s: f64) -> Vec<ForecastPoint> {
     (paths.times_s.iter().enumerate())
         .map(|(i, t)| {
-            let mut column: Vec<f64> = paths.offset_rad.iter().map(|p| p[i]).collect();
-            column.sort_unstable_by(f64::total_cmp);
-            let [low, offset_rad, high] = [0.025, 0.5, 0.975].map(|q| quantile(&column, q));
-            ForecastPoint {
-                time_utc_s: start_utc_s + t,
-                offset_rad,
-                interval_95_rad: Interval95::new(low, high),
-            }
+            let column = paths.offset_rad.iter().map(|p| p[i]).collect();
+            point(column, start_utc_s + t)
         })
         .collect()
+}
+
+/// The offset at one time, linear between those of the paths; `None`: they don't reach so far.
+pub(super) fn forecast_at(paths: &Paths, time_s: f64, time_utc_s: f64) -> Option<ForecastPoint> {
+    let next = paths.times_s.partition_point(|t| *t < time_s);
+    let before = next.saturating_sub(1);
+    let (t0, t1) = (*paths.times_s.get(before)?, *paths.times_s.get(next)?);
+    let share = if t1 > t0 {
+        (time_s - t0) / (t1 - t0)
+    } else {
+        0.0
+    };
+    let between = |path: &Vec<f64>| path[before] + share * (path[next] - path[before]);
+    Some(point(
+        paths.offset_rad.iter().map(between).collect(),
+        time_utc_s,
+    ))
+}
+
+/// What all paths say of one time.
+fn point(mut offsets_rad: Vec<f64>, time_utc_s: f64) -> ForecastPoint {
+    offsets_rad.sort_unstable_by(f64::total_cmp);
+    let [low, offset_rad, high] = [0.025, 0.5, 0.975].map(|q| quantile(&offsets_rad, q));
+    ForecastPoint {
+        time_utc_s,
+        offset_rad,
+        interval_95_rad: Interval95::new(low, high),
+    }
 }
 
 /// When the limits of a tendon are passed.

@@ -7,6 +7,7 @@
 mod analyze;
 mod clock;
 mod error;
+mod given;
 mod limits;
 pub mod prior;
 mod read;
@@ -16,9 +17,10 @@ mod stiffness;
 pub mod stored;
 pub mod survival;
 
-pub use analyze::{TrendRequest, analyze};
+pub use analyze::{GoneOn, TrendRequest, analyze, go_on, mean_temperature_c};
 pub use clock::Stated;
 pub use error::AnalyzeError;
+pub use given::KeptTrend;
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{RecordError, SessionRecord, Sorted, sort};
 pub use result::{

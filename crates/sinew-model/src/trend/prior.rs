@@ -1,6 +1,7 @@
 //! What is known before the first record.
 
 use super::curve::Curve;
+use super::fingerprint::Fingerprint;
 use crate::offset::TENSIONED_OFFSET_RAD;
 use alloc::vec::Vec;
 
@@ -84,12 +85,8 @@ impl Prior {
     /// A number that other priors are unlikely to have: a stored state belongs to its prior.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
-        let mut h = 0xcbf2_9ce4_8422_2325_u64;
-        let mut mix = |v: f64| {
-            for byte in v.to_bits().to_le_bytes() {
-                h = (h ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-            }
-        };
+        let mut all = Fingerprint::new();
+        let mut mix = |v: f64| all.take(v);
         for c in &self.curves {
             c.values.iter().for_each(|v| mix(*v));
             for v in [c.amplitude, c.amplitude_deviation, c.log_weight] {
@@ -116,7 +113,7 @@ impl Prior {
         ] {
             mix(v);
         }
-        h
+        all.value()
     }
 }
 
