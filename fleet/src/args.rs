@@ -119,7 +119,10 @@ pub struct Due {
     /// Keep here how far each tendon was followed: the next question goes on from there, with the same answers
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
-    /// Follow every tendon: a fifth of a second each
+    /// Begin each trend with how fast such ropes creep in a fleet, as pool --creep has learned
+    #[arg(long, value_name = "FILE")]
+    pub creep: Option<PathBuf>,
+    /// Follow every tendon: a quarter of a second each
     #[arg(long)]
     pub follow_all: bool,
 }
@@ -228,16 +231,22 @@ pub struct Report {
 #[derive(Debug, Clone, clap::Args)]
 #[command(
     after_help = "Example:\n  sinew-fleet pool fleet/baselines --robot robots/biorob-like --out type.known\n  \
-                  sinew baseline LOG --start type.known --robot robots/biorob-like --out arm.baseline"
+                  sinew baseline LOG --start type.known --robot robots/biorob-like --out arm.baseline\n  \
+                  sinew-fleet pool fleet/ --creep --robot robots/biorob-like --out creep.csv\n  \
+                  sinew-fleet due fleet/ --creep creep.csv"
 )]
 pub struct Pool {
-    /// Folder with .baseline files, or s3://BUCKET/FOLDER: one of each robot, learned right after tensioning
+    /// Folder with .baseline files, or s3://BUCKET/FOLDER: one of each robot, learned right after tensioning; with --creep the folder
+    /// of records
     #[arg(value_parser = PathBufValueParser::new().try_map(folder_or_address))]
     pub folder: PathBuf,
     /// Folder of the robot type: robot.toml and URDF
     #[arg(long, value_name = "DIR")]
     pub robot: PathBuf,
-    /// Where the start for sinew baseline --start goes
+    /// Learn from records how fast the type's ropes creep, for due --creep
+    #[arg(long)]
+    pub creep: bool,
+    /// Where the start for sinew baseline --start goes; with --creep a table, CSV
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
 }

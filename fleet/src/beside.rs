@@ -4,6 +4,7 @@ use crate::FleetError;
 use crate::due::sessions::Sessions;
 use crate::folder::TYPES;
 use crate::folder::sides::{self, Fitted, Tendon};
+use crate::pool::creep::{self, CreepKind, KnownCreeps};
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend::prior::{RopePrior, rope_prior};
 use sinew_estimate::trend::{
@@ -12,7 +13,7 @@ use sinew_estimate::trend::{
 use sinew_model::robot::Robot;
 use sinew_model::transmission;
 use sinew_rope::{Catalogue, CatalogueError};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,12 +30,14 @@ pub(crate) struct Beside {
     pub(crate) events: BTreeMap<Tendon, Vec<Stated>>,
     pub(crate) sites: BTreeMap<String, String>,
     catalogue: Catalogue,
-    /// What ropes say of tendons, by type, joint, rope and whole degree of their mean temperature: tendons have few such kinds.
-    priors: Mutex<HashMap<Kind, Arc<RopePrior>>>,
+    /// What ropes say of tendons at whole degrees of their mean temperature: tendons have few such kinds.
+    priors: Mutex<BTreeMap<Kind, Arc<RopePrior>>>,
+    /// How fast ropes creep, by a fleet.
+    creep: KnownCreeps,
 }
 
-/// Type, joint, rope and whole degree Celsius.
-type Kind = (String, String, Option<String>, i64);
+/// Tendons of which the same is known, at one whole degree Celsius.
+type Kind = (CreepKind, i64);
 
 impl Beside {
     /// Reads it.
@@ -65,7 +68,16 @@ impl Beside {
             fitted,
             catalogue,
             priors: Mutex::default(),
+            creep: KnownCreeps::new(),
         })
+    }
+
+    /// With how fast ropes creep by `pool --creep`.
+    pub(crate) fn with_creep(mut self, file: Option<&Path>) -> Result<Self, FleetError> {
+        if let Some(file) = file {
+            self.creep = creep::read(file)?;
+        }
+        Ok(self)
     }
 
     /// Rope and batch of a tendon, as far as they are known.
@@ -130,17 +142,26 @@ impl Beside {
     ) -> Result<Arc<RopePrior>, CatalogueError> {
         let tendon = robot.and_then(|robot| tendon_of(robot, &sessions.tendon.1));
         let celsius = mean_temperature_c(&sessions.rows).round();
-        let kind = (
-            sessions.robot_type.clone(),
-            sessions.tendon.1.clone(),
-            tendon.and_then(|t| t.rope.clone()),
-            celsius as i64,
-        );
+        let own = CreepKind {
+            robot_type: sessions.robot_type.clone(),
+            joint: sessions.tendon.1.clone(),
+            rope: tendon.and_then(|t| t.rope.clone()),
+            batch: self.fit(&sessions.tendon).batch,
+            site: self.sites.get(&sessions.tendon.0).cloned(),
+        };
+        let (kind, known) = match creep::find(&self.creep, &own) {
+            Some((kind, known)) => (kind, Some(known)),
+            None => (own.widest(), None),
+        };
+        let kind = (kind, celsius as i64);
         let priors = || self.priors.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = priors().get(&kind) {
             return Ok(known.clone());
         }
-        let found = rope_prior(tendon, request.catalogue, None, celsius, request.seed)?;
+        let mut found = rope_prior(tendon, request.catalogue, None, celsius, request.seed)?;
+        if let Some(known) = known {
+            creep::apply(&mut found.prior, &known);
+        }
         Ok(priors().entry(kind).or_insert(Arc::new(found)).clone())
     }
 }

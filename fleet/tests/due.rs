@@ -1,17 +1,12 @@
 //! What is due: the screen rules out no tendon that the whole trend would list, dates hold against the truth, and a question that goes on
 //! from the last one says what one from nothing says.
 
-use crate::support::{fleet, open, session, source, write};
-use datafusion::arrow::array::{ArrayRef, AsArray as _, BooleanArray, Float64Array, RecordBatch};
-use datafusion::arrow::compute::filter_record_batch;
-use datafusion::arrow::datatypes::Float64Type;
-use datafusion::parquet::arrow::ArrowWriter;
-use datafusion::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use crate::support::{change, cut, fleet, numbers, open, session, source, write};
+use datafusion::arrow::array::{ArrayRef, AsArray as _, Float64Array, RecordBatch};
 use sinew_fleet::FleetError;
 use sinew_fleet::args::Due;
 use sinew_fleet::due::{DueList, StateUnused, due};
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,6 +19,7 @@ fn asked(folder: &Path, follow_all: bool) -> Due {
         rows: 40,
         csv: None,
         state: None,
+        creep: None,
         follow_all,
     }
 }
@@ -105,39 +101,6 @@ fn list_from(folder: &Path, state: &Path) -> Result<DueList, FleetError> {
     due(&mut open(folder), &asked)
 }
 
-/// Files of records below a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut out = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => out.extend(files(&path)),
-            false if path.extension().is_some_and(|e| e == "parquet") => out.push(path),
-            false => {}
-        }
-    }
-    out
-}
-
-/// Does something to the rows of every file of records.
-fn change(folder: &Path, of: impl Fn(RecordBatch) -> RecordBatch) {
-    for path in files(folder) {
-        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
-        let schema = reader.schema().clone();
-        let batches: Vec<RecordBatch> = reader.build().unwrap().map(|b| of(b.unwrap())).collect();
-        let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), schema, None).unwrap();
-        batches.iter().for_each(|b| writer.write(b).unwrap());
-        writer.close().unwrap();
-    }
-}
-
-fn numbers<'b>(batch: &'b RecordBatch, column: &str) -> &'b Float64Array {
-    batch
-        .column_by_name(column)
-        .unwrap()
-        .as_primitive::<Float64Type>()
-}
-
 /// A fleet of 90 days as it was on day 88, a list of that day with its file of trends, and the whole fleet.
 fn two_days(folder: &Path) -> (DueList, PathBuf, PathBuf) {
     let [before, now, state] = ["before", "now", "due.state"].map(|name| folder.join(name));
@@ -145,14 +108,7 @@ fn two_days(folder: &Path) -> (DueList, PathBuf, PathBuf) {
         std::fs::create_dir(fleet_of).unwrap();
         fleet(fleet_of, 5, 90);
     }
-    let last_utc_s = list(&now, false).now_utc_s;
-    change(&before, |batch| {
-        let times = numbers(&batch, "time_utc_s").iter();
-        let kept: BooleanArray = times
-            .map(|t| Some(t? < last_utc_s - 1.5 * 86_400.0))
-            .collect();
-        filter_record_batch(&batch, &kept).unwrap()
-    });
+    cut(&before, 1.5);
     (list_from(&before, &state).unwrap(), state, now)
 }
 

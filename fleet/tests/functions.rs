@@ -48,6 +48,7 @@ fn a_tendons_trend_and_days_are_those_of_due() {
         rows: 40,
         csv: None,
         state: None,
+        creep: None,
         follow_all: true,
     };
     let mut engine = open(folder.path());

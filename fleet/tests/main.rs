@@ -1,6 +1,7 @@
 //! Tests of the fleet, in one binary.
 
 mod compare;
+mod creep_known;
 mod due;
 mod folders;
 mod functions;

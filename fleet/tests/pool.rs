@@ -56,6 +56,7 @@ fn asked(folder: &Path) -> Pool {
     Pool {
         folder: folder.into(),
         robot: repository("robots/biorob-like"),
+        creep: false,
         out: folder.join("type.known"),
     }
 }

@@ -82,7 +82,13 @@ fn folder_of(command: &mut Command) -> Option<(&mut PathBuf, Needed)> {
         Command::Compare(asked) => &mut asked.source,
         Command::Outliers(asked) => &mut asked.source,
         Command::Report(asked) => &mut asked.source,
-        Command::Pool(asked) => return Some((&mut asked.folder, Needed::Baselines)),
+        Command::Pool(asked) => {
+            let needed = match asked.creep {
+                true => Needed::Records,
+                false => Needed::Baselines,
+            };
+            return Some((&mut asked.folder, needed));
+        }
         Command::Simulate(_) => return None,
     };
     Some((&mut source.folder, Needed::Records))

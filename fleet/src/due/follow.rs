@@ -5,7 +5,7 @@ use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
 use sinew_estimate::trend::{
-    JointTrend, Limit, LimitForecast, LimitState, SessionRecord, TrendVerdict,
+    ForecastPoint, JointTrend, Limit, LimitForecast, LimitState, SessionRecord, TrendVerdict,
 };
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
@@ -83,12 +83,20 @@ pub struct Followed {
     pub elongation_m: Option<Gaussian>,
     /// Last session, s since 1970.
     pub last_utc_s: f64,
+    /// Offset at the end of the days asked for; `None`: beyond a year after the last session.
+    pub ahead: Option<ForecastPoint>,
     /// Its limits.
     pub passages: Vec<Passage>,
 }
 
 impl Followed {
-    fn of(trend: &JointTrend, sessions: &Sessions, fit: Fitted, site: Option<String>) -> Self {
+    fn of(
+        trend: &JointTrend,
+        sessions: &Sessions,
+        fit: Fitted,
+        site: Option<String>,
+        ahead: Option<ForecastPoint>,
+    ) -> Self {
         let (robot, joint) = sessions.tendon.clone();
         let limits = trend.limits.iter();
         Self {
@@ -100,6 +108,7 @@ impl Followed {
             offset_rad: trend.offset_rad,
             elongation_m: trend.elongation_m,
             last_utc_s: trend.last_utc_s,
+            ahead,
             passages: limits.map(|l| Passage::of(l, trend.last_utc_s)).collect(),
         }
     }
@@ -178,8 +187,10 @@ impl Followers<'_> {
         };
         let fit = self.beside.fit(&sessions.tendon);
         let site = self.beside.sites.get(name).cloned();
+        let until_utc_s = self.now_utc_s + self.within_s;
+        let ahead = followed.offset_after((until_utc_s - followed.trend.last_utc_s).max(0.0));
         Outcome::Followed {
-            found: Box::new(Followed::of(&followed.trend, sessions, fit, site)),
+            found: Box::new(Followed::of(&followed.trend, sessions, fit, site, ahead)),
             kept,
             went_on: followed.went_on,
         }
@@ -278,6 +289,7 @@ mod tests {
             offset_rad: Gaussian::new(1e-3 * mrad, 1e-4),
             elongation_m: None,
             last_utc_s: 0.0,
+            ahead: None,
             passages: vec![Passage {
                 limit: Limit::Retension { elongation_m: 5e-4 },
                 limit_rad: 20e-3,

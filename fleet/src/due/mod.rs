@@ -70,7 +70,8 @@ impl DueList {
 /// # Errors
 /// [`FleetError`]; a tendon whose records are refused is in the list with its reason.
 pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
-    let beside = Beside::read(&engine.folder.path, &asked.robots)?;
+    let beside =
+        Beside::read(&engine.folder.path, &asked.robots)?.with_creep(asked.creep.as_deref())?;
     let mut out = DueList {
         now_utc_s: now_utc_s(engine)?,
         ..DueList::default()

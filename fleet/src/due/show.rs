@@ -149,6 +149,10 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
         "at_utc_s",
         "at_low_utc_s",
         "at_high_utc_s",
+        "ahead_utc_s",
+        "ahead_rad",
+        "ahead_low_rad",
+        "ahead_high_rad",
     ];
     let mut columns: Vec<Column> = texts.map(|name| (name.to_owned(), CellKind::Text)).into();
     columns.extend(numbers.map(|name| (name.to_owned(), CellKind::Number)));
@@ -160,6 +164,11 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
     for followed in &list.followed {
         for passage in &followed.passages {
             let [at, low, high] = passage.at_utc_s;
+            let ahead = followed.ahead.map_or([f64::NAN; 4], |a| {
+                let [low, high] = [a.interval_95_rad.low, a.interval_95_rad.high];
+                [a.time_utc_s, a.offset_rad, low, high]
+            });
+            let [ahead_utc_s, ahead_rad, ahead_low_rad, ahead_high_rad] = ahead.map(Cell::from);
             writer.row(&[
                 text(&followed.robot),
                 text(&followed.joint),
@@ -175,6 +184,10 @@ pub(super) fn csv(list: &DueList, asked: &Due, path: &Path) -> Result<(), FleetE
                 Cell::from(at.unwrap_or(f64::NAN)),
                 Cell::from(low.unwrap_or(f64::NAN)),
                 Cell::from(high.unwrap_or(f64::NAN)),
+                ahead_utc_s,
+                ahead_rad,
+                ahead_low_rad,
+                ahead_high_rad,
                 Cell::Flag(passage.is_due(until_utc_s)),
             ])?;
         }

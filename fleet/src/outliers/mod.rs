@@ -163,7 +163,7 @@ fn creep_of(tendon: &CreepingTendon, unit: CreepUnit) -> [f64; 2] {
 }
 
 /// Of each tendon the mean and variance of what is usual for it.
-fn usual(design: &Design, draws: &Draws) -> Vec<(f64, f64)> {
+pub(crate) fn usual(design: &Design, draws: &Draws) -> Vec<(f64, f64)> {
     let count = draws.coefficients.len() as f64;
     let of = |unit: &crate::hierarchy::Unit| {
         let said = draws

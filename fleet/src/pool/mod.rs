@@ -1,10 +1,12 @@
 //! `pool`: what a new robot of a type starts from, by what the type's robots have learned.
 
+pub mod creep;
 mod show;
 
 use crate::FleetError;
 use crate::args::Pool;
 use crate::folder::{BASELINES, find};
+use crate::rows::tell_refused;
 use sinew_estimate::baseline::{self, Baseline, MergeSummary};
 use sinew_estimate::robot_dir;
 use sinew_model::offset::alike::Alike;
@@ -82,6 +84,12 @@ pub fn pool(asked: &Pool) -> Result<Pooled, FleetError> {
 /// # Errors
 /// [`FleetError`].
 pub fn command(asked: &Pool) -> Result<ExitCode, FleetError> {
+    if asked.creep {
+        let (known, folder) = creep::learn(asked)?;
+        creep::write(&known, &asked.out)?;
+        print!("{}", show::creep(&known, &asked.out));
+        return Ok(tell_refused(&folder));
+    }
     let pooled = pool(asked)?;
     pooled.start.write(&asked.out)?;
     print!("{}", show::text(&pooled, &asked.out));

@@ -1,5 +1,6 @@
 //! What robots have in common, for people.
 
+use super::creep::KnownCreeps;
 use super::{LeftOut, Pooled};
 use sinew_files::plain;
 use sinew_model::offset::alike::{Alike, Kind};
@@ -33,6 +34,46 @@ pub(super) fn text(pooled: &Pooled, out: &Path) -> String {
         2,
     );
     text + &paragraph(&plain(&format!("written to {}", out.display())), 2)
+}
+
+/// How fast ropes creep, and where that is written.
+pub(super) fn creep(known: &KnownCreeps, out: &Path) -> String {
+    let any = (known.iter()).filter(|(kind, _)| kind.batch.is_none() && kind.site.is_none());
+    let rows = any.map(|(kind, creep)| {
+        let its = |other: &&super::creep::CreepKind| {
+            other.batch.is_some() && other.widest() == *kind && other.site.is_none()
+        };
+        vec![
+            plain(&kind.joint),
+            plain(kind.rope.as_deref().unwrap_or("–")),
+            known.keys().filter(its).count().to_string(),
+            creep.tendons.to_string(),
+            format!("{:.2}", 1e3 * creep.median_rad),
+            format!("{:.2}", creep.spread.exp()),
+        ]
+    });
+    let head = [
+        "joint",
+        "rope",
+        "batches",
+        "tendons",
+        "mrad per decade",
+        "next tendon ×",
+    ];
+    let mut text = table(&head, rows.collect(), 2);
+    text += "\n";
+    text += &paragraph(
+        "Median of a tendon whose batch isn't among these, from day 1 to day 30 of its rope, and by what factor one differs from the \
+         next as a standard deviation. Those of known batches and sites are in the file, too.",
+        2,
+    );
+    text + &paragraph(
+        &plain(&format!(
+            "written to {}; sinew-fleet due --creep takes it",
+            out.display()
+        )),
+        2,
+    )
 }
 
 /// Why a file was left out.

@@ -53,6 +53,7 @@ pub fn find(engine: &mut Engine, asked: &Report) -> Result<Found, FleetError> {
             rows: ROWS,
             csv: None,
             state: asked.state.clone(),
+            creep: None,
             follow_all: false,
         },
     )?;

@@ -2,6 +2,11 @@
 
 pub(crate) mod tendons;
 
+use datafusion::arrow::array::{AsArray as _, BooleanArray, Float64Array, RecordBatch};
+use datafusion::arrow::compute::filter_record_batch;
+use datafusion::arrow::datatypes::Float64Type;
+use datafusion::parquet::arrow::ArrowWriter;
+use datafusion::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use sinew_fleet::args::{Simulate, Source};
 use sinew_fleet::engine::Engine;
 use sinew_fleet::simulate::{Made, simulate};
@@ -9,6 +14,7 @@ use sinew_log::TableWriter;
 use sinew_watch_core::Record;
 use sinew_watch_core::record::Clock;
 use sinew_watch_core::table::{columns, row};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// A folder of the repository.
@@ -105,4 +111,59 @@ pub(crate) fn cells(engine: &mut Engine, sql: &str) -> Vec<Vec<String>> {
         }
     }
     out
+}
+
+/// Files of records below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut out = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => out.extend(files(&path)),
+            false if path.extension().is_some_and(|e| e == "parquet") => out.push(path),
+            false => {}
+        }
+    }
+    out
+}
+
+/// Does something to the rows of every file of records.
+pub(crate) fn change(folder: &Path, of: impl Fn(RecordBatch) -> RecordBatch) {
+    for path in files(folder) {
+        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+        let schema = reader.schema().clone();
+        let batches: Vec<RecordBatch> = reader.build().unwrap().map(|b| of(b.unwrap())).collect();
+        let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), schema, None).unwrap();
+        batches.iter().for_each(|b| writer.write(b).unwrap());
+        writer.close().unwrap();
+    }
+}
+
+pub(crate) fn numbers<'b>(batch: &'b RecordBatch, column: &str) -> &'b Float64Array {
+    batch
+        .column_by_name(column)
+        .unwrap()
+        .as_primitive::<Float64Type>()
+}
+
+/// The records of a fleet as they were so many days before its last session.
+pub(crate) fn cut(folder: &Path, days: f64) {
+    let mut last_utc_s = f64::NEG_INFINITY;
+    for path in files(folder) {
+        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+        for batch in reader.build().unwrap() {
+            let batch = batch.unwrap();
+            last_utc_s = numbers(&batch, "time_utc_s")
+                .iter()
+                .flatten()
+                .fold(last_utc_s, f64::max);
+        }
+    }
+    change(folder, |batch| {
+        let times = numbers(&batch, "time_utc_s").iter();
+        let kept: BooleanArray = times
+            .map(|t| Some(t? < last_utc_s - days * 86_400.0))
+            .collect();
+        filter_record_batch(&batch, &kept).unwrap()
+    });
 }
