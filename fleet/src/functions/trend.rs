@@ -257,8 +257,7 @@ impl Rows {
         let limit_m = self.limit_m(&rows).map_err(refuse)?;
         let first = self.place(0);
         let columns: Vec<usize> = (first..first + sessions::COLUMNS.len()).collect();
-        let mut tendons: Vec<Sessions> = Vec::new();
-        sessions::take(&rows.project(&columns)?, &mut tendons).map_err(refuse)?;
+        let tendons = sessions::sessions(&[rows.project(&columns)?]).map_err(refuse)?;
         if let [a, b, ..] = &tendons[..] {
             let told = |s: &Sessions| format!("{} {}", s.tendon.0, s.tendon.1);
             return Err(refuse(FleetError::SeveralTendons {
