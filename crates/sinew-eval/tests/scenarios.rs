@@ -2,7 +2,7 @@
 
 use sinew_estimate::session::Warning;
 use sinew_eval::scenarios::{
-    End, Options, Plan, ScenarioReport, Sessions, record, render_ends, run, variants,
+    End, Form, Options, Plan, ScenarioReport, Sessions, record, render_ends, run, variants,
 };
 use sinew_model::Z95;
 use sinew_sim::scenario::{Draw, PerJoint};
@@ -492,8 +492,17 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
     // Every variant has both ends of four joints; slips are not looked for.
     for scenario in &first.scenarios {
         assert!(scenario.about.is_some() && scenario.slips.is_empty());
-        let ends: Vec<(End, usize)> = scenario.ends.iter().map(|e| (e.end, e.offsets)).collect();
-        assert_eq!(ends, [(End::B, 4), (End::Chain, 4)]);
+        let ends: Vec<(Form, End, usize)> =
+            (scenario.ends.iter().map(|e| (e.form, e.end, e.offsets))).collect();
+        let wanted =
+            [Form::Batch, Form::Recursive].map(|form| [(form, End::B, 4), (form, End::Chain, 4)]);
+        assert_eq!(ends, wanted.concat());
+        // Two estimates of the same recording, and not one twice.
+        let [batch, recursive] = [&scenario.ends[0], &scenario.ends[2]];
+        assert!(
+            batch.rmse_rad != recursive.rmse_rad && recursive.rmse_rad < 5e-3,
+            "{batch:?} {recursive:?}"
+        );
     }
     assert!(variants().any(|name| name == "creep-1"));
     // Planted: the chain of one recording is far outside, once without a word and once with one.

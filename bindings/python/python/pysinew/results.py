@@ -1217,6 +1217,8 @@ class EndSummary(Record):
     """Share of truths inside the 95 % interval."""
     end: End
     """Which end."""
+    form: Form
+    """Whose estimates."""
     half_width_95_rad: float
     """Mean half of the 95 % interval, rad."""
     offsets: int
@@ -1226,11 +1228,12 @@ class EndSummary(Record):
     silent_share: float
     """Share of offsets outside their interval in a session that warned of nothing."""
     warned_share: float
-    """Share of recordings whose session warned of anything."""
+    """Share of recordings whose session warned of anything, or was in doubt."""
 
     _fields = {
         "coverage_share": "",
         "end": "",
+        "form": "",
         "half_width_95_rad": "",
         "offsets": "",
         "rmse_rad": "",
@@ -6174,6 +6177,7 @@ Ends = Literal["not-stated", "spliced", "knotted"]
 EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspicion"]
 Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
+Form = Literal["batch", "recursive"]
 Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointMotion = Literal["revolute", "prismatic"]

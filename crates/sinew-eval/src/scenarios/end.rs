@@ -5,6 +5,7 @@ use super::result::{ScenarioReport, ScenarioSummary};
 use crate::numbers::{mean, rms};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate};
+use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
 use sinew_report::text::{paragraph, plain, table};
@@ -46,15 +47,32 @@ pub enum End {
     Chain,
 }
 
+/// Who estimates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// The estimate of a whole recording.
+    Batch,
+    /// The one that goes on block by block beside a running robot. It warns by being in doubt.
+    Recursive,
+}
+
+impl Form {
+    const ALL: [Self; 2] = [Self::Batch, Self::Recursive];
+}
+
 /// All elastic joints of one recording at one end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndScore {
     /// Which.
     pub end: End,
+    /// Whose estimate.
+    pub form: Form,
     /// Estimate less truth per elastic joint, with the deviation stated, rad.
     pub errors_rad: Vec<Gaussian>,
-    /// Whether that session's own result warned of anything.
+    /// Whether that session's own result warned of anything, or was in doubt.
     pub is_warned: bool,
 }
 
@@ -67,8 +85,29 @@ impl EndScore {
         };
         Self {
             end,
+            form: Form::Batch,
             errors_rad: said.joints.iter().filter_map(error).collect(),
             is_warned: !said.warnings.is_empty(),
+        }
+    }
+
+    /// Of the form that goes on block by block.
+    pub(super) fn recursive(
+        end: End,
+        robot: &Robot,
+        truth_rad: &[f64],
+        said: &RecursiveOffsets,
+    ) -> Self {
+        let elastic = (0..truth_rad.len()).filter(|i| robot.transmissions[*i].is_some());
+        let error = |i: usize| {
+            let offset = said.offset(i);
+            Gaussian::new(offset.mean - truth_rad[i], offset.deviation)
+        };
+        Self {
+            end,
+            form: Form::Recursive,
+            errors_rad: elastic.map(error).collect(),
+            is_warned: said.is_provisional(),
         }
     }
 
@@ -88,6 +127,8 @@ impl EndScore {
 pub struct EndSummary {
     /// Which end.
     pub end: End,
+    /// Whose estimates.
+    pub form: Form,
     /// Offsets judged: recordings times elastic joints.
     pub offsets: usize,
     /// Share of truths inside the 95 % interval.
@@ -96,7 +137,7 @@ pub struct EndSummary {
     pub rmse_rad: f64,
     /// Mean half of the 95 % interval, rad.
     pub half_width_95_rad: f64,
-    /// Share of recordings whose session warned of anything.
+    /// Share of recordings whose session warned of anything, or was in doubt.
     pub warned_share: f64,
     /// Share of offsets outside their interval in a session that warned of nothing.
     pub silent_share: f64,
@@ -104,16 +145,17 @@ pub struct EndSummary {
 
 /// Sums up what was judged; an end that no recording has is left out.
 pub(super) fn summarise(recordings: &[&Recording]) -> Vec<EndSummary> {
-    [End::B, End::Chain]
-        .into_iter()
-        .filter_map(|end| {
-            let of_end = recordings.iter().flat_map(|r| &r.ends);
-            one(end, &of_end.filter(|e| e.end == end).collect::<Vec<_>>())
+    let all = Form::ALL.map(|form| [End::B, End::Chain].map(|end| (end, form)));
+    (all.iter().flatten())
+        .filter_map(|&(end, form)| {
+            let scores = recordings.iter().flat_map(|r| &r.ends);
+            let own = scores.filter(|e| (e.end, e.form) == (end, form));
+            one((end, form), &own.collect::<Vec<_>>())
         })
         .collect()
 }
 
-fn one(end: End, scores: &[&EndScore]) -> Option<EndSummary> {
+fn one((end, form): (End, Form), scores: &[&EndScore]) -> Option<EndSummary> {
     let errors: Vec<Gaussian> = scores.iter().flat_map(|s| s.errors_rad.clone()).collect();
     if errors.is_empty() {
         return None;
@@ -124,6 +166,7 @@ fn one(end: End, scores: &[&EndScore]) -> Option<EndSummary> {
     let halves: Vec<f64> = errors.iter().map(|e| Z95 * e.deviation).collect();
     Some(EndSummary {
         end,
+        form,
         offsets: errors.len(),
         coverage_share: 1.0 - sum(EndScore::outside) / count,
         rmse_rad: rms(&errors.iter().map(|e| e.mean).collect::<Vec<_>>()),
@@ -133,11 +176,37 @@ fn one(end: End, scores: &[&EndScore]) -> Option<EndSummary> {
     })
 }
 
-/// One line per scenario and end, as text of at most 80 columns; the last lines are all together.
+/// One line per scenario and end, as text of at most 80 columns; the last lines are all together. A second table is of the form
+/// that goes on block by block.
 pub fn render_ends(report: &ScenarioReport) -> String {
+    let mut text = ends_of(report, Form::Batch, "warned\n%");
+    text.push('\n');
+    text.push_str(&paragraph(
+        "B: with A's baseline; chain: C with what was known after B; ±: mean half-width of the 95 % interval; \
+         warned: recordings whose session warned of anything; silent: offsets outside their interval though \
+         their session warned of nothing",
+        0,
+    ));
+    text.push_str("\nBlock by block, as beside a running robot\n");
+    text.push_str(&ends_of(report, Form::Recursive, "doubt\n%"));
+    text.push('\n');
+    text.push_str(&paragraph(
+        "chain: B and C without a break; doubt: recordings at whose end the estimate is in doubt; silent: offsets outside \
+         their interval without doubt",
+        0,
+    ));
+    for s in &report.scenarios {
+        if let Some(about) = &s.about {
+            text.push_str(&paragraph(&format!("{}: {about}", plain(&s.scenario)), 2));
+        }
+    }
+    text
+}
+
+fn ends_of(report: &ScenarioReport, form: Form, warned: &str) -> String {
     let mut rows = Vec::new();
     for s in &report.scenarios {
-        for (k, end) in s.ends.iter().enumerate() {
+        for (k, end) in s.ends.iter().filter(|e| e.form == form).enumerate() {
             let name = if k == 0 {
                 plain(&s.scenario)
             } else {
@@ -147,7 +216,7 @@ pub fn render_ends(report: &ScenarioReport) -> String {
         }
     }
     for end in [End::B, End::Chain] {
-        if let Some(all) = together(end, &report.scenarios) {
+        if let Some(all) = together((end, form), &report.scenarios) {
             rows.push(row("all".into(), &all));
         }
     }
@@ -158,23 +227,10 @@ pub fn render_ends(report: &ScenarioReport) -> String {
         "inside\n%",
         "RMSE\nmrad",
         "±\nmrad",
-        "warned\n%",
+        warned,
         "silent\n%",
     ];
-    let mut text = table(&head, rows, 2);
-    text.push('\n');
-    text.push_str(&paragraph(
-        "B: with A's baseline; chain: C with what was known after B; ±: mean half-width of the 95 % interval; \
-         warned: recordings whose session warned of anything; silent: offsets outside their interval though \
-         their session warned of nothing",
-        0,
-    ));
-    for s in &report.scenarios {
-        if let Some(about) = &s.about {
-            text.push_str(&paragraph(&format!("{}: {about}", plain(&s.scenario)), 2));
-        }
-    }
-    text
+    table(&head, rows, 2)
 }
 
 fn row(name: String, end: &EndSummary) -> Vec<String> {
@@ -195,10 +251,10 @@ fn row(name: String, end: &EndSummary) -> Vec<String> {
 }
 
 /// All scenarios as one, each offset and each recording counting alike.
-fn together(end: End, scenarios: &[ScenarioSummary]) -> Option<EndSummary> {
+fn together((end, form): (End, Form), scenarios: &[ScenarioSummary]) -> Option<EndSummary> {
     let of_end: Vec<(&EndSummary, f64)> = (scenarios.iter())
         .flat_map(|s| s.ends.iter().map(|e| (e, s.recordings as f64)))
-        .filter(|(e, _)| e.end == end)
+        .filter(|(e, _)| (e.end, e.form) == (end, form))
         .collect();
     let offsets: usize = of_end.iter().map(|(e, _)| e.offsets).sum();
     if offsets == 0 {
@@ -212,6 +268,7 @@ fn together(end: End, scenarios: &[ScenarioSummary]) -> Option<EndSummary> {
     let warned: f64 = of_end.iter().map(|(e, n)| n * e.warned_share).sum();
     Some(EndSummary {
         end,
+        form,
         offsets,
         coverage_share: each(|e| e.coverage_share),
         rmse_rad: each(|e| e.rmse_rad.powi(2)).sqrt(),

@@ -5,7 +5,7 @@ use sinew_estimate::session;
 use sinew_estimate::session::{
     Payload, Recorded, Recorder, SessionError, SessionEstimate, SessionOptions,
 };
-use sinew_model::offset::FeatureConfig;
+use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
 
 /// A recorder as `sinew baseline` and `sinew estimate` use it.
@@ -21,6 +21,34 @@ pub(super) fn learn(
     session::learn_recorded(robot, recorded, "session A", &session::Learning::default())
 }
 
+/// What a user says. `payload`: whether the gripper may hold something.
+fn options(payload: bool) -> SessionOptions {
+    SessionOptions {
+        payload: if payload {
+            Payload::Unknown
+        } else {
+            Payload::Empty
+        },
+        ..SessionOptions::default()
+    }
+}
+
+/// The estimate that goes on block by block, from A's baseline.
+pub(super) fn live(
+    robot: &Robot,
+    baseline: &Baseline,
+    payload: bool,
+) -> Result<RecursiveOffsets, SessionError> {
+    session::live(robot, (baseline, "session A"), &options(payload))
+}
+
+/// Takes a session's blocks; one that isn't finite is left out.
+pub(super) fn follow(filter: &mut RecursiveOffsets, recorded: &Recorded) {
+    for block in &recorded.blocks {
+        let _left_out = filter.step(block);
+    }
+}
+
 /// The answer and what is known then. `payload`: whether the gripper may hold something, which its user knows.
 pub(super) fn watch(
     robot: &Robot,
@@ -34,13 +62,6 @@ pub(super) fn watch(
         recorded,
         name,
         Some((baseline, "session A")),
-        &SessionOptions {
-            payload: if payload {
-                Payload::Unknown
-            } else {
-                Payload::Empty
-            },
-            ..SessionOptions::default()
-        },
+        &options(payload),
     )
 }

@@ -20,7 +20,7 @@ mod table;
 mod variants;
 
 pub use catalogue::{DEFAULT, Plan, STANDARD, UNMODELLED};
-pub use end::{End, EndScore, EndSummary, Sessions, render_ends};
+pub use end::{End, EndScore, EndSummary, Form, Sessions, render_ends};
 pub use recording::{FoundStep, JointScore, Recording, StepScore, record};
 pub use result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
 pub use rows::rows;

@@ -163,6 +163,18 @@ pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, S
     if sessions != Sessions::B {
         watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(refused)?;
     }
+    if sessions == Sessions::Chain {
+        let mut filter = estimator::live(robot, &baseline, payload).map_err(refused)?;
+        let ends = [
+            (End::B, &simulated.truth_rad),
+            (End::Chain, &simulated.truth_at_end_rad),
+        ];
+        for ((end, truth_rad), session) in ends.into_iter().zip(&simulated.sessions[1..]) {
+            estimator::follow(&mut filter, session);
+            out.ends
+                .push(EndScore::recursive(end, robot, truth_rad, &filter));
+        }
+    }
     Ok(out)
 }
 
