@@ -201,6 +201,7 @@ fn noise_is_that_of_the_blocks_that_count() {
         }
         let map = estimator.solve(&start, &[], Payload::Empty, &blocks);
         let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
+        filter.expect_creep(0.0);
         for block in &blocks {
             filter.step(block).unwrap();
         }
@@ -438,6 +439,7 @@ fn a_bad_block_changes_nothing() {
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let good = blocks(&robot.arm, PLAIN);
     let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
+    filter.expect_creep(0.0);
     for block in &good[..50] {
         filter.step(block).unwrap();
     }
@@ -470,6 +472,7 @@ fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f6
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let offset = |pushed_rad: f64| {
         let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
+        filter.expect_creep(0.0);
         for (k, block) in calm.iter().enumerate() {
             let mut block = block.clone();
             if pushed.contains(&k) {

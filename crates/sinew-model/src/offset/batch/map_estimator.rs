@@ -156,6 +156,7 @@ impl MapEstimator {
             let how = Linearisation {
                 reference_c: at.temperature_c,
                 changes: &at.changes,
+                creep: None,
                 motor: model.motor_torque,
                 force: force.zip(forces),
                 content: Content::Residuals,

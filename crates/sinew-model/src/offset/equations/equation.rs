@@ -1,5 +1,6 @@
 //! A block's equations: rows over the state, and what is left of what was measured.
 
+use super::linearise::Creeping;
 use crate::cholesky::dot;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::layout::Layout;
@@ -231,6 +232,19 @@ impl Equations {
                 });
             }
             column += change.kind.columns();
+        }
+    }
+
+    /// Offsets creep as well. Never allocates.
+    pub(crate) fn creep(&mut self, creep: Creeping<'_>, time_s: f64) {
+        for (k, joint) in creep.joints.iter().enumerate() {
+            if self.active.len() < self.active.capacity() {
+                self.active.push(Active {
+                    first: self.layout.dimension() + k,
+                    kind: ChangeKind::Creep(*joint),
+                    factor: time_s - creep.at_s,
+                });
+            }
         }
     }
 

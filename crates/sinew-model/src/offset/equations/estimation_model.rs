@@ -1,11 +1,10 @@
 //! What an estimate from blocks rests on: the robot's prior and what blocks are like.
 
 use super::equation::Equations;
-use super::linearise::{Content, Linearisation, linearise};
+use super::linearise::{Content, Creeping, Linearisation, linearise};
 use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
-use crate::offset::change::ChangePoint;
 use crate::offset::config::FeatureConfig;
 use crate::offset::external_force::ForceModel;
 use crate::offset::prior::Prior;
@@ -51,20 +50,20 @@ impl EstimationModel {
         }
     }
 
-    /// Equations of a block around a state of the reduced model, then the entries of `changes`.
-    /// Never allocates.
+    /// Equations of a block around a state of the reduced model, then the rates of what creeps. Never allocates.
     pub(crate) fn linearise(
         &self,
         block: &Block,
         reference_c: f64,
-        changes: &[ChangePoint],
+        creep: Creeping<'_>,
         x: &[f64],
         out: &mut Equations,
     ) {
         let joints = (0..self.reduced.layout.joints).map(|i| Measured::of(&self.reduced, block, i));
         let how = Linearisation {
             reference_c,
-            changes,
+            changes: &[],
+            creep: Some(creep),
             motor: self.motor_torque,
             force: None,
             content: Content::Rows,

@@ -27,11 +27,22 @@ pub(crate) struct Linearisation<'a> {
     pub(crate) reference_c: f64,
     /// Changes whose entries stand after the model's in the state.
     pub(crate) changes: &'a [ChangePoint],
+    /// Offsets that creep, their rates after those entries.
+    pub(crate) creep: Option<Creeping<'a>>,
     /// Whether the motor's torque is used.
     pub(crate) motor: bool,
     /// A force from outside, and what it does to every joint.
     pub(crate) force: Option<(&'a ForceModel, &'a [ForceTorque])>,
     pub(crate) content: Content,
+}
+
+/// Offsets that move evenly: the state has what they are at a time, and how fast they move.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Creeping<'a> {
+    /// Of these joints, in the order of their rates.
+    pub(crate) joints: &'a [usize],
+    /// The time, s.
+    pub(crate) at_s: f64,
 }
 
 /// What the joints of a block have in common.
@@ -59,6 +70,9 @@ pub(crate) fn linearise(
 ) {
     out.list.clear();
     out.activate(how.changes, block.time_s);
+    if let Some(creep) = how.creep {
+        out.creep(creep, block.time_s);
+    }
     let reference_c = how.reference_c;
     let common = Common {
         x,

@@ -12,7 +12,12 @@ use alloc::vec::Vec;
 /// Belief, noise, and how well the blocks have agreed with it.
 #[derive(Debug, Clone)]
 pub(super) struct Filter {
+    /// The offsets are those at [`Filter::at_s`], and their rates come last.
     belief: Belief,
+    /// Joints that creep: where their offsets are.
+    creeps: Vec<usize>,
+    /// Time of the last block that came, s; NaN: none has.
+    at_s: f64,
     /// Noise of link and motor equations.
     noise: [Vec<f64>; 2],
     /// Size of each joint's link innovations of late, rad: unlike the noise it never settles.
@@ -68,7 +73,11 @@ fn differs(now: f64, before: f64) -> bool {
 
 impl Filter {
     /// A filter that remembers what went in of `recent` blocks; allocates here only.
-    pub(super) fn new(belief: &Belief, noise: &[Vec<f64>; 2], recent: usize) -> Self {
+    pub(super) fn new(
+        (belief, creeps): (&Belief, &[usize]),
+        noise: &[Vec<f64>; 2],
+        recent: usize,
+    ) -> Self {
         let equations = noise.iter().map(Vec::len).sum();
         let none = RecentBlock {
             share: 0.0,
@@ -76,6 +85,8 @@ impl Filter {
         };
         Self {
             belief: belief.clone(),
+            creeps: creeps.to_vec(),
+            at_s: f64::NAN,
             noise: noise.clone(),
             unexplained_rad: noise[0].clone(),
             blocks: 0.0,
@@ -88,8 +99,9 @@ impl Filter {
         }
     }
 
-    /// Forgets all.
-    pub(super) fn restart(&mut self, belief: &Belief, noise: &[Vec<f64>; 2]) {
+    /// Forgets all; the offsets will be those at `at_s`.
+    pub(super) fn restart(&mut self, belief: &Belief, noise: &[Vec<f64>; 2], at_s: f64) {
+        self.at_s = at_s;
         self.expect_noise(noise);
         (self.weight, self.mean_weight) = (1.0, 1.0);
         copy(&mut self.belief.mean, &belief.mean);
@@ -119,6 +131,10 @@ impl Filter {
 
     pub(super) fn belief(&self) -> &Belief {
         &self.belief
+    }
+
+    pub(super) fn belief_mut(&mut self) -> &mut Belief {
+        &mut self.belief
     }
 
     /// Noise of link and motor equations.
@@ -151,6 +167,49 @@ impl Filter {
         self.mean_innovation
             .iter()
             .fold(0.0, |most, m| m.abs().max(most))
+    }
+
+    /// From now on the offsets are those at the time of a block that comes.
+    ///
+    /// ```text
+    /// x ← F x,   P ← F P Fᵀ,   F: offset ← offset + rate (t − t₀)
+    /// ```
+    pub(super) fn go_on(&mut self, time_s: f64) {
+        let passed_s = time_s - self.at_s;
+        self.at_s = time_s;
+        if !(passed_s > 0.0 && passed_s.is_finite()) {
+            return;
+        }
+        let d = self.belief.mean.len();
+        let first = d.saturating_sub(self.creeps.len());
+        for (k, &offset) in self.creeps.iter().enumerate() {
+            let rate = first + k;
+            let at = |x: &[f64], place: usize| x.get(place).copied().unwrap_or_default();
+            let moved = passed_s * at(&self.belief.mean, rate);
+            if let Some(x) = self.belief.mean.get_mut(offset) {
+                *x += moved;
+            }
+            // A row, then a column.
+            let p = &mut self.belief.covariance;
+            for column in 0..d {
+                let more = passed_s * at(p, rate * d + column);
+                if let Some(to) = p.get_mut(offset * d + column) {
+                    *to += more;
+                }
+            }
+            for row in p.chunks_exact_mut(d.max(1)) {
+                let more = passed_s * at(row, rate);
+                if let Some(to) = row.get_mut(offset) {
+                    *to += more;
+                }
+            }
+        }
+    }
+
+    /// Equations of a block around what is known.
+    pub(super) fn linearise(&self, model: &EstimationModel, work: &mut Workspace, block: &Block) {
+        let known = (self.belief.mean.as_slice(), self.at_s);
+        work.linearise(model, block, self.belief.temperature_c, known);
     }
 
     fn scale(&self) -> f64 {
@@ -196,7 +255,8 @@ impl Filter {
         block: &Block,
         scale: f64,
     ) -> f64 {
-        work.linearise(model, block, self.belief.temperature_c, &self.reference);
+        let around = (self.reference.as_slice(), self.at_s);
+        work.linearise(model, block, self.belief.temperature_c, around);
         let chi = self.chi(work);
         for e in &work.equations.list {
             // What stands says nothing about noise.
@@ -227,7 +287,7 @@ impl Filter {
         (block, share): (&Block, f64),
         cost: &mut f64,
     ) {
-        work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
+        self.linearise(model, work, block);
         let chi = self.chi(work);
         let of_all = SCALE * SCALE * chi / (SCALE * SCALE + chi);
         for e in &work.equations.list {
@@ -268,7 +328,7 @@ impl Filter {
         if !(share > 0.0 && self.is_consistent()) {
             return None;
         }
-        work.linearise(model, block, self.belief.temperature_c, &self.belief.mean);
+        self.linearise(model, work, block);
         let weight = redescending_weight(self.chi(work), SCALE) * share;
         let inside = self.recent.get(slot)?.information.as_slice();
         let mut pairs = work.equations.list.iter().zip(inside);

@@ -66,6 +66,13 @@ use workspace::Workspace;
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
 /// have changed, as [`MapEstimator::search`] does.
 ///
+/// **Creep.** Ropes stretch while they are looked at. So an offset moves evenly, by a rate each that is 0 ± 1 mrad a minute
+/// before the first block, and what is told is where it is now:
+///
+/// ```text
+/// offset(t) = offset + rate (t − t_now)
+/// ```
+///
 /// **Bounded work.** [`RecursiveOffsets::step`] does a block's work at once. A fast loop does it in slices:
 /// [`RecursiveOffsets::begin`] takes a block, every [`RecursiveOffsets::advance`] after it does as many slices as it is told,
 /// a slice `O(d²)`. The answers are the same to the last bit, and stay those of the block before until the last slice is
@@ -129,6 +136,9 @@ enum Stage {
     Tracking,
 }
 
+/// How fast an offset may move, rad/s, a standard deviation: a starting guess. Where nothing moves, recordings of a minute get
+/// intervals wider by a third (S7) for it.
+const CREEP_RAD_PER_S: f64 = 1e-3 / 60.0;
 /// Blocks after which one is weighed again.
 const AGAIN: [usize; 2] = [SEGMENT, KEPT - 1];
 /// Scales of the weight, in standard deviations, with which the challenger goes over its
@@ -152,7 +162,9 @@ impl RecursiveOffsets {
         belief.check_dimension(model.prior.dimension())?;
         let mut before = belief;
         let (reduced, layout) = (&model.reduced, model.reduced.layout);
-        let mut start = reduced.believed(&before);
+        let elastic = (0..layout.joints).filter(|&i| model.prior.is_elastic(i));
+        let creeps: Vec<usize> = elastic.collect();
+        let mut start = creeping(reduced.believed(&before), creeps.len());
         let mut stiffness = StiffnessAverage::open(reduced, &mut start, &mut before)?;
         stiffness.average(&start, &start);
         let n = layout.joints;
@@ -160,7 +172,9 @@ impl RecursiveOffsets {
             alloc::vec![START_RAD; n],
             (0..n).map(|i| 3.0 * model.motor_floor(i)).collect(),
         ];
-        let filter = Filter::new(&start, &start_noise, KEPT);
+        let place = |joint: &usize| layout.place(*joint, JointParameter::Offset);
+        let offsets: Vec<usize> = creeps.iter().map(place).collect();
+        let filter = Filter::new((&start, &offsets), &start_noise, KEPT);
         let mut made = Self {
             challenger: filter.clone(),
             incumbent: filter,
@@ -169,7 +183,7 @@ impl RecursiveOffsets {
             before,
             stiffness,
             start_noise,
-            work: Workspace::new(layout),
+            work: Workspace::new(layout, creeps),
             ring: BlockRing::new(layout),
             opened: false,
             from: 0,
@@ -199,6 +213,26 @@ impl RecursiveOffsets {
         }
         self.incumbent.expect_noise(&self.start_noise);
         self.tell_at_rest();
+    }
+
+    /// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute
+    /// unless this says otherwise, before the first block; what is no deviation is left out, and so is what comes later.
+    pub fn expect_creep(&mut self, deviation_rad_per_s: f64) {
+        let known = deviation_rad_per_s >= 0.0 && deviation_rad_per_s.is_finite();
+        if !known || self.ring.taken() > 0 {
+            return;
+        }
+        let first = self.model.reduced.layout.dimension();
+        let filters = [&mut self.incumbent, &mut self.challenger];
+        let beliefs = filters.map(Filter::belief_mut);
+        for belief in beliefs.into_iter().chain([&mut self.start]) {
+            let d = belief.mean.len();
+            for rate in first..d {
+                if let Some(variance) = belief.covariance.get_mut(rate * (d + 1)) {
+                    *variance = deviation_rad_per_s * deviation_rad_per_s;
+                }
+            }
+        }
     }
 
     /// Adds to the deviation of every joint's offset, rad, what looks the same in every block
@@ -249,7 +283,11 @@ impl RecursiveOffsets {
 
     /// The challenger begins with the last blocks.
     fn begin_replay(&mut self) {
-        self.challenger.restart(&self.start, &self.start_noise);
+        let last = self.ring.taken().checked_sub(1);
+        let last = last.and_then(|number| self.ring.get(number));
+        let at_s = last.map_or(f64::NAN, |(_, kept)| kept.block.time_s);
+        self.challenger
+            .restart(&self.start, &self.start_noise, at_s);
         self.from = self.ring.taken().saturating_sub(SEGMENT);
         self.stage = Stage::Replaying {
             pass: 0,
@@ -342,14 +380,39 @@ impl RecursiveOffsets {
             return done.belief();
         }
         let now = &self.stiffness.averaged(self.incumbent.belief())?;
-        let (mean, covariance) =
+        let (mut mean, covariance) =
             self.model
                 .reduced
                 .completed(&self.before, &now.mean, &now.covariance)?;
+        // How fast ropes creep is this recording's alone.
+        let d = self.before.mean.len();
+        let rows = covariance.chunks_exact(mean.len().max(1)).take(d);
+        let covariance = rows.flat_map(|row| row.iter().take(d).copied()).collect();
+        mean.truncate(d);
         Ok(Belief {
             mean,
             covariance,
             temperature_c: now.temperature_c,
         })
+    }
+}
+
+/// A belief with the rates of so many offsets after it.
+fn creeping(known: Belief, count: usize) -> Belief {
+    let d = known.mean.len();
+    let total = d + count;
+    let mut covariance = alloc::vec![0.0; total * total];
+    for (to, from) in (covariance.chunks_exact_mut(total)).zip(known.covariance.chunks_exact(d)) {
+        to[..d].copy_from_slice(from);
+    }
+    for k in d..total {
+        covariance[k * (total + 1)] = CREEP_RAD_PER_S * CREEP_RAD_PER_S;
+    }
+    let mut mean = known.mean;
+    mean.resize(total, 0.0);
+    Belief {
+        mean,
+        covariance,
+        temperature_c: known.temperature_c,
     }
 }

@@ -116,7 +116,7 @@ impl RecursiveOffsets {
 
     /// The most slices a block takes.
     pub fn slices_per_block(&self) -> usize {
-        let task = Task::slices(self.model.reduced.layout);
+        let task = Task::slices(self.model.reduced.layout.joints, self.start.mean.len());
         let taking = (AGAIN.len() + 1) * task;
         // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and what
         // follows it, the average.

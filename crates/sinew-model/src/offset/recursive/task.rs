@@ -4,7 +4,6 @@ use super::filter::Filter;
 use super::ring::BlockRing;
 use super::workspace::{Workspace, bands};
 use crate::offset::equations::estimation_model::EstimationModel;
-use crate::offset::layout::Layout;
 
 /// A filter's work on one block, and how far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,10 +53,10 @@ impl Task {
     }
 
     /// The most slices a task takes.
-    pub(super) fn slices(layout: Layout) -> usize {
-        let n = layout.joints;
+    pub(super) fn slices(joints: usize, dimension: usize) -> usize {
+        let n = joints;
         // Linearised; projected joint by joint; put in; written.
-        1 + n + (2 * n).div_ceil(INSERTED) + bands(layout.dimension())
+        1 + n + (2 * n).div_ceil(INSERTED) + bands(dimension)
     }
 
     /// One slice; returns whether it was the last.
@@ -79,8 +78,8 @@ impl Task {
             Next::Linearise => {
                 let projected = match self.kind {
                     Kind::Update => {
-                        let belief = filter.belief();
-                        work.linearise(model, &kept.block, belief.temperature_c, &belief.mean);
+                        filter.go_on(kept.block.time_s);
+                        filter.linearise(model, work, &kept.block);
                         true
                     }
                     Kind::Pass { scale } => {

@@ -2,8 +2,10 @@
 
 use crate::offset::belief::Belief;
 use crate::offset::block::{Block, copy};
+use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::equations::equation::Equations;
 use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::equations::linearise::Creeping;
 use crate::offset::layout::Layout;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -12,6 +14,8 @@ use core::ops::Range;
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
     pub(super) equations: Equations,
+    /// Joints whose offsets creep.
+    creeps: Vec<usize>,
     /// State the equations were linearised around.
     pub(super) origin: Vec<f64>,
     /// What a joint's equations share of `P hᵀ`, over their torque gain.
@@ -24,10 +28,17 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    pub(super) fn new(layout: Layout) -> Self {
-        let (n, d) = (layout.joints, layout.dimension());
+    /// Of a robot on which the offsets of these joints creep.
+    pub(super) fn new(layout: Layout, creeps: Vec<usize>) -> Self {
+        let (n, d) = (layout.joints, layout.dimension() + creeps.len());
+        let change = |joint: &usize| ChangePoint {
+            kind: ChangeKind::Creep(*joint),
+            at_s: 0.0,
+        };
+        let changes: Vec<ChangePoint> = creeps.iter().map(change).collect();
         Self {
-            equations: Equations::new(layout, &[]),
+            equations: Equations::new(layout, &changes),
+            creeps,
             origin: alloc::vec![0.0; d],
             carried: alloc::vec![0.0; d],
             gains: alloc::vec![0.0; 2 * n * d],
@@ -35,15 +46,19 @@ impl Workspace {
         }
     }
 
-    /// Equations of `block` around the state `around`.
+    /// Equations of `block` around the state `around`, whose offsets are those at `at_s`.
     pub(super) fn linearise(
         &mut self,
         model: &EstimationModel,
         block: &Block,
         reference_c: f64,
-        around: &[f64],
+        (around, at_s): (&[f64], f64),
     ) {
-        model.linearise(block, reference_c, &[], around, &mut self.equations);
+        let creep = Creeping {
+            joints: &self.creeps,
+            at_s,
+        };
+        model.linearise(block, reference_c, creep, around, &mut self.equations);
         copy(&mut self.origin, around);
     }
 
@@ -85,6 +100,11 @@ impl Workspace {
             for (value, line) in e.own.iter().zip(lines(layout.own(joint))) {
                 if *value != 0.0 {
                     add(gain, *value, line);
+                }
+            }
+            for (rate, value) in self.equations.changes(e) {
+                for line in lines(rate..rate + 1) {
+                    add(gain, value, line);
                 }
             }
         }
