@@ -561,7 +561,8 @@ fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
             "{seed}: {:?}",
             recording.warnings
         );
-        for error in recording.ends.iter().flat_map(|e| &e.errors_rad) {
+        let of_batch = recording.ends.iter().filter(|e| e.form == Form::Batch);
+        for error in of_batch.flat_map(|e| &e.errors_rad) {
             offsets += 1;
             inside += usize::from(!error.is_nonzero_95());
             // Held at zero, errors are those of the zero: 10 mrad.
@@ -585,6 +586,7 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
     for (name, rad_per_s) in [("creep-1", 1e-3 / 60.0), ("creep-3", 3e-3 / 60.0)] {
         let plan = Plan::named(name).unwrap();
         let (mut inside, mut offsets, mut named) = (0, 0, 0);
+        let (mut silent, mut read) = (0, 0);
         for seed in [4000, 4001, 4002] {
             let recording = record(&plan, seed, Sessions::Chain).unwrap();
             named += recording.warnings.iter().filter(|w| creeps(w)).count();
@@ -600,6 +602,13 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
                 }
             }
             for end in &recording.ends {
+                if end.form == Form::Recursive {
+                    let outside = end.errors_rad.iter().filter(|e| e.is_nonzero_95()).count();
+                    read += end.errors_rad.len();
+                    silent += if end.is_warned { 0 } else { outside };
+                    println!("{name}, {seed}: {end:?}");
+                    continue;
+                }
                 assert!(end.is_warned, "{name}, {seed}");
                 for error in &end.errors_rad {
                     offsets += 1;
@@ -610,6 +619,8 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
         }
         assert!(inside + 2 >= offsets, "{name}: {inside} of {offsets}");
         assert!(named >= 6, "{name}: {named}");
+        // Block by block it isn't named, but followed: where offsets were taken for fixed, a third to four fifths were outside.
+        assert!(silent <= 2, "{name}: {silent} of {read} block by block");
     }
     // One that keeps its length is not suspected, whatever else differs.
     for name in ["S7", "S8b", "S9", "S9c", "U1", "leaned-on", "friction-3"] {
