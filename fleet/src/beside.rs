@@ -133,6 +133,23 @@ impl Beside {
         go_on(joint, &rows, &rope, &request, kept)
     }
 
+    /// Which kind of tendon it is.
+    fn kind(&self, sessions: &Sessions, tendon: Option<&transmission::Tendon>) -> CreepKind {
+        CreepKind {
+            robot_type: sessions.robot_type.clone(),
+            joint: sessions.tendon.1.clone(),
+            rope: tendon.and_then(|t| t.rope.clone()),
+            batch: self.fit(&sessions.tendon).batch,
+            site: self.sites.get(&sessions.tendon.0).cloned(),
+        }
+    }
+
+    /// Whether a fleet says how fast its rope creeps.
+    pub(crate) fn is_creep_known(&self, sessions: &Sessions, robot: &Robot) -> bool {
+        let kind = self.kind(sessions, tendon_of(robot, &sessions.tendon.1));
+        creep::find(&self.creep, &kind).is_some()
+    }
+
     /// What its rope says of a tendon.
     fn prior(
         &self,
@@ -142,13 +159,7 @@ impl Beside {
     ) -> Result<Arc<RopePrior>, CatalogueError> {
         let tendon = robot.and_then(|robot| tendon_of(robot, &sessions.tendon.1));
         let celsius = mean_temperature_c(&sessions.rows).round();
-        let own = CreepKind {
-            robot_type: sessions.robot_type.clone(),
-            joint: sessions.tendon.1.clone(),
-            rope: tendon.and_then(|t| t.rope.clone()),
-            batch: self.fit(&sessions.tendon).batch,
-            site: self.sites.get(&sessions.tendon.0).cloned(),
-        };
+        let own = self.kind(sessions, tendon);
         let (kind, known) = match creep::find(&self.creep, &own) {
             Some((kind, known)) => (kind, Some(known)),
             None => (own.widest(), None),

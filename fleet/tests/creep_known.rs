@@ -138,6 +138,8 @@ fn what_is_written_is_read_and_a_young_robots_forecast_is_better_by_it() {
         };
         let found: Vec<(f64, bool)> = list.followed.iter().filter_map(ahead).collect();
         assert!(found.len() >= 25, "{list:?}");
+        let begun = creep.map_or(0, |_| list.followed.len());
+        assert_eq!(list.creep_known, begun);
         let mut off: Vec<f64> = found.iter().map(|f| f.0).collect();
         off.sort_by(f64::total_cmp);
         let held = found.iter().filter(|f| f.1).count();
@@ -157,6 +159,11 @@ fn a_table_of_creep_that_cant_be_is_refused_with_its_place() {
         (
             "arm,elbow,hemp,,,-0.001,0.5,1,30,40",
             "line 2, column 'creep_rad_per_decade'",
+        ),
+        // In mrad.
+        (
+            "arm,elbow,hemp,,,2.5,0.5,1,30,40",
+            "must be between 0.000000001 and 1",
         ),
         (
             "arm,elbow,hemp,,,0.001,,1,30,40",

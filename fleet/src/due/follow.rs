@@ -143,6 +143,8 @@ pub(super) enum Outcome {
         kept: Vec<u8>,
         /// Whether it went on from what was kept.
         went_on: bool,
+        /// Whether a fleet says how fast its rope creeps.
+        creep_known: bool,
     },
 }
 
@@ -193,6 +195,7 @@ impl Followers<'_> {
             found: Box::new(Followed::of(&followed.trend, sessions, fit, site, ahead)),
             kept,
             went_on: followed.went_on,
+            creep_known: self.beside.is_creep_known(sessions, robot),
         }
     }
 

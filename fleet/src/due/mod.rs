@@ -43,6 +43,8 @@ pub struct DueList {
     pub followed: Vec<Followed>,
     /// Of them those that went on from where the last question left them.
     pub went_on: usize,
+    /// Of them those that began with how fast such ropes creep in a fleet.
+    pub creep_known: usize,
     /// Why what the last question left was of no use.
     pub state_unused: Option<StateUnused>,
     /// Tendons with records.
@@ -113,9 +115,11 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
                     found,
                     kept,
                     went_on,
+                    creep_known,
                 } => {
                     out.followed.push(*found);
                     out.went_on += usize::from(went_on);
+                    out.creep_known += usize::from(creep_known);
                     keep = Some(kept);
                 }
             }

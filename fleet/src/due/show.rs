@@ -88,10 +88,19 @@ pub(super) fn text(list: &DueList, asked: &Due) -> String {
         ),
         2,
     );
-    let from = match (&asked.state, list.went_on) {
+    let mut from = match (&asked.state, list.went_on) {
         (Some(path), n) => format!(", {n} of them from where {} left them", path.display()),
         (None, _) => String::new(),
     };
+    if let Some(path) = &asked.creep {
+        from += &match list.creep_known {
+            0 => format!(
+                ", none of them begun with {}: no line of it has their type, joint and rope",
+                path.display()
+            ),
+            n => format!(", {n} of them begun with {}", path.display()),
+        };
+    }
     out += &paragraph(
         &format!(
             "{} were followed by the whole trend{}. {} can't reach a limit within these days, by a bound: {}.",

@@ -39,6 +39,8 @@ const AGES: Ages = Ages {
 const LEAST: usize = 20;
 /// A batch or a site with fewer is taken for any.
 const FEW: usize = 5;
+/// No rope that holds a joint creeps by more per decade of time: rad, or m where a joint slides. In mrad or mm it would be above.
+const MOST: Bound = Bound::Within(1e-9, 1.0);
 /// Batches may differ by so much, as a standard deviation of the logarithm, where only one is known.
 const ONE_BATCH: f64 = 0.2;
 const SEED: u64 = 1;
@@ -258,7 +260,12 @@ pub fn read(path: &Path) -> Result<KnownCreeps, FleetError> {
     for row in table.rows() {
         let text = |column| row.text(column).map(str::to_owned);
         let number = |column: &'static str| {
-            let found = row.number(column, Bound::Positive)?;
+            let bound = if column == NUMBERS[0] {
+                MOST
+            } else {
+                Bound::Positive
+            };
+            let found = row.number(column, bound)?;
             found.ok_or_else(|| row.missing(column, "every row has one"))
         };
         let [median_rad, spread, from_days, to_days, tendons] = [

@@ -60,6 +60,22 @@ impl Known {
     }
 }
 
+impl Known {
+    /// The offset after these blocks, by the recursive form; or by one that is told that nothing creeps.
+    fn block_by_block(&self, creeps: bool, blocks: &[Block]) -> Gaussian {
+        let start = (self.estimator.prior()).belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let filter = RecursiveOffsets::new(self.estimator.clone(), start);
+        let mut filter = filter.expect("a filter");
+        if !creeps {
+            filter.expect_creep(0.0);
+        }
+        for block in blocks {
+            filter.step(block).expect("taken");
+        }
+        filter.offset(0)
+    }
+}
+
 #[test]
 fn offsets_are_off_by_as_much_of_their_intervals_as_is_documented() {
     let known = Known::new();
@@ -72,17 +88,8 @@ fn offsets_are_off_by_as_much_of_their_intervals_as_is_documented() {
         let map = known.estimator.solve(&start, &[], Payload::Empty, &blocks);
         let found = map.expect("solved").offset(prior, 0);
         batch.add_error(found.mean - truth.offset_rad, found.deviation);
-        // Told that nothing creeps, and not told.
-        for (told, scores) in [true, false].into_iter().zip(&mut recursive) {
-            let filter = RecursiveOffsets::new(known.estimator.clone(), start.clone());
-            let mut filter = filter.expect("a filter");
-            if told {
-                filter.expect_creep(0.0);
-            }
-            for block in &blocks {
-                filter.step(block).expect("taken");
-            }
-            let found = filter.offset(0);
+        for (creeps, scores) in [false, true].into_iter().zip(&mut recursive) {
+            let found = known.block_by_block(creeps, &blocks);
             scores.add_error(found.mean - truth.offset_rad, found.deviation);
         }
     }
@@ -98,7 +105,6 @@ fn an_offset_that_creeps_is_read_at_the_end() {
     /// As fast as is expected, a standard deviation.
     const RATE_RAD_PER_S: f64 = 1e-3 / 60.0;
     let known = Known::new();
-    let start = (known.estimator.prior()).belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let mut random = Random(3);
     let (mut expected, mut denied) = (Scores::default(), Scores::default());
     for _ in 0..DRAWS {
@@ -114,16 +120,8 @@ fn an_offset_that_creeps_is_read_at_the_end() {
             block.y_cube[0] = y3 + c * (3.0 * y2 + c * (3.0 * y + c));
         }
         let end_rad = truth.offset_rad + rate_rad_per_s * (last_s - first_s);
-        for (told, scores) in [(false, &mut expected), (true, &mut denied)] {
-            let filter = RecursiveOffsets::new(known.estimator.clone(), start.clone());
-            let mut filter = filter.expect("a filter");
-            if told {
-                filter.expect_creep(0.0);
-            }
-            for block in &blocks {
-                filter.step(block).expect("taken");
-            }
-            let found = filter.offset(0);
+        for (creeps, scores) in [(true, &mut expected), (false, &mut denied)] {
+            let found = known.block_by_block(creeps, &blocks);
             scores.add_error(found.mean - end_rad, found.deviation);
         }
     }
