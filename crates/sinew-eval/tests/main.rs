@@ -3,6 +3,7 @@
 mod control;
 mod coverage;
 mod excitation;
+mod forecasts;
 mod paper_figures;
 mod paper_ledger;
 mod rope_figures;

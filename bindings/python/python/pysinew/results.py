@@ -3112,21 +3112,6 @@ class PretensionResult(Record):
     }
 
 
-class PriorBasisGeneric(Record):
-    """Generic creep curves alone."""
-
-    __slots__ = ()
-
-    kind: Literal["generic"]
-    missing: MissingFromRobot
-    """What the robot file lacks."""
-
-    _fields = {
-        "kind": "",
-        "missing": "",
-    }
-
-
 class PriorBasisRope(Record):
     """The law of a rope, and a fifth generic curves."""
 
@@ -3151,6 +3136,24 @@ class PriorBasisRope(Record):
         "kind": "",
         "parameters": "",
         "rope": "",
+    }
+
+
+class PriorBasisUnknown(Record):
+    """Nobody knows the rope: the laws of all ropes of the catalogue, and a fifth generic curves."""
+
+    __slots__ = ()
+
+    kind: Literal["unknown"]
+    missing: MissingFromRobot
+    """What the robot file lacks."""
+    ropes: int
+    """Ropes whose laws stand for it."""
+
+    _fields = {
+        "kind": "",
+        "missing": "",
+        "ropes": "",
     }
 
 
@@ -6198,7 +6201,7 @@ NoSlope = Union[NoSlopeNotFitted, NoSlopeTooFewReadings]
 NotIdentifiable = Union[NotIdentifiableAbove, NotIdentifiableAnything, NotIdentifiableBelow]
 Origin = Literal["measured", "observed", "motor-torque", "stated", "taken-as-known", "estimated"]
 Place = Literal["rope", "ends"]
-PriorBasis = Union[PriorBasisGeneric, PriorBasisRope]
+PriorBasis = Union[PriorBasisRope, PriorBasisUnknown]
 Quantity = Literal["q", "theta", "dq", "tau_el", "tau_m", "tau_ext", "temperature"]
 Quantity2 = Literal["positions", "elastic-torque", "transmission", "external-torque", "offset"]
 RecordingWarning = Union[RecordingWarningClockJumps, RecordingWarningDamaged, RecordingWarningGaps, RecordingWarningImplausibleOffset, RecordingWarningNonFinite, RecordingWarningOutOfOrder, RecordingWarningReference, RecordingWarningRobot, RecordingWarningSamplesLost, RecordingWarningSuspicion, RecordingWarningTorqueHardlyChanges, RecordingWarningUnknownJoints, RecordingWarningUnwrapped]
@@ -6358,8 +6361,8 @@ _CLASSES: Mapping[str, Any] = {
     "PosesResult": PosesResult,
     "PredictionResult": PredictionResult,
     "PretensionResult": PretensionResult,
-    "PriorBasisGeneric": PriorBasisGeneric,
     "PriorBasisRope": PriorBasisRope,
+    "PriorBasisUnknown": PriorBasisUnknown,
     "Procedure": Procedure,
     "Published": Published,
     "PulleyPlace": PulleyPlace,
@@ -6506,7 +6509,7 @@ _CLASSES: Mapping[str, Any] = {
     "NoForecast": {"no-load": NoForecastNoLoad, "no-force": NoForecastNoForce, "no-temperature": NoForecastNoTemperature, "load": NoForecastLoad, "temperature": NoForecastTemperature},
     "NoSlope": {"too-few-readings": NoSlopeTooFewReadings, "not-fitted": NoSlopeNotFitted},
     "NotIdentifiable": {"anything": NotIdentifiableAnything, "below": NotIdentifiableBelow, "above": NotIdentifiableAbove},
-    "PriorBasis": {"generic": PriorBasisGeneric, "rope": PriorBasisRope},
+    "PriorBasis": {"unknown": PriorBasisUnknown, "rope": PriorBasisRope},
     "RecordingWarning": {"robot": RecordingWarningRobot, "suspicion": RecordingWarningSuspicion, "unknown-joints": RecordingWarningUnknownJoints, "implausible-offset": RecordingWarningImplausibleOffset, "torque-hardly-changes": RecordingWarningTorqueHardlyChanges, "damaged": RecordingWarningDamaged, "gaps": RecordingWarningGaps, "clock-jumps": RecordingWarningClockJumps, "out-of-order": RecordingWarningOutOfOrder, "samples-lost": RecordingWarningSamplesLost, "non-finite": RecordingWarningNonFinite, "unwrapped": RecordingWarningUnwrapped, "reference": RecordingWarningReference},
     "Rejection": {"too-thick": RejectionTooThick, "too-thin": RejectionTooThin, "too-heavy": RejectionTooHeavy, "bend-ratio": RejectionBendRatio, "safety-factor": RejectionSafetyFactor, "elongation": RejectionElongation, "stiffness": RejectionStiffness, "diameter-not-published": RejectionDiameterNotPublished, "weight-not-published": RejectionWeightNotPublished, "bend-ratio-not-known": RejectionBendRatioNotKnown, "breaking-load-not-published": RejectionBreakingLoadNotPublished, "breaks": RejectionBreaks, "hot": RejectionHot, "not-predicted": RejectionNotPredicted},
     "StrainZero": {"before-load": StrainZeroBeforeLoad, "as-recorded": StrainZeroAsRecorded},

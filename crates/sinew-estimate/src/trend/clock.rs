@@ -6,7 +6,7 @@ use sinew_files::date::day_of;
 use sinew_model::offset::TENSIONED_OFFSET_RAD;
 
 /// Baselines are learned about so long after tensioning, s.
-const BASELINE_AFTER_S: f64 = 3600.0;
+pub(super) const BASELINE_AFTER_S: f64 = 3600.0;
 /// What a rope crept between a tensioning and a baseline whose time is guessed, rad.
 const BASELINE_GUESSED_RAD: f64 = 0.5e-3;
 /// Level where nobody said when the tendon was tensioned, rad.

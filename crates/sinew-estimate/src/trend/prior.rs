@@ -1,5 +1,6 @@
 //! What the rope's law says on a tendon before its first record.
 
+use super::clock::BASELINE_AFTER_S;
 use super::result::{MissingFromRobot, PriorBasis};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -17,10 +18,17 @@ pub const CURVES: usize = 200;
 const GENERIC_SHARE: f64 = 0.2;
 /// Deviation of a drawn curve's amplitude: strands, pretension and pulleys aren't as stated.
 const AMPLITUDE_DEVIATION: f64 = 0.4;
-/// Creep of a first year that surprises nobody where no rope is known: strain as a fraction.
-const GENERIC_STRAIN: f64 = 1e-3;
-/// The same without a tendon, rad.
-const GENERIC_RAD: f64 = 30e-3;
+/// Creep of a first year that surprises nobody, whatever the rope: strain as a fraction. Laws of the catalogue at 1 to 8 % of
+/// the breaking load: 0.05 to 0.4 %.
+const GENERIC_STRAIN: f64 = 3e-3;
+/// `L/r` that a tendon has nobody described.
+const LENGTH_OVER_RADIUS: [f64; 2] = [10.0, 60.0];
+/// Pretension over breaking load of a rope nobody knows.
+const PRETENSION_SHARE: [f64; 2] = [0.01, 0.08];
+/// Highest tensions of days differ by so much, as a share of themselves.
+const PEAK_SPREAD: f64 = 0.05;
+/// Steps that the creep of a rope nobody knows comes in, rad: metal ropes bed in on single days.
+const UNKNOWN_STEP_RAD: f64 = 0.3e-3;
 
 /// What a working robot does to a strand, averaged over days.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,21 +86,40 @@ pub fn strand(tendon: &Tendon) -> Vec<Portion> {
 /// Offset at the nodes of [`node_times_s`] under some work, rad, at pretension and the law's reference
 /// temperature; `None` where the tension breaks the rope.
 ///
-/// Between nodes delayed elasticity, flow and retraction see the mean tension, bedding-in and flow the
-/// peaks for their share of the time.
+/// For an hour after tensioning it rests, until its baseline. Then, between nodes, delayed elasticity, flow and retraction see
+/// the mean tension, bedding-in and flow the peaks for their share of the time. Days' peaks differ. So the highest of all days
+/// until then is above the usual one, and a rope beds in further on that day.
 pub fn work_curve(law: &Law, tendon: &Tendon, pretension_n: f64, work: &Work) -> Option<Vec<f64>> {
     let mean = RopeLoad::celsius(pretension_n * work.mean_factor, work.temperature_c);
     let peak = RopeLoad::celsius(pretension_n * work.peak_factor, work.temperature_c);
+    let quiet = RopeLoad::celsius(pretension_n, work.temperature_c);
     through(law, tendon, pretension_n, |law, state, from_s, to_s| {
-        let dt = to_s - from_s;
+        let quiet_s = (BASELINE_AFTER_S - from_s).clamp(0.0, to_s - from_s);
+        law.hold(state, quiet, quiet_s).ok()?;
+        let dt = to_s - from_s - quiet_s;
         let mut pulled = *state;
         law.hold(state, mean, dt).ok()?;
         let flow = state.flow_percent;
         law.hold(&mut pulled, peak, dt * work.peak_share).ok()?;
+        let height = 1.0 + PEAK_SPREAD * highest_of(to_s / DAY_S);
+        if height > 1.0 {
+            let tension_n = pretension_n * work.peak_factor * height;
+            let highest = RopeLoad::celsius(tension_n, work.temperature_c);
+            let day_s = dt.min(DAY_S);
+            law.hold(&mut pulled, highest, day_s * work.peak_share)
+                .ok()?;
+        }
         state.bedding_percent = state.bedding_percent.max(pulled.bedding_percent);
         state.flow_percent = flow.max(pulled.flow_percent);
         Some(())
     })
+}
+
+/// Largest of so many standard normal numbers, as a rule: `√(2 ln n) − (ln ln n + ln 4π)/(2 √(2 ln n))`.
+fn highest_of(count: f64) -> f64 {
+    let root = (2.0 * count.max(2.0).ln()).sqrt();
+    let fourth = (4.0 * std::f64::consts::PI).ln();
+    (root - (count.max(2.0).ln().ln() + fourth) / (2.0 * root)).max(0.0)
 }
 
 /// The same under a duty that is known.
@@ -164,15 +191,77 @@ pub fn rope_curves(
             Some(duty) => duty_curve(law, tendon, pretension_n, duty),
             None => work_curve(law, tendon, pretension_n, &work),
         };
-        let curve = values.map(|values| Curve {
-            values,
-            amplitude: 1.0,
-            amplitude_deviation: AMPLITUDE_DEVIATION,
-            log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
-        });
-        curves.extend(curve.filter(Curve::is_possible));
+        curves.extend(values.map(drawn).filter(Curve::is_possible));
     }
-    let generic = generic(Some(tendon));
+    Ok(with_generic(curves, Some(tendon)))
+}
+
+/// The prior of a rope nobody knows, and how many ropes stand for it: the laws of all ropes of the catalogue, drawn from
+/// their uncertainties, each under a pretension of 1 to 8 % of its breaking load and under work drawn from what robots do; a
+/// fifth of the probability for [`generic_curves`].
+///
+/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for.
+///
+/// * `tendon`: `None`: 10 to 60 times as long as its pulley's radius.
+pub fn unknown_rope(
+    catalogue: &Catalogue,
+    tendon: Option<&Tendon>,
+    temperature_c: f64,
+    seed: u64,
+) -> (Prior, usize) {
+    let ropes = catalogue.ropes();
+    let has_law = |rope: &&CatalogueRope| Draws::new(rope, 0, seed).is_ok();
+    let each = CURVES.div_ceil(ropes.iter().filter(has_law).count().max(1));
+    let laws: Vec<Vec<Law>> = (ropes.iter())
+        .filter_map(|rope| Some(Draws::new(rope, each, seed).ok()?.laws))
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // One of every rope, another of every rope, and so on.
+    let in_turn = (0..each).flat_map(|i| laws.iter().filter_map(move |of_rope| of_rope.get(i)));
+    let curves = in_turn.take(CURVES).filter_map(|law| {
+        let mut between = |[low, high]: [f64; 2]| low * (high / low).powf(rng.random::<f64>());
+        let share = between(PRETENSION_SHARE);
+        let undescribed = undescribed(between(LENGTH_OVER_RADIUS));
+        let work = Work::unknown(temperature_c, &mut rng);
+        let pretension_n = share * law.parameters().breaking_load_n;
+        let values = work_curve(law, tendon.unwrap_or(&undescribed), pretension_n, &work);
+        values.map(drawn).filter(Curve::is_possible)
+    });
+    let prior = Prior {
+        step_rad: UNKNOWN_STEP_RAD,
+        ..Prior::new(with_generic(curves.collect(), tendon))
+    };
+    (prior, laws.len())
+}
+
+/// A tendon of this `L/r`, of which nothing else is known.
+fn undescribed(length_over_radius: f64) -> Tendon {
+    Tendon {
+        rope: None,
+        length_m: length_over_radius,
+        joint_pulley_radius_m: 1.0,
+        pretension_n: None,
+        antagonistic: false,
+        guides: Vec::new(),
+        retension_at_m: None,
+        replace_at_strain: None,
+        frame_expansion_per_k: None,
+    }
+}
+
+/// A drawn curve of a law.
+fn drawn(values: Vec<f64>) -> Curve {
+    Curve {
+        values,
+        amplitude: 1.0,
+        amplitude_deviation: AMPLITUDE_DEVIATION,
+        log_weight: ((1.0 - GENERIC_SHARE) / CURVES as f64).ln(),
+    }
+}
+
+/// Curves of laws, and generic ones with their share of the probability.
+fn with_generic(mut curves: Vec<Curve>, tendon: Option<&Tendon>) -> Vec<Curve> {
+    let generic = generic(tendon);
     let share = if curves.is_empty() {
         1.0
     } else {
@@ -180,14 +269,14 @@ pub fn rope_curves(
     };
     let log_weight = (share / generic.len() as f64).ln();
     curves.extend(generic.into_iter().map(|c| Curve { log_weight, ..c }));
-    Ok(curves)
+    curves
 }
 
 /// Curves without a rope law.
 pub fn generic(tendon: Option<&Tendon>) -> Vec<Curve> {
-    generic_curves(tendon.map_or(GENERIC_RAD, |t| {
-        GENERIC_STRAIN * t.length_m / t.joint_pulley_radius_m
-    }))
+    let [low, high] = LENGTH_OVER_RADIUS;
+    let usual = (low * high).sqrt();
+    generic_curves(GENERIC_STRAIN * tendon.map_or(usual, |t| t.length_m / t.joint_pulley_radius_m))
 }
 
 /// A prior and what it rests on.
@@ -199,7 +288,7 @@ pub struct RopePrior {
     pub basis: PriorBasis,
 }
 
-/// The prior of a tendon: of its rope where the robot names one that the catalogue has, else generic.
+/// The prior of a tendon: of its rope where the robot names one that the catalogue has, else of any rope of the catalogue.
 ///
 /// # Errors
 /// [`CatalogueError`] for a rope that is named and not there, or has no complete law.
@@ -217,9 +306,10 @@ pub fn rope_prior(
             Some(t) if t.rope.is_none() => MissingFromRobot::Rope,
             Some(_) => MissingFromRobot::Pretension,
         };
+        let (prior, ropes) = unknown_rope(catalogue, tendon, temperature_c, seed);
         return Ok(RopePrior {
-            prior: Prior::new(generic(tendon)),
-            basis: PriorBasis::Generic { missing },
+            prior,
+            basis: PriorBasis::Unknown { missing, ropes },
         });
     };
     let rope = catalogue.find(name)?;

@@ -319,10 +319,12 @@ pub enum LimitState {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PriorBasis {
-    /// Generic creep curves alone.
-    Generic {
+    /// Nobody knows the rope: the laws of all ropes of the catalogue, and a fifth generic curves.
+    Unknown {
         /// What the robot file lacks.
         missing: MissingFromRobot,
+        /// Ropes whose laws stand for it.
+        ropes: usize,
     },
     /// The law of a rope, and a fifth generic curves.
     Rope {

@@ -10,7 +10,7 @@ use sinew_files::date::DAY_S;
 use sinew_model::offset::SharedError;
 use sinew_model::transmission::Tendon;
 use sinew_model::trend::{Curve, Noise, Prior, Record, node_times_s};
-use sinew_rope::{CatalogueError, CatalogueRope};
+use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
 
 impl Forecaster {
     /// Its prior for a tendon.
@@ -39,7 +39,10 @@ impl Forecaster {
                 level_deviation_rad: ALONE_RAD,
                 ..curves_of_rope()?
             },
-            Self::Generic => Prior::new(prior::generic(Some(tendon))),
+            Self::Generic => {
+                let all = Catalogue::shipped()?;
+                prior::unknown_rope(&all, Some(tendon), 21.0, SEED).0
+            }
             Self::Oracle => Prior {
                 noises: PACE_ERRORS
                     .map(|pace_error| Noise {

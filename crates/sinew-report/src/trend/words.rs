@@ -251,13 +251,16 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
 /// What a forecast rests on.
 pub(super) fn format_basis(basis: &PriorBasis) -> String {
     match basis {
-        PriorBasis::Generic { missing } => {
+        PriorBasis::Unknown { missing, ropes } => {
             let why = match missing {
                 MissingFromRobot::Tendon => "has no tendon here",
                 MissingFromRobot::Rope => "names no rope here",
                 MissingFromRobot::Pretension => "has no pretension_n here",
             };
-            format!("generic creep curves, as the robot file {why}")
+            format!(
+                "the laws of all {ropes} ropes of the catalogue, as the robot file {why}: which rope it is would narrow the \
+                 forecast"
+            )
         }
         PriorBasis::Rope {
             rope,
