@@ -238,3 +238,54 @@ fn split(c: &mut Component, v: f64, v0: f64) {
     c.open(EXCESS, free);
     c.covariance[entry(EXCESS, BASELINE)] -= free;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trend::generic_curves;
+
+    /// Sessions that state nearly as much are wrong by the same error; one that states much more has another one beside
+    /// it, and of one that states much less theirs has another one beside it.
+    #[test]
+    fn sessions_that_state_nearly_the_same_share_one_error() {
+        let prior = Prior::new(generic_curves(0.03));
+        let noise = prior.noises[0];
+        let stated = |mrad: f64| SharedPart {
+            variance: 1e-6 * mrad * mrad,
+            stated: true,
+        };
+        let met = |mrad: f64| {
+            let mut error = BaselineError::default();
+            let first = error.meet(stated(0.3), &prior, &mut []);
+            assert_eq!((first.h, first.beyond(&noise)), ([1.0, 0.0], 0.0));
+            let shares = error.meet(stated(mrad), &prior, &mut []);
+            let [better, poorer] = error.variances(&noise).map(|v| 1e3 * libm::sqrt(v));
+            (
+                shares.h,
+                1e3 * libm::sqrt(shares.beyond(&noise)),
+                [better, poorer],
+            )
+        };
+        let near = |is: f64, should: f64| (is - should).abs() < 1e-12;
+        for (mrad, beyond) in [(0.2, 0.0), (0.29, 0.0), (0.3, 0.0), (0.34, 0.16)] {
+            let (h, own, [better, poorer]) = met(mrad);
+            assert_eq!(h, [1.0, 0.0], "{mrad}");
+            // What it states more counts as its own: 0.34² = 0.3² + 0.16².
+            assert!(near(own, beyond), "{mrad}: {own}");
+            assert!(
+                near(better, 0.3) && poorer == 0.0,
+                "{mrad}: {better} {poorer}"
+            );
+        }
+        // 0.5² = 0.3² + 0.4².
+        let (h, own, [better, poorer]) = met(0.5);
+        assert_eq!((h, own), ([1.0, 1.0], 0.0));
+        assert!(near(better, 0.3) && near(poorer, 0.4), "{better} {poorer}");
+        let (h, own, [better, poorer]) = met(0.18);
+        assert_eq!((h, own), ([1.0, 0.0], 0.0));
+        assert!(
+            near(better, 0.18) && near(poorer, 0.24),
+            "{better} {poorer}"
+        );
+    }
+}

@@ -246,3 +246,102 @@ impl Window<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Gaussian;
+    use crate::trend::curve::{Curve, node_times_s};
+    use crate::trend::prior::Noise;
+    use crate::trend::record::Record;
+
+    /// A creep and errors that no filter is bent by, so that what a jump explains is known in closed form.
+    fn linear() -> Prior {
+        let curve = |amplitude: f64| Curve {
+            values: (node_times_s().iter())
+                .map(|t| libm::log(t / 100.0))
+                .collect(),
+            amplitude,
+            amplitude_deviation: 0.3 * amplitude,
+            log_weight: 0.0,
+        };
+        let noise = |white_scale: f64| Noise {
+            slow_deviation_rad: 0.2e-3,
+            slow_time_s: 10.0 * DAY_S,
+            white_scale,
+            pace_error: 0.0,
+            log_weight: 0.0,
+        };
+        let mut prior = Prior::new(alloc::vec![curve(1e-3), curve(0.5e-3)]);
+        prior.noises = alloc::vec![noise(0.5), noise(1.1)];
+        prior.step_rad = 0.0;
+        prior
+    }
+
+    /// One pass through the window against a pass for every jump there may be.
+    #[test]
+    fn one_pass_says_of_all_jumps_what_a_pass_for_each_does() {
+        let (prior, config) = (linear(), TrendConfig::default());
+        let session = |days: f64, jumped_rad: f64| {
+            let scatter = 0.1e-3 * libm::sin(37.0 * days);
+            let mean = 0.8e-3 * libm::log(24.0 * days) + scatter + jumped_rad;
+            TrendEntry::Record(Record {
+                time_s: days * DAY_S,
+                offset_rad: Some(Gaussian::new(mean, 0.3e-3)),
+                temperature_c: Some(23.0 + libm::sin(days)),
+                ..Record::default()
+            })
+        };
+        // Sessions at odd times, once twice a day, once after three weeks.
+        const BEFORE: [f64; 6] = [1.0, 2.0, 3.5, 5.0, 6.0, 9.0];
+        const INSIDE: [f64; 6] = [10.0, 11.5, 12.0, 33.0, 34.0, 36.5];
+        const JUMPS_AT: usize = 3;
+        let mut quiet = 0.0;
+        for jump_rad in [0.0, 0.5e-3, 1e-3, -1e-3] {
+            let mut anchor = Bank::new(&prior);
+            anchor.run(&prior, &config, &BEFORE.map(|days| session(days, 0.0)));
+            let mut entries = INSIDE.map(|days| session(days, 0.0));
+            for (entry, days) in entries.iter_mut().zip(INSIDE).skip(JUMPS_AT) {
+                *entry = session(days, jump_rad);
+            }
+            let window = Window {
+                prior: &prior,
+                config: &config,
+                anchor: &anchor,
+                stiffness: Stiffness::new(),
+                entries: &entries,
+                records: (BEFORE.len() + INSIDE.len()) as u64,
+            };
+            let (none, off) = anchor.clone().run(&prior, &config, &entries);
+            assert!(!off.contains(&true));
+            let mut odds = 0.0;
+            let mut before_days = BEFORE[BEFORE.len() - 1];
+            for (at, days) in INSIDE.into_iter().enumerate() {
+                for (per_day, deviation_rad) in [
+                    (config.jumps_per_day, config.jump_deviation_rad),
+                    (config.falls_per_day, config.fall_deviation_rad),
+                ] {
+                    let mut jumped = anchor.clone();
+                    let (head, tail) = entries.split_at(at);
+                    let mut evidence = jumped.run(&prior, &config, head).0;
+                    jumped.advance(&prior, days * DAY_S);
+                    jumped.open(LEVEL, deviation_rad);
+                    evidence += jumped.run(&prior, &config, tail).0;
+                    odds += libm::exp(evidence - none) * per_day * (days - before_days);
+                }
+                before_days = days;
+            }
+            let screened = window.screened(&anchor);
+            let expected = odds / (1.0 + odds);
+            assert!(
+                (screened / expected - 1.0).abs() < 1e-6,
+                "{jump_rad}: {screened} {expected}"
+            );
+            // It does tell jumps.
+            match jump_rad {
+                0.0 => quiet = screened,
+                _ => assert!(screened > 2.0 * quiet, "{jump_rad}: {screened} {quiet}"),
+            }
+        }
+    }
+}
