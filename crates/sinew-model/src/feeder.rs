@@ -458,3 +458,111 @@ impl<O: FrameObserver> Feeder<O> {
         motor.is_some_and(|motor| self.accepted_ns >= Some(motor.settled_at_ns))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writes its steps down.
+    #[derive(Debug)]
+    struct Steps {
+        needs: Needs,
+        dt_s: Vec<f64>,
+    }
+
+    impl FrameObserver for Steps {
+        type Output = ();
+
+        fn needs(&self) -> Needs {
+            self.needs
+        }
+
+        fn reset(&mut self) {
+            self.dt_s.clear();
+        }
+
+        fn step(&mut self, dt_s: f64, _: &Input<'_>) -> Result<(), StepError> {
+            self.dt_s.push(dt_s);
+            Ok(())
+        }
+    }
+
+    /// Of two joints, the second one elastic.
+    fn feeder(velocity: bool, torque: TorqueSource, tau_ext: bool) -> Feeder<Steps> {
+        let observer = Steps {
+            needs: Needs { velocity, torque },
+            dt_s: Vec::new(),
+        };
+        let options = FeederOptions {
+            tau_ext,
+            ..FeederOptions::default()
+        };
+        Feeder::new(observer, &[None, Some(Transmission::spring(40.0))], options)
+    }
+
+    /// A sample every millisecond, all there.
+    fn whole(ms: i64) -> Reading<'static> {
+        const ALL: &[f64] = &[0.1, 0.2];
+        Reading {
+            time_ns: ms * 1_000_000,
+            segment: 1,
+            q: ALL,
+            theta: ALL,
+            dq: ALL,
+            tau_el: ALL,
+            tau_m: ALL,
+            tau_ext: ALL,
+            temperature_c: 23.0,
+        }
+    }
+
+    type Lacks = fn(Reading<'static>, &'static [f64]) -> Reading<'static>;
+
+    const LACKS: [(Refusal, Lacks); 5] = [
+        (Refusal::JointPosition, |r, q| Reading { q, ..r }),
+        (Refusal::JointVelocity, |r, dq| Reading { dq, ..r }),
+        (Refusal::MotorPosition, |r, theta| Reading { theta, ..r }),
+        (Refusal::Torque, |r, tau_el| Reading { tau_el, ..r }),
+        (Refusal::ExternalTorque, |r, tau_ext| Reading {
+            tau_ext,
+            ..r
+        }),
+    ];
+
+    #[test]
+    fn what_lacks_is_named_and_the_next_step_goes_over_it() {
+        const BAD: [&[f64]; 2] = [&[0.1, f64::NAN], &[0.1, f64::INFINITY]];
+        for (refusal, lacks) in LACKS {
+            for bad in BAD {
+                let mut feeder = feeder(true, TorqueSource::TorqueSensor, true);
+                assert_eq!(feeder.take(&whole(0)), Fed::Restarted(()));
+                assert_eq!(feeder.take(&lacks(whole(1), bad)), Fed::Refused(refusal));
+                assert_eq!(feeder.take(&whole(2)), Fed::Taken(()));
+                assert_eq!(feeder.observer().dt_s, [0.0, 2e-3], "{refusal:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_observer_does_not_need_may_be_missing() {
+        let needed = [Refusal::JointPosition, Refusal::MotorPosition];
+        for (refusal, lacks) in LACKS {
+            let mut feeder = feeder(false, TorqueSource::Observer, false);
+            let fed = feeder.take(&lacks(whole(0), &[0.1, f64::NAN]));
+            match needed.contains(&refusal) {
+                true => assert_eq!(fed, Fed::Refused(refusal)),
+                false => assert_eq!(fed, Fed::Restarted(()), "{refusal:?}"),
+            }
+        }
+        // Nor does a rigid joint need a motor's position and torque.
+        let mut feeder = feeder(true, TorqueSource::TorqueSensor, true);
+        let none = &[f64::NAN, 0.2];
+        let reading = Reading {
+            theta: none,
+            tau_el: none,
+            ..whole(0)
+        };
+        assert_eq!(feeder.take(&reading), Fed::Restarted(()));
+        assert_eq!(feeder.theta(), [0.1, 0.2]);
+    }
+}

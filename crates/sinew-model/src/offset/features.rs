@@ -366,3 +366,23 @@ impl FeatureObserver {
         &self.sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::is_same_step;
+
+    /// At every rate from 10 Hz to 100 kHz: what rounding does to a step is none, a clock that jitters by a millionth is.
+    #[test]
+    fn a_step_is_another_where_the_clock_says_so() {
+        for step_s in [0.1, 4e-3, 1e-3, 1e-4, 1e-5] {
+            // From times of a day: their last place is 1.5e-11 s, and whole nanoseconds are exact.
+            let from_s = 86_400.0 * 1e9;
+            let rounded_s = ((from_s + step_s * 1e9) - from_s) * 1e-9;
+            assert!(is_same_step(rounded_s, step_s), "{step_s}");
+            for share in [1e-6, 1e-3, 1.0] {
+                assert!(!is_same_step(step_s * (1.0 + share), step_s), "{step_s}");
+                assert!(!is_same_step(step_s / (1.0 + share), step_s), "{step_s}");
+            }
+        }
+    }
+}
