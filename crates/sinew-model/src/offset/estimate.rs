@@ -217,3 +217,65 @@ impl MapEstimate {
         (self.state, self.covariance) = (mean, covariance);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::change::ChangeKind;
+    use crate::offset::fixtures::turntable;
+    use crate::offset::parameter::JointParameter;
+
+    /// An offset of 1.0 ± 0.1 mrad at 100 s that creeps by 10 ± 1 µrad/s, of which the compliance knows: at 300 s it is
+    /// 3.0 ± √(0.1² + 0.2²) mrad.
+    #[test]
+    fn what_has_crept_is_part_of_the_offset_that_is_believed_after() {
+        let prior = turntable().prior;
+        let d = prior.dimension();
+        let [offset, compliance] = [JointParameter::Offset, JointParameter::Compliance]
+            .map(|parameter| prior.place(0, parameter));
+        let (mut state, mut covariance) =
+            (alloc::vec![0.0; d + 1], alloc::vec![0.0; (d + 1) * (d + 1)]);
+        (state[offset], state[compliance], state[d]) = (1e-3, 0.05, 1e-5);
+        let mut set = |i: usize, k: usize, value: f64| {
+            covariance[i * (d + 1) + k] = value;
+            covariance[k * (d + 1) + i] = value;
+        };
+        set(offset, offset, 1e-8);
+        set(compliance, compliance, 4e-4);
+        set(d, d, 1e-12);
+        set(d, compliance, 1e-8);
+        let map = MapEstimate {
+            changes: alloc::vec![ChangePoint {
+                kind: ChangeKind::Creep(0),
+                at_s: 100.0,
+            }],
+            state,
+            covariance,
+            temperature_c: f64::NAN,
+            end_s: 300.0,
+            noise_rad: Vec::new(),
+            motor_noise_nm: Vec::new(),
+            weights: Vec::new(),
+            convergence: Convergence::new(0, 0.0, 0.0),
+            stiffness_changes: Vec::new(),
+            creep: Vec::new(),
+            force: None,
+            posteriors: Vec::new(),
+        };
+        let after = map.belief(&prior);
+        assert_eq!(after.mean.len(), d);
+        let near = |is: f64, should: f64| (is - should).abs() < 1e-9 * should;
+        let Gaussian { mean, deviation } = after.entry(offset);
+        assert!(near(mean, 3e-3), "{mean}");
+        assert!(near(deviation, libm::sqrt(5e-8)), "{deviation}");
+        // The same by another way, and nothing else has moved.
+        let at_end = map.offset(&prior, 0);
+        assert!(near(at_end.mean, mean) && near(at_end.deviation, deviation));
+        assert_eq!(after.entry(compliance), Gaussian::new(0.05, 0.02));
+        // 200 s of what the rate and the compliance share, whichever is asked of the other.
+        for (i, k) in [(offset, compliance), (compliance, offset)] {
+            let shared = after.covariance[i * d + k];
+            assert!(near(shared, 2e-6), "{shared}");
+        }
+    }
+}

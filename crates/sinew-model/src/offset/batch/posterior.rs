@@ -221,6 +221,26 @@ mod tests {
         }
     }
 
+    /// What isn't noise is a slip or what looks like one, as 20 to 1 however large it is; where nothing happened it is noise.
+    #[test]
+    fn what_is_no_noise_is_a_slip_or_looks_like_one() {
+        let model = turntable();
+        for (slip_rad, least, most) in [(0.0, 0.0, 0.02), (0.5e-3, 0.02, 0.98), (5e-3, 0.999, 1.0)]
+        {
+            let blocks = slipping(&model, slip_rad, 4);
+            let found = of_recording(&model, &blocks, |problem| {
+                of(&problem, &with_slip(&problem, SLIPS_AT))
+            });
+            let not_noise = found.probability_not_noise;
+            assert!((least..=most).contains(&not_noise), "{slip_rad}: {found:?}");
+            let odds = found.probability / (not_noise - found.probability);
+            assert!(
+                (odds - SLIP_ODDS / LOOKALIKE_ODDS).abs() < 1e-9 * odds,
+                "{odds}"
+            );
+        }
+    }
+
     /// The width of `C` against the determinants of all information with and without the change.
     #[test]
     fn what_a_change_narrows_is_what_the_determinants_differ_by() {

@@ -278,3 +278,58 @@ fn in_steps(from_s: f64, time_s: f64) -> f64 {
 fn entry(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(f64::NAN)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::fixtures::{own, random};
+
+    /// What a joint's torque has of bodies, load and force is its own, whatever the others carry.
+    #[test]
+    fn every_joint_has_its_own_row() {
+        let layout = Layout {
+            joints: 3,
+            bodies: 5,
+        };
+        let force = ChangePoint {
+            kind: ChangeKind::Force,
+            at_s: 0.0,
+        };
+        for changes in [&[][..], &[force]] {
+            let mut seed = 3;
+            let mut equations = Equations::new(layout, changes);
+            equations.activate(changes, 1.0);
+            let total = layout.dimension() + FORCE * changes.len();
+            let x: Vec<f64> = (0..total).map(|_| random(&mut seed)).collect();
+            let given: Vec<Vec<f64>> = (0..layout.joints)
+                .map(|i| {
+                    let phi: Vec<f64> = (0..layout.bodies).map(|_| random(&mut seed)).collect();
+                    let load: [f64; PAYLOAD] = core::array::from_fn(|_| random(&mut seed));
+                    let pushed: [f64; FORCE] = core::array::from_fn(|_| random(&mut seed));
+                    let pushed = (!changes.is_empty()).then_some(pushed);
+                    equations.carry(i, &phi, &load, pushed.as_ref());
+                    let pushed = pushed.into_iter().flatten();
+                    phi.into_iter().chain(load).chain(pushed).collect()
+                })
+                .collect();
+            for (joint, given) in given.iter().enumerate() {
+                assert_eq!(equations.row(joint), given, "joint {joint}");
+                let e = Equation {
+                    joint,
+                    side: Side::Link,
+                    own: own(Side::Link, &mut seed),
+                    torque_gain: -0.7,
+                    residual: 0.0,
+                    added_deviation: 0.0,
+                    stationary_share: 0.0,
+                };
+                // All that isn't the joint's own comes after the joints, in one piece.
+                let of_own = dot(&e.own, &x[layout.own(joint)]);
+                let expected = of_own - 0.7 * dot(given, &x[layout.body_start()..]);
+                assert!((equations.dot(&e, &x) - expected).abs() < 1e-13);
+            }
+            // There is no fourth.
+            assert!(equations.row(3).is_empty());
+        }
+    }
+}
