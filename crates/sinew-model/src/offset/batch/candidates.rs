@@ -205,3 +205,66 @@ fn keep_best(best: &mut Vec<Candidate>, new: Candidate) {
     best.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     best.truncate(TWO);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::batch::gauss_newton::solve;
+    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
+    use crate::offset::equations::estimation_model::EstimationModel;
+    use crate::offset::executor::Sequential;
+    use crate::offset::fixtures::{BLOCKS, SLIPS_AT, slipping, turntable};
+
+    const SCOPE: SearchScope = SearchScope {
+        offsets: true,
+        payload: false,
+        continues: false,
+    };
+
+    /// Times at which slips are suspected, s: of a joint that slips at the start of block `b`, where slips are known.
+    fn suspected(model: &EstimationModel, b: usize, known_s: &[f64]) -> Vec<f64> {
+        let mut blocks = slipping(model, 0.0, 4);
+        for block in &mut blocks[b..] {
+            let y = block.y[0] + 5e-3;
+            (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
+        }
+        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let problem = Problem::new(model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
+        let slip = |at_s: &f64| ChangePoint {
+            kind: ChangeKind::Offset(0),
+            at_s: *at_s,
+        };
+        let changes: Vec<ChangePoint> = known_s.iter().map(slip).collect();
+        let known = solve(&problem, &changes).unwrap().estimate;
+        let found = candidates(&problem, &known, SCOPE).unwrap();
+        let slips = found
+            .iter()
+            .filter(|c| c.change.kind == ChangeKind::Offset(0));
+        slips.map(|c| c.change.at_s).collect()
+    }
+
+    #[test]
+    fn a_slip_is_suspected_where_it_is_but_not_beside_one_that_is_known() {
+        let model = turntable();
+        let at_s = 0.2 * SLIPS_AT as f64;
+        let near = |t: &f64| (t - at_s).abs() < SAME_S;
+        assert!(suspected(&model, SLIPS_AT, &[]).iter().any(near));
+        // Known a second and a half too early, the time is moved by whoever settles it.
+        let known_s = at_s - 1.5;
+        for t in suspected(&model, SLIPS_AT, &[known_s]) {
+            assert!((t - known_s).abs() >= SAME_S, "{t}");
+        }
+    }
+
+    #[test]
+    fn what_came_just_before_the_end_may_be_a_contact_and_is_no_candidate() {
+        let model = turntable();
+        let end_s = 0.2 * BLOCKS as f64;
+        // Of five seconds before and after a slip something is known.
+        for before_end in [5, 10, 15] {
+            let found = suspected(&model, BLOCKS - before_end, &[]);
+            let inside = |t: &f64| (5.0 - 1e-9..end_s - 5.0).contains(t);
+            assert!(found.iter().all(inside), "{before_end}: {found:?}");
+        }
+    }
+}

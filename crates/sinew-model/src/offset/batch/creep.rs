@@ -139,10 +139,13 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+    use crate::offset::batch::gauss_newton::solve;
     use crate::offset::batch::search::searched;
-    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
-    use crate::offset::change::ChangeKind;
-    use crate::offset::estimate::MapEstimate;
+    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
+    use crate::offset::block::Block;
+    use crate::offset::equations::estimation_model::EstimationModel;
+    use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{BLOCKS, SLIPS_AT, slipping, turntable};
 
     /// 6 mrad a minute: 1.6 mrad over the blocks.
@@ -151,15 +154,26 @@ mod tests {
     /// Of the fixture.
     const AT_FIRST_RAD: f64 = 1e-3;
 
-    /// What is found where a joint slips and creeps, with the offset at the start and at the end less the truth, over its
-    /// deviation.
-    fn found(slip_rad: f64, rate_rad_per_s: f64, seed: u64) -> (MapEstimate, [f64; 2]) {
-        let model = turntable();
-        let mut blocks = slipping(&model, slip_rad, seed);
+    /// Blocks of a joint that slips and creeps.
+    fn moving(
+        model: &EstimationModel,
+        slip_rad: f64,
+        rate_rad_per_s: f64,
+        seed: u64,
+    ) -> Vec<Block> {
+        let mut blocks = slipping(model, slip_rad, seed);
         for block in &mut blocks {
             let y = block.y[0] + rate_rad_per_s * block.time_s;
             (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
         }
+        blocks
+    }
+
+    /// What is found where a joint slips and creeps, with the offset at the start and at the end less the truth, over its
+    /// deviation.
+    fn found(slip_rad: f64, rate_rad_per_s: f64, seed: u64) -> (MapEstimate, [f64; 2]) {
+        let model = turntable();
+        let blocks = moving(&model, slip_rad, rate_rad_per_s, seed);
         let map = searched(&model, UNKNOWN_OFFSET_RAD, &blocks);
         let off = [(0.0, 0.0), (LONG_S, slip_rad)].map(|(at_s, slipped)| {
             let read = map.offset_at(&model.prior, 0, at_s);
@@ -171,6 +185,50 @@ mod tests {
             map.offset_at(&model.prior, 0, LONG_S)
         );
         (map, off)
+    }
+
+    /// What is told of a recording in which slips were found at some blocks; `search` looks for slips beside creep alone.
+    fn told(
+        (slip_rad, rate_rad_per_s): (f64, f64),
+        slips_at: &[usize],
+        search: impl FnOnce(Solution) -> Solution,
+    ) -> MapEstimate {
+        let model = turntable();
+        let blocks = moving(&model, slip_rad, rate_rad_per_s, 3);
+        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let problem =
+            Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
+        let slip = |b: &usize| ChangePoint {
+            kind: ChangeKind::Offset(0),
+            at_s: problem.start_of(*b),
+        };
+        let found: Vec<ChangePoint> = slips_at.iter().map(slip).collect();
+        let (first, found) = (solve(&problem, &[]), solve(&problem, &found));
+        told_apart(&problem, &first.unwrap(), found.unwrap(), |s| Ok(search(s)))
+            .unwrap()
+            .estimate
+    }
+
+    /// Eight slips of 0.1 mrad each look as a creep does, which needs one number where they need eight.
+    #[test]
+    fn creep_that_was_taken_for_many_slips_is_told_from_them() {
+        let staircase: Vec<usize> = (1..9).map(|k| k * BLOCKS / 9).collect();
+        let map = told((0.0, 0.5 * RATE_RAD_PER_S), &staircase, |alone| {
+            assert!(slips(&alone.estimate).is_empty());
+            alone
+        });
+        assert!(slips(&map).is_empty(), "{:?}", map.changes);
+        let creeps = |c: &ChangePoint| c.kind == ChangeKind::Creep(0);
+        assert!(map.changes.iter().any(creeps), "{:?}", map.changes);
+    }
+
+    /// No creep does what a slip of 3 mrad did: nothing is looked for anew, and it stays.
+    #[test]
+    fn a_slip_that_creep_cannot_stand_for_stays() {
+        let map = told((3e-3, 0.0), &[SLIPS_AT], |_| {
+            panic!("nothing speaks for it")
+        });
+        assert_eq!(slips(&map), [0.2 * SLIPS_AT as f64]);
     }
 
     fn slips(map: &MapEstimate) -> Vec<f64> {

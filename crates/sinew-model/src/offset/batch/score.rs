@@ -184,10 +184,96 @@ impl ScoreSum {
 mod tests {
     use super::*;
     use crate::offset::batch::normal::NormalEquations;
+    use crate::offset::change::ChangePoint;
     use crate::offset::equations::equation::{Equation, Side};
     use crate::offset::fixtures::{own, random};
     use crate::offset::layout::Layout;
     use crate::offset::parameter::JointParameter;
+
+    /// Of a load, whose four entries go together: what the score says without fitting it against fits with and without it.
+    #[test]
+    fn a_load_would_explain_what_fits_with_and_without_it_differ_by() {
+        const BLOCKS: usize = 60;
+        const PICKED_UP: usize = 25;
+        const DEVIATIONS: [f64; 4] = [2.0, 0.7, 0.5, 1.1];
+        let layout = Layout {
+            joints: 2,
+            bodies: 5,
+        };
+        let kind = ChangeKind::Payload;
+        let change = [ChangePoint { kind, at_s: 1.0 }];
+        let d = layout.dimension();
+        let total = d + DEVIATIONS.len();
+        let mut prior = alloc::vec![0.0; total * total];
+        for k in 0..total {
+            let deviation = k.checked_sub(d).map_or(1.0, |k| DEVIATIONS[k]);
+            prior[k * (total + 1)] = 1.0 / (deviation * deviation);
+        }
+        let prior_without: Vec<f64> = prior
+            .chunks_exact(total)
+            .take(d)
+            .flat_map(|row| &row[..d])
+            .copied()
+            .collect();
+        let mut seed = 21;
+        let mut with = NormalEquations::new(total, layout, &change);
+        with.start(&prior, &alloc::vec![0.0; total]);
+        let mut without = NormalEquations::new(d, layout, &[]);
+        without.start(&prior_without, &alloc::vec![0.0; d]);
+        let mut sum = ScoreSum::new(DEVIATIONS.len(), d);
+        for b in 0..BLOCKS {
+            let mut equations = Equations::new(layout, &change);
+            for joint in 0..layout.joints {
+                let phi: Vec<f64> = (0..layout.bodies).map(|_| random(&mut seed)).collect();
+                let load: [f64; 4] = core::array::from_fn(|_| random(&mut seed));
+                equations.carry(joint, &phi, &load, None);
+                let held = if b >= PICKED_UP { 3.0 } else { 0.0 };
+                let torque_gain = 0.5 + 0.4 * random(&mut seed);
+                equations.push(Equation {
+                    joint,
+                    side: Side::Link,
+                    own: own(Side::Link, &mut seed),
+                    torque_gain,
+                    residual: torque_gain * held * load[0] + 0.3 * random(&mut seed),
+                    added_deviation: 0.0,
+                    stationary_share: 0.0,
+                });
+            }
+            let information = |e: &Equation| 4.0 + e.joint as f64;
+            without.add_gradient(&equations, information);
+            without.add_information(&equations, information);
+            if b >= PICKED_UP {
+                let weights: Vec<f64> = equations.list.iter().map(information).collect();
+                sum.add(&equations, kind, &weights);
+                equations.activate(&change, 2.0);
+            }
+            with.add_gradient(&equations, information);
+            with.add_information(&equations, information);
+        }
+        // Half the square of its length is what a step takes off the cost.
+        let explained = |length: f64| 0.5 * length * length;
+        let expected = explained(with.solve().unwrap()) - explained(without.solve().unwrap());
+        let fit = Fit {
+            weights: Vec::new(),
+            factor: without.factor,
+            step: without.gradient,
+            equations: Equations::new(layout, &[]),
+        };
+        let (gain, size) = sum.gain(&fit, &DEVIATIONS, 0.0).unwrap();
+        assert!(gain > 10.0, "{gain}");
+        assert!((gain / expected - 1.0).abs() < 1e-9, "{gain} {expected}");
+        // The load itself, and where it moves the state.
+        let mut along = sum.taken_up(&size);
+        fit.factor.backward(&mut along);
+        let state = fit
+            .step
+            .iter()
+            .zip(&along)
+            .map(|(step, along)| step + along);
+        for (is, should) in state.chain(size).zip(&with.gradient) {
+            assert!((is - should).abs() < 1e-9, "{is} {should}");
+        }
+    }
 
     /// A slip of one joint among many blocks, by a score that computes everything at every time.
     #[test]
