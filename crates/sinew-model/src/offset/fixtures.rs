@@ -4,9 +4,10 @@ use super::block::Block;
 use super::config::FeatureConfig;
 use super::equations::equation::Side;
 use super::equations::estimation_model::EstimationModel;
+use super::external_force::{ExternalForce, ForceModel};
 use super::parameter::{JointParameter as P, PER_JOINT};
 use super::prior::{JointPrior, Prior};
-use crate::arm::{ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
+use crate::arm::{Arm, ArmBuilder, BodyInertia, BodySpec, JointKind, Pose};
 use crate::tolerances::Tolerances;
 use alloc::vec::Vec;
 
@@ -36,13 +37,15 @@ pub(crate) const BLOCKS: usize = 80;
 /// The block its joint slips with.
 pub(crate) const SLIPS_AT: usize = 40;
 
+const STIFFNESS_NM_PER_RAD: f64 = 40.0;
+
 /// A joint about the vertical.
 pub(crate) fn turntable() -> EstimationModel {
     turntables(1, 0.0)
 }
 
-/// Joints about the vertical one on the other, with friction.
-pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
+/// Joints about the vertical one on the other.
+fn tables(count: usize) -> Arm {
     let mut arm = ArmBuilder::new();
     for k in 0..count {
         arm = arm.body(BodySpec {
@@ -54,12 +57,17 @@ pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
             body: BodyInertia::point(1.0, [0.1, 0.0, 0.0]),
         });
     }
-    let arm = arm.build().unwrap();
+    arm.build().unwrap()
+}
+
+/// The same with springs and friction.
+pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
+    let arm = tables(count);
     let none = alloc::vec![None; count];
     let mut prior = Prior::new(&arm, &none, 0, [0.0; 3], Tolerances::default());
     for joint in &mut prior.joints {
         *joint = Some(JointPrior {
-            stiffness_nm_per_rad: 40.0,
+            stiffness_nm_per_rad: STIFFNESS_NM_PER_RAD,
             motor_inertia_kg_m2: None,
             coulomb_nm,
             viscous_nm_s_per_rad: 0.0,
@@ -84,6 +92,41 @@ pub(crate) fn slipping(model: &EstimationModel, slip_rad: f64, mut seed: u64) ->
             let y = 1e-3 + slipped + 0.2e-3 * random(&mut seed);
             (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
             block.motor_torque[0] = f64::NAN;
+            block
+        })
+        .collect()
+}
+
+/// How far from the axis a force acts, m.
+const LEVER_M: f64 = 0.4;
+
+/// Two joints about one vertical axis; a force may act on the second one.
+pub(crate) fn pushable(believed: ExternalForce) -> EstimationModel {
+    let mut model = turntables(2, 0.0);
+    let place = (1, [LEVER_M, 0.0, 0.0]);
+    model.force = Some(ForceModel::new(believed, &tables(2), place, 0.05));
+    model
+}
+
+/// Poses, a second apart, of these joints with offsets of 1 and 2 mrad while a force acts: its moment about the axis is
+/// `r (f_y cos − f_x sin)`, and the springs bend by so much less.
+pub(crate) fn pushed(model: &EstimationModel, [x, y, _]: [f64; 3], mut seed: u64) -> Vec<Block> {
+    let columns = model.reduced.layout.bodies;
+    (0..BLOCKS)
+        .map(|b| {
+            let mut block = Block::zero(2, columns);
+            block.time_s = 0.1 + b as f64;
+            let q = [0, 1].map(|_| 1.5 * random(&mut seed));
+            let turned = q[0] + q[1];
+            let moment_nm = LEVER_M * (y * libm::cos(turned) - x * libm::sin(turned));
+            for (i, offset_rad) in [1e-3, 2e-3].into_iter().enumerate() {
+                let noise_rad = 0.1e-3 * random(&mut seed);
+                let y = offset_rad - moment_nm / STIFFNESS_NM_PER_RAD + noise_rad;
+                (block.y[i], block.y_square[i], block.y_cube[i]) = (y, y * y, y * y * y);
+            }
+            block.q.copy_from_slice(&q);
+            block.turned.copy_from_slice(&q);
+            block.motor_torque.fill(f64::NAN);
             block
         })
         .collect()

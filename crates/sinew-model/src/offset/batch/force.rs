@@ -141,3 +141,52 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
     });
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::batch::search::searched;
+    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
+    use crate::offset::external_force::ExternalForce;
+    use crate::offset::fixtures::{pushable, pushed};
+
+    const ACTS_N: [f64; 3] = [2.4, -1.2, 4.0];
+
+    /// About a vertical axis nothing is learned of what pulls along it: that part stays as stated.
+    #[test]
+    fn a_stated_force_is_corrected_as_far_as_the_joints_feel_it() {
+        let stated = [2.0, -1.6, 5.0].map(|mean| Gaussian::new(mean, 0.5));
+        let model = pushable(ExternalForce {
+            force_n: stated,
+            is_stated: true,
+        });
+        for seed in 1..4 {
+            let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, ACTS_N, seed));
+            let force = map.force.unwrap();
+            assert!(force.is_stated && force.probability == 1.0, "{force:?}");
+            let [across @ .., along] = force.force_n;
+            for (is, should) in across.into_iter().zip(ACTS_N) {
+                assert!(is.deviation < 0.4, "{is:?}");
+                assert!((is.mean - should).abs() < 3.0 * is.deviation, "{is:?}");
+            }
+            assert!((along.mean - 5.0).abs() < 1e-6, "{along:?}");
+            assert!((along.deviation - 0.5).abs() < 1e-6, "{along:?}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_nobody_stated_is_found_where_one_acts_and_only_there() {
+        let model = pushable(ExternalForce::possible(2.0).unwrap());
+        for seed in 1..4 {
+            let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, ACTS_N, seed));
+            let force = map.force.unwrap();
+            assert!(!force.is_stated && force.probability > 0.99, "{force:?}");
+            for (is, should) in force.force_n.into_iter().zip(ACTS_N).take(2) {
+                assert!((is.mean - should).abs() < 3.0 * is.deviation, "{is:?}");
+            }
+            let map = searched(&model, UNKNOWN_OFFSET_RAD, &pushed(&model, [0.0; 3], seed));
+            let probability = map.force.map_or(0.0, |force| force.probability);
+            assert!(probability < 0.1, "{probability}");
+        }
+    }
+}

@@ -172,3 +172,47 @@ impl MapEstimator {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Gaussian;
+    use crate::offset::belief::UNKNOWN_OFFSET_RAD;
+    use crate::offset::fixtures::{pushable, pushed};
+
+    /// What the force does is in no joint's residuals; without it that is all they are.
+    #[test]
+    fn residuals_know_of_the_force_of_their_estimate() {
+        const ACTS_N: [f64; 3] = [2.0, -1.5, 0.0];
+        const NOISE_RAD: f64 = 0.1e-3;
+        let model = pushable(ExternalForce {
+            force_n: ACTS_N.map(|mean| Gaussian::new(mean, 0.1)),
+            is_stated: true,
+        });
+        let blocks = pushed(&model, ACTS_N, 5);
+        let mut estimator = MapEstimator {
+            model,
+            executor: &Sequential,
+        };
+        let believed = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let acts = ChangePoint {
+            kind: ChangeKind::Force,
+            at_s: 0.0,
+        };
+        let map = estimator
+            .solve(&believed, &[acts], Payload::Empty, &blocks)
+            .unwrap();
+        let worst = |estimator: &MapEstimator, joint: usize| {
+            let all = estimator.residuals(&map, &blocks);
+            assert_eq!(all.len(), 2 * blocks.len());
+            let own = all.chunks_exact(2).map(|pair| pair[joint].abs());
+            own.fold(0.0, f64::max)
+        };
+        let known = [0, 1].map(|joint| worst(&estimator, joint));
+        estimator.model.force = None;
+        let unknown = [0, 1].map(|joint| worst(&estimator, joint));
+        // Up to 2.5 N on 0.4 m bend springs of 40 N·m/rad by 25 mrad.
+        assert!(known.iter().all(|rad| *rad < 1.5 * NOISE_RAD), "{known:?}");
+        assert!(unknown.iter().all(|rad| *rad > 20e-3), "{unknown:?}");
+    }
+}
