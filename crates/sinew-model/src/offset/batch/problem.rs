@@ -274,3 +274,45 @@ pub(super) fn noise_of(joint: usize, side: Side, at: &MapEstimate) -> f64 {
         Side::Motor => at.motor_noise_nm[joint],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::batch::gauss_newton::solve;
+    use crate::offset::executor::Sequential;
+    use crate::offset::fixtures::{SLIPS_AT, random, slipping, turntable};
+
+    /// From anywhere, changes included: before anything is measured the first step leads there.
+    #[test]
+    fn without_data_one_step_leads_back_to_what_was_believed() {
+        let model = turntable();
+        let blocks = slipping(&model, 1e-3, 4);
+        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let problem =
+            Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
+        let at_s = problem.start_of(SLIPS_AT);
+        let changes = [
+            ChangeKind::Offset(0),
+            ChangeKind::Compliance(0),
+            ChangeKind::Creep(0),
+            ChangeKind::Payload,
+        ]
+        .map(|kind| ChangePoint { kind, at_s });
+        let mut at = solve(&problem, &changes).unwrap().estimate;
+        let mut seed = 6;
+        for x in &mut at.state {
+            *x += 0.01 * random(&mut seed);
+        }
+        let mut normal = problem.prior_equations(&at);
+        normal.solve().unwrap();
+        let origin = problem.origin(problem.total(&changes));
+        for (k, ((x, step), origin)) in
+            (at.state.iter().zip(&normal.gradient).zip(origin)).enumerate()
+        {
+            assert!(
+                (x + step - origin).abs() < 1e-12,
+                "{k}: {x} {step} {origin}"
+            );
+        }
+    }
+}

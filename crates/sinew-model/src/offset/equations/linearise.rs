@@ -234,3 +234,72 @@ fn linearise_joint(
         stationary_share: drive.stood,
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::config::FeatureConfig;
+    use crate::offset::equations::estimation_model::EstimationModel;
+    use crate::offset::fixtures::{random, turntable};
+    use alloc::vec::Vec;
+
+    /// Rows against differences of what is expected, where friction, slack and memory are as they were believed to be.
+    #[test]
+    fn rows_are_how_what_is_expected_moves() {
+        let mut prior = turntable().prior;
+        for joint in prior.joints.iter_mut().flatten() {
+            joint.motor_inertia_kg_m2 = Some(0.05);
+            joint.antagonistic = true;
+        }
+        let model = EstimationModel::new(prior, &FeatureConfig::default());
+        let (reduced, layout) = (&model.reduced, model.reduced.layout);
+        let mut seed = 8;
+        let mut block = Block::zero(1, layout.bodies);
+        let all = block.sums().into_iter().flatten();
+        all.for_each(|x| *x = random(&mut seed));
+        block.temperature_c = 26.0;
+        let how = Linearisation {
+            reference_c: 20.0,
+            changes: &[],
+            creep: None,
+            motor: true,
+            force: None,
+            content: Content::Rows,
+        };
+        let linearised = |x: &[f64]| {
+            let mut out = Equations::new(layout, &[]);
+            let measured = [Measured::of(reduced, &block, 0)];
+            linearise(reduced, &block, measured.into_iter(), &how, x, &mut out);
+            out
+        };
+        let mut x: Vec<f64> = (0..layout.dimension())
+            .map(|_| 0.2 * random(&mut seed))
+            .collect();
+        for none in [P::Stuck, P::Slack, P::Viscoelastic] {
+            x[none as usize] = 0.0;
+        }
+        x[layout.payload_place()..].fill(0.0);
+        let at = linearised(&x);
+        assert_eq!(at.list.len(), 2);
+        for place in 0..layout.payload_place() {
+            const STEP: f64 = 1e-5;
+            let moved = |by: f64| {
+                let mut x = x.clone();
+                x[place] += by;
+                linearised(&x)
+            };
+            let (less, more) = (moved(-STEP), moved(STEP));
+            let mut unit = alloc::vec![0.0; x.len()];
+            unit[place] = 1.0;
+            for (k, e) in at.list.iter().enumerate() {
+                let slope = (less.list[k].residual - more.list[k].residual) / (2.0 * STEP);
+                let row = at.dot(e, &unit);
+                assert!(
+                    (slope - row).abs() < 1e-7 * (1.0 + row.abs()),
+                    "{place} of {:?}: {slope} {row}",
+                    e.side
+                );
+            }
+        }
+    }
+}
