@@ -110,7 +110,12 @@ fn transmissions(n: usize) -> Vec<Option<Transmission>> {
 
 fn filter(n: usize, arm: &Arm) -> RecursiveOffsets {
     let transmissions = transmissions(n);
-    let prior = Prior::new(arm, &transmissions, n - 1, [0.0; 3], Tolerances::default());
+    // As after a baseline: which joints have lost stiffness is asked, too.
+    let tolerances = Tolerances {
+        stiffness: 0.02,
+        ..Tolerances::default()
+    };
+    let prior = Prior::new(arm, &transmissions, n - 1, [0.0; 3], tolerances);
     let start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     let estimator = MapEstimator::new(prior, &FeatureConfig::default());
     RecursiveOffsets::new(estimator, start).expect("a prior")

@@ -4,6 +4,7 @@ use super::block::copy;
 use super::error::MapError;
 use crate::cholesky::{self, dot};
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Prior of a change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,21 +150,36 @@ pub(crate) fn apply(
 /// Changes, and what goes with them, averaged over all sets of changes that happened.
 ///
 /// # Realtime
-/// Allocates when it is made only. O(2ⁿ n m²) for `n` changes among `m` values.
+/// Allocates when it is made only. O(n m²) a set for `n` changes among `m` values; 2ⁿ sets up to ten changes, of more `n²/2`.
 #[derive(Debug, Clone)]
 pub(crate) struct Mixture {
     changes: usize,
     values: usize,
+    /// Those that may have happened, a bit per change.
+    sets: Vec<u128>,
     /// Per change.
     pub(crate) probability: Vec<f64>,
     /// Per value, the changes first.
     pub(crate) mean: Vec<f64>,
     /// Row-major.
     pub(crate) spread: Vec<f64>,
+    /// Of the sets that are weighed already.
+    sums: Sums,
     /// On condition that only those of a set happened.
     known: Vec<f64>,
     covariance: Vec<f64>,
     row: Vec<f64>,
+}
+
+/// What sets add up to, relative to the likeliest of them.
+#[derive(Debug, Clone)]
+struct Sums {
+    /// Logarithm of the largest evidence.
+    most: f64,
+    all: f64,
+    probability: Vec<f64>,
+    mean: Vec<f64>,
+    spread: Vec<f64>,
 }
 
 impl Mixture {
@@ -175,52 +191,77 @@ impl Mixture {
         Self {
             changes,
             values,
+            sets: sets(changes).collect(),
             probability: alloc::vec![0.0; changes],
             mean: vector.clone(),
             spread: matrix.clone(),
+            sums: Sums {
+                most: f64::NEG_INFINITY,
+                all: 0.0,
+                probability: alloc::vec![0.0; changes],
+                mean: vector.clone(),
+                spread: matrix.clone(),
+            },
             known: vector.clone(),
             covariance: matrix,
             row: vector,
         }
     }
 
+    /// Sets that are weighed.
+    pub(crate) fn sets(&self) -> usize {
+        self.sets.len()
+    }
+
     /// Weighs all sets; `values` with `covariance` are those with all changes open, the changes
     /// first.
     pub(crate) fn weigh(&mut self, values: &[f64], covariance: &[f64], odds: PriorOdds) {
+        self.begin();
+        self.weigh_some(0..self.sets(), (values, covariance), odds);
+        self.finish();
+    }
+
+    /// From now on sets are weighed anew; what they say stays until [`Mixture::finish`].
+    pub(crate) fn begin(&mut self) {
+        let sums = &mut self.sums;
+        (sums.most, sums.all) = (f64::NEG_INFINITY, 0.0);
+        for of in [&mut sums.probability, &mut sums.mean, &mut sums.spread] {
+            of.fill(0.0);
+        }
+    }
+
+    /// Weighs some of the sets.
+    pub(crate) fn weigh_some(
+        &mut self,
+        some: Range<usize>,
+        (values, covariance): (&[f64], &[f64]),
+        odds: PriorOdds,
+    ) {
         let n = self.values.max(1);
-        self.probability.fill(0.0);
-        self.mean.fill(0.0);
-        self.spread.fill(0.0);
-        // Weights are relative to the largest so far.
-        let (mut most, mut all) = (f64::NEG_INFINITY, 0.0);
         let all_of_them = bit(self.changes).wrapping_sub(1);
         let is_one = odds.occurrence == Occurrence::AsOne;
-        let possible = |set: &u128| !is_one || *set == 0 || *set == all_of_them;
-        for set in sets(self.changes).filter(possible) {
+        for k in some {
+            let Some(&set) = self.sets.get(k) else {
+                return;
+            };
+            if is_one && set != 0 && set != all_of_them {
+                continue;
+            }
             copy(&mut self.known, values);
             copy(&mut self.covariance, covariance);
             let mut evidence = odds.ln_prior(set.count_ones() as usize, self.changes);
             for i in (0..self.changes).filter(|&i| !happened(set, i)) {
                 evidence += self.leave_out(i, odds.deviation);
             }
-            if evidence > most {
-                let less = libm::exp(most - evidence);
-                all *= less;
-                let sums = self.probability.iter_mut().chain(&mut self.mean);
-                for sum in sums.chain(&mut self.spread) {
-                    *sum *= less;
-                }
-                most = evidence;
-            }
-            let weight = libm::exp(evidence - most);
-            all += weight;
-            for (i, probability) in self.probability.iter_mut().enumerate() {
+            // Weights are relative to the largest so far.
+            let weight = self.sums.weight(evidence);
+            for (i, probability) in self.sums.probability.iter_mut().enumerate() {
                 *probability += if happened(set, i) { weight } else { 0.0 };
             }
-            for (mean, x) in self.mean.iter_mut().zip(&self.known) {
+            for (mean, x) in self.sums.mean.iter_mut().zip(&self.known) {
                 *mean += weight * x;
             }
-            let rows = self.spread.chunks_exact_mut(n);
+            let rows = self.sums.spread.chunks_exact_mut(n);
             let own = self.covariance.chunks_exact(n).zip(&self.known);
             for (row, (line, x)) in rows.zip(own) {
                 for ((sum, p), y) in row.iter_mut().zip(line).zip(&self.known) {
@@ -228,9 +269,19 @@ impl Mixture {
                 }
             }
         }
-        let sums = self.probability.iter_mut().chain(&mut self.mean);
-        for sum in sums.chain(&mut self.spread) {
-            *sum /= all;
+    }
+
+    /// What the sets say that were weighed since [`Mixture::begin`].
+    pub(crate) fn finish(&mut self) {
+        let (n, sums) = (self.values.max(1), &self.sums);
+        for (to, from) in [
+            (&mut self.probability, &sums.probability),
+            (&mut self.mean, &sums.mean),
+            (&mut self.spread, &sums.spread),
+        ] {
+            for (to, sum) in to.iter_mut().zip(from) {
+                *to = sum / sums.all;
+            }
         }
         let rows = self.spread.chunks_exact_mut(n);
         for (row, x) in rows.zip(&self.mean) {
@@ -259,6 +310,24 @@ impl Mixture {
             }
         }
         -0.5 * known * step - 0.5 * libm::log(pivot / (deviation * deviation))
+    }
+}
+
+impl Sums {
+    /// Weight of a set of this evidence. Where none was larger, the others lose.
+    fn weight(&mut self, evidence: f64) -> f64 {
+        if evidence > self.most {
+            let less = libm::exp(self.most - evidence);
+            self.all *= less;
+            let sums = self.probability.iter_mut().chain(&mut self.mean);
+            for sum in sums.chain(&mut self.spread) {
+                *sum *= less;
+            }
+            self.most = evidence;
+        }
+        let weight = libm::exp(evidence - self.most);
+        self.all += weight;
+        weight
     }
 }
 

@@ -37,7 +37,7 @@ pub(super) enum Next {
     },
     /// Whether the challenger began too early.
     Tracked,
-    /// Averages over lost stiffness, from this one on.
+    /// Averages over lost stiffness: this slice of it.
     Average(usize),
 }
 
@@ -121,7 +121,7 @@ impl RecursiveOffsets {
         // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and what
         // follows it, the average.
         let compared = KEPT + 2;
-        taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.stiffness.count() + 1
+        taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.stiffness.slices()
     }
 
     /// Does all that is left.
@@ -181,14 +181,14 @@ impl RecursiveOffsets {
                 }
                 Next::Average(0)
             }
-            Next::Average(joint) if joint < self.stiffness.count() => {
-                self.stiffness.share(joint, self.incumbent.belief());
-                Next::Average(joint + 1)
-            }
-            Next::Average(_) => {
-                self.stiffness.weigh(&self.start, self.incumbent.belief());
-                self.tell();
-                Next::Rest
+            Next::Average(slice) => {
+                (self.stiffness).slice(slice, &self.start, self.incumbent.belief());
+                if slice + 1 < self.stiffness.slices() {
+                    Next::Average(slice + 1)
+                } else {
+                    self.tell();
+                    Next::Rest
+                }
             }
         };
     }

@@ -35,7 +35,17 @@ pub(super) struct StiffnessAverage {
     values: Vec<f64>,
     covariance: Vec<f64>,
     mixture: Mixture,
+    dimension: usize,
+    /// Rows of `P` that are gone over in a slice.
+    rows_at_once: usize,
+    /// Sets of changes that are weighed in one.
+    sets_at_once: usize,
 }
+
+/// A slice is a quarter of `d²` terms, as a band of `P` that is written is.
+const ROWS_OVER_BAND: usize = 4;
+/// How much longer a set of `n` changes among `2n` values takes than `n³` terms of a row do: measured.
+const SET_OVER_ROW: usize = 100;
 
 impl StiffnessAverage {
     /// Opens every stiffness in `start`, of the model's parameters, that is known, and in `whole`, of
@@ -77,6 +87,9 @@ impl StiffnessAverage {
             values: alloc::vec![0.0; 2 * n],
             covariance: alloc::vec![0.0; 4 * n * n],
             mixture: Mixture::new(n, n),
+            dimension: d,
+            rows_at_once: (d / (ROWS_OVER_BAND * n).max(1)).max(1),
+            sets_at_once: (d * d / (SET_OVER_ROW * n * n * n).max(1)).max(1),
             joints,
         })
     }
@@ -84,42 +97,67 @@ impl StiffnessAverage {
     /// Averages the posterior `now`; `start` is the prior with stiffness opened.
     ///
     /// # Realtime
-    /// No allocation, lock, panic or clock. O(n d²).
+    /// No allocation, lock, panic or clock. O(n d²), and O(n³) a set of changes.
     pub(super) fn average(&mut self, start: &Belief, now: &Belief) {
-        for joint in 0..self.joints.len() {
-            self.share(joint, now);
+        for slice in 0..self.slices() {
+            self.slice(slice, start, now);
         }
-        self.weigh(start, now);
     }
 
-    /// Joints whose stiffness was known.
-    pub(super) fn count(&self) -> usize {
-        self.joints.len()
+    /// Slices of work that an average takes.
+    pub(super) fn slices(&self) -> usize {
+        self.shares() + 2 + self.mixture.sets().div_ceil(self.sets_at_once)
     }
 
-    /// The `i`-th row of `P Aᵀ`.
+    /// Slices in which `P Aᵀ` is made.
+    fn shares(&self) -> usize {
+        self.dimension.div_ceil(self.rows_at_once)
+    }
+
+    /// One of the slices. Until the last, offsets and probabilities are those of the average before.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock. O(d²).
-    pub(super) fn share(&mut self, i: usize, now: &Belief) {
-        let d = now.mean.len().max(1);
-        let row = i * d..(i + 1) * d;
-        let shared = self.shared.get_mut(row.clone()).unwrap_or_default();
-        shared.fill(0.0);
-        // Row by row, so that a processor adds side by side.
-        let own = self.towards.get(row).unwrap_or_default();
-        for (a, line) in own.iter().zip(now.covariance.chunks_exact(d)) {
-            for (to, p) in shared.iter_mut().zip(line) {
-                *to += a * p;
+    pub(super) fn slice(&mut self, slice: usize, start: &Belief, now: &Belief) {
+        let behind = slice.checked_sub(self.shares());
+        if slice + 1 == self.slices() {
+            self.mixture.finish();
+        } else if let Some(behind) = behind {
+            let Some(nth) = behind.checked_sub(1) else {
+                self.gather(start, now);
+                self.mixture.begin();
+                return;
+            };
+            let first = nth * self.sets_at_once;
+            let end = self.mixture.sets().min(first + self.sets_at_once);
+            let open = (self.values.as_slice(), self.covariance.as_slice());
+            self.mixture.weigh_some(first..end, open, LOST_STIFFNESS);
+        } else {
+            self.share(slice * self.rows_at_once, now);
+        }
+    }
+
+    /// What some rows of `P` add to `P Aᵀ`, from the `first` on: every row is read once, for all joints. O(n d) a row.
+    fn share(&mut self, first: usize, now: &Belief) {
+        let d = self.dimension.max(1);
+        if first == 0 {
+            self.shared.fill(0.0);
+        }
+        let lines = now.covariance.chunks_exact(d).enumerate();
+        for (row, line) in lines.skip(first).take(self.rows_at_once) {
+            let own = self.towards.chunks_exact(d);
+            for (shared, own) in self.shared.chunks_exact_mut(d).zip(own) {
+                let a = own.get(row).copied().unwrap_or_default();
+                for (to, p) in shared.iter_mut().zip(line) {
+                    *to += a * p;
+                }
             }
         }
     }
 
-    /// Averages the posterior, of which all joints' rows are [shared](StiffnessAverage::share).
-    ///
-    /// # Realtime
-    /// No allocation, lock, panic or clock. O(n² d).
-    pub(super) fn weigh(&mut self, start: &Belief, now: &Belief) {
+    /// Changes and offsets, with their covariance, of a posterior all of whose rows are [shared](StiffnessAverage::share).
+    /// O(n² d).
+    fn gather(&mut self, start: &Belief, now: &Belief) {
         let (n, d) = (self.joints.len(), now.mean.len().max(1));
         let at = |x: &[f64], i: usize| x.get(i).copied().unwrap_or(f64::NAN);
         let rows = self.towards.chunks_exact(d);
@@ -152,8 +190,6 @@ impl StiffnessAverage {
                 };
             }
         }
-        self.mixture
-            .weigh(&self.values, &self.covariance, LOST_STIFFNESS);
     }
 
     /// The posterior, averaged as the offsets are. `now` is what [`StiffnessAverage::average`] had last. Allocates.
