@@ -224,7 +224,10 @@ pub(crate) fn find(known: &KnownCreeps, tendon: &CreepKind) -> Option<(CreepKind
 }
 
 /// Writes what is known.
-pub(super) fn write(known: &KnownCreeps, path: &Path) -> Result<(), FleetError> {
+///
+/// # Errors
+/// Where it can't be written.
+pub fn write(known: &KnownCreeps, path: &Path) -> Result<(), FleetError> {
     let of = |kind: CellKind| move |name: &&str| ((*name).to_owned(), kind);
     let columns: Vec<Column> = (TEXTS.iter().map(of(CellKind::Text)))
         .chain(NUMBERS.iter().map(of(CellKind::Number)))
