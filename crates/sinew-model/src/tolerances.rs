@@ -152,3 +152,22 @@ impl Tolerances {
         })
     }
 }
+
+#[cfg(all(test, feature = "urdf"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_has_a_place_of_its_own() {
+        let mut tolerances = Tolerances::default();
+        for (value, key) in (1_u8..).zip(Tolerances::KEYS) {
+            let (slot, _) = tolerances.slot(key).unwrap();
+            *slot = value.into();
+        }
+        for (value, key) in (1_u8..).zip(Tolerances::KEYS) {
+            let (slot, _) = tolerances.slot(key).unwrap();
+            assert_eq!(*slot, f64::from(value), "{key}");
+        }
+        assert!(tolerances.slot("stiffness").is_none());
+    }
+}

@@ -225,6 +225,67 @@ mod tests {
     use crate::offset::fixtures::turntable;
     use crate::offset::parameter::JointParameter;
 
+    const CREEP: ChangePoint = ChangePoint {
+        kind: ChangeKind::Creep(0),
+        at_s: 100.0,
+    };
+
+    /// At 300 s.
+    fn estimate(changes: &[ChangePoint], state: Vec<f64>, covariance: Vec<f64>) -> MapEstimate {
+        MapEstimate {
+            changes: changes.to_vec(),
+            state,
+            covariance,
+            temperature_c: f64::NAN,
+            end_s: 300.0,
+            noise_rad: Vec::new(),
+            motor_noise_nm: Vec::new(),
+            weights: Vec::new(),
+            convergence: Convergence::new(0, 0.0, 0.0),
+            stiffness_changes: Vec::new(),
+            creep: Vec::new(),
+            force: None,
+            posteriors: Vec::new(),
+        }
+    }
+
+    /// One change becomes part of the offset, the other one stays what it was.
+    #[test]
+    fn a_change_that_is_not_folded_stays_beside_the_state() {
+        let prior = turntable().prior;
+        let d = prior.dimension();
+        let offset = prior.place(0, JointParameter::Offset);
+        let slip = ChangePoint {
+            kind: ChangeKind::Offset(0),
+            at_s: 200.0,
+        };
+        let (mut state, mut covariance) =
+            (alloc::vec![0.0; d + 2], alloc::vec![0.0; (d + 2) * (d + 2)]);
+        (state[d], state[d + 1]) = (1e-5, 4e-3);
+        covariance[d * (d + 2) + d] = 1e-12;
+        covariance[(d + 1) * (d + 2) + d + 1] = 9e-8;
+        for at in [d * (d + 2) + d + 1, (d + 1) * (d + 2) + d] {
+            covariance[at] = -2e-10;
+        }
+        let mut map = estimate(&[CREEP, slip], state, covariance);
+        let before = map.offset(&prior, 0);
+        map.fold(&prior, |change| *change == CREEP);
+        assert_eq!(map.changes, [slip]);
+        let kept = map.change(&prior, 0);
+        assert_eq!(kept.mean, 4e-3);
+        assert!((kept.deviation - 3e-4).abs() < 1e-15, "{kept:?}");
+        // 200 s of what rate and slip share.
+        for at in [offset * (d + 1) + d, d * (d + 1) + offset] {
+            assert!((map.covariance[at] + 4e-8).abs() < 1e-20, "{at}");
+        }
+        let after = map.offset(&prior, 0);
+        assert!(
+            (after.mean - before.mean).abs() < 1e-15,
+            "{before:?} {after:?}"
+        );
+        assert!((after.deviation - before.deviation).abs() < 1e-15);
+    }
+
     /// An offset of 1.0 ± 0.1 mrad at 100 s that creeps by 10 ± 1 µrad/s, of which the compliance knows: at 300 s it is
     /// 3.0 ± √(0.1² + 0.2²) mrad.
     #[test]
@@ -244,24 +305,7 @@ mod tests {
         set(compliance, compliance, 4e-4);
         set(d, d, 1e-12);
         set(d, compliance, 1e-8);
-        let map = MapEstimate {
-            changes: alloc::vec![ChangePoint {
-                kind: ChangeKind::Creep(0),
-                at_s: 100.0,
-            }],
-            state,
-            covariance,
-            temperature_c: f64::NAN,
-            end_s: 300.0,
-            noise_rad: Vec::new(),
-            motor_noise_nm: Vec::new(),
-            weights: Vec::new(),
-            convergence: Convergence::new(0, 0.0, 0.0),
-            stiffness_changes: Vec::new(),
-            creep: Vec::new(),
-            force: None,
-            posteriors: Vec::new(),
-        };
+        let map = estimate(&[CREEP], state, covariance);
         let after = map.belief(&prior);
         assert_eq!(after.mean.len(), d);
         let near = |is: f64, should: f64| (is - should).abs() < 1e-9 * should;

@@ -89,3 +89,19 @@ pub(super) fn delayed_fractions(speed_times_s: f64) -> [f64; 5] {
         slowest,
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_and_exponentials_are_one_hyperbolic_sine() {
+        for k in 1..4000 {
+            let x = 0.005 * f64::from(k);
+            let expected = libm::sinh(x);
+            let found = sinh(x, libm::exp(x));
+            assert!((found / expected - 1.0).abs() < 1e-14, "{x}: {found}");
+        }
+        assert_eq!(sinh(0.0, 1.0), 0.0);
+    }
+}

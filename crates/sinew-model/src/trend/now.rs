@@ -88,3 +88,33 @@ impl TrendNow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trend::{Curve, Prior, TrendConfig, node_times_s};
+
+    /// A level that creeps by `a ln t` moves by `a ln(1 + d/t)` in the day `d` that begins.
+    #[test]
+    fn the_rate_is_that_of_the_day_that_begins() {
+        const DAY_S: f64 = 86_400.0;
+        const AMPLITUDE: f64 = 1e-3;
+        for days in [0.5, 10.0, 100.0] {
+            let mut prior = Prior::new(alloc::vec![Curve {
+                values: node_times_s().iter().map(|t| libm::log(*t)).collect(),
+                amplitude: AMPLITUDE,
+                amplitude_deviation: 1e-9,
+                log_weight: 0.0,
+            }]);
+            prior.baseline_s = days * DAY_S;
+            let trend = Trend::new(prior, TrendConfig::default()).unwrap();
+            let expected = AMPLITUDE * libm::log(1.0 + 1.0 / days) / DAY_S;
+            let rate = TrendNow::of(&trend).rate_rad_per_s;
+            assert!(
+                (rate.mean / expected - 1.0).abs() < 1e-3,
+                "{rate:?} {expected}"
+            );
+            assert!(rate.deviation < 1e-3 * expected, "{rate:?}");
+        }
+    }
+}

@@ -240,3 +240,17 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         "{curves:?}"
     );
 }
+
+/// Ages of 1, 2, 3 and 4 of which two broke: Σ t² is 30, whatever the unit of the sums.
+#[test]
+fn the_scale_has_a_gamma_distribution_whose_rate_is_the_sum_of_powers() {
+    let lives = [(1.0, true), (2.0, false), (3.0, true), (4.0, false)];
+    let fit = WeibullFit::new(&lives.map(|(age, broke)| Life { age, broke })).unwrap();
+    for (shape, sum) in [(1.0, 10.0_f64), (2.0, 30.0), (3.0, 100.0)] {
+        let (log, broke) = fit.rate(shape);
+        assert!(
+            (log - sum.ln()).abs() < 1e-12 && broke == 2.0,
+            "{log} {broke}"
+        );
+    }
+}

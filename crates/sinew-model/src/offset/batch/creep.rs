@@ -151,6 +151,7 @@ mod tests {
     /// 6 mrad a minute: 1.6 mrad over the blocks.
     const RATE_RAD_PER_S: f64 = 1e-4;
     const LONG_S: f64 = 0.2 * BLOCKS as f64;
+    const SLIP: ChangeKind = ChangeKind::Offset(0);
     /// Of the fixture.
     const AT_FIRST_RAD: f64 = 1e-3;
 
@@ -187,10 +188,11 @@ mod tests {
         (map, off)
     }
 
-    /// What is told of a recording in which slips were found at some blocks; `search` looks for slips beside creep alone.
+    /// What is told of a recording in which changes were found at some blocks; `search` looks for slips beside creep alone.
     fn told(
         (slip_rad, rate_rad_per_s): (f64, f64),
-        slips_at: &[usize],
+        kind: ChangeKind,
+        found_at: &[usize],
         search: impl FnOnce(Solution) -> Solution,
     ) -> MapEstimate {
         let model = turntable();
@@ -198,11 +200,11 @@ mod tests {
         let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let problem =
             Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
-        let slip = |b: &usize| ChangePoint {
-            kind: ChangeKind::Offset(0),
+        let change = |b: &usize| ChangePoint {
+            kind,
             at_s: problem.start_of(*b),
         };
-        let found: Vec<ChangePoint> = slips_at.iter().map(slip).collect();
+        let found: Vec<ChangePoint> = found_at.iter().map(change).collect();
         let (first, found) = (solve(&problem, &[]), solve(&problem, &found));
         told_apart(&problem, &first.unwrap(), found.unwrap(), |s| Ok(search(s)))
             .unwrap()
@@ -213,7 +215,7 @@ mod tests {
     #[test]
     fn creep_that_was_taken_for_many_slips_is_told_from_them() {
         let staircase: Vec<usize> = (1..9).map(|k| k * BLOCKS / 9).collect();
-        let map = told((0.0, 0.5 * RATE_RAD_PER_S), &staircase, |alone| {
+        let map = told((0.0, 0.5 * RATE_RAD_PER_S), SLIP, &staircase, |alone| {
             assert!(slips(&alone.estimate).is_empty());
             alone
         });
@@ -222,10 +224,23 @@ mod tests {
         assert!(map.changes.iter().any(creeps), "{:?}", map.changes);
     }
 
+    /// What was found beside slips is none of creep's business: it is still there when slips are looked for anew.
+    #[test]
+    fn a_loss_of_stiffness_that_was_found_stays_beside_creep() {
+        let softer = ChangeKind::Compliance(0);
+        let mut searched = false;
+        let map = told((0.0, RATE_RAD_PER_S), softer, &[SLIPS_AT], |alone| {
+            searched = true;
+            assert!(alone.estimate.changes.iter().any(|c| c.kind == softer));
+            alone
+        });
+        assert!(searched && map.changes.iter().any(|c| c.kind == softer));
+    }
+
     /// No creep does what a slip of 3 mrad did: nothing is looked for anew, and it stays.
     #[test]
     fn a_slip_that_creep_cannot_stand_for_stays() {
-        let map = told((3e-3, 0.0), &[SLIPS_AT], |_| {
+        let map = told((3e-3, 0.0), SLIP, &[SLIPS_AT], |_| {
             panic!("nothing speaks for it")
         });
         assert_eq!(slips(&map), [0.2 * SLIPS_AT as f64]);

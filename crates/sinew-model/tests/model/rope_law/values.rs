@@ -2,6 +2,7 @@
 
 use super::law;
 use crate::rope_reference::{aramid, sk99};
+use sinew_model::rope::endurance::Endurance;
 use sinew_model::rope::validity::Outside;
 use sinew_model::rope::{Law, LoadError, Parameter, RopeLoad, State, bedding, damage, ramp};
 
@@ -294,6 +295,31 @@ fn limits_of_validity_are_said() {
     assert!(Outside::of(&cord, RopeLoad::celsius(60.0, 90.0)).is_inside());
     let both = Outside::of(&law, RopeLoad::celsius(44.0, 70.0));
     assert_eq!(both.sentences().count(), 2);
+}
+
+/// Of a fibre that doesn't flow to its end: at its strength a rope holds as long as a breaking test takes, a minute, and ten
+/// times as long for every tenth of it less.
+#[test]
+fn a_decade_of_time_costs_a_share_of_the_strength_that_an_end_leaves() {
+    let law = law(sk99());
+    let endurance = Endurance {
+        rupture_percent: f64::INFINITY,
+        static_fatigue_share: 0.1,
+        ..Endurance::default()
+    };
+    let breaks_n = law.parameters().breaking_load_n;
+    let holds_s = |share: f64, end_share: f64| {
+        let load = RopeLoad::at_reference(share * breaks_n);
+        1.0 / endurance.damage_per_s(&law, load, end_share).expect("load")
+    };
+    for end_share in [1.0, 0.8, 0.5] {
+        for (tenths, minutes) in [(1.0, 10.0), (3.0, 1e3), (5.0, 1e5)] {
+            let found_s = holds_s(end_share * (1.0 - 0.1 * tenths), end_share);
+            assert!((found_s / (60.0 * minutes) - 1.0).abs() < 1e-9, "{found_s}");
+        }
+        // Beyond its strength it doesn't hold at all.
+        assert_eq!(holds_s(1.01 * end_share, end_share), 0.0);
+    }
 }
 
 #[test]
