@@ -163,3 +163,29 @@ fn spread(t: f64, n: f64, cut_off_s: f64) -> f64 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rope may retract by a twentieth of what it creeps in all, whatever the unit.
+    #[test]
+    fn a_curve_may_fall_a_little_and_no_more() {
+        for whole in [1e-3, 1.0, 1e3] {
+            let falls_by = |share: f64| {
+                let mut values: Vec<f64> = (0..NODES)
+                    .map(|i| whole * i as f64 / (NODES - 1) as f64)
+                    .collect();
+                values[NODES / 2] = values[NODES / 2 - 1] - share * whole;
+                Curve {
+                    values,
+                    amplitude: 1.0,
+                    amplitude_deviation: 0.5,
+                    log_weight: 0.0,
+                }
+            };
+            assert!(falls_by(0.04).is_possible(), "{whole}");
+            assert!(!falls_by(0.06).is_possible(), "{whole}");
+        }
+    }
+}

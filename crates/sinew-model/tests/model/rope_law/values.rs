@@ -333,6 +333,12 @@ fn bends_add_up() {
     }
     assert!((state.bending_damage - 0.5).abs() < 1e-12);
     assert!((damage::strength_left(&state) - 0.75).abs() < 1e-12);
+    // A power law: as many times fewer at twice the load as more at half of it.
+    let passes = |n: f64| damage::passes_survived(&law, n, 0.030, 0.0015).expect("bend");
+    let (heavy, light) = (passes(890.0), passes(222.5));
+    assert!(heavy < survived && (heavy * light / (survived * survived) - 1.0).abs() < 1e-12);
+    let fewer = 2.0_f64.powf(law.parameters().bend_load_exponent);
+    assert!((survived / heavy / fewer - 1.0).abs() < 1e-12);
     let tighter = damage::passes_survived(&law, 445.0, 0.015, 0.0015).expect("bend");
     assert!((tighter - 2e4 / 8.0).abs() < 1e-6);
 }
