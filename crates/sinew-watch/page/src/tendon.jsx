@@ -35,7 +35,7 @@ const eventName = event => event.kind === "tensioned"
 
 function basis(basis) {
   if (basis.kind === "rope") return `the law of ${basis.rope}; ${basis.guesses} of its ${basis.parameters} parameters are starting guesses`;
-  return `generic creep curves: robot.toml lacks the ${basis.missing} here`;
+  return `the laws of all ${basis.ropes} ropes of the catalogue: robot.toml lacks the ${basis.missing} here`;
 }
 
 export function Tendon({ robot, joint, live }) {
