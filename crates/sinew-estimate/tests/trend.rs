@@ -249,6 +249,30 @@ fn curves_of_a_rope_are_those_of_its_law() {
     assert!(values.windows(2).all(|w| w[1] >= w[0]));
 }
 
+/// A rope without a name may be any; one without a pretension is itself, under any.
+#[test]
+fn what_the_robot_file_lacks_decides_which_ropes_stand_for_a_tendons() {
+    use sinew_estimate::trend::{MissingFromRobot, prior::rope_prior};
+    let catalogue = Catalogue::shipped().unwrap();
+    let transmission = biorob_like().transmissions[2].clone().unwrap();
+    let mut tendon = transmission.tendon.unwrap();
+    let of = |tendon: Option<&sinew_model::transmission::Tendon>| {
+        let found = rope_prior(tendon, &catalogue, None, 23.0, 1).unwrap();
+        let PriorBasis::Unknown { missing, ropes } = found.basis else {
+            panic!("{:?}", found.basis);
+        };
+        assert!(found.prior.is_possible());
+        (missing, ropes)
+    };
+    tendon.pretension_n = None;
+    assert_eq!(of(Some(&tendon)), (MissingFromRobot::Pretension, 1));
+    tendon.rope = None;
+    let (missing, any) = of(Some(&tendon));
+    assert_eq!(missing, MissingFromRobot::Rope);
+    assert!(any >= 10, "{any}");
+    assert_eq!(of(None), (MissingFromRobot::Tendon, any));
+}
+
 #[test]
 fn a_trend_survives_being_stored() {
     use sinew_estimate::trend::stored::{StoredTrend, StoredTrendError};

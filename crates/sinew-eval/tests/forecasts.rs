@@ -58,6 +58,7 @@ fn inside(count: u64, known: Known) -> f64 {
                 let law = Draws::new(rope, 0, 1).unwrap().nominal;
                 let share = 0.01 * 8.0_f64.powf(rng.random());
                 tendon.pretension_n = Some(share * law.parameters().breaking_load_n);
+                tendon.rope = None;
                 rope
             }
         };

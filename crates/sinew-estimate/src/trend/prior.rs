@@ -200,7 +200,8 @@ pub fn rope_curves(
 /// their uncertainties, each under a pretension of 1 to 8 % of its breaking load and under work drawn from what robots do; a
 /// fifth of the probability for [`generic_curves`].
 ///
-/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for.
+/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for. Where
+/// the rope is known and has a law, and only its pretension isn't known, it stands for itself.
 ///
 /// * `tendon`: `None`: 10 to 60 times as long as its pulley's radius.
 pub fn unknown_rope(
@@ -209,9 +210,14 @@ pub fn unknown_rope(
     temperature_c: f64,
     seed: u64,
 ) -> (Prior, usize) {
-    let ropes = catalogue.ropes();
     let has_law = |rope: &&CatalogueRope| Draws::new(rope, 0, seed).is_ok();
-    let each = CURVES.div_ceil(ropes.iter().filter(has_law).count().max(1));
+    let name = tendon.and_then(|tendon| tendon.rope.as_ref());
+    let known = name.and_then(|name| catalogue.find(name).ok());
+    let ropes: Vec<&CatalogueRope> = match known.filter(has_law) {
+        Some(rope) => vec![rope],
+        None => catalogue.ropes().iter().filter(has_law).collect(),
+    };
+    let each = CURVES.div_ceil(ropes.len().max(1));
     let laws: Vec<Vec<Law>> = (ropes.iter())
         .filter_map(|rope| Some(Draws::new(rope, each, seed).ok()?.laws))
         .collect();

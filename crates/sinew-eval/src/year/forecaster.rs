@@ -40,8 +40,11 @@ impl Forecaster {
                 ..curves_of_rope()?
             },
             Self::Generic => {
-                let all = Catalogue::shipped()?;
-                prior::unknown_rope(&all, Some(tendon), 21.0, SEED).0
+                let nameless = Tendon {
+                    rope: None,
+                    ..tendon.clone()
+                };
+                prior::unknown_rope(&Catalogue::shipped()?, Some(&nameless), 21.0, SEED).0
             }
             Self::Oracle => Prior {
                 noises: PACE_ERRORS

@@ -252,15 +252,16 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
 pub(super) fn format_basis(basis: &PriorBasis) -> String {
     match basis {
         PriorBasis::Unknown { missing, ropes } => {
-            let why = match missing {
-                MissingFromRobot::Tendon => "has no tendon here",
-                MissingFromRobot::Rope => "names no rope here",
-                MissingFromRobot::Pretension => "has no pretension_n here",
+            let (lacks, what) = match missing {
+                MissingFromRobot::Tendon => ("has no tendon here", "which rope it is"),
+                MissingFromRobot::Rope => ("names no rope here", "which rope it is"),
+                MissingFromRobot::Pretension => ("has no pretension_n here", "its pretension"),
             };
-            format!(
-                "the laws of all {ropes} ropes of the catalogue, as the robot file {why}: which rope it is would narrow the \
-                 forecast"
-            )
+            let laws = match ropes {
+                1 => "the law of its rope under any pretension".to_owned(),
+                ropes => format!("the laws of all {ropes} ropes of the catalogue"),
+            };
+            format!("{laws}, as the robot file {lacks}: {what} would narrow the forecast")
         }
         PriorBasis::Rope {
             rope,
