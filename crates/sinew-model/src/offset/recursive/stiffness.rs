@@ -106,12 +106,12 @@ impl StiffnessAverage {
 
     /// Slices of work that an average takes.
     pub(super) fn slices(&self) -> usize {
-        self.shares() + 2 + self.mixture.sets().div_ceil(self.sets_at_once)
+        self.shares() + 2 + self.mixture.sets().div_ceil(self.sets_at_once.max(1))
     }
 
     /// Slices in which `P Aᵀ` is made.
     fn shares(&self) -> usize {
-        self.dimension.div_ceil(self.rows_at_once)
+        self.dimension.div_ceil(self.rows_at_once.max(1))
     }
 
     /// One of the slices. Until the last, offsets and probabilities are those of the average before.
