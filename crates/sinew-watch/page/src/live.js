@@ -28,10 +28,18 @@ function take(fleet, whole) {
   tell();
 }
 
-function listen() {
+// A browser opens six connections to a monitor, for all its tabs together, and a page that listens holds one. So a page that
+// nobody sees listens to nothing: else the seventh waits without end.
+function rest() {
   source?.close();
+  source = null;
+}
+
+function listen() {
+  rest();
+  if (document.hidden) return;
   const query = wanted ? `?robot=${encodeURIComponent(wanted)}` : "";
-  source = new EventSource(`/api/v1/events${query}`);
+  const own = source = new EventSource(`/api/v1/events${query}`);
   source.addEventListener("fleet", event => take(JSON.parse(event.data), true));
   source.addEventListener("change", event => take(JSON.parse(event.data), false));
   source.addEventListener("robot", event => {
@@ -43,12 +51,23 @@ function listen() {
     // A browser doesn't say why: a login that has ended, or a monitor that has.
     try { await get(["fleet"]); }
     catch (error) { if (error instanceof Refused && error.status === 401) { state.login = true; tell(); } }
-    if (source.readyState === EventSource.CLOSED) setTimeout(listen, 2000);
+    if (own === source && own.readyState === EventSource.CLOSED) setTimeout(() => { if (own === source) listen(); }, 2000);
   });
 }
 
+// What is seen again has the time of a page that has just begun.
+function resume() {
+  hear();
+  tell();
+  listen();
+}
+
+addEventListener("pagehide", rest);
+addEventListener("pageshow", event => { if (event.persisted) resume(); });
+document.addEventListener("visibilitychange", () => document.hidden ? rest() : resume());
+
 setInterval(() => {
-  const lost = Date.now() - state.heard > SILENT_MS;
+  const lost = !document.hidden && Date.now() - state.heard > SILENT_MS;
   if (lost !== state.lost) { state.lost = lost; tell(); }
 }, 1000);
 
