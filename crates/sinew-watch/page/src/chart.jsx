@@ -49,8 +49,10 @@ function describe(records, trend, joint) {
 
 export function Chart({ records, trend, joint }) {
   const frame = useRef(null), plot = useRef(null);
-  const [at, setAt] = useState(null);
+  const [held, setAt] = useState(null);
   const data = columns(records, trend);
+  // What was pointed at may be gone with the forecast.
+  const at = held !== null && held < data[0].length ? held : null;
 
   useEffect(() => {
     const half = records.map(r => r.offset_rad === null ? null : 1.96e3 * r.offset_deviation_rad);
@@ -139,7 +141,8 @@ export function Chart({ records, trend, joint }) {
         ...(metre ? [{ ...axis, side: 1, scale: "y", grid: { show: false }, label: "stretch, mm", size: 52, labelSize: 18,
           values: (u, ticks) => ticks.map(tick => rounded(tick * metre, 2)) }] : []),
       ],
-      hooks: { drawAxes: [under], setCursor: [u => setAt(u.cursor.idx ?? null)] },
+      // Of a mouse only: it also says that nothing is pointed at when the picture is made or changes its size.
+      hooks: { drawAxes: [under], setCursor: [u => { if (u.cursor.event) setAt(u.cursor.idx ?? null); }] },
     };
     plot.current = new uPlot(options, data, frame.current);
     if (shown) plot.current.setScale("x", { min: shown[0] - 0.02 * (shown[1] - shown[0]), max: shown[1] });
@@ -151,9 +154,17 @@ export function Chart({ records, trend, joint }) {
   }, [records, trend]);
 
   const point = i => {
-    const u = plot.current;
-    u.setCursor({ left: u.valToPos(data[0][i], "x"), top: 0 });
-    setAt(i);
+    const u = plot.current, x = data[0][i], { min, max } = u.scales.x;
+    // What is out of sight is brought into it: a cursor has no place there, and would say that nothing is pointed at.
+    if (x < min || x > max) {
+      const from = Math.min(min, x), to = Math.max(max, x), spare = 0.02 * (to - from);
+      u.setScale("x", { min: from - spare, max: to + spare });
+    }
+    // Scales are set when this is done.
+    queueMicrotask(() => {
+      u.setCursor({ left: u.valToPos(x, "x"), top: 0 });
+      setAt(i);
+    });
   };
   const key = event => {
     const last = data[0].length - 1, now = at ?? records.length - 1, far = event.shiftKey ? 10 : 1;
