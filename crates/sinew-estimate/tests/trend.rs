@@ -266,6 +266,10 @@ fn what_the_robot_file_lacks_decides_which_ropes_stand_for_a_tendons() {
     };
     tendon.pretension_n = None;
     assert_eq!(of(Some(&tendon)), (MissingFromRobot::Pretension, 1));
+    // One that is misspelled is none of them.
+    tendon.rope = Some("liros-dc000-0310".into());
+    let said = rope_prior(Some(&tendon), &catalogue, None, 23.0, 1).unwrap_err();
+    assert!(said.to_string().contains("liros-dc000-0310"), "{said}");
     tendon.rope = None;
     let (missing, any) = of(Some(&tendon));
     assert_eq!(missing, MissingFromRobot::Rope);

@@ -58,7 +58,6 @@ fn inside(count: u64, known: Known) -> f64 {
                 let law = Draws::new(rope, 0, 1).unwrap().nominal;
                 let share = 0.01 * 8.0_f64.powf(rng.random());
                 tendon.pretension_n = Some(share * law.parameters().breaking_load_n);
-                tendon.rope = None;
                 rope
             }
         };
@@ -79,8 +78,8 @@ fn inside(count: u64, known: Known) -> f64 {
                 let pretension_n = tendon.pretension_n.unwrap();
                 Prior::new(prior::rope_curves(rope, &tendon, pretension_n, None, 21.0, 1).unwrap())
             }
-            Known::Tendon => prior::unknown_rope(&catalogue, Some(&tendon), 21.0, 1).0,
-            Known::Nothing => prior::unknown_rope(&catalogue, None, 21.0, 1).0,
+            Known::Tendon => prior::any_rope(catalogue.ropes(), Some(&tendon), 21.0, 1).0,
+            Known::Nothing => prior::any_rope(catalogue.ropes(), None, 21.0, 1).0,
         };
         let prior = Prior {
             temperature_ref_c: celsius[0],
@@ -113,18 +112,25 @@ fn inside(count: u64, known: Known) -> f64 {
     inside.into_iter().min().unwrap_or(0) as f64 / count as f64
 }
 
-/// By shapes alone, whose first year surprised nobody below a strain of 0.1 %, it was 77, 63 and 50 % of 400.
+/// A share, less two standard errors of `count`.
+fn least(share: f64, count: u64) -> f64 {
+    share - 2.0 * (share * (1.0 - share) / count as f64).sqrt()
+}
+
+/// Least shares: what 400 tendons show (92 and 88 %), less two standard errors of as few. By shapes alone, whose first year
+/// surprised nobody below a strain of 0.1 %, it was 77, 63 and 50 % of 400.
 #[test]
 fn of_a_rope_nobody_knows() {
     let share = inside(count(), Known::Tendon);
-    assert!(share >= 0.87, "{share}");
-    let share = inside(count().div_ceil(2), Known::Nothing);
-    assert!(share >= 0.85, "{share}");
+    assert!(share >= least(0.92, count()), "{share}");
+    let half = count().div_ceil(2);
+    let share = inside(half, Known::Nothing);
+    assert!(share >= least(0.88, half), "{share}");
 }
 
-/// When a rope was taken to work before its baseline, it was 92, 88 and 83 % of 400: it beds in after it.
+/// As above, of 95 %. When a rope was taken to work before its baseline, it was 92, 88 and 83 % of 400: it beds in after it.
 #[test]
 fn of_a_rope_whose_law_is_known() {
     let share = inside(count(), Known::Law);
-    assert!(share >= 0.92, "{share}");
+    assert!(share >= least(0.95, count()), "{share}");
 }

@@ -3140,7 +3140,9 @@ class PriorBasisRope(Record):
 
 
 class PriorBasisUnknown(Record):
-    """Nobody knows the rope: the laws of all ropes of the catalogue, and a fifth generic curves."""
+    """Nobody knows the rope or its pretension: the laws of all ropes of the catalogue, or its own, and a fifth
+    generic curves.
+    """
 
     __slots__ = ()
 
@@ -3148,7 +3150,7 @@ class PriorBasisUnknown(Record):
     missing: MissingFromRobot
     """What the robot file lacks."""
     ropes: int
-    """Ropes whose laws stand for it."""
+    """Ropes whose laws stand for it; one: its own, under any pretension."""
 
     _fields = {
         "kind": "",

@@ -196,28 +196,21 @@ pub fn rope_curves(
     Ok(with_generic(curves, Some(tendon)))
 }
 
-/// The prior of a rope nobody knows, and how many ropes stand for it: the laws of all ropes of the catalogue, drawn from
-/// their uncertainties, each under a pretension of 1 to 8 % of its breaking load and under work drawn from what robots do; a
-/// fifth of the probability for [`generic_curves`].
+/// The prior of a tendon whose rope may be any of these under a pretension nobody knows, and how many of them have a law: their laws
+/// drawn from their uncertainties, each under 1 to 8 % of its breaking load and under work drawn from what robots do; a fifth
+/// of the probability for [`generic_curves`].
 ///
-/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for. Where
-/// the rope is known and has a law, and only its pretension isn't known, it stands for itself.
+/// Whoever doesn't know the rope doesn't know the share of its breaking load either, so the pretension isn't asked for.
 ///
 /// * `tendon`: `None`: 10 to 60 times as long as its pulley's radius.
-pub fn unknown_rope(
-    catalogue: &Catalogue,
+pub fn any_rope(
+    ropes: &[CatalogueRope],
     tendon: Option<&Tendon>,
     temperature_c: f64,
     seed: u64,
 ) -> (Prior, usize) {
     let has_law = |rope: &&CatalogueRope| Draws::new(rope, 0, seed).is_ok();
-    let name = tendon.and_then(|tendon| tendon.rope.as_ref());
-    let known = name.and_then(|name| catalogue.find(name).ok());
-    let ropes: Vec<&CatalogueRope> = match known.filter(has_law) {
-        Some(rope) => vec![rope],
-        None => catalogue.ropes().iter().filter(has_law).collect(),
-    };
-    let each = CURVES.div_ceil(ropes.len().max(1));
+    let each = CURVES.div_ceil(ropes.iter().filter(has_law).count().max(1));
     let laws: Vec<Vec<Law>> = (ropes.iter())
         .filter_map(|rope| Some(Draws::new(rope, each, seed).ok()?.laws))
         .collect();
@@ -233,10 +226,10 @@ pub fn unknown_rope(
         let values = work_curve(law, tendon.unwrap_or(&undescribed), pretension_n, &work);
         values.map(drawn).filter(Curve::is_possible)
     });
-    let prior = Prior {
-        step_rad: UNKNOWN_STEP_RAD,
-        ..Prior::new(with_generic(curves.collect(), tendon))
-    };
+    let mut prior = Prior::new(with_generic(curves.collect(), tendon));
+    if laws.len() > 1 {
+        prior.step_rad = UNKNOWN_STEP_RAD;
+    }
     (prior, laws.len())
 }
 
@@ -294,7 +287,7 @@ pub struct RopePrior {
     pub basis: PriorBasis,
 }
 
-/// The prior of a tendon: of its rope where the robot names one that the catalogue has, else of any rope of the catalogue.
+/// The prior of a tendon: of its rope where the robot names one, else of any rope of the catalogue.
 ///
 /// # Errors
 /// [`CatalogueError`] for a rope that is named and not there, or has no complete law.
@@ -305,20 +298,25 @@ pub fn rope_prior(
     temperature_c: f64,
     seed: u64,
 ) -> Result<RopePrior, CatalogueError> {
-    let named = tendon.and_then(|t| Some((t, t.rope.as_ref()?, t.pretension_n?)));
-    let Some((tendon, name, pretension_n)) = named else {
-        let missing = match tendon {
-            None => MissingFromRobot::Tendon,
-            Some(t) if t.rope.is_none() => MissingFromRobot::Rope,
-            Some(_) => MissingFromRobot::Pretension,
-        };
-        let (prior, ropes) = unknown_rope(catalogue, tendon, temperature_c, seed);
-        return Ok(RopePrior {
+    let any_of = |ropes, missing| {
+        let (prior, ropes) = any_rope(ropes, tendon, temperature_c, seed);
+        RopePrior {
             prior,
             basis: PriorBasis::Unknown { missing, ropes },
-        });
+        }
+    };
+    let Some(tendon) = tendon else {
+        return Ok(any_of(catalogue.ropes(), MissingFromRobot::Tendon));
+    };
+    let Some(name) = &tendon.rope else {
+        return Ok(any_of(catalogue.ropes(), MissingFromRobot::Rope));
     };
     let rope = catalogue.find(name)?;
+    let Some(pretension_n) = tendon.pretension_n else {
+        Draws::new(rope, 0, seed)?;
+        let own = std::slice::from_ref(rope);
+        return Ok(any_of(own, MissingFromRobot::Pretension));
+    };
     let curves = rope_curves(rope, tendon, pretension_n, duty, temperature_c, seed)?;
     Ok(RopePrior {
         prior: Prior::new(curves),

@@ -319,11 +319,11 @@ pub enum LimitState {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PriorBasis {
-    /// Nobody knows the rope: the laws of all ropes of the catalogue, and a fifth generic curves.
+    /// Nobody knows the rope or its pretension: the laws of all ropes of the catalogue, or its own, and a fifth generic curves.
     Unknown {
         /// What the robot file lacks.
         missing: MissingFromRobot,
-        /// Ropes whose laws stand for it.
+        /// Ropes whose laws stand for it; one: its own, under any pretension.
         ropes: usize,
     },
     /// The law of a rope, and a fifth generic curves.

@@ -40,11 +40,8 @@ impl Forecaster {
                 ..curves_of_rope()?
             },
             Self::Generic => {
-                let nameless = Tendon {
-                    rope: None,
-                    ..tendon.clone()
-                };
-                prior::unknown_rope(&Catalogue::shipped()?, Some(&nameless), 21.0, SEED).0
+                let all = Catalogue::shipped()?;
+                prior::any_rope(all.ropes(), Some(tendon), 21.0, SEED).0
             }
             Self::Oracle => Prior {
                 noises: PACE_ERRORS

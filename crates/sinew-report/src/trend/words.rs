@@ -252,16 +252,17 @@ pub(super) fn format_verdict(joint: &JointTrend) -> String {
 pub(super) fn format_basis(basis: &PriorBasis) -> String {
     match basis {
         PriorBasis::Unknown { missing, ropes } => {
-            let (lacks, what) = match missing {
-                MissingFromRobot::Tendon => ("has no tendon here", "which rope it is"),
-                MissingFromRobot::Rope => ("names no rope here", "which rope it is"),
-                MissingFromRobot::Pretension => ("has no pretension_n here", "its pretension"),
+            let all = format!("the laws of all {ropes} ropes of the catalogue");
+            let (laws, lacks, what) = match missing {
+                MissingFromRobot::Tendon => (all, "no tendon", "which rope it is"),
+                MissingFromRobot::Rope => (all, "no rope's name", "which rope it is"),
+                MissingFromRobot::Pretension => (
+                    "the law of its rope under 1 to 8 % of the breaking load".into(),
+                    "no pretension_n",
+                    "its pretension",
+                ),
             };
-            let laws = match ropes {
-                1 => "the law of its rope under any pretension".to_owned(),
-                ropes => format!("the laws of all {ropes} ropes of the catalogue"),
-            };
-            format!("{laws}, as the robot file {lacks}: {what} would narrow the forecast")
+            format!("{laws}, as the robot file has {lacks} here: {what} would narrow the forecast")
         }
         PriorBasis::Rope {
             rope,

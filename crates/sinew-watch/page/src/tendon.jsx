@@ -35,7 +35,7 @@ const eventName = event => event.kind === "tensioned"
 
 function basis(basis) {
   if (basis.kind === "rope") return `the law of ${basis.rope}; ${basis.guesses} of its ${basis.parameters} parameters are starting guesses`;
-  const laws = basis.ropes === 1 ? "the law of its rope under any pretension" : `the laws of all ${basis.ropes} ropes of the catalogue`;
+  const laws = basis.missing === "pretension" ? "the law of its rope under 1 to 8 % of the breaking load" : `the laws of all ${basis.ropes} ropes of the catalogue`;
   return `${laws}: robot.toml lacks the ${basis.missing} here`;
 }
 
