@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 13,
+    version: 14,
     holds: "scenario results",
 };
 

@@ -114,8 +114,14 @@ pub enum Stream {
     Later = 6,
     /// What a correction believes.
     Correction = 7,
-    /// What it picks up.
+    /// Where it grips what it picks up.
     Grip = 8,
+    /// How heavy that is.
+    Payloads = 9,
+    /// By how much its tendons stretch.
+    OffsetSizes = 10,
+    /// How much later.
+    OffsetDelays = 11,
 }
 
 /// The stream of a seed.

@@ -35,19 +35,21 @@ impl Simulation {
         let control_steps = steps_per("control_rate_hz", scenario.control_rate_hz)?;
         let sample_steps = steps_per("sample_rate_hz", scenario.sample_rate_hz)?;
 
-        // Everything drawn for the robot comes from one stream in a fixed order.
+        // Everything drawn for the robot comes from one stream in a fixed order. What happens to it has streams of
+        // its own: with it and without it the robot is the same.
         let robot_seed = scenario.robot_seed.unwrap_or(scenario.seed);
         let mut truth_rng = rng(robot_seed, Stream::Truth);
         let empty = true_arm(robot, scenario, &mut truth_rng)?;
         let drives = drives(scenario, &names, &transmissions, &mut truth_rng);
         let temperature = draw_temperature(scenario, &names, &mut truth_rng);
         let mut grip_rng = rng(robot_seed, Stream::Grip);
+        let mut payload_rng = rng(robot_seed, Stream::Payloads);
         let payloads: Vec<SampledPayload> = scenario
             .payloads
             .iter()
             .map(|p| SampledPayload {
                 link: p.link.clone(),
-                mass_kg: p.mass_kg.sample(&mut truth_rng),
+                mass_kg: p.mass_kg.sample(&mut payload_rng),
                 com_m: std::array::from_fn(|k| {
                     p.com_m[k] + p.com_spread_m[k] * (2.0 * grip_rng.random::<f64>() - 1.0)
                 }),
@@ -55,8 +57,8 @@ impl Simulation {
                 release_s: p.release_s,
             })
             .collect();
-        // What the language learned later is drawn from a stream of its own.
-        let mut later_rng = rng(robot_seed, Stream::Later);
+        let mut size_rng = rng(robot_seed, Stream::OffsetSizes);
+        let mut delay_rng = rng(robot_seed, Stream::OffsetDelays);
         let offsets: Vec<SampledOffset> = scenario
             .offsets
             .iter()
@@ -64,11 +66,13 @@ impl Simulation {
                 Some(SampledOffset {
                     joint: robot.arm.joint_index(&o.joint)?,
                     kind: o.kind,
-                    size_rad: o.size_rad.sample(&mut truth_rng),
-                    shape: o.shape.later(o.later_s.sample(&mut later_rng)),
+                    size_rad: o.size_rad.sample(&mut size_rng),
+                    shape: o.shape.later(o.later_s.sample(&mut delay_rng)),
                 })
             })
             .collect();
+        // What the language learned later is drawn from a stream of its own.
+        let mut later_rng = rng(robot_seed, Stream::Later);
         let sensors = Sensors::new(
             scenario,
             &names,

@@ -145,3 +145,25 @@ fn drawn_moves_and_pauses_differ_and_end_when_they_say() {
         "{rounds:?}"
     );
 }
+
+/// What happens to a robot doesn't make another robot of it: its encoders, sensors and friction are those of the same seed
+/// without it. A recording with a slip and a load is that of before until they come.
+#[test]
+fn it_is_the_same_robot_with_and_without_a_stretched_tendon_and_a_load() {
+    let robot = "robot_seed = 3\n\
+         encoder = { once_per_turn_rad = { mean = 0, std = 3e-4 }, twice_per_turn_rad = 1e-4, motor_scale_error = { min = -0.01, max = 0.01 } }\n\
+         motor_torque = { offset_nm = { min = -0.1, max = 0.1 } }\n\
+         torque_sensor = { offset_nm = { min = -0.1, max = 0.1 } }\n\
+         record = { tau_m = true, tau_el = true }\n\
+         truth = { stiffness_later_factor = { min = 0.9, max = 1.0 }, stiffness_later_from_s = 1.0 }\n";
+    let happens = "[[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nrad = { min = 0.002, max = 0.01 }\nshape = \"step\"\nat_s = { min = 3.0, max = 4.0 }\n\
+         [[payloads]]\nlink = \"hand\"\nmass_kg = { min = 0.1, max = 0.5 }\nattach_s = 3.0\n";
+    let plain = all(&swinging(robot));
+    let same = all(&(swinging(robot) + happens));
+    let end = plain.len();
+    let read = |f: &Frame| [&f.q, &f.theta, &f.tau_el, &f.tau_m].map(Clone::clone);
+    for k in 0..end / 2 {
+        assert_eq!(read(&same[k]), read(&plain[k]), "frame {k}");
+    }
+    assert_ne!(read(&same[end - 1]), read(&plain[end - 1]));
+}

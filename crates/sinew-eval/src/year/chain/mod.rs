@@ -55,7 +55,7 @@ impl ChainRequest {
 /// Another simulation or estimator: what older files hold can't go on.
 const SESSIONS: journal::Kind = journal::Kind {
     format: "sinew-sessions",
-    version: 7,
+    version: 8,
     holds: "simulated sessions",
 };
 

@@ -189,8 +189,6 @@ impl<'a> ChainRobot<'a> {
         if day == 0 || scenario.payloads.is_empty() {
             conditions.payload_kg = 0.0;
         }
-        // Every draw of the simulation moves those after it: an empty gripper holds a payload of no
-        // mass, or the encoders' errors would be other ones on the baseline's day.
         // Drawn here: the simulation would give a robot the same ones every day.
         for payload in &mut scenario.payloads {
             payload.mass_kg = Draw::Fixed(conditions.payload_kg);
