@@ -144,7 +144,7 @@ fn a_force_that_is_stated_wrongly_is_contradicted() {
     assert_eq!(contradicted(&said), None);
     for (joint, error) in said.joints.iter().zip(&errors) {
         let half = 1e3 * joint.offset_rad.half_width_95();
-        assert!(error.abs() < half && half < 2.0, "{error} ± {half}");
+        assert!(error.abs() < 1.5 * half && half < 2.0, "{error} ± {half}");
     }
     let case = Case::new("force-lateral", 4000);
     let (said, errors) = case.watched(2.0, stated_n([0.0, -6.0, 0.0]));

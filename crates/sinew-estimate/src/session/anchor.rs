@@ -7,7 +7,7 @@
 //! at a stop or joint mark   e = q_measured − q_s                               error of the joint's encoder
 //! at a motor mark           m = theta_measured − theta_s                       error of the motor's encoder
 //! tendon                    delta_e = (offset seen by motion) + e − m
-//! pushed against a stop     LP[theta_measured − q_measured] + e − m = delta_e + κ (LP[u] − J LP[ddtheta]) − κ F LP[z]
+//! pushed against a stop     LP[theta_measured − q_measured] + e − m = delta_e + κ (LP[u] − J LP[ddtheta]) − κ F LP[z] − κ μ LP[z |τ|]
 //! ```
 //!
 //! The last line needs the motor's torque `u`. It knows nothing of masses, payload and contacts, which the
@@ -19,11 +19,12 @@
 
 use super::recorder::{Recorded, TouchReading};
 use super::result::{LimitState, RetensionLimit, SessionEstimate, TendonEstimate, Verdict};
+use super::segments::Segments;
 use super::warning::Warning;
 use crate::baseline::Baseline;
 use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
-use sinew_model::offset::{Belief, Block, JointParameter, Prior};
+use sinew_model::offset::{Belief, Block, JointParameter, MapEstimator, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Anchor, AnchorKind, Transmission};
 use std::cmp::Ordering;
@@ -32,12 +33,14 @@ use std::cmp::Ordering;
 const NEAR_RAD: f64 = 0.05;
 /// A joint stands while its reading stays within this, rad.
 const STANDS_RAD: f64 = 1.5e-3;
-/// A push turns the motor by at least this while the joint stands, rad, and by this many times what friction
-/// may hold a free joint through.
+/// A push holds the spring at least this far from where gravity and motion would, rad, and this many times as far as friction
+/// may hold a free joint.
 const PUSH_RAD: f64 = 4e-3;
 const PUSH_OVER_FRICTION: f64 = 2.0;
 /// Blocks of a fifth of a second that the filters' memory (`1/K_I`) makes one of.
 const CORRELATED_BLOCKS: f64 = 2.5;
+/// What a push alone tells: offset, compliance, friction, and friction that grows with the load.
+const UNKNOWN: usize = 4;
 /// What a filtered position scatters by at least, rad.
 const NOISE_RAD: f64 = 0.2e-3;
 
@@ -75,14 +78,21 @@ pub struct AnchoredOffset {
     pub by_push_rad: Option<Gaussian>,
 }
 
-/// Everything that was touched in a recording; `belief` of the estimate tells spring and friction.
+/// Everything that was touched in a recording; its estimate tells spring and friction, and what pushes.
 pub(super) fn readings(
     robot: &Robot,
     recorded: &Recorded,
-    prior: &Prior,
-    belief: &Belief,
+    estimator: &MapEstimator,
+    segments: &Segments,
 ) -> Vec<AnchorReading> {
+    let (prior, belief) = (estimator.prior(), &segments.belief);
     let mut out = Vec::new();
+    let stops = robot.transmissions.iter().flatten();
+    let mut stops = stops.flat_map(|t| &t.anchors);
+    let unexplained_rad = match stops.any(|a| a.kind == AnchorKind::Stop) {
+        true => segments.residuals(estimator, &recorded.blocks),
+        false => Vec::new(),
+    };
     for (i, transmission) in robot.transmissions.iter().enumerate() {
         let Some(t) = transmission else { continue };
         let name = &robot.joint_names()[i];
@@ -98,7 +108,9 @@ pub(super) fn readings(
                         anchor,
                         encoder_rad: robot.tolerances.encoder_rad,
                     };
-                    out.extend(joint.reading(&recorded.blocks, prior, belief));
+                    let all = unexplained_rad.iter().skip(i);
+                    let own: Vec<f64> = all.step_by(robot.arm.dof()).copied().collect();
+                    out.extend(joint.reading(&recorded.blocks, &own, prior, belief));
                 }
                 AnchorKind::JointMark | AnchorKind::MotorMark => {
                     let own = anchor.kind == AnchorKind::JointMark;
@@ -205,9 +217,15 @@ struct Pushed<'a> {
 
 impl Pushed<'_> {
     /// The hardest push against the stop, and what it says.
-    fn reading(&self, blocks: &[Block], prior: &Prior, belief: &Belief) -> Option<AnchorReading> {
+    fn reading(
+        &self,
+        blocks: &[Block],
+        unexplained_rad: &[f64],
+        prior: &Prior,
+        belief: &Belief,
+    ) -> Option<AnchorReading> {
         let known = |p: JointParameter| belief.entry(prior.place(self.joint, p));
-        let (from, to) = self.hardest(blocks, &known)?;
+        let (from, to) = self.hardest(blocks, unexplained_rad, &known)?;
         let push = &blocks[from..to];
         let n = push.len() as f64;
         let q = push.iter().map(|b| b.q[self.joint]).sum::<f64>() / n;
@@ -227,11 +245,12 @@ impl Pushed<'_> {
         })
     }
 
-    /// Blocks of the hardest push: the joint stands near its stop while the motor goes on turning by more
-    /// than friction could hold a free joint through.
+    /// Blocks of the hardest push: the joint stands near its stop, and its spring is further from where gravity and motion would
+    /// have it than friction could hold a free joint.
     fn hardest(
         &self,
         blocks: &[Block],
+        unexplained_rad: &[f64],
         known: &impl Fn(JointParameter) -> Gaussian,
     ) -> Option<(usize, usize)> {
         let i = self.joint;
@@ -258,10 +277,10 @@ impl Pushed<'_> {
             let stands = &blocks[from..to];
             let most =
                 |f: &dyn Fn(&Block) -> f64| stands.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
-            let turned = |b: &Block| b.y[i] + b.turned[i];
-            let push = most(&turned) + most(&|b| -turned(b));
+            let sizes = unexplained_rad[from..to].iter().map(|r| r.abs());
+            let push = sizes.fold(0.0, f64::max);
             // Friction holds it either way, by what it carries.
-            let held = 2.0 * (coulomb / stiffness + load * most(&|b| b.y[i].abs()));
+            let held = coulomb / stiffness + load * most(&|b| b.y[i].abs());
             let least = f64::max(PUSH_RAD, PUSH_OVER_FRICTION * held);
             if push >= least && best.is_none_or(|(hardest, ..)| push > hardest) {
                 best = Some((push, from, to));
@@ -288,26 +307,26 @@ impl Pushed<'_> {
         let load = known(JointParameter::MotorLoadFriction);
         // The spring stiffens: what the motor turned is less than the torque's share by that.
         let cubic = known(JointParameter::Stiffening);
-        // Offset, compliance and friction over stiffness; the torque's scale is the compliance's.
-        let mut mean = [0.0, kappa, kappa * coulomb.mean];
+        // Offset, compliance and both frictions over stiffness; the torque's scale is the compliance's.
+        let mut mean = [0.0, kappa, kappa * coulomb.mean, kappa * load.mean];
         let spread = [
             1.0,
             kappa * (soft.deviation / (1.0 + soft.mean)).hypot(scale.deviation),
             kappa * coulomb.deviation,
+            kappa * load.deviation,
         ];
-        let mut covariance = [[0.0; 3]; 3];
-        for k in 0..3 {
+        let mut covariance = [[0.0; UNKNOWN]; UNKNOWN];
+        for k in 0..UNKNOWN {
             covariance[k][k] = spread[k] * spread[k];
         }
-        let rows: Vec<([f64; 3], f64)> = (push.iter())
+        let rows: Vec<([f64; UNKNOWN], f64)> = (push.iter())
             .map(|b| {
-                let rubs = load.mean * t.stiffness_nm_per_rad * b.motor_z_load[i];
-                let torque = b.motor_torque[i] / (1.0 + scale.mean)
-                    - inertia * b.motor_acceleration[i]
-                    - rubs;
+                let rubs = t.stiffness_nm_per_rad * b.motor_z_load[i];
+                let torque =
+                    b.motor_torque[i] / (1.0 + scale.mean) - inertia * b.motor_acceleration[i];
                 // The joint's reading less its error there is the stop, once the filters have come to rest.
                 let reads = b.y[i] + encoder_error_rad + cubic.mean * b.y_cube[i];
-                ([1.0, torque, -b.motor_z[i]], reads)
+                ([1.0, torque, -b.motor_z[i], -rubs], reads)
             })
             .filter(|(row, reads)| row.iter().all(|x| x.is_finite()) && reads.is_finite())
             .collect();
@@ -318,7 +337,7 @@ impl Pushed<'_> {
         for (row, reads) in &rows {
             update(&mut mean, &mut covariance, row, *reads, variance);
         }
-        let left = |(row, reads): &([f64; 3], f64)| reads - dot(row, &mean);
+        let left = |(row, reads): &([f64; UNKNOWN], f64)| reads - dot(row, &mean);
         let misfit = rows.iter().map(|r| left(r).powi(2)).sum::<f64>() / rows.len() as f64;
         // What the line doesn't explain counts in full, as does the place of the stop.
         let deviation = covariance[0][0].max(0.0).sqrt().hypot(misfit.sqrt());
@@ -329,16 +348,22 @@ impl Pushed<'_> {
     }
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+fn dot(a: &[f64; UNKNOWN], b: &[f64; UNKNOWN]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Takes one measurement `reads = row · x` of a variance into mean and covariance.
-fn update(mean: &mut [f64; 3], p: &mut [[f64; 3]; 3], row: &[f64; 3], reads: f64, variance: f64) {
-    let gain: [f64; 3] = core::array::from_fn(|k| dot(&p[k], row));
+fn update(
+    mean: &mut [f64; UNKNOWN],
+    p: &mut [[f64; UNKNOWN]; UNKNOWN],
+    row: &[f64; UNKNOWN],
+    reads: f64,
+    variance: f64,
+) {
+    let gain: [f64; UNKNOWN] = core::array::from_fn(|k| dot(&p[k], row));
     let size = dot(row, &gain) + variance;
     let off = reads - dot(row, mean);
-    for k in 0..3 {
+    for k in 0..UNKNOWN {
         mean[k] += gain[k] / size * off;
     }
     let before = *p;
@@ -521,9 +546,12 @@ mod tests {
     /// A push in and out with a spring of its own and friction both ways: the offset by itself.
     #[test]
     fn a_line_of_pushes_has_its_offset_spring_and_friction() {
-        let (offset, kappa, friction) = (7e-3, 0.06, 12e-3);
-        let mut mean = [0.0, 0.05, 10e-3];
-        let mut p = [[1.0, 0.0, 0.0], [0.0, 36e-6, 0.0], [0.0, 0.0, 25e-6]];
+        let (offset, kappa, friction, load) = (7e-3, 0.06, 12e-3, 3e-3);
+        let mut mean = [0.0, 0.05, 10e-3, 5e-3];
+        let mut p = [[0.0; UNKNOWN]; UNKNOWN];
+        for (k, variance) in [1.0, 36e-6, 25e-6, 4e-6].into_iter().enumerate() {
+            p[k][k] = variance;
+        }
         for k in 0..40 {
             let z = if k < 20 { 1.0 } else { -1.0 };
             let torque = if k < 20 {
@@ -531,8 +559,8 @@ mod tests {
             } else {
                 0.02 * f64::from(40 - k)
             };
-            let row = [1.0, torque, -z];
-            let reads = offset + kappa * torque - friction * z;
+            let row = [1.0, torque, -z, -z * torque];
+            let reads = offset + kappa * torque - friction * z - load * z * torque;
             update(&mut mean, &mut p, &row, reads, 2.5 * NOISE_RAD * NOISE_RAD);
         }
         let off = (mean[0] - offset).abs();
@@ -542,5 +570,6 @@ mod tests {
             p[0][0].sqrt()
         );
         assert!((mean[1] / kappa - 1.0).abs() < 0.05 && (mean[2] / friction - 1.0).abs() < 0.05);
+        assert!((mean[3] - load).abs() < 0.5e-3, "{mean:?}");
     }
 }

@@ -106,7 +106,7 @@ pub fn learn_recorded(
     let session = Session::new(robot, recorded, &options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
-    sides::check(robot, prior, recorded, name)?;
+    sides::check(robot, prior, recorded, Payload::Empty, name)?;
     let mut start = prior.belief(Payload::Empty, TENSIONED_OFFSET_RAD);
     let temperature_c = mean_temperature(&recorded.blocks);
     if let Some((known, file)) = known {
@@ -175,7 +175,7 @@ pub fn learn_recorded(
         None => {}
     }
     let mut estimate = session.summarise(&segments, name, None, &[], &[], 0.0);
-    baseline.anchors = anchor::readings(robot, recorded, prior, &segments.belief);
+    baseline.anchors = anchor::readings(robot, recorded, estimator, &segments);
     if let Some((known, _)) = known.filter(|_| learning.continues) {
         anchor::keep(&mut baseline.anchors, &known.anchors);
     }
@@ -351,7 +351,7 @@ fn estimate_with_lag(
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
-    sides::check(robot, prior, recorded, name)?;
+    sides::check(robot, prior, recorded, options.payload, name)?;
     let (mut change_k, mut added_rad) = (0.0, Vec::new());
     // What every session since the baseline begins with.
     let common: Belief;
@@ -419,7 +419,7 @@ fn estimate_with_lag(
     let shared = segments.shared_errors(prior, &common, everything.continues, name)?;
     let mut estimate = session.summarise(&segments, name, first, &added_rad, &shared, lag_s);
     estimate.baseline_time_utc_s = next.zero_time_ns.and_then(utc_s);
-    let touched = anchor::readings(robot, recorded, prior, &segments.belief);
+    let touched = anchor::readings(robot, recorded, estimator, &segments);
     anchor::apply(robot, &touched, baseline.map(|(b, _)| b), &mut estimate);
     // What an anchor takes off is taken off the shared part, too.
     for joint in &mut estimate.joints {

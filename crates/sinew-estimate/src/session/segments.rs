@@ -89,6 +89,15 @@ impl Segments {
         })
     }
 
+    /// What the link equations of all blocks leave, as many a block as the arm has joints, rad.
+    pub(super) fn residuals(&self, estimator: &MapEstimator, blocks: &[Block]) -> Vec<f64> {
+        let of = |(from, map): &(usize, MapEstimate)| {
+            let own = blocks.get(*from..*from + map.weights.len());
+            estimator.residuals(map, own.unwrap_or_default())
+        };
+        self.estimates.iter().flat_map(of).collect()
+    }
+
     /// What of every joint's error comes with `baseline`, as it was before its offsets were opened.
     pub(super) fn shared_errors(
         &self,

@@ -42,6 +42,11 @@ pub(crate) fn seeds(ordinary: u64) -> u64 {
     asked_seeds().unwrap_or(ordinary)
 }
 
+/// How many of `count` are true at the least where a `share` of all is: two and a half standard errors less.
+pub(crate) fn least(share: f64, count: f64) -> f64 {
+    share * count - 2.5 * (share * (1.0 - share) * count).sqrt()
+}
+
 /// `SINEW_SEEDS`.
 pub(crate) fn asked_seeds() -> Option<u64> {
     std::env::var("SINEW_SEEDS").ok()?.parse().ok()

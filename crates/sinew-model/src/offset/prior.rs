@@ -63,6 +63,35 @@ impl JointPrior {
     }
 }
 
+/// What a gripper holds, as a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointMass {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Where, in the frame of the body that carries it, m.
+    pub at_m: [f64; 3],
+}
+
+impl PointMass {
+    /// Its inertial parameters, in the order of the regressor: mass, moments, and inertia about the frame's origin.
+    fn inertial_parameters(self) -> [f64; PARAMETERS_PER_BODY] {
+        let Self {
+            mass_kg: m,
+            at_m: [x, y, z],
+        } = self;
+        let inertia = [
+            m * (y * y + z * z),
+            -m * x * y,
+            -m * x * z,
+            m * (x * x + z * z),
+            -m * y * z,
+            m * (x * x + y * y),
+        ];
+        let [xx, xy, xz, yy, yz, zz] = inertia;
+        [m, m * x, m * y, m * z, xx, xy, xz, yy, yz, zz]
+    }
+}
+
 /// What half a dead zone may be before anything is known, rad.
 const UNKNOWN_SLACK_RAD: f64 = 0.01;
 /// Standard deviation of where in −1…1 friction stands. A joint at rest came there by sliding, or
@@ -171,13 +200,24 @@ impl Prior {
         StateEntry::of(self.layout(), k)
     }
 
-    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for with the described masses and stiffness, payload,
-    /// friction and contact aside: `Φ_i z / K`, one per block, rad. Empty for a rigid joint. Allocates.
-    pub fn described_deflections_rad(&self, blocks: &[Block], i: usize) -> Vec<f64> {
+    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for with the described masses and stiffness and what the
+    /// gripper holds, friction and contact aside: `Φ_i z / K`, one per block, rad. Empty for a rigid joint. Allocates.
+    pub fn described_deflections_rad(
+        &self,
+        blocks: &[Block],
+        i: usize,
+        held: PointMass,
+    ) -> Vec<f64> {
         let Some(joint) = self.joints.get(i).and_then(Option::as_ref) else {
             return Vec::new();
         };
-        let z = self.base.of(&self.inertial);
+        let mut inertial = self.inertial.clone();
+        let carrier = self.payload_body * PARAMETERS_PER_BODY;
+        let own = inertial.iter_mut().skip(carrier);
+        for (to, more) in own.zip(held.inertial_parameters()) {
+            *to += more;
+        }
+        let z = self.base.of(&inertial);
         let row = i * z.len()..(i + 1) * z.len();
         let load = |block: &Block| match block.phi.get(row.clone()) {
             Some(phi) => crate::cholesky::dot(phi, &z),
@@ -187,6 +227,38 @@ impl Prior {
         blocks
             .map(|block| load(block) / joint.stiffness_nm_per_rad)
             .collect()
+    }
+
+    /// What the gripper may hold: nothing first, then what is believed, two deviations off in mass and in place along each axis.
+    /// Allocates.
+    pub fn payload_range(&self, payload: Payload) -> Vec<PointMass> {
+        const FAR: f64 = 2.0;
+        let none = PointMass {
+            mass_kg: 0.0,
+            at_m: self.payload_at,
+        };
+        let [mass, ..] = self.payload_belief(payload);
+        let reach_m = FAR * self.tolerances.payload_reach_m;
+        let masses = match payload {
+            Payload::Empty => return alloc::vec![none],
+            Payload::Unknown => alloc::vec![mass.mean, mass.mean + FAR * mass.deviation],
+            Payload::Known { .. } => {
+                let off = FAR * mass.deviation;
+                alloc::vec![mass.mean - off, mass.mean + off]
+            }
+        };
+        let mut range = alloc::vec![none];
+        for mass_kg in masses.into_iter().map(|m| m.max(0.0)) {
+            range.push(PointMass { mass_kg, ..none });
+            for axis in 0..3 {
+                for off_m in [-reach_m, reach_m] {
+                    let mut at_m = self.payload_at;
+                    at_m[axis] += off_m;
+                    range.push(PointMass { mass_kg, at_m });
+                }
+            }
+        }
+        range
     }
 
     /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.
