@@ -151,3 +151,21 @@ fn a_force_that_is_stated_wrongly_is_contradicted() {
     assert!(contradicted(&said).is_some());
     is_true(&said, &errors, [0.0, 1.0, 0.0]);
 }
+
+/// An arm that stands in one place says nothing of a force. What contacts, warmth and a load do to it once spoke for one, which
+/// took the load's place: −72 ± 26 mrad where 10 were true.
+#[test]
+fn an_arm_that_stands_says_nothing_of_a_force() {
+    for seed in [5000, 5001, 5004] {
+        let (said, errors) = Case::new("S9c", seed).watched(2.0, None);
+        assert_eq!(said.external_force, None, "{seed}");
+        for (joint, error) in said.joints.iter().zip(&errors) {
+            let half = 1e3 * joint.offset_rad.half_width_95();
+            assert!(
+                error.abs() < half,
+                "{seed}, {}: {error} ± {half}",
+                joint.name
+            );
+        }
+    }
+}

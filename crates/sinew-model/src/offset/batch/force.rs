@@ -10,10 +10,12 @@ use super::schedule::{ROUGH_START, SCREENING};
 use super::solution::Solution;
 use crate::Gaussian;
 use crate::cholesky::dot;
+use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::error::MapError;
 use crate::offset::estimate::{ForceEstimate, MapEstimate};
 use crate::offset::mixture::{self, Mixture, Occurrence, PriorOdds};
+use crate::statistics::upper_median;
 use alloc::vec::Vec;
 
 /// Odds that a force acts which nobody stated: a starting guess.
@@ -22,8 +24,15 @@ const ODDS: f64 = 0.05;
 const UNLIKELY: f64 = 0.05;
 /// One that the first step says is less likely than this stays so.
 const SUSPECTED: f64 = 0.03;
+/// An arm stands in one place where every joint stays within this of its median, rad, for more than such a share of the time. In the
+/// rest it may be pushed about.
+const ONE_PLACE_RAD: f64 = 0.1;
+const MOST_OF_THE_TIME: f64 = 0.75;
 
 /// `found` with a force open, where one is stated or the recording speaks for it.
+///
+/// An arm that stands in one place says nothing of a force: there it is like offsets, masses and what is held. What friction and
+/// contacts do to it would speak for one.
 ///
 /// # Errors
 /// [`MapError`].
@@ -31,6 +40,9 @@ pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution,
     let Some(force) = &problem.model.force else {
         return Ok(found);
     };
+    if !force.believed.is_stated && stands_in_one_place(problem.blocks) {
+        return Ok(found);
+    }
     let known = &found.estimate;
     let mut changes = known.changes.clone();
     changes.push(ChangePoint {
@@ -51,6 +63,22 @@ pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution,
         true => Ok(with),
         false => Ok(found),
     }
+}
+
+/// Whether the arm is in one place for most of the time.
+fn stands_in_one_place(blocks: &[Block]) -> bool {
+    let joints = blocks.first().map_or(0, |b| b.q.len());
+    let median = |i: usize| {
+        let mut places: Vec<f64> = blocks.iter().filter_map(|b| b.q.get(i)).copied().collect();
+        upper_median(&mut places).unwrap_or(f64::NAN)
+    };
+    let place: Vec<f64> = (0..joints).map(median).collect();
+    let is_there = |b: &&Block| {
+        let mut pairs = b.q.iter().zip(&place);
+        pairs.all(|(q, at)| (q - at).abs() <= ONE_PLACE_RAD)
+    };
+    let there = blocks.iter().filter(is_there).count();
+    there as f64 >= MOST_OF_THE_TIME * blocks.len() as f64
 }
 
 /// Whether an estimate has a force open that is too unlikely to be one.
