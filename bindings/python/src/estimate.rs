@@ -320,6 +320,7 @@ impl Planned {
             window: self.window,
             baseline: baseline.map(|(baseline, name)| (&**baseline, name.as_str())),
             options: self.options,
+            live: false,
         }
     }
 }

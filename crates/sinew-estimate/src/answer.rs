@@ -18,6 +18,8 @@ pub struct Plan<'a> {
     pub baseline: Option<(&'a Baseline, &'a str)>,
     /// What is known of the session.
     pub options: SessionOptions,
+    /// Whether the form beside a running robot goes over the recording, too ([`session::replay_live`]).
+    pub live: bool,
 }
 
 /// Estimates a recording; with it comes what is known afterwards, where the absolute method answers.
@@ -37,6 +39,7 @@ pub fn estimate(
                 plan.window,
                 plan.baseline,
                 &plan.options,
+                plan.live,
                 progress,
             )?;
             (Method::Absolute, Some(session), reading, Some(next))

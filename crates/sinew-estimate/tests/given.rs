@@ -73,6 +73,7 @@ fn answered(request: &Request, method: Method) -> (EstimateDocument, Option<Base
         window: Default::default(),
         baseline: None,
         options: SessionOptions::default(),
+        live: false,
     };
     estimate(request, &plan, &mut |_| {}).unwrap()
 }
@@ -117,6 +118,7 @@ fn a_recording_in_memory_needs_a_robot() {
         window: Default::default(),
         baseline: None,
         options: SessionOptions::default(),
+        live: false,
     };
     let error = estimate(&request, &plan, &mut |_| {}).unwrap_err();
     assert!(error.to_string().contains("no robot.toml"), "{error}");

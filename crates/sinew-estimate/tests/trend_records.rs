@@ -101,6 +101,7 @@ fn session() -> SessionEstimate {
         left_out_share: 0.0,
         left_out: Vec::new(),
         poses: 12,
+        live: None,
         nuisance: Vec::new(),
         damaged: false,
         warnings: vec![Warning::FramesMissing { frames: 3 }],

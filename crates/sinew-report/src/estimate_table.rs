@@ -2,7 +2,7 @@
 
 use sinew_estimate::EstimateDocument;
 use sinew_estimate::replay::{Estimate, JointEstimate};
-use sinew_estimate::session::{SessionEstimate, TendonEstimate};
+use sinew_estimate::session::TendonEstimate;
 use sinew_log::{Cell, CellKind, Table};
 use sinew_model::Gaussian;
 
@@ -43,14 +43,33 @@ pub(crate) fn per_rad(of: Option<Gaussian>, offset_rad: Gaussian) -> Option<f64>
 }
 
 /// The estimate of a recording over time: a row per joint and time, of the absolute method every 0.2 s and of the
-/// paper's in at most [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals, told apart by `method`.
+/// paper's in at most [`Series::POINTS`](sinew_estimate::replay::Series::POINTS) intervals, told apart by `method`. With `--live` the rows
+/// of the form beside a running robot are `live`; while it is in doubt its interval is wide.
 ///
 /// `time_s` counts from the start of the recording. Intervals are half a 95 % interval; the paper's reading has none.
 pub fn estimate_series(document: &EstimateDocument) -> Table {
     let mut table = Table::new(&COLUMNS);
     if let Some(session) = &document.session {
         for (at, joint) in session.joints.iter().enumerate() {
-            absolute(&mut table, &document.reading, session, at, joint);
+            let blocks = session.blocks.iter().map(|block| Known {
+                method: "absolute",
+                time_s: block.time_s,
+                offset_rad: block.offset_rad[at],
+                block_rad: Some(block.block_rad[at]),
+                weight: block.weight,
+            });
+            known(&mut table, &document.reading, joint, blocks);
+        }
+        for (at, joint) in session.joints.iter().enumerate() {
+            let blocks = session.live.iter().flat_map(|course| &course.blocks);
+            let blocks = blocks.map(|block| Known {
+                method: "live",
+                time_s: block.time_s,
+                offset_rad: block.offset_rad[at],
+                block_rad: None,
+                weight: block.weight,
+            });
+            known(&mut table, &document.reading, joint, blocks);
         }
     }
     for joint in &document.reading.joints {
@@ -59,30 +78,39 @@ pub fn estimate_series(document: &EstimateDocument) -> Table {
     table
 }
 
-fn absolute(
+/// The estimate at one time, of a method that knows a tendon's interval then.
+struct Known {
+    method: &'static str,
+    time_s: f64,
+    offset_rad: Gaussian,
+    block_rad: Option<f64>,
+    weight: f64,
+}
+
+/// A row for every time.
+fn known(
     table: &mut Table,
     reading: &Estimate,
-    session: &SessionEstimate,
-    at: usize,
     joint: &TendonEstimate,
+    times: impl Iterator<Item = Known>,
 ) {
     let m_per_rad = per_rad(joint.elongation_m, joint.offset_rad);
     let strain_per_rad = per_rad(joint.strain_ratio, joint.offset_rad);
-    for block in &session.blocks {
-        let offset = block.offset_rad[at];
+    for at in times {
+        let offset = at.offset_rad;
         let elongation_m = m_per_rad.map(|factor| offset.scaled(factor));
         let mut row: Vec<Cell> = vec![
-            "absolute".into(),
+            at.method.into(),
             joint.name.as_str().into(),
-            block.time_s.into(),
-            time_utc_ns(reading, block.time_s).into(),
+            at.time_s.into(),
+            time_utc_ns(reading, at.time_s).into(),
             offset.mean.into(),
             offset.half_width_95().into(),
             elongation_m.map(|m| m.mean).into(),
             elongation_m.map(Gaussian::half_width_95).into(),
             strain_per_rad.map(|factor| factor * offset.mean).into(),
-            block.block_rad[at].into(),
-            block.weight.into(),
+            at.block_rad.into(),
+            at.weight.into(),
         ];
         row.resize(COLUMNS.len(), Cell::Empty);
         table.push(row);

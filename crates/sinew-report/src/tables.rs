@@ -8,7 +8,7 @@ use super::units::{Units, in_units, name_in_table, of_heads};
 use super::words::{loss_reason, plus_minus, plus_minus_cells};
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
-use sinew_estimate::session::{SessionEstimate, TendonEstimate, Verdict};
+use sinew_estimate::session::{LiveCourse, SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EstimateDocument, NuisanceChange};
 use sinew_figure::{rounded, with_interval};
 use sinew_log::SignalSource;
@@ -182,6 +182,10 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
     out += &in_units_of(&head, heads, session.joints.iter().map(row).collect());
     out.push('\n');
     out.extend(session_sentences(session).iter().map(|line| words(line)));
+    if let Some(course) = &session.live {
+        out.push('\n');
+        out += &live(course, session);
+    }
     if nuisance {
         let row = |n: &NuisanceChange| {
             let mut row = nuisance_row(n);
@@ -199,6 +203,53 @@ fn session(session: &SessionEstimate, nuisance: bool) -> String {
         out += &cells(&head, session.nuisance.iter().map(row).collect(), 2);
     }
     out
+}
+
+/// What the form beside a running robot made of it.
+fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
+    let mut out = words("Block by block, as beside the running robot, at the end");
+    let head = [
+        "joint",
+        "offset\nmrad",
+        "± (95 %)\nmrad",
+        "stiffness changed\n%",
+    ];
+    let heads = of_heads(&session.joints);
+    let rows = course
+        .joints
+        .iter()
+        .zip(&session.joints)
+        .map(|(now, joint)| {
+            let [offset, half] = plus_minus_cells(Some(now.offset_rad), 1e3);
+            let probability = now.stiffness_changed_probability.map(|p| 100.0 * p);
+            vec![
+                name_in_table(joint, heads),
+                offset,
+                half,
+                optional(probability, 2),
+            ]
+        });
+    out += &in_units_of(&head, heads, rows.collect());
+    out.push('\n');
+    out += &words(&doubts(course));
+    out
+}
+
+/// When a course was in doubt, in a sentence.
+pub fn doubts(course: &LiveCourse) -> String {
+    let spans = course.doubts.iter().map(|d| {
+        let [from, to] = [d.from_s, d.to_s].map(|s| rounded(s, 3));
+        format!("{from} to {to} s")
+    });
+    let spans: Vec<String> = spans.collect();
+    match (&spans[..], course.in_doubt) {
+        ([], _) => "It was never in doubt".into(),
+        (_, true) => format!(
+            "In doubt from {}, and so at the end: the batch above goes over all of it",
+            spans.join(", ")
+        ),
+        (_, false) => format!("In doubt from {}", spans.join(", ")),
+    }
 }
 
 fn tendon_row(j: &TendonEstimate, heads: Units) -> Vec<String> {

@@ -150,6 +150,7 @@ fn what_only_the_absolute_estimate_does_is_refused_by_the_papers() {
         &["--empty"],
         &["--nuisance"],
         &["--no-motor-torque"],
+        &["--live"],
     ] {
         let mut args = vec!["estimate", "s.mcap", "--robot", robot.as_str()];
         args.extend(option);

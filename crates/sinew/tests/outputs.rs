@@ -166,6 +166,35 @@ fn the_estimate_over_time_has_both_methods_and_utc() {
     assert_eq!(frames[0][..2], ["time_ns", "time_s"]);
 }
 
+/// With `--live` the form beside a running robot answers, too: at the end, over time, and when it was in doubt.
+#[test]
+fn a_recording_is_gone_over_as_beside_the_robot() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = "examples/01-stretched-arm/stretched-arm.mcap";
+    let robot = "robots/biorob-like";
+    let estimate = ["estimate", log, "--robot", robot, "--quiet", "--live"];
+    let table = both(folder.path(), &estimate, "--series");
+    let (methods, joints) = (column(&table, "method"), column(&table, "joint"));
+    let of = |method: &str| methods.iter().filter(|m| **m == method).count();
+    assert_eq!(of("live"), of("absolute"));
+    let document: serde_json::Value =
+        serde_json::from_str(&ok(&[&estimate[..], &["--json"]].concat())).unwrap();
+    let live = &document["session"]["live"];
+    let tendon = &live["joints"][2];
+    let last = (0..methods.len()).rfind(|&k| methods[k] == "live" && joints[k] == "elbow");
+    let mean: f64 = column(&table, "offset_rad")[last.unwrap()].parse().unwrap();
+    assert_eq!(tendon["name"], "elbow");
+    assert!((tendon["offset_rad"]["mean"].as_f64().unwrap() - mean).abs() < 1e-9);
+    let text = ok(&estimate);
+    assert!(
+        text.contains("Block by block, as beside the running robot"),
+        "{text}"
+    );
+    assert!(text.contains("n doubt from "), "{text}");
+    // Not unless asked.
+    assert!(!ok(&estimate[..5]).contains("Block by block"));
+}
+
 #[test]
 fn a_simulated_recording_is_the_same_as_mcap_and_as_parquet() {
     let folder = tempfile::tempdir().unwrap();

@@ -99,7 +99,7 @@ fn outputs() -> Vec<&'static str> {
         estimate --each ARM --json
         baseline ARM --to 20 --out OUT/arm.baseline --json
         baseline ARM --from 20 --out OUT/later.baseline --json
-        estimate ARM --baseline OUT/arm.baseline --json
+        estimate ARM --baseline OUT/arm.baseline --live --json
         baseline merge OUT/arm.baseline OUT/later.baseline --fleet --robot robots/biorob-like --out OUT/known --json
         trend examples/10-trend/sessions.csv --robot robots/biorob-like --tensioned 2026-03-02 --json
         trend examples/10-trend/sessions.csv --json

@@ -231,6 +231,8 @@ class BaselineResult(Record):
     """The longest such times."""
     left_out_share: float
     """Share of the time left out as contact or disturbance."""
+    live: LiveCourse | None
+    """What the form beside a running robot says of the same recording; `None` where nobody asked."""
     motor_torque: MotorTorque
     """Which torque of the motors was used as a second witness."""
     nuisance: list[NuisanceChange]
@@ -269,6 +271,7 @@ class BaselineResult(Record):
         "joints": "TendonEstimate",
         "left_out": "LeftOut",
         "left_out_share": "",
+        "live": "LiveCourse",
         "motor_torque": "",
         "nuisance": "NuisanceChange",
         "payload_changes": "PayloadChange",
@@ -1174,6 +1177,22 @@ class Difference(Record):
         "offset_per_stiffness_error_rad": "",
         "reference_rad": "",
         "standard_error_rad": "",
+    }
+
+
+class Doubt(Record):
+    """A time in which the offsets of a `LiveCourse` were in doubt."""
+
+    __slots__ = ()
+
+    from_s: float
+    """From here, s."""
+    to_s: float
+    """To here, s."""
+
+    _fields = {
+        "from_s": "",
+        "to_s": "",
     }
 
 
@@ -2526,6 +2545,44 @@ class LimitForecastRetension(Record):
         "state": "",
         "elongation_m": "",
         "kind": "",
+    }
+
+
+class LiveCourse(Record):
+    """What the form that goes on block by block says of a recording, as beside a running robot."""
+
+    __slots__ = ()
+
+    doubts: list[Doubt]
+    """When they were: the first half minute, contacts, slips that had not settled."""
+    in_doubt: bool
+    """Whether the offsets are in doubt at the end."""
+    joints: list[LiveTendon]
+    """One entry per elastic joint, at the end of the recording."""
+
+    _fields = {
+        "doubts": "Doubt",
+        "in_doubt": "",
+        "joints": "LiveTendon",
+    }
+
+
+class LiveTendon(Record):
+    """A tendon at the end of a `LiveCourse`."""
+
+    __slots__ = ()
+
+    name: str
+    """Joint."""
+    offset_rad: Gaussian
+    """Offset as it is then, rad."""
+    stiffness_changed_probability: float | None
+    """Probability that its stiffness has changed since the baseline; `None` without one."""
+
+    _fields = {
+        "name": "",
+        "offset_rad": "Gaussian",
+        "stiffness_changed_probability": "",
     }
 
 
@@ -4424,6 +4481,8 @@ class SessionEstimate(Record):
     """The longest such times."""
     left_out_share: float
     """Share of the time left out as contact or disturbance."""
+    live: LiveCourse | None
+    """What the form beside a running robot says of the same recording; `None` where nobody asked."""
     motor_torque: MotorTorque
     """Which torque of the motors was used as a second witness."""
     nuisance: list[NuisanceChange]
@@ -4460,6 +4519,7 @@ class SessionEstimate(Record):
         "joints": "TendonEstimate",
         "left_out": "LeftOut",
         "left_out_share": "",
+        "live": "LiveCourse",
         "motor_torque": "",
         "nuisance": "NuisanceChange",
         "payload_changes": "PayloadChange",
@@ -6286,6 +6346,7 @@ _CLASSES: Mapping[str, Any] = {
     "CycleClock": CycleClock,
     "Damage": Damage,
     "Difference": Difference,
+    "Doubt": Doubt,
     "DutySummary": DutySummary,
     "EndSummary": EndSummary,
     "Ending": Ending,
@@ -6338,6 +6399,8 @@ _CLASSES: Mapping[str, Any] = {
     "LifeForecast": LifeForecast,
     "LimitForecastReplace": LimitForecastReplace,
     "LimitForecastRetension": LimitForecastRetension,
+    "LiveCourse": LiveCourse,
+    "LiveTendon": LiveTendon,
     "Load": Load,
     "Loss": Loss,
     "NoEntryNoRopeLaw": NoEntryNoRopeLaw,

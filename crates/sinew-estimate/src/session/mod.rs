@@ -39,13 +39,13 @@ mod zero;
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
 pub use anchor::{AnchorReading, AnchoredOffset};
-pub use live::{live, live_saved, live_without_baseline};
+pub use live::{live, live_saved, live_without_baseline, replay_live};
 pub use poses::Poses;
 pub use recorder::{Recorded, Recorder, Touch, TouchReading, Window};
 pub use result::{
-    BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
-    SegmentEstimate, SessionEstimate, StiffnessSinceBefore, TemperatureSource, TendonChange,
-    TendonChangeKind, TendonCreep, TendonEstimate, Verdict,
+    BlockEstimate, Doubt, LeftOut, LimitState, LiveBlock, LiveCourse, LiveTendon, MotorTorque,
+    PayloadChange, RetensionLimit, SegmentEstimate, SessionEstimate, StiffnessSinceBefore,
+    TemperatureSource, TendonChange, TendonChangeKind, TendonCreep, TendonEstimate, Verdict,
 };
 pub use run::{
     Learning, Since, estimate, estimate_recorded, estimate_stretch, estimate_with_replay, learn,

@@ -55,6 +55,9 @@ pub struct SessionEstimate {
     pub left_out: Vec<LeftOut>,
     /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
     pub poses: usize,
+    /// What the form beside a running robot says of the same recording; `None` where nobody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub live: Option<LiveCourse>,
     /// Everything estimated along: what was believed before and after.
     pub nuisance: Vec<NuisanceChange>,
     /// Whether part of the file was lost.
@@ -290,6 +293,56 @@ pub struct BlockEstimate {
     pub block_rad: Vec<f64>,
     /// Estimated offset then, rad.
     pub offset_rad: Vec<Gaussian>,
+}
+
+/// What the form that goes on block by block says of a recording, as beside a running robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LiveCourse {
+    /// One entry per elastic joint, at the end of the recording.
+    pub joints: Vec<LiveTendon>,
+    /// Whether the offsets are in doubt at the end.
+    pub in_doubt: bool,
+    /// When they were: the first half minute, contacts, slips that had not settled.
+    pub doubts: Vec<Doubt>,
+    /// Block by block, for a plot; not part of the JSON.
+    #[serde(skip)]
+    pub blocks: Vec<LiveBlock>,
+}
+
+/// A tendon at the end of a [`LiveCourse`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LiveTendon {
+    /// Joint.
+    pub name: String,
+    /// Offset as it is then, rad.
+    pub offset_rad: Gaussian,
+    /// Probability that its stiffness has changed since the baseline; `None` without one.
+    pub stiffness_changed_probability: Option<f64>,
+}
+
+/// A time in which the offsets of a [`LiveCourse`] were in doubt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Doubt {
+    /// From here, s.
+    pub from_s: f64,
+    /// To here, s.
+    pub to_s: f64,
+}
+
+/// One block of 0.2 s of a [`LiveCourse`]; offsets in the order of its joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveBlock {
+    /// Middle of the block, s.
+    pub time_s: f64,
+    /// Weight it got, 0 (left out) to 1.
+    pub weight: f64,
+    /// Offset as it is then, rad.
+    pub offset_rad: Vec<Gaussian>,
+    /// Whether it is in doubt then.
+    pub in_doubt: bool,
 }
 
 /// A time that was left out.

@@ -1,7 +1,7 @@
 //! Learning a baseline, and estimating a session with it.
 
 use super::anchor;
-use super::live::open;
+use super::live::{open, replay_live};
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::revisits;
@@ -207,7 +207,7 @@ pub fn estimate(
 }
 
 /// [`estimate`], and the paper's estimate ([`replay::run`]) of the same frames: the recording is read
-/// once. A CSV file asked for is written last.
+/// once. With `live` the form beside a running robot goes over it, too. A CSV file asked for is written last.
 ///
 /// # Errors
 /// [`SessionError`]; no file has been written then.
@@ -216,6 +216,7 @@ pub fn estimate_with_replay(
     window: Window,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
+    live: bool,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
     let reference = replay::reference(request, progress)?;
@@ -230,7 +231,11 @@ pub fn estimate_with_replay(
     let recorded = blocks.finish(&opened)?;
     let file = request.name();
     let robot = &opened.loaded.robot;
-    let (session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    let (mut session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
+    if live {
+        let course = replay_live(robot, &recorded.blocks, baseline, options)?;
+        session.live = Some(course);
+    }
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);

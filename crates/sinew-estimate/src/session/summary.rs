@@ -92,6 +92,7 @@ pub(super) fn summarise(
         motor_torque: motor_torque(estimator, recorded),
         left_out_share: out / weights.len().max(1) as f64,
         left_out: left_out(&recorded.blocks, &weights),
+        live: None,
         poses: Poses::of(&recorded.blocks).count(),
         nuisance: nuisance(prior, robot, segments),
         damaged: recorded.damaged,

@@ -48,6 +48,9 @@ pub(crate) struct Estimate {
     #[command(flatten)]
     pub(super) session: SessionArgs,
 
+    /// Say, too, what the form beside a running robot makes of it block by block, and when it is in doubt
+    #[arg(long, conflicts_with = "each")]
+    live: bool,
     /// Which estimate answers [default: absolute; paper with --reference or a setting of the paper's]
     #[arg(long, value_enum)]
     method: Option<Method>,
@@ -103,7 +106,7 @@ impl Estimate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<Finish, Failure> {
         if self.method() == Answer::Paper {
-            self.session.refuse_all()?;
+            self.session.refuse_all(self.live)?;
         }
         if self.each {
             return self.run_each();
@@ -201,6 +204,7 @@ impl Estimate {
             window: self.session.window()?,
             baseline: read.as_ref().map(|(b, name)| (b, name.as_str())),
             options: self.session.options(),
+            live: self.live,
         };
         let (document, next) = sinew_estimate::estimate(request, &plan, &mut progress)?;
         let reading = &document.reading;

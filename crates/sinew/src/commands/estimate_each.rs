@@ -31,6 +31,7 @@ impl Estimate {
             window: self.session.window()?,
             baseline: read.as_ref().map(|(b, name)| (b, name.as_str())),
             options: self.session.options(),
+            live: false,
         };
         let bar = Bar::new("recordings", self.quiet);
         let finished = AtomicUsize::new(0);

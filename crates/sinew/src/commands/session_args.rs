@@ -118,7 +118,7 @@ pub(crate) fn temperature(text: &str) -> Result<Gaussian, String> {
 
 impl SessionArgs {
     /// All of it is for the absolute estimate alone; nothing asked for is ignored.
-    pub(crate) fn refuse_all(&self) -> Result<(), Failure> {
+    pub(crate) fn refuse_all(&self, live: bool) -> Result<(), Failure> {
         let asked = [
             ("--empty", self.empty),
             ("--payload-kg", self.payload_kg.is_some()),
@@ -130,6 +130,7 @@ impl SessionArgs {
             ("--from", self.part.from_s != 0.0),
             ("--to", self.part.to_s.is_some()),
             ("--touch", !self.part.touches.is_empty()),
+            ("--live", live),
         ];
         match asked.into_iter().find(|(_, asked)| *asked) {
             None => Ok(()),
