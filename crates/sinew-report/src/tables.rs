@@ -11,7 +11,9 @@ use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{LiveCourse, SessionEstimate, TendonEstimate, Verdict};
 use sinew_estimate::{EstimateDocument, NuisanceChange};
 use sinew_figure::{rounded, with_interval};
+use sinew_files::names;
 use sinew_log::SignalSource;
+use sinew_model::Gaussian;
 
 /// A paragraph whose following lines are indented.
 fn words(text: &str) -> String {
@@ -212,7 +214,7 @@ fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
         "joint",
         "offset\nmrad",
         "± (95 %)\nmrad",
-        "stiffness changed\n%",
+        "stiffness changed\nprobability, %",
     ];
     let heads = of_heads(&session.joints);
     let rows = course
@@ -232,6 +234,22 @@ fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
     out += &in_units_of(&head, heads, rows.collect());
     out.push('\n');
     out += &words(&doubts(course));
+    let apart = (course.joints.iter().zip(&session.joints)).filter(|(now, joint)| {
+        // By motion alone, as it reads no stop and no mark.
+        let batch = (joint.anchored.as_ref()).map_or(joint.offset_rad, |a| a.by_motion_rad);
+        let off = Gaussian::new(
+            now.offset_rad.mean - batch.mean,
+            now.offset_rad.deviation.hypot(batch.deviation),
+        );
+        off.is_nonzero_95()
+    });
+    let apart: Vec<String> = apart.map(|(now, _)| now.name.clone()).collect();
+    if !apart.is_empty() {
+        out += &words(&format!(
+            "At {} it contradicts the estimate above. Believe that: this form knows no constant force from outside, and sees no later data",
+            names::list(&apart)
+        ));
+    }
     out
 }
 
