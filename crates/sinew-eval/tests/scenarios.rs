@@ -592,7 +592,7 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
         let plan = Plan::named(name).unwrap();
         let (mut inside, mut offsets, mut named) = (0, 0, 0);
         let (mut silent, mut read) = (0, 0);
-        for seed in [4000, 4001, 4002] {
+        for seed in [4000, 4001, 4002, 4300, 4301, 4302] {
             let recording = record(&plan, seed, Sessions::Chain).unwrap();
             named += recording.warnings.iter().filter(|w| creeps(w)).count();
             for warning in &recording.warnings {
@@ -623,7 +623,7 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
             }
         }
         assert!(inside + 2 >= offsets, "{name}: {inside} of {offsets}");
-        assert!(named >= 6, "{name}: {named}");
+        assert!(named >= 12, "{name}: {named}");
         // Block by block it isn't named, but followed: where offsets were taken for fixed, a third to four fifths were outside.
         let inside = (read - silent) as f64;
         assert!(
