@@ -4,9 +4,7 @@ use super::sessions::Sessions;
 use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
-use sinew_estimate::trend::{
-    ForecastPoint, JointTrend, Limit, LimitForecast, LimitState, SessionRecord, TrendVerdict,
-};
+use sinew_estimate::trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
@@ -20,49 +18,6 @@ const PERIOD_DAYS: f64 = 30.0;
 const FRESH_DAYS: f64 = 14.0;
 /// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
 const DRIFT_FACTOR: f64 = 1.25;
-
-/// A limit of a tendon and when it passes it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passage {
-    /// The limit.
-    pub limit: Limit,
-    /// The limit as an offset, rad.
-    pub limit_rad: f64,
-    /// What is known.
-    pub state: LimitState,
-    /// Median, 2.5 and 97.5 % quantile, s since 1970; `None`: later than a year after the last session.
-    pub at_utc_s: [Option<f64>; 3],
-}
-
-impl Passage {
-    pub(crate) fn of(found: &LimitForecast, last_utc_s: f64) -> Self {
-        let at = |after_s: Option<f64>| after_s.map(|t| last_utc_s + t);
-        Self {
-            limit: found.limit,
-            limit_rad: found.limit_rad,
-            state: found.state,
-            at_utc_s: [found.after_s, found.after_low_s, found.after_high_s].map(at),
-        }
-    }
-
-    /// Likelier passed than not.
-    pub fn is_passed(&self) -> bool {
-        self.state == LimitState::Passed
-    }
-
-    /// Passed, or it may be by then.
-    pub fn is_due(&self, until_utc_s: f64) -> bool {
-        self.is_passed() || self.at_utc_s[1].is_some_and(|low| low <= until_utc_s)
-    }
-
-    /// The earlier, the worse.
-    pub(crate) fn order(&self) -> f64 {
-        let [median, low, _] = self.at_utc_s;
-        let passed = if self.is_passed() { -1e12 } else { 0.0 };
-        // What has no median comes after what has one.
-        passed + median.or(low.map(|low| low + 1e11)).unwrap_or(1e12)
-    }
-}
 
 /// A tendon that was followed.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +53,6 @@ impl Followed {
         ahead: Option<ForecastPoint>,
     ) -> Self {
         let (robot, joint) = sessions.tendon.clone();
-        let limits = trend.limits.iter();
         Self {
             robot,
             joint,
@@ -109,22 +63,20 @@ impl Followed {
             elongation_m: trend.elongation_m,
             last_utc_s: trend.last_utc_s,
             ahead,
-            passages: limits.map(|l| Passage::of(l, trend.last_utc_s)).collect(),
+            passages: Passage::all(trend),
         }
     }
 
     /// The limit that is passed first.
     pub fn worst(&self) -> Option<&Passage> {
-        self.passages
-            .iter()
-            .min_by(|a, b| a.order().total_cmp(&b.order()))
+        Passage::first(&self.passages)
     }
 
     /// What has passed its limit comes first, the farthest beyond it before the others; then the earlier, the worse.
     pub(super) fn worse_first(&self, other: &Self) -> Ordering {
-        let key = |of: &Self| match of.worst() {
-            Some(passage) if passage.is_passed() => (false, passage.limit_rad - of.offset_rad.mean),
-            worst => (true, worst.map_or(f64::INFINITY, Passage::order)),
+        let key = |of: &Self| {
+            let worst = of.worst();
+            worst.map_or((true, f64::INFINITY), Passage::rank)
         };
         let ((waits, mine), (other_waits, others)) = (key(self), key(other));
         waits.cmp(&other_waits).then(mine.total_cmp(&others))
@@ -262,6 +214,7 @@ pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_estimate::trend::{Limit, LimitState};
 
     #[test]
     fn what_is_taken_of_the_past_changes_with_the_period_only() {
@@ -296,7 +249,9 @@ mod tests {
             passages: vec![Passage {
                 limit: Limit::Retension { elongation_m: 5e-4 },
                 limit_rad: 20e-3,
+                beyond_rad: 1e-3 * mrad - 20e-3,
                 state,
+                passed_probability: 0.5,
                 at_utc_s: [day.map(|day| day * DAY_S); 3],
             }],
         };

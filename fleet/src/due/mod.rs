@@ -10,8 +10,9 @@ pub(crate) mod show;
 mod state;
 pub(crate) mod words;
 
+pub use follow::Followed;
 pub(crate) use follow::thinned;
-pub use follow::{Followed, Passage};
+pub use sinew_estimate::trend::Passage;
 pub use state::StateUnused;
 
 use crate::FleetError;

@@ -395,10 +395,8 @@ fn trend_columns(found: &Found) -> Vec<ArrayRef> {
 fn days_columns(found: &Found) -> Vec<ArrayRef> {
     let worst = match found {
         Found::Trend(trend, _) => {
-            let passages = trend.limits.iter();
-            let passages = passages.map(|l| Passage::of(l, trend.last_utc_s));
-            let worst = passages.min_by(|a, b| a.order().total_cmp(&b.order()));
-            worst.map(|p| (p, trend.last_utc_s))
+            let passages = Passage::all(trend);
+            Passage::first(&passages).map(|p| (*p, trend.last_utc_s))
         }
         _ => None,
     };

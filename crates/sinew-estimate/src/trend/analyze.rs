@@ -4,6 +4,7 @@ use super::clock::{Clock, LEVEL_UNKNOWN_RAD, Stated, clock};
 use super::error::AnalyzeError;
 use super::given::{Fed, KeptTrend, feed, given};
 use super::limits;
+use super::passage::PassageTimes;
 use super::prior::{RopePrior, days, rope_prior};
 use super::records::{SessionRecord, Sorted};
 use super::result::{
@@ -58,7 +59,7 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
     let mut notes = sorted.notes;
     let mut joints = Vec::new();
     for (name, records) in &sorted.joints {
-        joints.push(joint(name, records, request, &mut notes)?);
+        joints.push(joint(name, records, request, &mut notes)?.0);
     }
     let needs_attention = joints.iter().any(|j| {
         (j.limits.iter()).any(|l| l.state == LimitState::Passed)
@@ -75,13 +76,31 @@ pub fn analyze(sorted: Sorted, request: &TrendRequest<'_>) -> Result<TrendReport
     })
 }
 
-/// One tendon from its records.
+/// One tendon as [`analyze`] makes it, and when it passes its limits.
+///
+/// * `records`: in the order of time, as [`sort`](super::sort) gives them.
+///
+/// # Errors
+/// [`AnalyzeError`].
+pub fn analyze_joint(
+    name: &str,
+    records: &[SessionRecord],
+    request: &TrendRequest<'_>,
+) -> Result<(JointTrend, Vec<PassageTimes>), AnalyzeError> {
+    let (trend, paths) = joint(name, records, request, &mut Vec::new())?;
+    let limits = trend.limits.iter();
+    let times = limits.filter_map(|limit| limits::passage_times(limit, &paths));
+    let times = times.collect();
+    Ok((trend, times))
+}
+
+/// One tendon from its records, and the paths it may take.
 fn joint(
     name: &str,
     records: &[SessionRecord],
     request: &TrendRequest<'_>,
     notes: &mut Vec<TrendNote>,
-) -> Result<JointTrend, AnalyzeError> {
+) -> Result<(JointTrend, Paths), AnalyzeError> {
     let tendon = request.robot.and_then(|r| tendon_of(r, name));
     let (clock, records) = clock(name, records, &request.stated)?;
     let duty = request.duty.as_ref();
@@ -113,7 +132,7 @@ fn joint(
     }
     out.series = series;
     out.forecast = limits::forecast(&paths, clock.start_utc_s);
-    Ok(out)
+    Ok((out, paths))
 }
 
 /// The trend of one tendon without its series and the forecast over time, from where an earlier question left it: to the last

@@ -1,5 +1,6 @@
 //! When a limit is passed.
 
+use super::passage::PassageTimes;
 use super::result::{ForecastPoint, Limit, LimitForecast, LimitState};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -85,26 +86,43 @@ pub(super) fn limits(
     let few = trend.records() < if rope_known { 1 } else { FEW };
     let retension = tendon.retension_at_m.map(|elongation_m| {
         let limit_rad = elongation_m / radius_m;
-        (
-            Limit::Retension { elongation_m },
-            limit_rad,
-            &paths.offset_rad,
-        )
+        (Limit::Retension { elongation_m }, limit_rad)
     });
     let replace = tendon.replace_at_strain.map(|strain_ratio| {
         let limit_rad = strain_ratio * tendon.length_m / radius_m;
-        (Limit::Replace { strain_ratio }, limit_rad, &paths.whole_rad)
+        (Limit::Replace { strain_ratio }, limit_rad)
     });
     (retension.into_iter().chain(replace))
-        .map(|(limit, limit_rad, offsets_rad)| {
-            let found_s = first_passage(&paths.times_s, offsets_rad, limit_rad);
-            let passed = passage(limit, limit_rad, found_s, trend.time_s(), few);
+        .map(|(limit, limit_rad)| {
+            let found_s = found_s(limit, limit_rad, paths);
+            let passed = passage(limit, limit_rad, &found_s, trend.time_s(), few);
             match PLAUSIBLE_S.contains(&last_utc_s) {
                 true => dated(passed, last_utc_s),
                 false => passed,
             }
         })
         .collect()
+}
+
+/// When each path passes a limit, s after tensioning, sorted; infinite: not before its end.
+fn found_s(limit: Limit, limit_rad: f64, paths: &Paths) -> Vec<f64> {
+    let offsets_rad = match limit {
+        Limit::Retension { .. } => &paths.offset_rad,
+        Limit::Replace { .. } => &paths.whole_rad,
+    };
+    let mut found_s = first_passage(&paths.times_s, offsets_rad, limit_rad);
+    found_s.sort_unstable_by(f64::total_cmp);
+    found_s
+}
+
+/// The distribution that a limit's forecast tells three quantiles of; `None`: there are too few sessions for one.
+pub(super) fn passage_times(found: &LimitForecast, paths: &Paths) -> Option<PassageTimes> {
+    let looked_s = [*paths.times_s.first()?, *paths.times_s.last()?];
+    let known = found.state != LimitState::TooFewSessions;
+    known.then(|| {
+        let found_s = found_s(found.limit, found.limit_rad, paths);
+        PassageTimes::of(found.limit, &found_s, looked_s)
+    })
 }
 
 /// With the dates of its times.
@@ -118,18 +136,11 @@ fn dated(limit: LimitForecast, last_utc_s: f64) -> LimitForecast {
     }
 }
 
-fn passage(
-    limit: Limit,
-    limit_rad: f64,
-    mut found_s: Vec<f64>,
-    now_s: f64,
-    few: bool,
-) -> LimitForecast {
-    found_s.sort_unstable_by(f64::total_cmp);
+fn passage(limit: Limit, limit_rad: f64, found_s: &[f64], now_s: f64, few: bool) -> LimitForecast {
     let count = found_s.len().max(1) as f64;
     let passed_probability = found_s.iter().filter(|t| **t <= now_s).count() as f64 / count;
     let at = |share: f64| {
-        let t = quantile(&found_s, share);
+        let t = quantile(found_s, share);
         t.is_finite().then_some((t - now_s).max(0.0))
     };
     let (low, median, high) = (at(0.025), at(0.5), at(0.975));

@@ -9,6 +9,7 @@ mod clock;
 mod error;
 mod given;
 mod limits;
+mod passage;
 pub mod prior;
 mod read;
 mod records;
@@ -17,10 +18,11 @@ mod stiffness;
 pub mod stored;
 pub mod survival;
 
-pub use analyze::{GoneOn, TrendRequest, analyze, go_on, mean_temperature_c};
+pub use analyze::{GoneOn, TrendRequest, analyze, analyze_joint, go_on, mean_temperature_c};
 pub use clock::Stated;
 pub use error::AnalyzeError;
 pub use given::KeptTrend;
+pub use passage::{Passage, PassageTimes};
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
 pub use records::{RecordError, SessionRecord, Sorted, sort};
 pub use result::{
