@@ -5,10 +5,11 @@
 //! clock is a test. It listens only: nothing here commands a robot.
 //!
 //! Reading order: `instant`, `record`, `table`, `alarm`, `journal`, `transaction`, `command`, `snapshot` (what goes
-//! in and out), then `monitor`.
+//! in and out), then `monitor`, and `due` (what all robots come to).
 
 pub mod alarm;
 pub mod command;
+pub mod due;
 pub mod instant;
 pub mod journal;
 mod monitor;
@@ -19,8 +20,8 @@ pub mod transaction;
 
 pub use instant::Instant;
 pub use monitor::{
-    AlarmOptions, ClockChoice, Done, History, Job, Monitor, MonitorConfig, MonitorError, Stored,
-    Times,
+    AlarmOptions, ClockChoice, Done, HORIZON_DAYS, History, Job, Monitor, MonitorConfig,
+    MonitorError, Stored, Times,
 };
 pub use record::Record;
 pub use snapshot::RobotSnapshot;

@@ -3,7 +3,7 @@
 use crate::alarm::{Alarm, Level, LimitOrigin};
 use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::trend::JointTrend;
+use sinew_estimate::trend::{JointTrend, PassageTimes};
 use sinew_model::Gaussian;
 use std::sync::Arc;
 
@@ -113,9 +113,14 @@ pub struct TendonSnapshot {
     pub last: Option<Record>,
     /// Limits, with where they come from.
     pub limits: Vec<LimitNow>,
+    /// Its rope, as robot.toml names it.
+    pub rope: Option<String>,
     /// The trend of its records, without the series; `None`: none was computed yet.
     #[serde(skip)]
     pub trend: Option<Arc<JointTrend>>,
+    /// When the trend passes its limits, as distributions.
+    #[serde(skip)]
+    pub passages: Arc<[PassageTimes]>,
 }
 
 /// Why there is no offset now.

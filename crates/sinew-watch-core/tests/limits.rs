@@ -57,7 +57,7 @@ fn the_maker_s_limit_counts_where_robot_toml_has_none() {
 }
 
 /// A record of the elbow, so many days before Monday.
-fn record(days_before: f64, offset_rad: f64) -> Record {
+pub(crate) fn record(days_before: f64, offset_rad: f64) -> Record {
     Record {
         robot: "arm-7".into(),
         robot_type: "biorob-like".into(),

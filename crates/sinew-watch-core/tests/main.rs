@@ -2,6 +2,7 @@
 
 mod alarms;
 mod clocks;
+mod due;
 mod health;
 mod jumps;
 mod limits;

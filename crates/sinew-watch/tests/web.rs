@@ -275,6 +275,72 @@ fn sessions_are_the_table_that_a_trend_is_made_of() {
 }
 
 #[test]
+fn what_is_due_is_what_the_trends_of_the_tendons_say() {
+    let running = Running::shared();
+    let at = running.at;
+    // Another test tensions a tendon of demo-2, of which nothing can be told then.
+    running.until(|r| {
+        let list = get(r.at, "/api/v1/due").json();
+        list["cannot_tell"].as_u64().is_some_and(|n| n <= 1)
+    });
+    let list = get(at, "/api/v1/due?within_days=200").json();
+    let rows = list["due"].as_array().unwrap();
+    assert!(!rows.is_empty(), "{list}");
+    let count = |key: &str| list[key].as_u64().unwrap();
+    let all = rows.len() as u64 + count("not_due") + count("cannot_tell") + count("without_limit");
+    assert_eq!(all, 12, "{list}");
+    let span_s = list["until_utc_s"].as_f64().unwrap() - list["time_utc_s"].as_f64().unwrap();
+    assert!((span_s - 200.0 * 86_400.0).abs() < 1.0);
+    let is_passed = |row: &Value| row["state"] == "passed";
+    let to_come = rows.iter().filter(|row| !is_passed(row));
+    let days: Vec<f64> = to_come.filter_map(|row| row["after_s"].as_f64()).collect();
+    assert!(rows.is_sorted_by_key(|row| !is_passed(row)) && days.is_sorted());
+    for row in rows {
+        let low = row["at_low_utc_s"].as_f64().unwrap();
+        assert!(is_passed(row) || low <= list["until_utc_s"].as_f64().unwrap());
+        // demo-3 is switched off: its trends are those of before.
+        if row["robot"] != "demo-3" {
+            continue;
+        }
+        let joint = row["joint"].as_str().unwrap();
+        let tendon = get(at, &format!("/api/v1/robots/demo-3/tendons/{joint}")).json();
+        let limits = tendon["trend"]["limits"].as_array().unwrap().iter();
+        let limit = limits
+            .clone()
+            .find(|l| l["kind"] == row["limit"]["kind"])
+            .unwrap();
+        for key in [
+            "limit_rad",
+            "state",
+            "at_utc_s",
+            "at_low_utc_s",
+            "at_high_utc_s",
+        ] {
+            assert_eq!(row[key], limit[key], "{row}: {limit}");
+        }
+        assert_eq!(row["offset_rad"], tendon["trend"]["offset_rad"]);
+    }
+    assert!(rows.iter().any(|row| row["robot"] == "demo-3"), "{list}");
+    // Longer, and no fewer are due.
+    let longer = get(at, "/api/v1/due?within_days=1095").json();
+    assert!(longer["due"].as_array().unwrap().len() >= rows.len());
+    for (asked, status) in [
+        ("within_days=0", 422),
+        ("within_days=-1", 422),
+        ("within_days=NaN", 422),
+        ("within_days=1096", 422),
+        ("within_days=soon", 400),
+        ("days=3", 400),
+    ] {
+        assert_eq!(
+            get(at, &format!("/api/v1/due?{asked}")).status,
+            status,
+            "{asked}"
+        );
+    }
+}
+
+#[test]
 fn metrics_are_those_of_the_list_each_with_its_kind_once() {
     let running = Running::shared();
     running.until(|r| {
@@ -334,7 +400,13 @@ fn the_page_is_small_and_whole() {
         assert_eq!((again.status, again.body.len()), (304, 0));
     }
     assert!(packed < 60_000, "{packed} bytes");
-    for path in ["/alarms", "/journal", "/r/demo-1", "/r/demo-1/elbow"] {
+    for path in [
+        "/due",
+        "/alarms",
+        "/journal",
+        "/r/demo-1",
+        "/r/demo-1/elbow",
+    ] {
         assert_eq!(get(running.at, path).text(), get(running.at, "/").text());
     }
     assert_eq!(get(running.at, "/nowhere").status, 404);

@@ -1,14 +1,14 @@
 //! Estimates, made away from the thread that takes frames.
 
 use super::session::Session;
-use super::trend::analyze_tendon;
+use super::trend::{Made, analyze_tendon};
 use crate::journal::SessionEnd;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
     Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
     live,
 };
-use sinew_estimate::trend::{JointTrend, SessionRecord, Stated};
+use sinew_estimate::trend::{SessionRecord, Stated};
 use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
@@ -97,7 +97,7 @@ pub(super) enum Outcome {
         /// After how many tensionings it was begun.
         of: u32,
         tendon: usize,
-        trend: Option<Arc<JointTrend>>,
+        made: Option<Made>,
     },
 }
 
@@ -132,11 +132,11 @@ impl Job {
             }
             Work::Trend(work) => {
                 let (of, tendon) = (work.of, work.tendon);
-                let trend = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
+                let made = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
                 Outcome::Trend {
                     of,
                     tendon,
-                    trend: trend.unwrap_or_default(),
+                    made: made.unwrap_or_default(),
                 }
             }
         })

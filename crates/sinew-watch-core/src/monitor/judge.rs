@@ -87,7 +87,7 @@ impl Monitor {
             over.push(Condition::Suspicion);
         }
         let near_s = self.config.alarms.near_s;
-        match self.trends.get(i).map(|trend| near(trend, near_s)) {
+        match self.trends.get(i).map(|made| near(&made.trend, near_s)) {
             Some(Some((holds, cause))) => {
                 let joint = self.names[i].as_str();
                 self.conditions

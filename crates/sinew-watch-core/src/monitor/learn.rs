@@ -254,7 +254,7 @@ impl Monitor {
             Outcome::Trend { of, tendon, .. } if of != self.tensionings => {
                 self.trends.changed(tendon);
             }
-            Outcome::Trend { tendon, trend, .. } => self.trends.set(tendon, trend),
+            Outcome::Trend { tendon, made, .. } => self.trends.set(tendon, made),
             Outcome::Stretch {
                 stretch,
                 learned: true,

@@ -31,6 +31,7 @@ mod trend;
 pub use config::{AlarmOptions, ClockChoice, MonitorConfig, MonitorError, Stored, Times};
 pub use history::History;
 pub use job::{Done, Job};
+pub use trend::HORIZON_DAYS;
 
 use crate::alarm::{Alarms, StoreFault, Trouble};
 use crate::instant::Instant;

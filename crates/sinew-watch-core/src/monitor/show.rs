@@ -88,6 +88,7 @@ impl Monitor {
         let own = alarms
             .iter()
             .filter(|alarm| alarm.key.joint.as_deref() == Some(&*self.names[i]));
+        let made = self.trends.get(i);
         let stale = match fresh && (self.live.is_known() || self.learning.is_some()) {
             true => Level::Ok,
             false => Level::Stale,
@@ -103,7 +104,9 @@ impl Monitor {
             tensioned_utc_s: belief.last_tensioned_utc_s(),
             last: self.outbox.last.get(&self.names[i]).cloned(),
             limits: Limits::now(&self.limits[i]),
-            trend: self.trends.get(i).map(Arc::clone),
+            rope: geometry.and_then(|t| t.rope.clone()),
+            trend: made.map(|made| Arc::clone(&made.trend)),
+            passages: made.map_or_else(Arc::default, |made| Arc::clone(&made.passages)),
         }
     }
 

@@ -3,16 +3,24 @@
 use super::Monitor;
 use super::job::TrendWork;
 use crate::instant::Instant;
-use sinew_estimate::trend::{JointTrend, Sorted, Stated, TrendRequest, analyze};
+use sinew_estimate::trend::{JointTrend, PassageTimes, Stated, TrendRequest, analyze_joint};
 use sinew_model::robot::Robot;
 use std::sync::Arc;
 
-/// Days forecasts look ahead, and the seed of their draws: those of `sinew trend`.
-const HORIZON_DAYS: f64 = 1095.0;
+/// Days a trend's forecast looks ahead, as that of `sinew trend`.
+pub const HORIZON_DAYS: f64 = 1095.0;
+/// Seed of its draws: that of `sinew trend`.
 const SEED: u64 = 1;
 
-/// The trend, without its series; `None` where the records make none.
-pub(super) fn analyze_tendon(robot: &Robot, work: TrendWork) -> Option<Arc<JointTrend>> {
+/// A trend without its series, and when it passes its limits.
+#[derive(Debug, Clone)]
+pub(super) struct Made {
+    pub(super) trend: Arc<JointTrend>,
+    pub(super) passages: Arc<[PassageTimes]>,
+}
+
+/// The trend; `None` where the records make none.
+pub(super) fn analyze_tendon(robot: &Robot, work: TrendWork) -> Option<Made> {
     let last_utc_s = work.records.last()?.time_utc_s;
     let request = TrendRequest {
         robot: Some(robot),
@@ -26,15 +34,12 @@ pub(super) fn analyze_tendon(robot: &Robot, work: TrendWork) -> Option<Arc<Joint
         horizon_days: HORIZON_DAYS,
         seed: SEED,
     };
-    let sorted = Sorted {
-        joints: vec![(work.joint, work.records)],
-        robot: None,
-        notes: Vec::new(),
-    };
-    let mut report = analyze(sorted, &request).ok()?;
-    let mut trend = report.joints.pop()?;
+    let (mut trend, passages) = analyze_joint(&work.joint, &work.records, &request).ok()?;
     trend.series = Vec::new();
-    Some(Arc::new(trend))
+    Some(Made {
+        trend: Arc::new(trend),
+        passages: passages.into(),
+    })
 }
 
 /// The trends of a robot's tendons, and which of them are to be made anew.
@@ -45,7 +50,7 @@ pub(super) struct Trends {
 
 #[derive(Debug, Clone, Default)]
 struct Trended {
-    trend: Option<Arc<JointTrend>>,
+    made: Option<Made>,
     /// Whether its records changed since.
     changed: bool,
     /// When it was last begun.
@@ -66,13 +71,13 @@ impl Trends {
         }
     }
 
-    pub(super) fn get(&self, tendon: usize) -> Option<&Arc<JointTrend>> {
-        self.of.get(tendon)?.trend.as_ref()
+    pub(super) fn get(&self, tendon: usize) -> Option<&Made> {
+        self.of.get(tendon)?.made.as_ref()
     }
 
-    pub(super) fn set(&mut self, tendon: usize, trend: Option<Arc<JointTrend>>) {
+    pub(super) fn set(&mut self, tendon: usize, made: Option<Made>) {
         if let Some(of) = self.of.get_mut(tendon) {
-            of.trend = trend;
+            of.made = made;
         }
     }
 

@@ -181,6 +181,15 @@ pub struct JournalSaid {
     pub text: String,
 }
 
+/// Which tendons are due.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DueAsked {
+    /// Within so many days from now: 56, and no more than 1095.
+    pub within_days: Option<f64>,
+}
+
 /// Which entries of the journal.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -1,7 +1,8 @@
 //! Answers to single questions.
 
 use super::api::{
-    AlarmList, AlarmSaid, Done, Journal, JournalAsked, JournalSaid, Login, RobotNow, TendonNow,
+    AlarmList, AlarmSaid, Done, DueAsked, Journal, JournalAsked, JournalSaid, Login, RobotNow,
+    TendonNow,
 };
 use super::guard::Guard;
 use super::{App, Refused};
@@ -14,14 +15,18 @@ use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use serde::de::DeserializeOwned;
-use sinew_watch_core::RobotSnapshot;
+use sinew_files::date::DAY_S;
 use sinew_watch_core::command::Command;
+use sinew_watch_core::due::DueList;
+use sinew_watch_core::{HORIZON_DAYS, RobotSnapshot};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
 /// Entries of the journal in one answer: as usual, and at most.
 const ENTRIES: [u64; 2] = [100, 1000];
+/// What is due is said within so many days: eight weeks.
+const DUE_WITHIN_DAYS: f64 = 56.0;
 /// So long an answer to a command is waited for: the store may be slow.
 const ANSWER_WITHIN: Duration = Duration::from_secs(20);
 /// A wrong token is answered so late.
@@ -73,6 +78,24 @@ pub(super) async fn tendon(
         let why = format!("{robot} has no tendon at '{joint}'; it has {joints}");
         Refused::new(StatusCode::NOT_FOUND, why)
     })
+}
+
+pub(super) async fn due(
+    State(app): State<App>,
+    Query(asked): Query<DueAsked>,
+) -> Result<Json<DueList>, Refused> {
+    let within_days = asked.within_days.unwrap_or(DUE_WITHIN_DAYS);
+    if !(within_days > 0.0 && within_days <= HORIZON_DAYS) {
+        let why = format!("within_days is more than 0, and {HORIZON_DAYS} at most");
+        return Err(Refused::new(StatusCode::UNPROCESSABLE_ENTITY, why));
+    }
+    let robots = app.board.all().into_iter();
+    let robots: Vec<Arc<RobotSnapshot>> = robots
+        .filter_map(|(_, slot)| slot.seen().watched())
+        .collect();
+    let robots = robots.iter().map(Arc::as_ref);
+    let time_utc_s = app.ticks.borrow().time_utc_s;
+    Ok(Json(DueList::of(robots, time_utc_s, DAY_S * within_days)))
 }
 
 pub(super) async fn alarms(State(app): State<App>) -> Json<AlarmList> {

@@ -1,14 +1,15 @@
 //! The OpenAPI description, made of the list of addresses and of the types.
 
 use super::api::{
-    AlarmList, Done, EventsAsked, Fleet, Journal, JournalAsked, Login, Records, RecordsAsked,
-    Refusal, RobotNow, TendonNow,
+    AlarmList, Done, DueAsked, EventsAsked, Fleet, Journal, JournalAsked, Login, Records,
+    RecordsAsked, Refusal, RobotNow, TendonNow,
 };
 use super::routes::{API, Endpoint};
 use schemars::JsonSchema;
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use serde_json::{Map, Value, json};
 use sinew_watch_core::command::Command;
+use sinew_watch_core::due::DueList;
 
 /// What an address takes and gives.
 struct Described {
@@ -47,6 +48,10 @@ impl Maker {
             "/api/v1/robots/{robot}/commands" => {
                 described.body = self.take::<Command>();
                 self.json::<Done>()
+            }
+            "/api/v1/due" => {
+                described.asked = self.take::<DueAsked>();
+                self.json::<DueList>()
             }
             "/api/v1/alarms" => self.json::<AlarmList>(),
             "/api/v1/journal" => {

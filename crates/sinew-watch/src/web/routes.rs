@@ -37,6 +37,7 @@ pub const API: &[Endpoint] = endpoints! {
     get "/api/v1/robots/{robot}" handlers::robot, "What is known of a robot now";
     get "/api/v1/robots/{robot}/tendons/{joint}" handlers::tendon, "A tendon with its trend and forecast";
     post "/api/v1/robots/{robot}/commands" handlers::command, "Tell the monitor something; the answer comes once it is stored";
+    get "/api/v1/due" handlers::due, "Which tendons pass a limit when, those first that have";
     get "/api/v1/alarms" handlers::alarms, "Alarms that aren't normal, the most severe first";
     get "/api/v1/journal" handlers::journal, "What happened, the newest first";
     get "/api/v1/records" records::json, "Records of sessions, in the order of time";
@@ -64,6 +65,7 @@ pub fn router(app: App) -> Router {
         .route("/", page())
         .route("/r/{robot}", page())
         .route("/r/{robot}/{joint}", page())
+        .route("/due", page())
         .route("/alarms", page())
         .route("/journal", page())
         .route("/journal/{robot}", page())

@@ -10,6 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Tick {
     /// Number; who has seen the one before needs the changes only.
     pub number: u64,
+    /// Time of the monitor, s since 1970 UTC.
+    pub time_utc_s: f64,
     /// All robots, as JSON.
     pub fleet: Bytes,
     /// What changed since the tick before, as JSON.
@@ -102,6 +104,7 @@ impl Ticker {
         self.number += 1;
         Tick {
             number: self.number,
+            time_utc_s,
             fleet: json(&fleet),
             change,
             robots: Mutex::default(),
