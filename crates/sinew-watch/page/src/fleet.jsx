@@ -69,6 +69,7 @@ export function Fleet({ live }) {
       {(live.fleet.not_watched ?? []).map(robot => (
         <p key={robot.robot} class="banner alarm"><strong>{robot.robot} is not watched:</strong> {robot.why}</p>
       ))}
+      <p><a href="/due">Which tendons pass a limit when</a></p>
       <ul class={`cells ${many ? "many" : ""}`}>
         {rows.map(row => <Cell key={row.robot} row={row} small={many && row.level !== "ERROR"} />)}
       </ul>

@@ -24,6 +24,13 @@ export function plusMinus(gaussian, factor = 1) {
   return `${fixed(mean, places)} ± ${fixed(half, places)}`;
 }
 
+// A probability in whole percent; one that isn't certain is never said to be.
+export function chance(probability) {
+  const percent = Math.round(100 * probability);
+  if (!Number.isFinite(percent)) return "–";
+  return percent > 99 ? "over 99 %" : percent < 1 ? "under 1 %" : `${percent} %`;
+}
+
 const local = options => new Intl.DateTimeFormat(undefined, options);
 const DAY = local({ year: "numeric", month: "short", day: "numeric" });
 const DAY_AND_TIME = local({ year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });

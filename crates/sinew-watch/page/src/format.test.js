@@ -1,7 +1,7 @@
 // node --test: the same cases as crates/sinew-files/src/number.rs.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { count, plusMinus, rounded, span } from "./format.js";
+import { chance, count, plusMinus, rounded, span } from "./format.js";
 
 test("a value shows two digits of its interval", () => {
   const of = (mean, deviation) => plusMinus({ mean, deviation });
@@ -12,6 +12,10 @@ test("a value shows two digits of its interval", () => {
   assert.equal(plusMinus({ mean: 0.0100234, deviation: 0.0001321 }, 1e3), "10.02 ± 0.26");
   assert.equal(rounded(0.25678, 2), "0.26");
   assert.equal(rounded(NaN, 2), "–");
+});
+
+test("a probability never is a certainty", () => {
+  assert.deepEqual([1, 0.996, 0.4251, 0.001, 0, NaN].map(chance), ["over 99 %", "over 99 %", "43 %", "under 1 %", "under 1 %", "–"]);
 });
 
 test("spans and counts", () => {

@@ -2,6 +2,7 @@
 import { render } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Alarms } from "./alarms.jsx";
+import { Due } from "./due.jsx";
 import { Fleet } from "./fleet.jsx";
 import { time } from "./format.js";
 import { Journal } from "./journal.jsx";
@@ -63,6 +64,7 @@ function Nav({ here, live }) {
     <nav aria-label="pages">
       <a class="brand" href="/">Sinew watch</a>
       {link("/", "Robots", ["", "r"])}
+      {link("/due", "Due", ["due"])}
       {link("/alarms", <>Alarms{alarms > 0 && <b class="count" title="not acknowledged">{alarms}</b>}</>, ["alarms"])}
       {link("/journal", "Journal", ["journal"])}
       <Pulse live={live} />
@@ -111,6 +113,7 @@ function App() {
   if (page === undefined) content = <Fleet live={live} />;
   else if (page === "r" && rest.length === 1) content = <Robot key={robot} name={robot} live={live} />;
   else if (page === "r" && rest.length === 2) content = <Tendon key={rest.join("/")} robot={robot} joint={rest[1]} live={live} />;
+  else if (page === "due") content = <Due live={live} />;
   else if (page === "alarms") content = <Alarms live={live} />;
   else if (page === "journal") content = <Journal live={live} robot={rest[0]} />;
   else content = <h1 tabindex="-1">There is no such page</h1>;

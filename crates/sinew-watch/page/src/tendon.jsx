@@ -4,7 +4,7 @@ import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
 import { get } from "./api.js";
 import { Chart } from "./chart.jsx";
-import { day, dayAndTime, plusMinus, rounded, utc } from "./format.js";
+import { chance, day, dayAndTime, plusMinus, rounded, utc } from "./format.js";
 import { whyNoOffset, whyNot } from "./robot.jsx";
 import { CLASSES, Sign } from "./signs.jsx";
 
@@ -17,7 +17,7 @@ const days = s => `${Math.max(0, Math.round(s / 86400))} days`;
 // The day a limit is passed, with its interval.
 function passage(limit, last_utc_s) {
   const on = s => day(last_utc_s + s);
-  if (limit.state === "passed") return `passed (${rounded(100 * limit.passed_probability, 2)} % sure)`;
+  if (limit.state === "passed") return `passed, ${chance(limit.passed_probability)} sure`;
   if (limit.state === "forecast") {
     const to = limit.after_high_s === null ? "perhaps never" : `to ${on(limit.after_high_s)}`;
     return `${on(limit.after_s)}, in ${days(limit.after_s)}; 95 %: ${on(limit.after_low_s)} ${to}`;
@@ -27,8 +27,8 @@ function passage(limit, last_utc_s) {
   return "too few sessions to tell";
 }
 
-const limitName = limit => limit.kind === "retension"
-  ? `tension again at ${rounded(1e3 * limit.elongation_m, 3)} mm` : `replace at ${rounded(100 * limit.strain_ratio, 3)} % strain`;
+export const limitName = limit => limit.kind === "retension"
+  ? `tension again at ${rounded(1e3 * limit.elongation_m, 3)}\u00a0mm` : `replace at ${rounded(100 * limit.strain_ratio, 3)}\u00a0% strain`;
 const CAUSES = { "strand-failure": "a strand has failed: it is softer too", slip: "rope, clamp or encoder slipped: it is as stiff as before", unknown: "a strand failed or something slipped" };
 const eventName = event => event.kind === "tensioned"
   ? (event.stated ? "tensioned" : "the offset fell: tensioned, and nobody said so?") : `jumped: ${CAUSES[event.cause]}`;
