@@ -1,11 +1,15 @@
 //! What is due: the screen rules out no tendon that the whole trend would list, dates hold against the truth, and a question that goes on
 //! from the last one says what one from nothing says.
 
-use crate::support::{change, cut, fleet, numbers, open, session, source, write};
+use crate::support::{change, cut, fleet, numbers, open, repository, session, source, write};
 use datafusion::arrow::array::{ArrayRef, AsArray as _, Float64Array, RecordBatch};
+use sinew_estimate::robot_dir;
 use sinew_fleet::FleetError;
 use sinew_fleet::args::Due;
 use sinew_fleet::due::{DueList, StateUnused, due};
+use sinew_rope::Catalogue;
+use sinew_watch_core::due::DueList as MonitorsList;
+use sinew_watch_core::{History, Instant, Monitor, MonitorConfig, Record, RobotSnapshot, Stored};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -226,4 +230,86 @@ fn a_damaged_or_older_file_of_trends_is_no_reason_for_another_answer() {
         std::fs::read_to_string(&other).unwrap(),
         "tension arm 7 on Friday\n"
     );
+}
+
+/// What a monitor says that finds these records in its store.
+fn watched(records: &[Record]) -> RobotSnapshot {
+    let robot = robot_dir::load(&repository("robots/biorob-like"), None).unwrap();
+    let catalogue = Arc::new(Catalogue::shipped().unwrap());
+    let last = records.last().unwrap();
+    let config = MonitorConfig::new(&last.robot, "test", Arc::new(robot.robot), catalogue);
+    let mut history = History::default();
+    for record in records {
+        history.push(record);
+    }
+    let stored = Stored {
+        history,
+        ..Stored::default()
+    };
+    let now = Instant {
+        monotonic_ns: 0,
+        utc_ns: (1e9 * last.time_utc_s) as i64,
+    };
+    let mut monitor = Monitor::new(config, stored, now).unwrap();
+    monitor.tick(now);
+    while let Some(job) = monitor.job() {
+        monitor.done(job.run(), now);
+    }
+    monitor.snapshot(now)
+}
+
+#[test]
+fn a_monitor_s_list_of_the_same_records_says_the_same() {
+    let life = |robot: &str, from_mrad: f64, daily_mrad: f64| -> Vec<Record> {
+        let of_day = |day: u32| Record {
+            robot_type: "biorob-like".into(),
+            offset_rad: Some(1e-3 * (from_mrad + daily_mrad * f64::from(day))),
+            ..session(robot, "elbow", day)
+        };
+        (0..40).map(of_day).collect()
+    };
+    // Their limit is 20 mrad.
+    let lives = [
+        life("far", 14.0, 0.4),
+        life("never", 2.0, 0.01),
+        life("soon", 15.0, 0.1),
+        life("sooner", 16.0, 0.09),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("records/a.parquet"), &lives.concat());
+    let asked = Due {
+        robots: vec![repository("robots/biorob-like")],
+        ..asked(folder.path(), true)
+    };
+    let list = due(&mut open(folder.path()), &asked).unwrap();
+    let robots = lives.map(|records| watched(&records));
+    let monitors = MonitorsList::of(&robots, list.now_utc_s, 30.0 * 86_400.0);
+    let found: Vec<_> = list.due(30.0).collect();
+    let names: Vec<&str> = found.iter().map(|f| f.robot.as_str()).collect();
+    assert_eq!(names, ["far", "sooner", "soon"]);
+    assert_eq!(
+        names,
+        monitors
+            .due
+            .iter()
+            .map(|row| row.robot.as_str())
+            .collect::<Vec<_>>()
+    );
+    for (followed, row) in found.iter().zip(&monitors.due) {
+        let worst = followed.worst().unwrap();
+        assert_eq!((worst.limit, worst.state), (row.limit, row.state));
+        assert_eq!(
+            (followed.offset_rad, followed.verdict),
+            (row.offset_rad, row.verdict)
+        );
+        // Paths are drawn anew, as the fleet's list looks a year ahead and the monitor's three; an interval's end rests on fifty of them.
+        let [median, low, high] = worst.at_utc_s.map(Option::unwrap);
+        let apart = |here: f64, there: Option<f64>, share: f64| {
+            let apart_s = (here - there.unwrap()).abs();
+            assert!(apart_s <= share * (high - low), "{followed:?}: {row:?}");
+        };
+        apart(median, row.at_utc_s, 0.05);
+        apart(low, row.at_low_utc_s, 0.2);
+        apart(high, row.at_high_utc_s, 0.2);
+    }
 }
