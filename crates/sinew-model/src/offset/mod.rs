@@ -52,7 +52,7 @@ pub use features::FeatureObserver;
 pub use lag::lag_s;
 pub use observer::{OffsetObserver, Sample};
 pub use parameter::JointParameter;
-pub use prior::{JointPrior, PointMass, Prior};
+pub use prior::{JointPrior, PayloadRange, Prior};
 pub use recursive::RecursiveOffsets;
 pub use shared_error::{SharedError, shared_errors};
 pub use state_entry::StateEntry;

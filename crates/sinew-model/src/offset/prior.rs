@@ -2,6 +2,7 @@
 
 use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use super::block::Block;
+use super::equations::payload::point_mass;
 use super::layout::Layout;
 use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
 use super::state_entry::StateEntry;
@@ -63,33 +64,13 @@ impl JointPrior {
     }
 }
 
-/// What a gripper holds, as a point.
+/// What the gripper may hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointMass {
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Where, in the frame of the body that carries it, m.
-    pub at_m: [f64; 3],
-}
-
-impl PointMass {
-    /// Its inertial parameters, in the order of the regressor: mass, moments, and inertia about the frame's origin.
-    fn inertial_parameters(self) -> [f64; PARAMETERS_PER_BODY] {
-        let Self {
-            mass_kg: m,
-            at_m: [x, y, z],
-        } = self;
-        let inertia = [
-            m * (y * y + z * z),
-            -m * x * y,
-            -m * x * z,
-            m * (x * x + z * z),
-            -m * y * z,
-            m * (x * x + y * y),
-        ];
-        let [xx, xy, xz, yy, yz, zz] = inertia;
-        [m, m * x, m * y, m * z, xx, xy, xz, yy, yz, zz]
-    }
+pub struct PayloadRange {
+    /// Least and largest mass, kg.
+    pub mass_kg: [f64; 2],
+    /// Largest moment about where it is expected, along every axis of the body that carries it, kg·m.
+    pub moment_kg_m: f64,
 }
 
 /// What half a dead zone may be before anything is known, rad.
@@ -200,65 +181,69 @@ impl Prior {
         StateEntry::of(self.layout(), k)
     }
 
-    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for with the described masses and stiffness and what the
-    /// gripper holds, friction and contact aside: `Φ_i z / K`, one per block, rad. Empty for a rigid joint. Allocates.
-    pub fn described_deflections_rad(
-        &self,
-        blocks: &[Block],
-        i: usize,
-        held: PointMass,
-    ) -> Vec<f64> {
+    /// Deflection of elastic joint `i`'s spring that motion and gravity ask for, friction and contact aside, one row per block, rad:
+    /// `Φ_i z / K` with the described masses and stiffness and an empty gripper, then what a kilogram where a payload is expected adds to
+    /// it, and a moment of 1 kg·m beside that place along each axis of the body. Empty for a rigid joint. Allocates.
+    pub fn described_deflections_rad(&self, blocks: &[Block], i: usize) -> Vec<[f64; 1 + PAYLOAD]> {
         let Some(joint) = self.joints.get(i).and_then(Option::as_ref) else {
             return Vec::new();
         };
-        let mut inertial = self.inertial.clone();
-        let carrier = self.payload_body * PARAMETERS_PER_BODY;
-        let own = inertial.iter_mut().skip(carrier);
-        for (to, more) in own.zip(held.inertial_parameters()) {
-            *to += more;
-        }
-        let z = self.base.of(&inertial);
-        let row = i * z.len()..(i + 1) * z.len();
-        let load = |block: &Block| match block.phi.get(row.clone()) {
-            Some(phi) => crate::cholesky::dot(phi, &z),
-            None => f64::NAN,
+        let moved = |axis: usize, by_m: f64| {
+            let mut at = self.payload_at;
+            at[axis] += by_m;
+            point_mass(at)
         };
-        let blocks = blocks.iter();
-        blocks
-            .map(|block| load(block) / joint.stiffness_nm_per_rad)
-            .collect()
+        let moments = [0, 1, 2].map(|axis| {
+            let ends = [1.0, -1.0].map(|by_m| self.on_payload_body(moved(axis, by_m)));
+            let [further, nearer] = ends.map(|inertial| self.base.of(&inertial));
+            let pairs = further.iter().zip(&nearer);
+            pairs.map(|(a, b)| 0.5 * (a - b)).collect::<Vec<f64>>()
+        });
+        let described = self.base.of(&self.inertial);
+        let mass = self
+            .base
+            .of(&self.on_payload_body(point_mass(self.payload_at)));
+        let [x, y, z] = moments;
+        let columns = [described, mass, x, y, z];
+        let of_block = |block: &Block| {
+            columns.each_ref().map(|column| {
+                let row = block.phi.get(i * column.len()..(i + 1) * column.len());
+                let torque = row.map_or(f64::NAN, |phi| crate::cholesky::dot(phi, column));
+                torque / joint.stiffness_nm_per_rad
+            })
+        };
+        blocks.iter().map(of_block).collect()
     }
 
-    /// What the gripper may hold: nothing first, then what is believed, two deviations off in mass and in place along each axis.
-    /// Allocates.
-    pub fn payload_range(&self, payload: Payload) -> Vec<PointMass> {
-        const FAR: f64 = 2.0;
-        let none = PointMass {
-            mass_kg: 0.0,
-            at_m: self.payload_at,
-        };
-        let [mass, ..] = self.payload_belief(payload);
-        let reach_m = FAR * self.tolerances.payload_reach_m;
-        let masses = match payload {
-            Payload::Empty => return alloc::vec![none],
-            Payload::Unknown => alloc::vec![mass.mean, mass.mean + FAR * mass.deviation],
-            Payload::Known { .. } => {
-                let off = FAR * mass.deviation;
-                alloc::vec![mass.mean - off, mass.mean + off]
-            }
-        };
-        let mut range = alloc::vec![none];
-        for mass_kg in masses.into_iter().map(|m| m.max(0.0)) {
-            range.push(PointMass { mass_kg, ..none });
-            for axis in 0..3 {
-                for off_m in [-reach_m, reach_m] {
-                    let mut at_m = self.payload_at;
-                    at_m[axis] += off_m;
-                    range.push(PointMass { mass_kg, at_m });
-                }
-            }
+    /// Inertial parameters of all bodies of which only the payload's has any.
+    fn on_payload_body(&self, own: [f64; PARAMETERS_PER_BODY]) -> Vec<f64> {
+        let mut inertial = alloc::vec![0.0; self.inertial.len()];
+        let body = inertial
+            .iter_mut()
+            .skip(self.payload_body * PARAMETERS_PER_BODY);
+        for (to, from) in body.zip(own) {
+            *to = from;
         }
-        range
+        inertial
+    }
+
+    /// What the gripper may hold: what is believed, two deviations off in mass and five in place, as of a tool held by its end. `None`:
+    /// nothing.
+    pub fn payload_range(&self, payload: Payload) -> Option<PayloadRange> {
+        const FAR: f64 = 2.0;
+        const FAR_OUT: f64 = 5.0;
+        let [mass, ..] = self.payload_belief(payload);
+        let off_kg = FAR * mass.deviation;
+        let least_kg = match payload {
+            Payload::Empty => return None,
+            Payload::Unknown => 0.0,
+            Payload::Known { .. } => (mass.mean - off_kg).max(0.0),
+        };
+        let most_kg = (mass.mean + off_kg).max(least_kg);
+        Some(PayloadRange {
+            mass_kg: [least_kg, most_kg],
+            moment_kg_m: most_kg * FAR_OUT * self.tolerances.payload_reach_m,
+        })
     }
 
     /// What is believed before any recording; every offset `0 ± offset_deviation_rad`.

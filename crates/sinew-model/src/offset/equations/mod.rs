@@ -10,6 +10,6 @@ pub(crate) mod estimation_model;
 pub(crate) mod gram;
 pub(crate) mod linearise;
 pub(crate) mod measured;
-mod payload;
+pub(crate) mod payload;
 pub(crate) mod reduced_model;
 pub(crate) mod robust;

@@ -6,6 +6,20 @@ use crate::offset::parameter::PAYLOAD;
 /// Nothing is held further from where it is expected, m.
 const FAR_M: f64 = 0.1;
 
+/// Inertial parameters of a kilogram at a point, in the order of the regressor.
+pub(crate) fn point_mass([x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {
+    let inertia = [
+        y * y + z * z,
+        -x * y,
+        -x * z,
+        x * x + z * z,
+        -y * z,
+        x * x + y * y,
+    ];
+    let [xx, xy, xz, yy, yz, zz] = inertia;
+    [1.0, x, y, z, xx, xy, xz, yy, yz, zz]
+}
+
 /// What the gripper holds: mass and moments about where it is expected.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HeldPayload {
@@ -96,25 +110,6 @@ mod tests {
         PayloadTorque::new(body, a).torque(&HeldPayload::new(held))
     }
 
-    /// Inertial parameters of a point mass in the order of the regressor.
-    fn point(m: f64, [x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {
-        let moments = [m, m * x, m * y, m * z];
-        let inertia = [
-            y * y + z * z,
-            -x * y,
-            -x * z,
-            x * x + z * z,
-            -y * z,
-            x * x + y * y,
-        ];
-        core::array::from_fn(|k| {
-            moments
-                .get(k)
-                .copied()
-                .unwrap_or_else(|| m * inertia[k - 4])
-        })
-    }
-
     #[test]
     fn a_payload_weighs_as_a_point_mass_where_it_is() {
         let body: [f64; PARAMETERS_PER_BODY] =
@@ -128,8 +123,8 @@ mod tests {
         ] {
             let state = [m, m * e[0], m * e[1], m * e[2]];
             let (torque, slope) = payload_torque(&body, at, state);
-            let there = point(m, core::array::from_fn(|k| at[k] + e[k]));
-            let expected: f64 = body.iter().zip(there).map(|(phi, pi)| phi * pi).sum();
+            let there = point_mass(core::array::from_fn(|k| at[k] + e[k]));
+            let expected: f64 = body.iter().zip(there).map(|(phi, pi)| phi * m * pi).sum();
             assert!((torque - expected).abs() < 1e-14, "{torque} {expected}");
             if m == 0.0 {
                 continue;
