@@ -6,10 +6,10 @@ use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::robot_dir;
-use sinew_eval::control::{self, Simulated};
+use sinew_eval::control::{self, Comparison, Simulated};
 use sinew_files::JsonDocument as _;
 use sinew_log::Compression;
-use sinew_sim::{Scenario, SimulateOptions, truth_path};
+use sinew_sim::{Scenario, SimulateOptions, Summary, truth_path};
 use std::path::{Path, PathBuf};
 
 /// Make a recording of a joint-elastic arm whose tendons stretch
@@ -65,24 +65,7 @@ impl Simulate {
             ("its truth", Some(&truth)),
         ];
         check_outputs(&outputs, &inputs, self.quiet)?;
-        let name = self.scenario.display().to_string();
-        let mut scenario = Scenario::open(&self.scenario)?;
-        if let Some(seed) = self.seed {
-            scenario.seed = seed;
-        }
-        if self.duration.is_some() {
-            scenario.duration_s = self.duration;
-        }
-        let beside = self.scenario.parent().unwrap_or(Path::new(""));
-        let folder = match (&self.robot, &scenario.robot) {
-            (Some(folder), _) => folder.clone(),
-            (None, Some(named)) => beside.join(named),
-            (None, None) => {
-                return Err(Failure::Refused(format!(
-                    "{name} names no robot; name its folder with --robot DIR"
-                )));
-            }
-        };
+        let (scenario, folder) = self.opened()?;
         let loaded = robot_dir::load(&folder, None)?;
         if !self.quiet {
             for warning in &loaded.robot.warnings {
@@ -103,6 +86,34 @@ impl Simulate {
         });
         drop(bar);
         let summary = summary?;
+        self.show(summary, comparison)?;
+        Ok(Finish::Complete)
+    }
+
+    /// What is simulated, and the folder of its robot.
+    fn opened(&self) -> Result<(Scenario, PathBuf), Failure> {
+        let name = self.scenario.display().to_string();
+        let mut scenario = Scenario::open(&self.scenario)?;
+        if let Some(seed) = self.seed {
+            scenario.seed = seed;
+        }
+        if self.duration.is_some() {
+            scenario.duration_s = self.duration;
+        }
+        let beside = self.scenario.parent().unwrap_or(Path::new(""));
+        let folder = match (&self.robot, &scenario.robot) {
+            (Some(folder), _) => folder.clone(),
+            (None, Some(named)) => beside.join(named),
+            (None, None) => {
+                return Err(Failure::Refused(format!(
+                    "{name} names no robot; name its folder with --robot DIR"
+                )));
+            }
+        };
+        Ok((scenario, folder))
+    }
+
+    fn show(&self, summary: Summary, comparison: Option<Comparison>) -> Result<(), Failure> {
         if self.json {
             let document = Simulated {
                 truth: summary.truth,
@@ -122,6 +133,6 @@ impl Simulate {
                 summary.truth_file.display(),
             ))?;
         }
-        Ok(Finish::Complete)
+        Ok(())
     }
 }
