@@ -17,8 +17,7 @@ pub struct SessionOptions {
     pub motor_current: bool,
     /// Temperature during the recording, °C, where it is stated instead of recorded.
     pub temperature_c: Option<Gaussian>,
-    /// A constant force from outside at the tool, along the axes of the base, N, where it is stated. The recursive form
-    /// knows none.
+    /// A constant force from outside at the tool, along the axes of the base, N, where it is stated.
     pub external_force_n: Option<[Gaussian; 3]>,
 }
 

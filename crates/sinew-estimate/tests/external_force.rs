@@ -1,8 +1,9 @@
 //! A constant force from outside that pulls at the tool since the baseline.
 
-use crate::support::{least, sessions, watching};
+use crate::support::{least, seeds, sessions, watching};
 use sinew_estimate::session::{
-    Learning, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded, learn_recorded,
+    Learning, LiveCourse, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded,
+    learn_recorded, replay_live,
 };
 use sinew_eval::scenarios::Plan;
 use sinew_model::Gaussian;
@@ -118,6 +119,56 @@ fn without_a_force_everything_reads_as_if_none_were_looked_for() {
         assert_eq!(said.external_force, None);
         assert_eq!(said.joints, blind.joints, "{name}");
     }
+}
+
+/// Block by block, as beside a running robot: the force is found, and is in no offset.
+#[test]
+fn a_hose_that_pulls_is_no_stretch_block_by_block() {
+    let pulls = [
+        ("force-lateral", [0.0, 1.0, 0.0]),
+        ("force-radial", [1.0, 0.0, 0.0]),
+    ];
+    let (mut inside, mut count, mut blind_inside) = (0_u32, 0_u32, 0_u32);
+    for (name, truth_n) in pulls {
+        for seed in 4100..4100 + seeds(3) {
+            let case = Case::new(name, seed);
+            let course = |possible_n: f64| {
+                let mut robot = case.plan.robot.clone();
+                robot.tolerances.external_force_n = possible_n;
+                let [a, b] = &case.sessions;
+                let (baseline, _) = learn_recorded(&robot, a, "a", &Learning::default()).unwrap();
+                let options = watching(&case.plan);
+                replay_live(&robot, &b.blocks, Some((&baseline, "a")), &options).unwrap()
+            };
+            let is_inside = |course: &LiveCourse| {
+                let pairs = course.joints.iter().zip(&case.truth_mrad);
+                let inside = pairs.filter(|(joint, truth)| {
+                    let error = 1e3 * joint.offset_rad.mean - *truth;
+                    error.abs() < 1e3 * joint.offset_rad.half_width_95()
+                });
+                inside.count() as u32
+            };
+            let (found, blind) = (course(2.0), course(0.0));
+            assert_eq!(blind.external_force, None);
+            blind_inside += is_inside(&blind);
+            let force = found.external_force.unwrap();
+            println!("{name} {seed}: {} inside, {force:?}", is_inside(&found));
+            inside += is_inside(&found);
+            count += found.joints.len() as u32;
+            if found.in_doubt {
+                continue;
+            }
+            assert!(force.probability > 0.99, "{name} {seed}: {force:?}");
+            for (found, truth) in force.force_n.iter().zip(truth_n) {
+                let off = (found.mean - truth).abs();
+                assert!(off < 3.5 * found.deviation, "{found:?} {truth}");
+            }
+        }
+    }
+    println!("{inside} of {count} inside, {blind_inside} where none is looked for");
+    let least = least(0.95, f64::from(count));
+    assert!(f64::from(inside) >= least, "{inside} of {count}");
+    assert!(f64::from(blind_inside) < least, "{blind_inside}");
 }
 
 /// One that may act and doesn't costs little.

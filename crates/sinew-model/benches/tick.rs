@@ -11,8 +11,8 @@ mod own_models;
 use sinew_model::arm::Arm;
 use sinew_model::arm::urdf;
 use sinew_model::offset::{
-    FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig, OffsetObserver, Payload, Prior,
-    RecursiveOffsets, Sample, UNKNOWN_OFFSET_RAD,
+    ExternalForce, FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig, OffsetObserver,
+    Payload, Prior, RecursiveOffsets, Sample, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::tolerances::Tolerances;
 use sinew_model::transmission::Transmission;
@@ -117,7 +117,10 @@ fn filter(n: usize, arm: &Arm) -> RecursiveOffsets {
     };
     let prior = Prior::new(arm, &transmissions, n - 1, [0.0; 3], tolerances);
     let start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-    let estimator = MapEstimator::new(prior, &FeatureConfig::default());
+    // As of a robot whose robot.toml says nothing of forces.
+    let force = ExternalForce::possible(tolerances.external_force_n);
+    let estimator =
+        MapEstimator::new(prior, &FeatureConfig::default()).with_external_force(arm, force);
     RecursiveOffsets::new(estimator, start).expect("a prior")
 }
 

@@ -15,8 +15,9 @@ use sinew_model::correction::{
 };
 use sinew_model::observer::MomentumObserver;
 use sinew_model::offset::{
-    Comparison, FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig, OffsetObserver,
-    Payload, Prior, RecursiveOffsets, Sample, TorqueSource, UNKNOWN_OFFSET_RAD, VelocityFilter,
+    Comparison, ExternalForce, FeatureConfig, FeatureObserver, MapEstimator, OffsetConfig,
+    OffsetObserver, Payload, Prior, RecursiveOffsets, Sample, TorqueSource, UNKNOWN_OFFSET_RAD,
+    VelocityFilter,
 };
 use sinew_model::tolerances::Tolerances;
 use sinew_model::transmission::Transmission;
@@ -222,7 +223,8 @@ fn features_and_the_recursive_estimate_allocate_nothing() {
     let config = FeatureConfig::default();
     let prior = Prior::new(&arm, &transmissions, n - 1, [0.0; 3], Tolerances::default());
     let start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
-    let estimator = MapEstimator::new(prior, &config);
+    let estimator =
+        MapEstimator::new(prior, &config).with_external_force(&arm, ExternalForce::possible(2.0));
     let mut filter = RecursiveOffsets::new(estimator, start).unwrap();
     let mut features = FeatureObserver::new(&arm, config);
     let (mut q, mut dq) = (vec![0.0; n], vec![0.0; n]);

@@ -5,7 +5,7 @@ use super::session_sentences::session_sentences;
 use super::shown::{MRAD_PER_PERCENT, or_nan};
 use super::text::{paragraph, plain, table};
 use super::units::{Units, in_units, name_in_table, of_heads};
-use super::words::{loss_reason, plus_minus, plus_minus_cells};
+use super::words::{loss_reason, newtons, plus_minus, plus_minus_cells};
 use sinew_estimate::baseline::MergeSummary;
 use sinew_estimate::replay::{Estimate, JointEstimate, Loss};
 use sinew_estimate::session::{LiveCourse, SessionEstimate, TendonEstimate, Verdict};
@@ -234,6 +234,14 @@ fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
     out += &in_units_of(&head, heads, rows.collect());
     out.push('\n');
     out += &words(&doubts(course));
+    let force = course.external_force.as_ref();
+    out.extend(force.filter(|f| f.is_worth_a_word()).map(|force| {
+        words(&format!(
+            "A constant force from outside acts ({:.0} % likely): {} N along x, y and z of the base",
+            100.0 * force.probability,
+            newtons(force.force_n)
+        ))
+    }));
     let apart = (course.joints.iter().zip(&session.joints)).filter(|(now, joint)| {
         // By motion alone, as it reads no stop and no mark.
         let batch = (joint.anchored.as_ref()).map_or(joint.offset_rad, |a| a.by_motion_rad);
@@ -246,7 +254,7 @@ fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
     let apart: Vec<String> = apart.map(|(now, _)| now.name.clone()).collect();
     if !apart.is_empty() {
         out += &words(&format!(
-            "At {} it contradicts the estimate above. Believe that: this form knows no constant force from outside, and sees no later data",
+            "At {} it contradicts the estimate above. Believe that: this form sees no later data",
             names::list(&apart)
         ));
     }

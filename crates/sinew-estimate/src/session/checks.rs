@@ -18,8 +18,6 @@ const LIGHTER: f64 = 2.0;
 const MUCH: f64 = 0.35;
 /// Creep that is no likelier than this isn't worth a word.
 const CREEPS: f64 = 0.3;
-/// A force from outside that is no likelier than this isn't worth a word.
-const ACTS: f64 = 0.3;
 /// A change of stiffness that is no likelier than this isn't worth a word: 0.23 is believed before the
 /// data is seen.
 const LIKELY: f64 = 0.3;
@@ -54,7 +52,7 @@ pub(super) fn warnings(
     }
     out.extend(joints.iter().filter_map(|j| creeps(j, recorded.duration_s)));
     // What its owner stated is no news to him.
-    let force = (estimate.external_force).filter(|f| f.probability > ACTS && !f.is_stated);
+    let force = (estimate.external_force).filter(|f| f.is_worth_a_word() && !f.is_stated);
     out.extend(force.map(|force| Warning::ExternalForce {
         probability: force.probability,
         force_n: force.force_n,

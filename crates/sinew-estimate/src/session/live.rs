@@ -87,6 +87,7 @@ pub fn replay_live(
     let elastic: Vec<usize> = elastic.collect();
     let mut out = LiveCourse {
         joints: Vec::new(),
+        external_force: None,
         in_doubt: filter.is_provisional(),
         doubts: Vec::new(),
         blocks: Vec::with_capacity(blocks.len()),
@@ -119,6 +120,7 @@ pub fn replay_live(
             stiffness_changed_probability: baseline.map(|_| filter.stiffness_changed(i)),
         })
         .collect();
+    out.external_force = filter.external_force();
     Ok(out)
 }
 

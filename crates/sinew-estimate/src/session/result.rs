@@ -301,6 +301,9 @@ pub struct BlockEstimate {
 pub struct LiveCourse {
     /// One entry per elastic joint, at the end of the recording.
     pub joints: Vec<LiveTendon>,
+    /// A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub external_force: Option<ForceEstimate>,
     /// Whether the offsets are in doubt at the end.
     pub in_doubt: bool,
     /// When they were: the first half minute, contacts, slips that had not settled.

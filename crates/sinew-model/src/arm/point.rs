@@ -76,6 +76,9 @@ impl Arm {
     ///
     /// # Errors
     /// [`StepError::Length`], [`StepError::NotFinite`].
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(depth) for every point.
     pub(crate) fn torques_per_newton(
         &self,
         ws: &mut ArmWorkspace,
@@ -90,13 +93,16 @@ impl Arm {
         }
         let base_from_joint = self.joint_pose(ws, q, body)?;
         out.fill([0.0; 3]);
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for (point, out) in points.iter().zip(out.chunks_exact_mut(n)) {
-            for axis in 0..3 {
-                let mut force = [0.0; 3];
-                force[axis] = 1.0;
-                let force = rotate_back(&base_from_joint.rotation, force);
+            for (axis, along) in axes.into_iter().enumerate() {
+                let force = rotate_back(&base_from_joint.rotation, along);
                 let moment = cross(*point, force);
-                self.each_carries(ws, body, (moment, force), |i, torque| out[i][axis] = torque);
+                self.each_carries(ws, body, (moment, force), |i, torque| {
+                    if let Some(to) = out.get_mut(i).and_then(|own| own.get_mut(axis)) {
+                        *to = torque;
+                    }
+                });
             }
         }
         Ok(())
@@ -110,19 +116,19 @@ impl Arm {
         (mut moment, mut force): (Vec3, Vec3),
         mut torque: impl FnMut(usize, f64),
     ) {
-        loop {
-            let own = &self.joints[joint];
+        while let Some(own) = self.joints.get(joint) {
             let along = match own.kind {
                 JointKind::Revolute => moment[2],
                 JointKind::Prismatic => force[2],
             };
             torque(joint, along);
-            if own.parent_slot == 0 {
+            let (Some(parent), Some(state)) =
+                (own.parent_slot.checked_sub(1), ws.state.get(joint + 1))
+            else {
                 return;
-            }
-            let state = &ws.state[joint + 1];
+            };
             (moment, force) = super::mass_matrix::wrench_in_parent(state, moment, force);
-            joint = own.parent_slot - 1;
+            joint = parent;
         }
     }
 
@@ -141,10 +147,13 @@ impl Arm {
         }
         let mut pose = Pose::IDENTITY;
         let mut slot = joint + 1;
-        while slot > 0 {
-            let j = &self.joints[slot - 1];
-            let state = &mut ws.state[slot];
-            (state.rotation, state.origin) = j.placed(q[slot - 1]);
+        while let Some(i) = slot.checked_sub(1) {
+            let (Some(j), Some(q), Some(state)) =
+                (self.joints.get(i), q.get(i), ws.state.get_mut(slot))
+            else {
+                break;
+            };
+            (state.rotation, state.origin) = j.placed(*q);
             pose = Pose {
                 rotation: mul(&state.rotation, &pose.rotation),
                 translation: add(rotate(&state.rotation, pose.translation), state.origin),

@@ -41,6 +41,14 @@ pub struct ForceEstimate {
     pub force_n: [Gaussian; 3],
 }
 
+impl ForceEstimate {
+    /// Whether it is likely enough to be named: more than 0.3.
+    pub fn is_worth_a_word(&self) -> bool {
+        const ACTS: f64 = 0.3;
+        self.probability > ACTS
+    }
+}
+
 /// Posterior of a change found within a recording: whether it happened, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -11,11 +11,29 @@
 //! low-pass: `LP[J]`, from the positions at the ends of the blocks and a straight line between them.
 
 use super::block::Block;
+use super::mixture::{Occurrence, PriorOdds};
 use super::parameter::FORCE;
 use crate::Gaussian;
 use crate::arm::{Arm, ArmWorkspace};
 use crate::vec3::{Vec3, add};
 use alloc::vec::Vec;
+
+/// Odds that a force acts which nobody stated: a starting guess.
+const ODDS: f64 = 0.05;
+/// An arm is in its place where every joint is within this of it, rad. Contacts for a tenth of the time move joints by up to
+/// 0.5 rad, and further than this for 1 to 5 % of it.
+pub(crate) const PLACE_RAD: f64 = 0.2;
+/// One that is there for such a share of the time says nothing of a force.
+const STANDS: f64 = 0.92;
+/// One that is there for such a share says little: a force further from nothing than so many deviations of what is believed is
+/// none. Contacts and friction made some of 9 to 14 N out of nothing, where 0 ± 2 N were believed.
+const HARDLY_MOVES: f64 = 0.75;
+const FAR: f64 = 4.0;
+
+/// Whether an arm that is in its place for such a share of the time says little of what pulls at it.
+pub(crate) fn hardly_moves(in_its_place: f64) -> bool {
+    in_its_place >= HARDLY_MOVES
+}
 
 /// What is believed of a constant force from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,6 +131,43 @@ impl ForceModel {
         [a, b, c, self.reach_m, self.reach_m, self.reach_m]
     }
 
+    /// Torques per newton at a pose.
+    fn per_newton(&self, ws: &mut ArmWorkspace, q: &[f64], out: &mut [Vec3]) {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let [x, y, z] = axes.map(|axis| add(self.at, axis));
+        let points: [Vec3; POINTS] = [self.at, x, y, z];
+        if (self.arm.torques_per_newton(ws, q, self.body, &points, out)).is_err() {
+            // Blocks have been checked; what is none is hidden by no estimate.
+            out.fill([f64::NAN; 3]);
+        }
+    }
+
+    /// What is believed of one that nobody stated.
+    pub(crate) fn odds(&self) -> PriorOdds {
+        let [deviation, ..] = self.deviations();
+        PriorOdds {
+            deviation,
+            odds: ODDS,
+            occurrence: Occurrence::AsOne,
+        }
+    }
+
+    /// Whether poses can say anything of a force, of an arm that is in its place for such a share of the time. An arm that stands
+    /// in one place says nothing of one: there it is like offsets, masses and what is held. What friction and contacts do to
+    /// it would speak for one. A stated force acts without that.
+    pub(crate) fn is_asked_for(&self, in_its_place: f64) -> bool {
+        self.believed.is_stated || in_its_place < STANDS
+    }
+
+    /// Whether a force that was found may be one, of an arm that is in its place for such a share of the time.
+    ///
+    /// * `force_n`: from what is believed.
+    pub(crate) fn is_credible(&self, force_n: Vec3, in_its_place: f64) -> bool {
+        let far_n = FAR * self.odds().deviation;
+        let is_far = force_n.iter().any(|x| x.abs() > far_n);
+        self.is_asked_for(in_its_place) && !(is_far && hardly_moves(in_its_place))
+    }
+
     /// What it does to every joint in blocks that follow each other, `n` a block.
     ///
     /// * `gain_per_s`: pole of the blocks' low-pass; `block_s`: their length.
@@ -123,48 +178,88 @@ impl ForceModel {
         block_s: f64,
     ) -> Vec<ForceTorque> {
         let n = self.arm.dof();
-        let mut ws = ArmWorkspace::new(&self.arm);
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let [x, y, z] = axes.map(|axis| add(self.at, axis));
-        let points = [self.at, x, y, z];
-        let mut at = |q: &[f64], out: &mut [Vec3]| {
-            let found = (self.arm).torques_per_newton(&mut ws, q, self.body, &points, out);
-            if found.is_err() {
-                // Blocks have been checked; what is none is hidden by no estimate.
-                out.fill([f64::NAN; 3]);
-            }
-        };
-        let zero = || alloc::vec![[0.0; 3]; points.len() * n];
-        let (mut before, mut now, mut passed, mut mean) = (zero(), zero(), zero(), zero());
-        let mut out = Vec::with_capacity(n * blocks.len());
-        let mut last_s = f64::NEG_INFINITY;
-        for block in blocks {
-            at(&block.q, &mut now);
-            let long_s = block.time_s - last_s;
-            if long_s < 1.5 * block_s {
-                let step = Straight::new(gain_per_s, long_s);
-                let pairs = before.as_flattened().iter().zip(now.as_flattened());
-                let to = passed.as_flattened_mut().iter_mut();
-                for ((x, mean), (u0, u1)) in to.zip(mean.as_flattened_mut()).zip(pairs) {
-                    (*x, *mean) = step.of(*x, *u0, *u1);
-                }
-            } else {
-                // What came before isn't known; its mean is.
-                at(&block.turned, &mut mean);
-                passed.copy_from_slice(&mean);
-            }
-            out.extend((0..n).map(|i| {
-                let own = |point: usize| mean[point * n + i];
-                let less = |a: Vec3, b: Vec3| core::array::from_fn(|k| a[k] - b[k]);
-                ForceTorque {
-                    at: own(0).map(|x| -x),
-                    away: [1, 2, 3].map(|point| less(own(0), own(point))),
-                }
-            }));
-            core::mem::swap(&mut before, &mut now);
-            last_s = block.time_s;
+        let mut course = ForceCourse::new(self, gain_per_s, block_s);
+        let mut out = alloc::vec![ForceTorque::default(); n * blocks.len()];
+        for (block, out) in blocks.iter().zip(out.chunks_exact_mut(n.max(1))) {
+            course.follow(self, block, out);
         }
         out
+    }
+}
+
+/// Where the force acts in the body, and a metre further along each of its axes.
+const POINTS: usize = 4;
+
+/// What a force does to the joints, from block to block.
+#[derive(Debug, Clone)]
+pub(crate) struct ForceCourse {
+    gain_per_s: f64,
+    block_s: f64,
+    ws: ArmWorkspace,
+    /// Torques per newton at the end of the block before and of this one, `n` for each of [`POINTS`].
+    before: Vec<Vec3>,
+    now: Vec<Vec3>,
+    /// The same after the low-pass: at the end of the block and in its mean.
+    passed: Vec<Vec3>,
+    mean: Vec<Vec3>,
+    last_s: f64,
+}
+
+impl ForceCourse {
+    /// Before the first block; allocates here only.
+    ///
+    /// * `gain_per_s`: pole of the blocks' low-pass; `block_s`: their length.
+    pub(crate) fn new(model: &ForceModel, gain_per_s: f64, block_s: f64) -> Self {
+        let zero = alloc::vec![[0.0; 3]; POINTS * model.arm.dof()];
+        Self {
+            gain_per_s,
+            block_s,
+            ws: ArmWorkspace::new(&model.arm),
+            before: zero.clone(),
+            now: zero.clone(),
+            passed: zero.clone(),
+            mean: zero,
+            last_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// What the force does to every joint in the block that follows, to `out`.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock. O(n).
+    pub(crate) fn follow(&mut self, model: &ForceModel, block: &Block, out: &mut [ForceTorque]) {
+        model.per_newton(&mut self.ws, &block.q, &mut self.now);
+        let long_s = block.time_s - self.last_s;
+        if long_s < 1.5 * self.block_s {
+            let step = Straight::new(self.gain_per_s, long_s);
+            let pairs = (self.before.as_flattened().iter()).zip(self.now.as_flattened());
+            let to = self.passed.as_flattened_mut().iter_mut();
+            for ((x, mean), (u0, u1)) in to.zip(self.mean.as_flattened_mut()).zip(pairs) {
+                (*x, *mean) = step.of(*x, *u0, *u1);
+            }
+        } else {
+            // What came before isn't known; its mean is.
+            model.per_newton(&mut self.ws, &block.turned, &mut self.mean);
+            for (to, mean) in self.passed.iter_mut().zip(&self.mean) {
+                *to = *mean;
+            }
+        }
+        let n = model.arm.dof();
+        for (i, to) in out.iter_mut().enumerate() {
+            let own = |point: usize| {
+                self.mean
+                    .get(point * n + i)
+                    .copied()
+                    .unwrap_or([f64::NAN; 3])
+            };
+            let less = |[a, b, c]: Vec3, [x, y, z]: Vec3| [a - x, b - y, c - z];
+            *to = ForceTorque {
+                at: own(0).map(|x| -x),
+                away: [1, 2, 3].map(|point| less(own(0), own(point))),
+            };
+        }
+        core::mem::swap(&mut self.before, &mut self.now);
+        self.last_s = block.time_s;
     }
 }
 

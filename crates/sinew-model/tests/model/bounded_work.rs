@@ -3,8 +3,8 @@
 use sinew_model::Gaussian;
 use sinew_model::arm::urdf;
 use sinew_model::offset::{
-    Block, FeatureConfig, FeatureObserver, MapEstimator, Payload, Prior, RecursiveOffsets,
-    UNKNOWN_OFFSET_RAD,
+    Block, ExternalForce, FeatureConfig, FeatureObserver, ForceEstimate, MapEstimator, Payload,
+    Prior, RecursiveOffsets, UNKNOWN_OFFSET_RAD,
 };
 use sinew_model::tolerances::Tolerances;
 use sinew_model::transmission::Transmission;
@@ -26,7 +26,9 @@ fn arm_at_work() -> (RecursiveOffsets, Vec<Block>) {
     let prior = Prior::new(&arm, &transmissions, N - 1, [0.0; 3], Tolerances::default());
     let start = prior.belief(Payload::Unknown, UNKNOWN_OFFSET_RAD);
     let config = FeatureConfig::default();
-    let filter = RecursiveOffsets::new(MapEstimator::new(prior, &config), start).expect("a prior");
+    let estimator =
+        MapEstimator::new(prior, &config).with_external_force(&arm, ExternalForce::possible(2.0));
+    let filter = RecursiveOffsets::new(estimator, start).expect("a prior");
     let mut features = FeatureObserver::new(&arm, config);
     let mut blocks = Vec::new();
     let mut k = 0_u32;
@@ -52,11 +54,12 @@ fn arm_at_work() -> (RecursiveOffsets, Vec<Block>) {
 }
 
 /// All that a filter says.
-fn told(filter: &RecursiveOffsets) -> (Vec<Gaussian>, bool, Vec<f64>) {
+fn told(filter: &RecursiveOffsets) -> (Vec<Gaussian>, bool, Vec<f64>, Option<ForceEstimate>) {
     (
         (0..N).map(|i| filter.offset(i)).collect(),
         filter.is_provisional(),
         (0..N).map(|i| filter.stiffness_changed(i)).collect(),
+        filter.external_force(),
     )
 }
 

@@ -14,30 +14,17 @@ use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::error::MapError;
 use crate::offset::estimate::{ForceEstimate, MapEstimate};
-use crate::offset::mixture::{self, Mixture, Occurrence, PriorOdds};
+use crate::offset::external_force::PLACE_RAD;
+use crate::offset::mixture::{self, Mixture};
 use crate::statistics::upper_median;
 use alloc::vec::Vec;
 
-/// Odds that a force acts which nobody stated: a starting guess.
-const ODDS: f64 = 0.05;
 /// A force that is less likely than this is left out.
 const UNLIKELY: f64 = 0.05;
 /// One that the first step says is less likely than this stays so.
 const SUSPECTED: f64 = 0.03;
-/// An arm is in its place where every joint is within this of its median, rad. Contacts for a tenth of the time move joints by up to
-/// 0.5 rad, and further than this for 1 to 5 % of it.
-const PLACE_RAD: f64 = 0.2;
-/// One that is there for such a share of the time says nothing of a force.
-const STANDS: f64 = 0.92;
-/// One that is there for such a share says little: a force further from nothing than so many deviations of what is believed is
-/// none. Contacts and friction made some of 9 to 14 N out of nothing, where 0 ± 2 N were believed.
-const HARDLY_MOVES: f64 = 0.75;
-const FAR: f64 = 4.0;
 
 /// `found` with a force open, where one is stated or the recording speaks for it.
-///
-/// An arm that stands in one place says nothing of a force: there it is like offsets, masses and what is held. What friction and
-/// contacts do to it would speak for one.
 ///
 /// # Errors
 /// [`MapError`].
@@ -45,7 +32,7 @@ pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution,
     let Some(force) = &problem.model.force else {
         return Ok(found);
     };
-    if !force.believed.is_stated && in_its_place(problem.blocks) >= STANDS {
+    if !force.is_asked_for(in_its_place(problem.blocks)) {
         return Ok(found);
     }
     let known = &found.estimate;
@@ -98,16 +85,14 @@ pub(super) fn is_none(problem: &Problem<'_>, with: &Solution) -> bool {
 fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
     let known = &with.estimate;
     let total = known.state.len();
-    let (Some(first), Some(odds)) = (
+    let (Some(first), Some(force)) = (
         first_column(&known.changes, problem.total(&[])),
-        odds(problem),
+        &problem.model.force,
     ) else {
         return 0.0;
     };
-    let is_far = known.state[first..first + 3]
-        .iter()
-        .any(|force_n| force_n.abs() > FAR * odds.deviation);
-    if is_far && in_its_place(problem.blocks) >= HARDLY_MOVES {
+    let [x, y, z] = [0, 1, 2].map(|k| known.state[first + k]);
+    if !force.is_credible([x, y, z], in_its_place(problem.blocks)) {
         return 0.0;
     }
     let through = [0, 1, 2].map(|k| {
@@ -120,19 +105,8 @@ fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
         .flat_map(|a| through.iter().map(|b| dot(a, b)))
         .collect();
     let mut mixture = Mixture::new(3, 0);
-    mixture.weigh(&known.state[first..first + 3], &own, odds);
+    mixture.weigh(&[x, y, z], &own, force.odds());
     mixture.probability.into_iter().fold(0.0, f64::max)
-}
-
-/// What is believed of a force that nobody stated.
-fn odds(problem: &Problem<'_>) -> Option<PriorOdds> {
-    let force = problem.model.force.as_ref()?;
-    let [deviation, ..] = force.deviations();
-    Some(PriorOdds {
-        deviation,
-        odds: ODDS,
-        occurrence: Occurrence::AsOne,
-    })
 }
 
 /// Where a force is in a state whose changes begin at `first`.
@@ -153,10 +127,9 @@ fn first_column(changes: &[ChangePoint], first: usize) -> Option<usize> {
 /// [`MapError`].
 pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<(), MapError> {
     let prior = &problem.model.prior;
-    let (Some(first), Some(force), Some(odds)) = (
+    let (Some(first), Some(force)) = (
         first_column(&out.changes, prior.dimension()),
         &problem.model.force,
-        odds(problem),
     ) else {
         return Ok(());
     };
@@ -170,7 +143,7 @@ pub(super) fn average(problem: &Problem<'_>, out: &mut MapEstimate) -> Result<()
         1.0
     } else {
         let columns = [first, first + 1, first + 2];
-        let each = mixture::average(&columns, odds, &mut out.state, &mut out.covariance)?;
+        let each = mixture::average(&columns, force.odds(), &mut out.state, &mut out.covariance)?;
         each.into_iter().fold(0.0, f64::max)
     };
     out.force = Some(ForceEstimate {

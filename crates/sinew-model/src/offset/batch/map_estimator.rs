@@ -86,9 +86,8 @@ impl MapEstimator {
         self
     }
 
-    /// What the recursive form shares: it knows nothing of a force from outside.
-    pub(crate) fn into_model(mut self) -> EstimationModel {
-        self.model.force = None;
+    /// What the recursive form shares.
+    pub(crate) fn into_model(self) -> EstimationModel {
         self.model
     }
 

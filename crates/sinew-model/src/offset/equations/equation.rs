@@ -219,8 +219,8 @@ impl Equations {
         }
     }
 
-    /// The changes that have happened by now. Never allocates.
-    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) {
+    /// The changes that have happened by now; returns the column after theirs. Never allocates.
+    pub(crate) fn activate(&mut self, changes: &[ChangePoint], time_s: f64) -> usize {
         self.active.clear();
         let mut column = self.layout.dimension();
         for change in changes {
@@ -233,14 +233,15 @@ impl Equations {
             }
             column += change.kind.columns();
         }
+        column
     }
 
-    /// Offsets creep as well. Never allocates.
-    pub(crate) fn creep(&mut self, creep: Creeping<'_>, time_s: f64) {
+    /// Offsets creep as well, at the rates from column `first` on. Never allocates.
+    pub(crate) fn creep(&mut self, creep: Creeping<'_>, first: usize, time_s: f64) {
         for (k, joint) in creep.joints.iter().enumerate() {
             if self.active.len() < self.active.capacity() {
                 self.active.push(Active {
-                    first: self.layout.dimension() + k,
+                    first: first + k,
                     kind: ChangeKind::Creep(*joint),
                     factor: time_s - creep.at_s,
                 });

@@ -5,8 +5,9 @@ use super::linearise::{Content, Creeping, Linearisation, linearise};
 use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
+use crate::offset::change::ChangePoint;
 use crate::offset::config::FeatureConfig;
-use crate::offset::external_force::ForceModel;
+use crate::offset::external_force::{ForceModel, ForceTorque};
 use crate::offset::prior::Prior;
 
 /// Prior of a robot, and noise and lag of blocks made of its recordings. Batch and recursive form
@@ -50,22 +51,25 @@ impl EstimationModel {
         }
     }
 
-    /// Equations of a block around a state of the reduced model, then the rates of what creeps. Never allocates.
+    /// Equations of a block around a state of the reduced model, then the changes, then the rates of what creeps. Never
+    /// allocates.
+    ///
+    /// * `forces`: what a force from outside does to every joint in this block; nothing where none is looked for.
     pub(crate) fn linearise(
         &self,
-        block: &Block,
+        (block, forces): (&Block, &[ForceTorque]),
         reference_c: f64,
-        creep: Creeping<'_>,
+        (changes, creep): (&[ChangePoint], Creeping<'_>),
         x: &[f64],
         out: &mut Equations,
     ) {
         let joints = (0..self.reduced.layout.joints).map(|i| Measured::of(&self.reduced, block, i));
         let how = Linearisation {
             reference_c,
-            changes: &[],
+            changes,
             creep: Some(creep),
             motor: self.motor_torque,
-            force: None,
+            force: self.force.as_ref().map(|model| (model, forces)),
             content: Content::Rows,
         };
         linearise(&self.reduced, block, joints, &how, x, out);

@@ -69,9 +69,9 @@ pub(crate) fn linearise(
     out: &mut Equations,
 ) {
     out.list.clear();
-    out.activate(how.changes, block.time_s);
+    let rates = out.activate(how.changes, block.time_s);
     if let Some(creep) = how.creep {
-        out.creep(creep, block.time_s);
+        out.creep(creep, rates, block.time_s);
     }
     let reference_c = how.reference_c;
     let common = Common {

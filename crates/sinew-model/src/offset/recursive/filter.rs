@@ -1,9 +1,12 @@
 //! One Kalman filter over blocks, which [`super::RecursiveOffsets`] may run two of.
 
+use super::force::ForceBelief;
+use super::ring::{KeptBlock, SEGMENT};
 use super::robust_noise::ResidualSizes;
-use super::workspace::{Workspace, downdate};
+use super::workspace::{Workspace, bands, downdate};
+use crate::Gaussian;
 use crate::offset::belief::Belief;
-use crate::offset::block::{Block, copy};
+use crate::offset::block::copy;
 use crate::offset::equations::equation::{Equation, Side};
 use crate::offset::equations::estimation_model::EstimationModel;
 use crate::offset::equations::robust::redescending_weight;
@@ -16,6 +19,8 @@ pub(super) struct Filter {
     belief: Belief,
     /// Joints that creep: where their offsets are.
     creeps: Vec<usize>,
+    /// What is known of a force from outside; `None`: none is looked for.
+    force: Option<ForceBelief>,
     /// Time of the last block that came, s; NaN: none has.
     at_s: f64,
     /// Noise of link and motor equations.
@@ -75,6 +80,7 @@ impl Filter {
     /// A filter that remembers what went in of `recent` blocks; allocates here only.
     pub(super) fn new(
         (belief, creeps): (&Belief, &[usize]),
+        force: Option<ForceBelief>,
         noise: &[Vec<f64>; 2],
         recent: usize,
     ) -> Self {
@@ -83,9 +89,10 @@ impl Filter {
             share: 0.0,
             information: alloc::vec![0.0; equations],
         };
-        Self {
+        let mut made = Self {
             belief: belief.clone(),
             creeps: creeps.to_vec(),
+            force,
             at_s: f64::NAN,
             noise: noise.clone(),
             unexplained_rad: noise[0].clone(),
@@ -96,7 +103,9 @@ impl Filter {
             recent: alloc::vec![none; recent],
             reference: belief.mean.clone(),
             residuals: ResidualSizes::new(equations / 2, recent),
-        }
+        };
+        made.settle();
+        made
     }
 
     /// Forgets all; the offsets will be those at `at_s`.
@@ -105,14 +114,21 @@ impl Filter {
         self.expect_noise(noise);
         (self.weight, self.mean_weight) = (1.0, 1.0);
         copy(&mut self.belief.mean, &belief.mean);
+        copy(&mut self.belief.covariance, &belief.covariance);
+        if let Some(force) = &mut self.force {
+            force.restart();
+        }
+        self.settle();
         self.begin_pass(belief);
     }
 
     /// Forgets all but noise, and where the pass before ended.
     pub(super) fn begin_pass(&mut self, belief: &Belief) {
-        copy(&mut self.reference, &self.belief.mean);
+        let point = self.force.as_ref().map(ForceBelief::point);
+        copy(&mut self.reference, point.unwrap_or(&self.belief.mean));
         copy(&mut self.belief.mean, &belief.mean);
         copy(&mut self.belief.covariance, &belief.covariance);
+        self.settle();
         self.residuals.clear();
         self.blocks = 0.0;
         self.mean_innovation.fill(0.0);
@@ -135,6 +151,45 @@ impl Filter {
 
     pub(super) fn belief_mut(&mut self) -> &mut Belief {
         &mut self.belief
+    }
+
+    /// What is known of a force from outside; `None`: none is looked for.
+    pub(super) fn force(&self) -> Option<&ForceBelief> {
+        self.force.as_ref()
+    }
+
+    /// An entry of the posterior that blocks are weighed at.
+    pub(super) fn entry(&self, place: usize) -> Gaussian {
+        match &self.force {
+            Some(force) => force.entry(&self.belief, place),
+            None => self.belief.entry(place),
+        }
+    }
+
+    /// The state that blocks are weighed at.
+    fn point(&self) -> &[f64] {
+        let point = self.force.as_ref().map(ForceBelief::point);
+        point.unwrap_or(&self.belief.mean)
+    }
+
+    /// The belief has changed.
+    fn settle(&mut self) {
+        if let Some(force) = &mut self.force {
+            force.settle(&self.belief);
+        }
+    }
+
+    /// Whether a force acts, by what is known now, of an arm that was in one pose for such a share of the time; `at_once`: all blocks
+    /// of a pass say so.
+    pub(super) fn judge_force(&mut self, model: &EstimationModel, in_one_pose: f64, at_once: bool) {
+        let Some((force, model)) = self.force.as_mut().zip(model.force.as_ref()) else {
+            return;
+        };
+        force.judge(model, &self.belief, in_one_pose);
+        if self.blocks >= SEGMENT as f64 {
+            force.decide(at_once);
+            force.settle(&self.belief);
+        }
     }
 
     /// Noise of link and motor equations.
@@ -204,12 +259,18 @@ impl Filter {
                 }
             }
         }
+        self.settle();
     }
 
     /// Equations of a block around what is known.
-    pub(super) fn linearise(&self, model: &EstimationModel, work: &mut Workspace, block: &Block) {
-        let known = (self.belief.mean.as_slice(), self.at_s);
-        work.linearise(model, block, self.belief.temperature_c, known);
+    pub(super) fn linearise(
+        &self,
+        model: &EstimationModel,
+        work: &mut Workspace,
+        kept: &KeptBlock,
+    ) {
+        let known = (self.point(), self.at_s);
+        work.linearise(model, kept, self.belief.temperature_c, known);
     }
 
     fn scale(&self) -> f64 {
@@ -234,7 +295,8 @@ impl Filter {
         let mut chi = 0.0;
         let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
         for (e, gain) in work.equations.list.iter().zip(gains) {
-            let spread = work.equations.dot(e, gain) + self.variance(e);
+            let of_force = self.force.as_ref().map_or(0.0, |f| f.added_variance(gain));
+            let spread = work.equations.dot(e, gain) - of_force + self.variance(e);
             chi += e.residual * e.residual / spread;
             self.follow_noise(model, e, spread);
             if let (Side::Link, Some(mean)) = (e.side, self.mean_innovation.get_mut(e.joint)) {
@@ -252,11 +314,11 @@ impl Filter {
         &mut self,
         model: &EstimationModel,
         work: &mut Workspace,
-        block: &Block,
+        kept: &KeptBlock,
         scale: f64,
     ) -> f64 {
         let around = (self.reference.as_slice(), self.at_s);
-        work.linearise(model, block, self.belief.temperature_c, around);
+        work.linearise(model, kept, self.belief.temperature_c, around);
         let chi = self.chi(work);
         for e in &work.equations.list {
             // What stands says nothing about noise.
@@ -284,14 +346,14 @@ impl Filter {
         &self,
         model: &EstimationModel,
         work: &mut Workspace,
-        (block, share): (&Block, f64),
+        kept: &KeptBlock,
         cost: &mut f64,
     ) {
-        self.linearise(model, work, block);
+        self.linearise(model, work, kept);
         let chi = self.chi(work);
         let of_all = SCALE * SCALE * chi / (SCALE * SCALE + chi);
         for e in &work.equations.list {
-            *cost += 0.5 * share * (of_all + libm::log(self.variance(e)));
+            *cost += 0.5 * kept.share * (of_all + libm::log(self.variance(e)));
         }
     }
 
@@ -321,14 +383,14 @@ impl Filter {
         &mut self,
         model: &EstimationModel,
         work: &mut Workspace,
-        block: &Block,
+        kept: &KeptBlock,
         slot: usize,
     ) -> Option<f64> {
         let share = self.recent.get(slot)?.share;
         if !(share > 0.0 && self.is_consistent()) {
             return None;
         }
-        self.linearise(model, work, block);
+        self.linearise(model, work, kept);
         let weight = redescending_weight(self.chi(work), SCALE) * share;
         let inside = self.recent.get(slot)?.information.as_slice();
         let mut pairs = work.equations.list.iter().zip(inside);
@@ -339,8 +401,9 @@ impl Filter {
     /// One of the equations at work, projected, goes in with `weight`, less what it went in with before: a scalar
     /// measurement, whose information may be less than nothing. `P` is written once, after the last.
     pub(super) fn insert(&mut self, work: &mut Workspace, slot: usize, k: usize, weight: f64) {
-        /// Nothing can take back more than is known.
+        /// Nothing can take back more than is known, force or none.
         const LEAST: f64 = 0.5;
+        const LEAST_WITH_FORCE: f64 = 0.1;
         let d = self.belief.mean.len().max(1);
         let Workspace {
             equations,
@@ -382,7 +445,9 @@ impl Filter {
         let residual = e.residual - moved;
         let more = information - before;
         let left = 1.0 + more * equations.dot(e, gain);
-        if !(left > LEAST && left.is_finite()) {
+        let of_force = self.force.as_ref().map_or(0.0, |f| f.added_variance(gain));
+        let is_known = left - more * of_force > LEAST && left > LEAST_WITH_FORCE;
+        if !(is_known && left.is_finite()) {
             return;
         }
         *own = more / left;
@@ -398,6 +463,9 @@ impl Filter {
     /// A band of `P` falls by what went in.
     pub(super) fn downdate(&mut self, work: &Workspace, band: usize) {
         downdate(&mut self.belief, (&work.gains, &work.taken), band);
+        if band + 1 == bands(self.belief.mean.len()) {
+            self.settle();
+        }
     }
 
     fn variance(&self, e: &Equation) -> f64 {

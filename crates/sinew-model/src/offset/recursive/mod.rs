@@ -2,9 +2,11 @@
 //!
 //! Reading order: this file, `slices` (what is done with a block, in order), `task` (a filter's part of it), `filter` (one
 //! filter over blocks), `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness`
-//! (the average over lost stiffness).
+//! (the average over lost stiffness), `force` (whether a force from outside acts), `places` (whether the arm works or stands).
 
 mod filter;
+mod force;
+mod places;
 mod ring;
 mod robust_noise;
 mod slices;
@@ -17,16 +19,19 @@ use super::belief::Belief;
 use super::block::{Block, copy};
 use super::equations::estimation_model::EstimationModel;
 use super::error::MapError;
+use super::estimate::ForceEstimate;
+use super::external_force::{ForceModel, hardly_moves};
 use super::misfit::misfit_rad;
 use super::parameter::JointParameter;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
 use filter::Filter;
+use force::{ForceAverage, ForceBelief};
 use ring::{BlockRing, KEPT, SEGMENT};
 use slices::Next;
 use stiffness::StiffnessAverage;
 use task::{Kind, Task};
-use workspace::Workspace;
+use workspace::{Workspace, dimension};
 
 /// Recursive form of [`MapEstimator::solve`]: the same equations, priors and block weights, one
 /// block at a time, with a state that never grows.
@@ -73,6 +78,14 @@ use workspace::Workspace;
 /// offset(t) = offset + rate (t − t_now)
 /// ```
 ///
+/// **Force.** A constant force from outside may act at the tool, where [`MapEstimator::with_external_force`] says so. It is in the
+/// state, and what is told is averaged over whether it acts. While it isn't likely, blocks are weighed and linearised as if there were
+/// none:
+///
+/// ```text
+/// x | 0 = x − P_·f C⁻¹ f,     P | 0 = P − P_·f C⁻¹ P_f·,     C: covariance of the force f
+/// ```
+///
 /// **Bounded work.** [`RecursiveOffsets::step`] does a block's work at once. A fast loop does it in slices:
 /// [`RecursiveOffsets::begin`] takes a block, every [`RecursiveOffsets::advance`] after it does as many slices as it is told,
 /// a slice `O(d²)`. The answers are the same to the last bit, and stay those of the block before until the last slice is
@@ -80,8 +93,8 @@ use workspace::Workspace;
 ///
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, up to thirty times that while
-/// the challenger replays. Keeps 150 blocks, `1200 n (r + 30)` bytes of `r` base parameters, and
-/// five covariances, `40 d²` bytes, beside vectors.
+/// the challenger replays. Keeps 150 blocks, `1200 n (r + 42)` bytes of `r` base parameters, and
+/// six covariances, `48 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     model: EstimationModel,
@@ -89,6 +102,8 @@ pub struct RecursiveOffsets {
     before: Belief,
     /// The same of the reduced model's.
     start: Belief,
+    /// What is known averaged over whether a force acts; `None`: none is looked for.
+    force: Option<ForceAverage>,
     /// Offsets averaged over which stiffness has changed.
     stiffness: StiffnessAverage,
     /// Noise of link and motor equations that a filter starts from.
@@ -114,6 +129,7 @@ pub struct RecursiveOffsets {
     next: Next,
     /// Offsets and whether they are provisional, of the last block that is done with.
     told: Vec<Gaussian>,
+    told_force: Option<ForceEstimate>,
     told_provisional: bool,
 }
 
@@ -156,15 +172,18 @@ impl RecursiveOffsets {
     /// [`MapError::Dimension`] when the belief is of another robot, [`MapError::Prior`] when its
     /// covariance is none.
     pub fn new(estimator: MapEstimator, belief: Belief) -> Result<Self, MapError> {
+        Self::of(estimator.into_model(), belief)
+    }
+
+    fn of(model: EstimationModel, belief: Belief) -> Result<Self, MapError> {
         /// Noise before any innovation, rad: what a good sensor leaves.
         const START_RAD: f64 = 0.5e-3;
-        let model = estimator.into_model();
         belief.check_dimension(model.prior.dimension())?;
         let mut before = belief;
         let (reduced, layout) = (&model.reduced, model.reduced.layout);
         let elastic = (0..layout.joints).filter(|&i| model.prior.is_elastic(i));
         let creeps: Vec<usize> = elastic.collect();
-        let mut start = creeping(reduced.believed(&before), creeps.len());
+        let mut start = opened(&model, reduced.believed(&before), creeps.len());
         let mut stiffness = StiffnessAverage::open(reduced, &mut start, &mut before)?;
         stiffness.average(&start, &start);
         let n = layout.joints;
@@ -174,8 +193,12 @@ impl RecursiveOffsets {
         ];
         let place = |joint: &usize| layout.place(*joint, JointParameter::Offset);
         let offsets: Vec<usize> = creeps.iter().map(place).collect();
-        let filter = Filter::new((&start, &offsets), &start_noise, KEPT);
+        let force = model.force.as_ref();
+        let force = force.map(|force| ForceBelief::new(force, &start, layout.dimension()));
+        let average = force.as_ref().map(|_| ForceAverage::new(&start));
+        let filter = Filter::new((&start, &offsets), force, &start_noise, KEPT);
         let mut made = Self {
+            force: average,
             challenger: filter.clone(),
             incumbent: filter,
             stage: Stage::Idle,
@@ -183,8 +206,8 @@ impl RecursiveOffsets {
             before,
             stiffness,
             start_noise,
-            work: Workspace::new(layout, creeps),
-            ring: BlockRing::new(layout),
+            work: Workspace::new(&model, creeps),
+            ring: BlockRing::new(&model),
             opened: false,
             from: 0,
             added_rad: alloc::vec![0.0; n],
@@ -193,6 +216,7 @@ impl RecursiveOffsets {
             temperature_known: true,
             next: Next::Rest,
             told: alloc::vec![Gaussian::new(f64::NAN, f64::NAN); n],
+            told_force: None,
             told_provisional: true,
             model,
         };
@@ -222,7 +246,7 @@ impl RecursiveOffsets {
         if !known || self.ring.taken() > 0 {
             return;
         }
-        let first = self.model.reduced.layout.dimension();
+        let first = dimension(&self.model, 0);
         let filters = [&mut self.incumbent, &mut self.challenger];
         let beliefs = filters.map(Filter::belief_mut);
         for belief in beliefs.into_iter().chain([&mut self.start]) {
@@ -319,7 +343,7 @@ impl RecursiveOffsets {
         }
         let place = layout.place(joint, JointParameter::Offset);
         let own = self.stiffness.offset(joint);
-        let mut own = own.unwrap_or_else(|| self.incumbent.belief().entry(place));
+        let mut own = own.unwrap_or_else(|| self.averaged_force().entry(place));
         let misfit = misfit_rad(self.incumbent.unexplained_rad(joint));
         let added = match self.temperature_known {
             true => &self.added_rad,
@@ -331,7 +355,7 @@ impl RecursiveOffsets {
             return own;
         }
         if self.stage == Stage::Tracking {
-            let other = self.challenger.belief().entry(place);
+            let other = self.challenger.entry(place);
             let apart = 0.5 * (own.mean - other.mean);
             let variance = 0.5
                 * (own.deviation * own.deviation + other.deviation * other.deviation)
@@ -340,6 +364,12 @@ impl RecursiveOffsets {
         }
         let before = self.start.entry(place).deviation;
         Gaussian::new(own.mean, own.deviation.max(before))
+    }
+
+    /// The incumbent's posterior, averaged over whether a force acts.
+    fn averaged_force(&self) -> &Belief {
+        let now = self.incumbent.belief();
+        self.force.as_ref().map_or(now, ForceAverage::averaged)
     }
 
     /// Whether the offsets may be wrong by more than the data says: in the first 24 s, because an arm
@@ -354,7 +384,17 @@ impl RecursiveOffsets {
 
     fn is_provisional_now(&self) -> bool {
         let disturbed = self.stage != Stage::Idle || self.incumbent.is_inconsistent();
-        !self.opened || disturbed
+        let force = self.incumbent.force();
+        let begins = force.is_some_and(ForceBelief::is_suspected);
+        !self.opened || disturbed || begins || self.stands_and_softens()
+    }
+
+    /// Whether an arm that hardly leaves one place seems to have lost stiffness. There one can't tell that from what leans on it.
+    fn stands_and_softens(&self) -> bool {
+        const LIKELY: f64 = 0.5;
+        let mut joints = 0..self.model.reduced.layout.joints;
+        let softens = |i| self.stiffness.probability(i).is_some_and(|p| p > LIKELY);
+        hardly_moves(self.ring.in_one_pose()) && joints.any(softens)
     }
 
     /// Probability that the stiffness of a joint has changed since the belief the filter started
@@ -364,6 +404,15 @@ impl RecursiveOffsets {
     /// No allocation, lock, panic or clock.
     pub fn stiffness_changed(&self, joint: usize) -> f64 {
         self.stiffness.probability(joint).unwrap_or_default()
+    }
+
+    /// A constant force from outside, as far as the blocks tell; `None`: none is looked for
+    /// ([`MapEstimator::with_external_force`]).
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn external_force(&self) -> Option<ForceEstimate> {
+        self.told_force
     }
 
     /// The posterior, averaged over which stiffness has changed, with all work done that is [left](RecursiveOffsets::advance).
@@ -379,12 +428,12 @@ impl RecursiveOffsets {
             done.finish();
             return done.belief();
         }
-        let now = &self.stiffness.averaged(self.incumbent.belief())?;
+        let now = &self.stiffness.averaged(self.averaged_force())?;
         let (mut mean, covariance) =
             self.model
                 .reduced
                 .completed(&self.before, &now.mean, &now.covariance)?;
-        // How fast ropes creep is this recording's alone.
+        // How fast ropes creep, and what pulls, is this recording's alone.
         let d = self.before.mean.len();
         let rows = covariance.chunks_exact(mean.len().max(1)).take(d);
         let covariance = rows.flat_map(|row| row.iter().take(d).copied()).collect();
@@ -397,16 +446,18 @@ impl RecursiveOffsets {
     }
 }
 
-/// A belief with the rates of so many offsets after it.
-fn creeping(known: Belief, count: usize) -> Belief {
-    let d = known.mean.len();
-    let total = d + count;
+/// A belief with a force after it, where one is looked for, and the rates of so many offsets.
+fn opened(model: &EstimationModel, known: Belief, creeps: usize) -> Belief {
+    let (d, total) = (known.mean.len(), dimension(model, creeps));
     let mut covariance = alloc::vec![0.0; total * total];
     for (to, from) in (covariance.chunks_exact_mut(total)).zip(known.covariance.chunks_exact(d)) {
         to[..d].copy_from_slice(from);
     }
-    for k in d..total {
-        covariance[k * (total + 1)] = CREEP_RAD_PER_S * CREEP_RAD_PER_S;
+    let force = model.force.as_ref().map(ForceModel::deviations);
+    let rates = (0..creeps).map(|_| CREEP_RAD_PER_S);
+    let deviations = force.into_iter().flatten().chain(rates);
+    for (k, deviation) in (d..total).zip(deviations) {
+        covariance[k * (total + 1)] = deviation * deviation;
     }
     let mut mean = known.mean;
     mean.resize(total, 0.0);

@@ -1,18 +1,23 @@
 //! The last blocks, by their number.
 
+use super::places::Places;
 use crate::StepError;
 use crate::offset::block::{Block, STAND_RAD};
-use crate::offset::layout::Layout;
+use crate::offset::equations::estimation_model::EstimationModel;
+use crate::offset::external_force::{ForceCourse, ForceTorque};
 use alloc::vec::Vec;
 
 /// The most blocks the second filter goes over.
 pub(super) const SEGMENT: usize = 75;
 /// Blocks kept: what the second filter goes over and what comes meanwhile.
 pub(super) const KEPT: usize = 2 * SEGMENT;
+
 /// A block, and the share of its information that counts; 0: none of it goes in.
 #[derive(Debug, Clone)]
 pub(super) struct KeptBlock {
     pub(super) block: Block,
+    /// What a force from outside does to every joint; empty where none is looked for.
+    pub(super) forces: Vec<ForceTorque>,
     pub(super) share: f64,
 }
 
@@ -25,13 +30,21 @@ pub(super) struct BlockRing {
     /// Pose the arm stands at, and for how many blocks.
     pose: Vec<f64>,
     stood: f64,
+    /// Where a force from outside is looked for.
+    force: Option<ForceCourse>,
+    /// Where the arm has been.
+    places: Places,
 }
 
 impl BlockRing {
     /// Room for blocks of a model; allocates here only.
-    pub(super) fn new(layout: Layout) -> Self {
+    pub(super) fn new(model: &EstimationModel) -> Self {
+        let layout = model.reduced.layout;
+        let forces = model.force.as_ref().map_or(0, |_| layout.joints);
+        let course = |force| ForceCourse::new(force, model.gain_per_s, model.block_s);
         let empty = KeptBlock {
             block: Block::zero(layout.joints, layout.bodies),
+            forces: alloc::vec![ForceTorque::default(); forces],
             share: 0.0,
         };
         Self {
@@ -39,6 +52,8 @@ impl BlockRing {
             taken: 0,
             pose: alloc::vec![f64::NAN; layout.joints],
             stood: 0.0,
+            force: model.force.as_ref().map(course),
+            places: Places::new(layout.joints),
         }
     }
 
@@ -53,8 +68,12 @@ impl BlockRing {
         Some((slot, self.blocks.get(slot)?))
     }
 
-    /// Takes a block of an arm whose noise is correlated over `inflation` blocks; returns its number.
-    pub(super) fn push(&mut self, block: &Block, inflation: f64) -> Result<usize, StepError> {
+    /// Takes a block; returns its number.
+    pub(super) fn push(
+        &mut self,
+        model: &EstimationModel,
+        block: &Block,
+    ) -> Result<usize, StepError> {
         let number = self.taken;
         let slot = number % KEPT;
         if !self.blocks.get(slot).is_some_and(|k| k.block.fits(block)) {
@@ -63,13 +82,22 @@ impl BlockRing {
         if !block.is_finite() {
             return Err(StepError::NotFinite);
         }
-        let share = self.share_of_pose(block, inflation);
+        let share = self.share_of_pose(block, model.inflation);
         if let Some(kept) = self.blocks.get_mut(slot) {
             kept.block.copy_from(block);
             kept.share = share;
+            if let (Some(course), Some(force)) = (&mut self.force, &model.force) {
+                course.follow(force, block, &mut kept.forces);
+            }
+            self.places.note(&block.q);
         }
         self.taken += 1;
         Ok(number)
+    }
+
+    /// Share of the time in which the arm was in one pose, 0 to 1.
+    pub(super) fn in_one_pose(&self) -> f64 {
+        self.places.most_in_one()
     }
 
     /// A block's temperature is another one, °C.

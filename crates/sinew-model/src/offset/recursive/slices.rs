@@ -3,6 +3,7 @@
 //! A slice costs `O(d²)` at most: a block's equations, a joint's rows times `P`, two bands of `P` written. So a loop with
 //! little time does some per sample, and all of them within the time of a block.
 
+use super::force::{ForceAverage, ForceBelief};
 use super::{
     AGAIN, COARSE, KEPT, Kind, NOISE_SEEN, RecursiveOffsets, SCALES, SEGMENT, Stage, Task,
 };
@@ -37,7 +38,7 @@ pub(super) enum Next {
     },
     /// Whether the challenger began too early.
     Tracked,
-    /// Averages over lost stiffness: this slice of it.
+    /// Averages over whether a force acts and over lost stiffness: this slice of it.
     Average(usize),
 }
 
@@ -85,7 +86,7 @@ impl RecursiveOffsets {
         if self.is_busy() {
             return Ok(false);
         }
-        let number = self.ring.push(block, self.model.inflation)?;
+        let number = self.ring.push(&self.model, block)?;
         if self.stated_c.is_finite() {
             self.ring.state_temperature(number, self.stated_c);
         }
@@ -121,7 +122,7 @@ impl RecursiveOffsets {
         // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and what
         // follows it, the average.
         let compared = KEPT + 2;
-        taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.stiffness.slices()
+        taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.average_slices()
     }
 
     /// Does all that is left.
@@ -182,8 +183,8 @@ impl RecursiveOffsets {
                 Next::Average(0)
             }
             Next::Average(slice) => {
-                (self.stiffness).slice(slice, &self.start, self.incumbent.belief());
-                if slice + 1 < self.stiffness.slices() {
+                self.average(slice);
+                if slice + 1 < self.average_slices() {
                     Next::Average(slice + 1)
                 } else {
                     self.tell();
@@ -191,6 +192,24 @@ impl RecursiveOffsets {
                 }
             }
         };
+    }
+
+    /// Slices of the averages.
+    fn average_slices(&self) -> usize {
+        self.force.as_ref().map_or(0, ForceAverage::slices) + self.stiffness.slices()
+    }
+
+    /// One of them: over whether a force acts, then over lost stiffness.
+    fn average(&mut self, slice: usize) {
+        let now = self.incumbent.belief();
+        let Some((average, force)) = self.force.as_mut().zip(self.incumbent.force()) else {
+            self.stiffness.slice(slice, &self.start, now);
+            return;
+        };
+        match slice.checked_sub(average.slices()) {
+            None => average.slice(slice, force, now),
+            Some(slice) => (self.stiffness).slice(slice, &self.start, average.averaged()),
+        }
     }
 
     /// What the challenger does while a block comes.
@@ -256,6 +275,8 @@ impl RecursiveOffsets {
             pass += 1;
             if pass > NOISE_SEEN {
                 self.challenger.find_noise(&self.model);
+                let in_one_pose = self.ring.in_one_pose();
+                (self.challenger).judge_force(&self.model, in_one_pose, true);
             }
             if pass < SCALES.len() {
                 at = self.from;
@@ -305,8 +326,7 @@ impl RecursiveOffsets {
         {
             let filters = [&self.challenger, &self.incumbent];
             for (filter, cost) in filters.into_iter().zip(&mut costs) {
-                let block = (&kept.block, kept.share);
-                filter.add_cost(&self.model, &mut self.work, block, cost);
+                filter.add_cost(&self.model, &mut self.work, kept, cost);
             }
         }
         Next::Compare {
@@ -349,6 +369,7 @@ impl RecursiveOffsets {
                 *told = offset;
             }
         }
+        self.told_force = self.incumbent.force().map(ForceBelief::found);
         self.told_provisional = self.is_provisional_now();
     }
 

@@ -79,16 +79,16 @@ impl Task {
                 let projected = match self.kind {
                     Kind::Update => {
                         filter.go_on(kept.block.time_s);
-                        filter.linearise(model, work, &kept.block);
+                        filter.linearise(model, work, kept);
                         true
                     }
                     Kind::Pass { scale } => {
-                        let weight = filter.weigh_in_pass(model, work, &kept.block, scale);
+                        let weight = filter.weigh_in_pass(model, work, kept, scale);
                         self.weight = weight * kept.share;
                         filter.note_new((weight, kept.share), slot)
                     }
                     Kind::Again => {
-                        let weight = filter.weigh_again(model, work, &kept.block, slot);
+                        let weight = filter.weigh_again(model, work, kept, slot);
                         self.weight = weight.unwrap_or_default();
                         weight.is_some()
                     }
@@ -132,6 +132,10 @@ impl Task {
             }
             Next::Done => Next::Done,
         };
-        self.next == Next::Done
+        let is_done = self.next == Next::Done;
+        if is_done && self.kind == Kind::Update {
+            filter.judge_force(model, ring.in_one_pose(), false);
+        }
+        is_done
     }
 }

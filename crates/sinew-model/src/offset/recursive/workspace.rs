@@ -1,19 +1,27 @@
 //! What a step of the recursive filter computes with.
 
+use super::ring::KeptBlock;
 use crate::offset::belief::Belief;
-use crate::offset::block::{Block, copy};
+use crate::offset::block::copy;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::equations::equation::Equations;
 use crate::offset::equations::estimation_model::EstimationModel;
 use crate::offset::equations::linearise::Creeping;
-use crate::offset::layout::Layout;
+use crate::offset::parameter::FORCE;
 use alloc::vec::Vec;
 use core::ops::Range;
+
+/// Entries of a filter's state: the model's, those of a force where one is looked for, the rates of what creeps.
+pub(super) fn dimension(model: &EstimationModel, creeps: usize) -> usize {
+    model.reduced.layout.dimension() + model.force.as_ref().map_or(0, |_| FORCE) + creeps
+}
 
 /// What a step writes to besides the filter.
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
     pub(super) equations: Equations,
+    /// A force from outside, where one is looked for.
+    changes: Vec<ChangePoint>,
     /// Joints whose offsets creep.
     creeps: Vec<usize>,
     /// State the equations were linearised around.
@@ -29,15 +37,23 @@ pub(super) struct Workspace {
 
 impl Workspace {
     /// Of a robot on which the offsets of these joints creep.
-    pub(super) fn new(layout: Layout, creeps: Vec<usize>) -> Self {
-        let (n, d) = (layout.joints, layout.dimension() + creeps.len());
-        let change = |joint: &usize| ChangePoint {
+    pub(super) fn new(model: &EstimationModel, creeps: Vec<usize>) -> Self {
+        let layout = model.reduced.layout;
+        let (n, d) = (layout.joints, dimension(model, creeps.len()));
+        let at_s = f64::MIN;
+        let force = model.force.as_ref().map(|_| ChangePoint {
+            kind: ChangeKind::Force,
+            at_s,
+        });
+        let changes: Vec<ChangePoint> = force.into_iter().collect();
+        let mut all = changes.clone();
+        all.extend(creeps.iter().map(|joint| ChangePoint {
             kind: ChangeKind::Creep(*joint),
-            at_s: 0.0,
-        };
-        let changes: Vec<ChangePoint> = creeps.iter().map(change).collect();
+            at_s,
+        }));
         Self {
-            equations: Equations::new(layout, &changes),
+            equations: Equations::new(layout, &all),
+            changes,
             creeps,
             origin: alloc::vec![0.0; d],
             carried: alloc::vec![0.0; d],
@@ -46,11 +62,11 @@ impl Workspace {
         }
     }
 
-    /// Equations of `block` around the state `around`, whose offsets are those at `at_s`.
+    /// Equations of a block around the state `around`, whose offsets are those at `at_s`.
     pub(super) fn linearise(
         &mut self,
         model: &EstimationModel,
-        block: &Block,
+        kept: &KeptBlock,
         reference_c: f64,
         (around, at_s): (&[f64], f64),
     ) {
@@ -58,7 +74,9 @@ impl Workspace {
             joints: &self.creeps,
             at_s,
         };
-        model.linearise(block, reference_c, creep, around, &mut self.equations);
+        let block = (&kept.block, kept.forces.as_slice());
+        let besides = (self.changes.as_slice(), creep);
+        model.linearise(block, reference_c, besides, around, &mut self.equations);
         copy(&mut self.origin, around);
     }
 
