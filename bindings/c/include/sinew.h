@@ -262,6 +262,28 @@ sinew_status sinew_offsets_read(const sinew_offsets *offsets,
 // The caller sees to it: `offsets` are offsets; `probability` is null or may be written.
 sinew_status sinew_offsets_stiffness_changed(const sinew_offsets *offsets, size_t joint, double *probability);
 
+// A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
+//
+// `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be
+// null. Where none is looked for (`external_force_n = 0` in robot.toml) all are NaN.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `offsets` are offsets; `probability` is null or may be written; `force_n` and `deviation_n` are null or have room for three.
+sinew_status sinew_offsets_external_force(const sinew_offsets *offsets,
+                                          double *probability,
+                                          double *force_n,
+                                          double *deviation_n);
+
+// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
+// this says otherwise, before the first sample; what comes later is left out.
+//
+// Realtime: no.
+//
+// The caller sees to it: `offsets` is used by nobody else meanwhile.
+sinew_status sinew_offsets_expect_creep(sinew_offsets *offsets,
+                                        double deviation_rad_per_s);
+
 // Writes what is known now as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
 //
 // `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero included; it

@@ -109,6 +109,15 @@ struct offset {
     bool in_doubt;
 };
 
+/// A constant force from outside at the tool, along the axes of the base.
+struct external_force {
+    /// That one acts, 0 to 1.
+    double probability;
+    double mean_n[3];
+    /// Standard deviations.
+    double deviation_n[3];
+};
+
 /// Absolute offsets since a baseline. One thread at a time.
 class offsets {
 public:
@@ -147,6 +156,16 @@ public:
         double probability = std::numeric_limits<double>::quiet_NaN();
         sinew_offsets_stiffness_changed(handle_.get(), joint, &probability);
         return probability;
+    }
+    /// Realtime. A constant force from outside at the tool; all NaN where none is looked for.
+    external_force force() const noexcept {
+        external_force read{};
+        sinew_offsets_external_force(handle_.get(), &read.probability, read.mean_n, read.deviation_n);
+        return read;
+    }
+    /// How fast offsets may move, rad/s, a standard deviation; before the first sample. 0: ropes that don't creep.
+    [[nodiscard]] sinew_status expect_creep(double deviation_rad_per_s) noexcept {
+        return sinew_offsets_expect_creep(handle_.get(), deviation_rad_per_s);
     }
     /// The baseline of the next session, as text. Throws while the offsets are in doubt.
     std::string save(const std::string &recording, std::int64_t end_time_ns) const {

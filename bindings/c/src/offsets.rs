@@ -315,6 +315,58 @@ pub unsafe extern "C" fn sinew_offsets_stiffness_changed(
     })
 }
 
+/// A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
+///
+/// `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be
+/// null. Where none is looked for (`external_force_n = 0` in robot.toml) all are NaN.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `offsets` are offsets; `probability` is null or may be written; `force_n` and `deviation_n` are null or have room for three.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_external_force(
+    offsets: *const SinewOffsets,
+    probability: *mut f64,
+    force_n: *mut f64,
+    deviation_n: *mut f64,
+) -> Status {
+    // SAFETY: the caller's promises, handed on.
+    guarded(|| unsafe {
+        let force = shared(offsets)?.0.external_force();
+        put(probability, force.map_or(f64::NAN, |f| f.probability));
+        for axis in 0..3 {
+            let along = force.and_then(|f| f.force_n.get(axis).copied());
+            let (mean, deviation) = along.map_or((f64::NAN, f64::NAN), |f| (f.mean, f.deviation));
+            for (to, value) in [(force_n, mean), (deviation_n, deviation)] {
+                if !to.is_null() {
+                    put(to.add(axis), value);
+                }
+            }
+        }
+        Ok(())
+    })
+}
+
+/// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
+/// this says otherwise, before the first sample; what comes later is left out.
+///
+/// Realtime: no.
+///
+/// # Safety
+/// `offsets` is used by nobody else meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_expect_creep(
+    offsets: *mut SinewOffsets,
+    deviation_rad_per_s: f64,
+) -> Status {
+    // SAFETY: the caller's promise.
+    guarded(|| unsafe {
+        unique(offsets)?.0.expect_creep(deviation_rad_per_s)?;
+        Ok(())
+    })
+}
+
 /// Writes what is known now as a baseline's text, the baseline of the next session, into `text`, with a zero at its end.
 ///
 /// `recording` names this session, which ended at `end_time_ns` of its clock. `length` gets the bytes needed, zero included; it

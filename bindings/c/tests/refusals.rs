@@ -62,6 +62,10 @@ fn null_is_told_everywhere() {
             sinew_offsets_stiffness_changed(null(), 0, null_mut()),
             Status::Null
         );
+        let none = null_mut();
+        let read = sinew_offsets_external_force(null(), none, none, none);
+        assert_eq!(read, Status::Null);
+        assert_eq!(sinew_offsets_expect_creep(null_mut(), 1e-5), Status::Null);
         let saved = sinew_offsets_save(null(), c"".as_ptr(), 0, null_mut(), 0, null_mut());
         assert_eq!(saved, Status::Null);
 

@@ -121,6 +121,19 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
             (live.is_provisional(), live.stiffness_changed(joint))
         );
     }
+    let (mut likely, mut force_n, mut deviation_n) = (0.0, [0.0; 3], [0.0; 3]);
+    let (to, and) = (force_n.as_mut_ptr(), deviation_n.as_mut_ptr());
+    // SAFETY: handles and places.
+    unsafe {
+        let read = sinew_offsets_external_force(offsets, &mut likely, to, and);
+        assert_eq!(read, Status::Ok);
+        let read = sinew_offsets_external_force(offsets, null_mut(), null_mut(), null_mut());
+        assert_eq!(read, Status::Ok);
+    }
+    let force = live.external_force().unwrap();
+    assert_eq!(likely, force.probability);
+    assert_eq!(force_n, force.force_n.map(|f| f.mean));
+    assert_eq!(deviation_n, force.force_n.map(|f| f.deviation));
     let end_ns = frames.last().unwrap().time_ns;
     let next = live.save("run", end_ns).unwrap().to_text();
     let mut length = 0;

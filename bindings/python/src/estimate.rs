@@ -146,7 +146,9 @@ pub(crate) fn temperature(stated_c: Option<Stated>) -> Result<Option<Gaussian>, 
 }
 
 /// A constant force from outside, N.
-fn external_force(stated_n: Option<([f64; 3], f64)>) -> Result<Option<[Gaussian; 3]>, Failure> {
+pub(crate) fn external_force(
+    stated_n: Option<([f64; 3], f64)>,
+) -> Result<Option<[Gaussian; 3]>, Failure> {
     let read = stated_n.map(|(mean_n, deviation_n)| stated::external_force(mean_n, deviation_n));
     Ok(read.transpose()?)
 }
@@ -195,6 +197,7 @@ pub(crate) struct Asked<'py> {
     motor_torque: bool,
     from_s: f64,
     to_s: Option<f64>,
+    live: bool,
 }
 
 impl Asked<'_> {
@@ -223,6 +226,7 @@ impl Asked<'_> {
             ("motor_torque", !self.motor_torque),
             ("from_s", self.from_s != 0.0),
             ("to_s", self.to_s.is_some()),
+            ("live", self.live),
         ];
         match asked.into_iter().find(|(_, asked)| *asked) {
             None => Ok(()),
@@ -292,6 +296,7 @@ impl Asked<'_> {
         Ok(Planned {
             method,
             window: stated::window(self.from_s, self.to_s)?,
+            live: self.live,
             baseline: self.baseline.as_ref().map(BaselineArg::read).transpose()?,
             options: SessionOptions {
                 payload: payload(self.empty, self.payload_kg)?,
@@ -308,6 +313,7 @@ impl Asked<'_> {
 struct Planned {
     method: Method,
     window: Window,
+    live: bool,
     baseline: Option<Named>,
     options: SessionOptions,
 }
@@ -320,7 +326,7 @@ impl Planned {
             window: self.window,
             baseline: baseline.map(|(baseline, name)| (&**baseline, name.as_str())),
             options: self.options,
-            live: false,
+            live: self.live,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Estimators that are stepped sample by sample.
 
-use crate::estimate::{Baseline, BaselineArg, Stated, payload, temperature};
+use crate::estimate::{Baseline, BaselineArg, Stated, external_force, payload, temperature};
 use crate::failure::Failure;
 use crate::recording::one_of;
 use crate::robot::RobotArg;
@@ -9,11 +9,15 @@ use pyo3::prelude::*;
 use sinew_estimate::feeder::Refusal;
 use sinew_estimate::live::{self, Stepped};
 use sinew_estimate::session::SessionOptions;
+use sinew_model::Gaussian;
 use sinew_model::offset::{self, Comparison, OffsetConfig, Sample, VelocityFilter};
 use std::sync::Arc;
 
 /// A value per joint; lists and other numbers are converted.
 type PerJoint<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+
+/// Probability, mean and standard deviation.
+type LiveForce<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// The values in order, whatever the array's steps are.
 fn values(array: &PerJoint<'_>) -> Vec<f64> {
@@ -53,14 +57,20 @@ impl LiveOffsets {
 #[pymethods]
 impl LiveOffsets {
     #[new]
-    #[pyo3(signature = (robot, baseline, *, empty=false, payload_kg=None, temperature_c=None, motor_torque=true))]
+    #[pyo3(signature = (
+        robot, baseline, *, empty=false, payload_kg=None, temperature_c=None, external_force_n=None, motor_torque=true,
+        creep_rad_per_s=None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn new(
         robot: RobotArg<'_>,
         baseline: BaselineArg<'_>,
         empty: bool,
         payload_kg: Option<Stated>,
         temperature_c: Option<Stated>,
+        external_force_n: Option<([f64; 3], f64)>,
         motor_torque: bool,
+        creep_rad_per_s: Option<f64>,
     ) -> PyResult<Self> {
         let loaded = robot.load()?;
         let (known, file) = baseline.read()?;
@@ -68,12 +78,22 @@ impl LiveOffsets {
             payload: payload(empty, payload_kg)?,
             motor_torque,
             temperature_c: temperature(temperature_c)?,
+            external_force_n: external_force(external_force_n)?,
             ..SessionOptions::default()
         };
         let known = (baseline_of(&known), file.as_str());
         let live = live::LiveOffsets::new(loaded.robot.clone(), known, &options);
+        let mut live = live.map_err(Failure::from)?;
+        if let Some(deviation) = creep_rad_per_s {
+            let expected = live.expect_creep(deviation);
+            expected.map_err(|_| {
+                Failure::new(format!(
+                    "creep_rad_per_s = {deviation}: how fast offsets may move, a standard deviation of at least 0 rad/s"
+                ))
+            })?;
+        }
         Ok(Self {
-            live: live.map_err(Failure::from)?,
+            live,
             names: loaded.robot.joint_names().to_vec(),
         })
     }
@@ -159,6 +179,16 @@ impl LiveOffsets {
     /// Probability, 0 to 1, that a joint's stiffness has changed since the baseline.
     fn stiffness_changed(&self, joint: &str) -> PyResult<f64> {
         Ok(self.live.stiffness_changed(self.index(joint)?))
+    }
+
+    /// A constant force from outside at the tool, as far as it is known: probability that one acts, 0 to 1, then mean and
+    /// standard deviation along the axes of the base, `(3,)` each, N, if one does. `None`: none is looked for
+    /// (`external_force_n = 0` in robot.toml).
+    #[getter]
+    fn external_force<'py>(&self, py: Python<'py>) -> Option<LiveForce<'py>> {
+        let force = self.live.external_force()?;
+        let of = |part: fn(Gaussian) -> f64| PyArray1::from_iter(py, force.force_n.map(part));
+        Some((force.probability, of(|f| f.mean), of(|f| f.deviation)))
     }
 
     /// What is known now, as the baseline of the next session; refused while in doubt.

@@ -37,10 +37,36 @@ def test_live_offsets_follow_a_session(work: Path, learned: sn.Learned) -> None:
         assert (mean, deviation) == (means[i], deviations[i])
         wanted = batch.joint(joint).offset_rad
         assert abs(mean - wanted.mean) < 2.0 * max(1.96 * deviation, wanted.half_width_95), joint
+    force = live.external_force
+    assert force is not None
+    probability, force_n, deviation_n = force
+    assert 0.0 <= probability < 0.3, "nothing pulls"
+    assert force_n.shape == deviation_n.shape == (3,) and (deviation_n > 0.0).all()
     if not live.in_doubt:
         saved = live.save("session", int(arrays["time_ns"][rows[-1]]))
         assert saved.recordings[-1] == "session"
         sn.LiveOffsets(robot, saved)
+
+
+def test_an_estimate_says_what_the_form_beside_the_robot_makes_of_it(work: Path, learned: sn.Learned) -> None:
+    asked = {"baseline": learned.learned_baseline, "from_s": 60.0, "to_s": 120.0}
+    answer = sn.estimate(work, ROBOT, **asked, live=True)
+    assert answer.session is not None and answer.session.live is not None
+    course = answer.session.live
+    assert [joint.name for joint in course.joints] == [joint.name for joint in answer.session.joints]
+    assert course.doubts[0].to_s > course.doubts[0].from_s
+    plain = sn.estimate(work, ROBOT, **asked)
+    assert plain.session is not None and plain.session.live is None
+    with pytest.raises(ValueError, match="live is for the absolute estimate"):
+        sn.estimate(work, ROBOT, method="paper", live=True)
+
+
+def test_what_is_stated_of_a_running_robot(learned: sn.Learned) -> None:
+    stated = sn.LiveOffsets(ROBOT, learned.learned_baseline, external_force_n=((0.0, 1.0, 0.0), 0.1), creep_rad_per_s=0.0)
+    for wrong in (-1.0, float("nan")):
+        with pytest.raises(ValueError, match="creep_rad_per_s"):
+            sn.LiveOffsets(ROBOT, learned.learned_baseline, creep_rad_per_s=wrong)
+    assert stated.external_force is None or stated.external_force[0] == 1.0
 
 
 def test_bounded_work_gives_the_same_offsets_one_block_later(work: Path, learned: sn.Learned) -> None:

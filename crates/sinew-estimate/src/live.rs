@@ -8,7 +8,7 @@ use crate::error::SessionError;
 use crate::feeder::{Fed, Feeder, FeederOptions, Refusal};
 use crate::session::{self, SessionOptions};
 use sinew_log::Frame;
-use sinew_model::offset::{FeatureConfig, FeatureObserver, RecursiveOffsets};
+use sinew_model::offset::{FeatureConfig, FeatureObserver, ForceEstimate, RecursiveOffsets};
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, StepError};
 
@@ -188,6 +188,25 @@ impl LiveOffsets {
     /// Probability that a joint's stiffness has changed since the baseline.
     pub fn stiffness_changed(&self, joint: usize) -> f64 {
         self.filter.stiffness_changed(joint)
+    }
+
+    /// A constant force from outside at the tool, as far as it is known; `None`: none is looked for, as robot.toml or the
+    /// session's options say.
+    pub fn external_force(&self) -> Option<ForceEstimate> {
+        self.filter.external_force()
+    }
+
+    /// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute
+    /// unless this says otherwise, before the first sample.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] where it is no deviation; nothing has changed.
+    pub fn expect_creep(&mut self, deviation_rad_per_s: f64) -> Result<(), StepError> {
+        if !(deviation_rad_per_s >= 0.0 && deviation_rad_per_s.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        self.filter.expect_creep(deviation_rad_per_s);
+        Ok(())
     }
 
     /// What is known now as the baseline of the next session: `recording` names this one, which ended at

@@ -102,6 +102,7 @@ def estimate(
     gain_per_s: float | None = None,
     velocity_filter: float | Literal["recorded"] | None = None,
     tau_ext: bool = False,
+    live: bool = False,
     progress: Progress | None = None,
 ) -> Estimate:
     """How far each tendon has stretched, from a recording.
@@ -123,6 +124,7 @@ def estimate(
     * ``inject``: offsets to add to motor positions: joint, rad and, optionally, from which time on, s.
     * The paper's settings: ``source`` of the elastic torque, ``comparison``, ``gain_per_s`` (K_I, 1/s, 20),
       ``velocity_filter`` (rad/s, 40, or ``"recorded"``), ``tau_ext`` (use the recorded external torque).
+    * ``live``: whether the form beside a running robot goes over the recording, too: ``session.live``.
     * ``progress``: called with the share done and what is being done.
 
     Raises ``ValueError`` with the sentence of the command; ``LocatedError`` where it is about a place in a file.
@@ -145,6 +147,7 @@ def estimate(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
+        "live": live,
     }
     return Estimate(*_estimate(log, asked, progress))
 
@@ -233,6 +236,7 @@ def estimate_each(
         "motor_torque": motor_torque,
         "from_s": from_s,
         "to_s": to_s,
+        "live": False,
     }
     return EstimateEach(_estimate_each(list(logs), asked, progress))
 

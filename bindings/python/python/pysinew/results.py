@@ -2555,6 +2555,8 @@ class LiveCourse(Record):
 
     doubts: list[Doubt]
     """When they were: the first half minute, contacts, slips that had not settled."""
+    external_force: ForceEstimate | None
+    """A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for."""
     in_doubt: bool
     """Whether the offsets are in doubt at the end."""
     joints: list[LiveTendon]
@@ -2562,6 +2564,7 @@ class LiveCourse(Record):
 
     _fields = {
         "doubts": "Doubt",
+        "external_force": "ForceEstimate",
         "in_doubt": "",
         "joints": "LiveTendon",
     }
