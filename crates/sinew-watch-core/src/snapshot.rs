@@ -5,6 +5,7 @@ use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
 use sinew_estimate::trend::{JointTrend, PassageTimes};
 use sinew_model::Gaussian;
+use sinew_model::offset::ForceEstimate;
 use std::sync::Arc;
 
 /// What is known of a robot now. Records, alarms and journal are those that are stored.
@@ -37,6 +38,8 @@ pub struct RobotSnapshot {
     pub clock: Clock,
     /// Temperature, °C.
     pub temperature_c: Option<f64>,
+    /// A constant force from outside that pulls at the tool, such as a hose: offsets hold it. `None`: none is seen.
+    pub external_force: Option<ForceEstimate>,
     /// Its tendons, in the order of joints.
     pub tendons: Vec<TendonSnapshot>,
     /// Alarms of the robot and its tendons, the most severe first.

@@ -1,6 +1,8 @@
 //! A recording that comes live says what the recording says, to the last digit.
 
-use crate::support::{Watched, biorob_like, config, frames, recorded};
+use crate::support::{
+    HZ, Watched, biorob_like, config, frames, nothing_happens, recorded, seconds, tensioned,
+};
 use sinew_estimate::feeder::{Feeder, FeederOptions};
 use sinew_estimate::session::{self, Learning, SessionOptions};
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
@@ -40,6 +42,44 @@ fn a_session_s_record_is_what_estimate_says_of_the_recording() {
     let kept = belief.baseline.as_ref().unwrap();
     assert_eq!(kept.mean, next.mean);
     assert_eq!(kept.covariance_lower, next.covariance_lower);
+}
+
+/// A hose that pulls at the tool is said, and is in no offset.
+#[test]
+fn a_force_that_stays_is_said_with_its_size() {
+    const PULLS_N: [f64; 3] = [0.0, 1.2, 0.0];
+    let hose = format!(
+        "\n[[contacts]]\nlink = \"tool\"\nstart_s = 60.0\nduration_s = 200.0\nforce_n = {PULLS_N:?}\n"
+    );
+    let pulled = frames(&biorob_like(), 51, 125.0, |text| {
+        nothing_happens(text) + &hose
+    });
+    for (session, is_pulled) in [(&pulled[60 * HZ..], true), (seconds(60, 120), false)] {
+        let mut watched = Watched::new(tensioned());
+        watched.play(session);
+        watched.now = watched.now.after_s(0.004);
+        let snapshot = watched.snapshot();
+        assert_eq!(snapshot.external_force.is_some(), is_pulled, "{snapshot:?}");
+        for (along, pulls_n) in snapshot
+            .external_force
+            .iter()
+            .flat_map(|f| f.force_n)
+            .zip(PULLS_N)
+        {
+            assert!(along.deviation < 0.1, "{along:?}");
+            assert!(
+                (along.mean - pulls_n).abs() < 3.0 * along.deviation,
+                "{along:?}"
+            );
+        }
+        // Nothing has stretched.
+        for tendon in &snapshot.tendons {
+            let is_zero = tendon
+                .offset_rad
+                .is_none_or(|x| x.mean.abs() < 3.0 * x.deviation);
+            assert!(is_zero, "{tendon:?}");
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::config::MonitorError;
 use crate::transaction::Belief;
 use sinew_estimate::session::{SessionOptions, Verdict, live, live_without_baseline};
 use sinew_model::Gaussian;
-use sinew_model::offset::{Block, RecursiveOffsets};
+use sinew_model::offset::{Block, ForceEstimate, RecursiveOffsets};
 use sinew_model::robot::Robot;
 
 /// The number of now. A filter that runs for days grows surer than a rope is steady, so every session leaves a
@@ -115,6 +115,14 @@ impl Live {
     /// Motion for which it has been in doubt, s; `None`: there is no estimate.
     pub(super) fn doubt_s(&self) -> Option<f64> {
         self.filter.is_some().then_some(self.doubt_s)
+    }
+
+    /// A constant force from outside at the tool, where one is likely.
+    pub(super) fn external_force(&self) -> Option<ForceEstimate> {
+        let filter = self.filter.as_ref().filter(|_| self.is_sure())?;
+        filter
+            .external_force()
+            .filter(ForceEstimate::is_worth_a_word)
     }
 
     /// Offset of a joint, rad.

@@ -55,6 +55,7 @@ impl Monitor {
             }),
             clock: self.clocks.clock(now),
             temperature_c: self.feed.temperature_c.filter(|_| fresh),
+            external_force: self.live.external_force().filter(|_| fresh),
             tendons,
             alarms,
             waiting_to_be_stored: self.outbox.len(),

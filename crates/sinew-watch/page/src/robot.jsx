@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
 import { get } from "./api.js";
-import { count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
+import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
 
 export const freshness = (freshness, rate_hz) => {
@@ -16,6 +16,13 @@ export const learning = (learning) => {
   if (learning.kind === "following") return "follows the tendons since their baseline";
   if (learning.kind === "no-baseline") return "no baseline yet: offsets are against the encoders' zero, and wide. Press “tensioned” after tensioning";
   return `learns a new baseline, with nothing in the gripper: ${span(learning.duration_s)} of motion, ${learning.poses} of ${learning.poses_needed} poses`;
+};
+
+// A hose or a cable: offsets hold it already.
+export const pull = ({ probability, force_n, is_stated }) => {
+  const [x, y, z] = force_n.map(along => plusMinus(along, 1));
+  const sure = is_stated ? "as stated" : `${chance(probability)} likely`;
+  return `a constant force of ${x}, ${y}, ${z} N along x, y, z of the base, ${sure}: a hose, a cable, a balancer. Offsets hold it`;
 };
 
 const WHY = {
@@ -114,6 +121,7 @@ export function Robot({ name, live }) {
           <tr><th scope="row">learning</th><td>{learning(robot.learning)}</td></tr>
           <tr><th scope="row">session</th><td>{robot.session
             ? `in motion for ${span(robot.session.duration_s)}, since ${dayAndTime(robot.session.start_utc_s)}` : "none: it stands, or nothing is heard"}</td></tr>
+          {robot.external_force && <tr><th scope="row">pulls at the tool</th><td>{pull(robot.external_force)}</td></tr>}
           <tr><th scope="row">temperature</th><td>{robot.temperature_c === null ? "not recorded" : `${rounded(robot.temperature_c, 3)} °C`}</td></tr>
           <tr><th scope="row">frames</th><td>{count(robot.frames)}, {count(robot.frames_lost)} lost or refused</td></tr>
           <tr><th scope="row">dates</th><td>{robot.clock === "utc" ? "by this computer's clock" : robot.clock === "stamp"
