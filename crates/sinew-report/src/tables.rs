@@ -236,11 +236,15 @@ fn live(course: &LiveCourse, session: &SessionEstimate) -> String {
     out += &words(&doubts(course));
     let force = course.external_force.as_ref();
     out.extend(force.filter(|f| f.is_worth_a_word()).map(|force| {
-        words(&format!(
-            "A constant force from outside acts ({:.0} % likely): {} N along x, y and z of the base",
-            100.0 * force.probability,
-            newtons(force.force_n)
-        ))
+        let what = match force.is_stated {
+            true => "The constant force from outside, which was stated, is".into(),
+            false => format!(
+                "A constant force from outside acts ({:.0} % likely):",
+                100.0 * force.probability
+            ),
+        };
+        let newtons = newtons(force.force_n);
+        words(&format!("{what} {newtons} N along x, y and z of the base"))
     }));
     let apart = (course.joints.iter().zip(&session.joints)).filter(|(now, joint)| {
         // By motion alone, as it reads no stop and no mark.
