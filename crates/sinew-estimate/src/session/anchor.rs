@@ -17,20 +17,18 @@
 //! What it rests on: the stop doesn't move, gives less than its deviation, and what the joint pushed against
 //! was the stop.
 
-use super::recorder::{Recorded, TouchReading};
+use super::anchored::{AnchorReading, AnchoredOffset};
+use super::recorder::Recorded;
 use super::result::{LimitState, RetensionLimit, SessionEstimate, TendonEstimate, Verdict};
 use super::segments::Segments;
+use super::touch::{NEAR_RAD, nearest};
 use super::warning::Warning;
 use crate::baseline::Baseline;
-use serde::{Deserialize, Serialize};
 use sinew_model::Gaussian;
 use sinew_model::offset::{Belief, Block, JointParameter, MapEstimator, Prior};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Anchor, AnchorKind, Transmission};
-use std::cmp::Ordering;
 
-/// A joint whose reading is further than this from a stop's position has not touched it, rad.
-const NEAR_RAD: f64 = 0.05;
 /// A joint stands while its reading stays within this, rad.
 const STANDS_RAD: f64 = 1.5e-3;
 /// A push holds the spring at least this far from where gravity and motion would, rad, and this many times as far as friction
@@ -43,40 +41,6 @@ const CORRELATED_BLOCKS: f64 = 2.5;
 const UNKNOWN: usize = 4;
 /// What a filtered position scatters by at least, rad.
 const NOISE_RAD: f64 = 0.2e-3;
-
-/// What one anchor said in one recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AnchorReading {
-    /// Joint.
-    pub joint: String,
-    /// What it is.
-    pub kind: AnchorKind,
-    /// Where it is, rad (m for a joint that slides).
-    pub position_rad: f64,
-    /// When it was touched, s since the recording began.
-    pub time_s: f64,
-    /// Error of the encoder it is read by: the joint's at a stop or joint mark, the motor's at a motor mark, rad.
-    pub encoder_error_rad: Gaussian,
-    /// Offset of the tendon by the push alone, rad; `None` without a push or without the motor's torque.
-    pub offset_rad: Option<Gaussian>,
-}
-
-/// What anchors did to one tendon's estimate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AnchoredOffset {
-    /// What was touched, in the order of time.
-    pub readings: Vec<AnchorReading>,
-    /// Whether the baseline had touched the same, so that what follows is a difference.
-    pub since_baseline: bool,
-    /// What the encoders were off by, and the offset has been corrected for, rad.
-    pub correction_rad: Gaussian,
-    /// Offset as motion alone shows it, rad.
-    pub by_motion_rad: Gaussian,
-    /// Offset as pushes alone show it, rad.
-    pub by_push_rad: Option<Gaussian>,
-}
 
 /// Everything that was touched in a recording; its estimate tells spring and friction, and what pushes.
 pub(super) fn readings(
@@ -140,69 +104,12 @@ pub(super) fn readings(
     out
 }
 
-/// How far a touch's reading is from a mark, rad; `None`: it isn't said to be that mark.
-fn from_mark(anchor: &Anchor, touch: &TouchReading) -> Option<f64> {
-    let read = match anchor.kind {
-        AnchorKind::Stop => return None,
-        AnchorKind::JointMark => touch.q,
-        AnchorKind::MotorMark => touch.theta_measured,
-    };
-    let meant = touch.kind.is_none_or(|kind| kind == anchor.kind);
-    meant.then(|| (read - anchor.position_rad).abs())
-}
-
-/// The mark that a touch is of: of those it may be, the nearest.
-fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&'a Anchor> {
-    let apart = |a: &&Anchor| from_mark(a, touch);
-    let marks = t.anchors.iter().filter(|a| apart(a).is_some());
-    marks.min_by(|a, b| apart(a).partial_cmp(&apart(b)).unwrap_or(Ordering::Equal))
-}
-
-/// Whether a touch is of exactly one mark of robot.toml.
-///
-/// # Errors
-/// In words: no mark is where joint or motor stood then, or two are.
-pub(super) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
-    let transmission = robot.arm.joint_index(&touch.joint);
-    let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
-    let anchors = transmission.map_or(&[][..], |t| &t.anchors);
-    let near = |a: &&Anchor| from_mark(a, touch).is_some_and(|apart| apart < NEAR_RAD);
-    let stood = format!(
-        "the joint stood at {:.4} rad and the motor at {:.4} rad",
-        touch.q, touch.theta_measured
-    );
-    match anchors.iter().filter(near).count() {
-        1 => Ok(()),
-        0 => {
-            let marks = anchors.iter().filter(|a| a.kind.is_mark());
-            let places: Vec<String> = marks.map(|a| format!("{} rad", a.position_rad)).collect();
-            Err(format!(
-                "{stood}, more than {NEAR_RAD} rad from its marks at {}; check the time, the unit and whose mark it is",
-                places.join(", ")
-            ))
-        }
-        _ => Err(format!(
-            "{stood}, where two marks are; say which: {joint}:joint-mark@… or {joint}:motor-mark@…",
-            joint = touch.joint
-        )),
-    }
-}
-
 /// Keeps what an earlier part of the same recording touched and this one didn't.
 pub(super) fn keep(readings: &mut Vec<AnchorReading>, before: &[AnchorReading]) {
     for r in before {
         if !readings.iter().any(|own| own.is_of(r)) {
             readings.push(r.clone());
         }
-    }
-}
-
-impl AnchorReading {
-    /// Whether both are of one anchor.
-    fn is_of(&self, other: &Self) -> bool {
-        self.joint == other.joint
-            && self.kind == other.kind
-            && self.position_rad == other.position_rad
     }
 }
 

@@ -1,6 +1,6 @@
 //! A recording as blocks of features.
 
-use super::anchor;
+use super::touch::{Touch, TouchReading, mark_of};
 use crate::error::EstimateError;
 use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
 use crate::jumps::Jumps;
@@ -12,7 +12,6 @@ use sinew_files::names;
 use sinew_log::{Frame, Mapping};
 use sinew_model::offset::{Block, FeatureConfig, FeatureObserver};
 use sinew_model::robot::Robot;
-use sinew_model::transmission::AnchorKind;
 use std::ops::ControlFlow;
 
 /// Which part of a recording is used, s from its start.
@@ -58,32 +57,6 @@ pub struct Recorded {
     pub room: Vec<Block>,
     /// Where joint and motor stood when marks were passed.
     pub touches: Vec<TouchReading>,
-}
-
-/// A mark that a joint or its motor passes, as its owner says.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Touch {
-    /// Joint.
-    pub joint: String,
-    /// Whose mark it is, the joint's or the motor's; `None`: the joint has one mark there.
-    pub kind: Option<AnchorKind>,
-    /// When, s since the recording began.
-    pub time_s: f64,
-}
-
-/// Where a joint and its motor stood at a touch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TouchReading {
-    /// Joint.
-    pub joint: String,
-    /// Whose mark it is said to be.
-    pub kind: Option<AnchorKind>,
-    /// When, s since the recording began.
-    pub time_s: f64,
-    /// Joint position, rad.
-    pub q: f64,
-    /// Motor position as measured, rad.
-    pub theta_measured: f64,
 }
 
 /// Touches that are still to come, and the frame before.
@@ -442,7 +415,7 @@ impl<'a> Blocks<'a> {
             )));
         }
         for touch in &out.touches {
-            anchor::mark_of(&opened.loaded.robot, touch).map_err(|why| {
+            mark_of(&opened.loaded.robot, touch).map_err(|why| {
                 let at = format!(
                     "{}: --touch {}@{}",
                     request.name(),

@@ -1,6 +1,6 @@
 //! What a session says of every tendon, as data.
 
-use super::anchor::AnchoredOffset;
+use super::anchored::AnchoredOffset;
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
 use crate::cause::Cause;

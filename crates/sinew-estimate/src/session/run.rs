@@ -1,12 +1,13 @@
 //! Learning a baseline, and estimating a session with it.
 
 use super::anchor;
+use super::context::Context;
 use super::live::{open, replay_live};
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::revisits;
 use super::segments::Segments;
-use super::summary::{Context, summarise, utc_s};
+use super::summary::{summarise, utc_s};
 use super::warning::Warning;
 use super::{sides, temperature, witness, zero};
 use crate::baseline::Baseline;

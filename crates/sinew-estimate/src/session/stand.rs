@@ -1,6 +1,6 @@
 //! The arm stands when the recording ends: what friction may hide then, and what it can't.
 
-use super::summary::Context;
+use super::context::Context;
 use sinew_model::offset::JointParameter;
 
 /// A shorter stand at the end is usual, and no change is sought so late, s.

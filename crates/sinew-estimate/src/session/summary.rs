@@ -2,6 +2,7 @@
 
 use super::changes;
 use super::checks;
+use super::context::Context;
 use super::inflation::{self, Inflation};
 use super::poses::Poses;
 use super::recorder::Recorded;
@@ -26,21 +27,6 @@ use sinew_model::transmission::Tendon;
 
 /// A block of less weight counts as left out.
 const HALF: f64 = 0.5;
-
-/// What a result is made from.
-#[derive(Clone, Copy)]
-pub(super) struct Context<'a> {
-    pub(super) estimator: &'a MapEstimator,
-    pub(super) robot: &'a Robot,
-    pub(super) recorded: &'a Recorded,
-    pub(super) segments: &'a Segments,
-    /// What is unknown of every joint's offset and looks the same in every block, rad; empty: nothing.
-    pub(super) added_rad: &'a [f64],
-    /// What of every joint's error comes with the baseline; empty: all of it.
-    pub(super) shared: &'a [SharedError],
-    /// By how much the lag between the sides was opened, s.
-    pub(super) lag_s: f64,
-}
 
 /// The result of a recording.
 pub(super) fn summarise(
