@@ -1,6 +1,5 @@
 //! A block's equations: rows over the state, and what is left of what was measured.
 
-use super::linearise::Creeping;
 use crate::cholesky::dot;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::layout::Layout;
@@ -46,6 +45,15 @@ impl Equation {
             ChangeKind::Payload | ChangeKind::Force => true,
         }
     }
+}
+
+/// Offsets that move evenly: the state has what they are at a time, and how fast they move.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Creeping<'a> {
+    /// Of these joints, in the order of their rates.
+    pub(crate) joints: &'a [usize],
+    /// The time, s.
+    pub(crate) at_s: f64,
 }
 
 /// A change that has happened.

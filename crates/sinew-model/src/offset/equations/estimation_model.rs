@@ -1,7 +1,7 @@
 //! What an estimate from blocks rests on: the robot's prior and what blocks are like.
 
-use super::equation::Equations;
-use super::linearise::{Content, Creeping, Linearisation, linearise};
+use super::equation::{Creeping, Equations};
+use super::linearise::{Content, Linearisation, linearise};
 use super::measured::Measured;
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;

@@ -1,6 +1,6 @@
 //! A block's equations around a state: what is expected, and how it moves with the state.
 
-use super::equation::{Equation, Equations, Side};
+use super::equation::{Creeping, Equation, Equations, Side};
 use super::measured::Measured;
 use super::payload::HeldPayload;
 use super::reduced_model::ReducedModel;
@@ -34,15 +34,6 @@ pub(crate) struct Linearisation<'a> {
     /// A force from outside, and what it does to every joint.
     pub(crate) force: Option<(&'a ForceModel, &'a [ForceTorque])>,
     pub(crate) content: Content,
-}
-
-/// Offsets that move evenly: the state has what they are at a time, and how fast they move.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Creeping<'a> {
-    /// Of these joints, in the order of their rates.
-    pub(crate) joints: &'a [usize],
-    /// The time, s.
-    pub(crate) at_s: f64,
 }
 
 /// What the joints of a block have in common.

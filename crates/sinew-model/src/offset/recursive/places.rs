@@ -1,6 +1,5 @@
 //! Whether an arm works or stands.
 
-use super::ring::KEPT;
 use crate::offset::block::copy;
 use crate::offset::external_force::PLACE_RAD;
 use alloc::vec::Vec;
@@ -23,7 +22,7 @@ pub(super) struct Places {
 impl Places {
     const MOST: usize = 16;
     /// Blocks of a span, five minutes: an arm that worked, and stands since, has said what it did of a force.
-    const SPAN: f64 = 10.0 * KEPT as f64;
+    const SPAN: f64 = 1500.0;
 
     pub(super) fn new(joints: usize) -> Self {
         Self {
