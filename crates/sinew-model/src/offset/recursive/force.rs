@@ -29,6 +29,8 @@ pub(super) struct ForceBelief {
     acts: bool,
     /// Blocks for which one has been likely, while they aren't.
     likely_blocks: usize,
+    /// Whether blocks contradict the force that was stated.
+    is_contradicted: bool,
     /// `C⁻¹`.
     inverse: Mat3,
     mixture: Mixture,
@@ -57,6 +59,7 @@ impl ForceBelief {
             first,
             acts: is_stated,
             likely_blocks: 0,
+            is_contradicted: false,
             inverse: [[f64::NAN; 3]; 3],
             mixture: Mixture::new(3, 0),
             found: ForceEstimate {
@@ -72,11 +75,12 @@ impl ForceBelief {
     pub(super) fn restart(&mut self) {
         self.acts = self.found.is_stated;
         self.likely_blocks = 0;
+        self.is_contradicted = false;
     }
 
-    /// Whether a force is likely, and hasn't been for long: something has changed.
-    pub(super) fn is_suspected(&self) -> bool {
-        !self.acts && self.likely_blocks > 0
+    /// Whether a force is likely and hasn't been for long, or one that was stated is another: something isn't as it was thought to be.
+    pub(super) fn is_in_doubt(&self) -> bool {
+        self.is_contradicted || !self.acts && self.likely_blocks > 0
     }
 
     /// The state that blocks are weighed at.
@@ -151,6 +155,7 @@ impl ForceBelief {
             let variance = row.get(k).copied().unwrap_or(f64::NAN);
             *to = Gaussian::new(before.mean + x, libm::sqrt(variance));
         }
+        self.is_contradicted = model.contradicts(force_n);
         if self.found.is_stated {
             return;
         }
@@ -403,6 +408,24 @@ mod tests {
         // No average moves it.
         let told = filter.averaged_force();
         assert_eq!(told.mean, filter.incumbent.belief().mean);
+    }
+
+    /// However sure whoever stated it is.
+    #[test]
+    fn a_force_that_is_stated_wrongly_leaves_the_offsets_in_doubt() {
+        for (stated_n, is_right) in [(ACTS_N, true), ([0.0, -1.2, 4.0], false)] {
+            for deviation in [1e-6, 0.1] {
+                let model = pushable(ExternalForce {
+                    force_n: stated_n.map(|mean| Gaussian::new(mean, deviation)),
+                    is_stated: true,
+                });
+                let mut filter = filter(&model);
+                for block in worked(&model, ACTS_N, 7) {
+                    filter.step(&block).unwrap();
+                }
+                assert_eq!(filter.is_provisional(), !is_right, "{deviation}");
+            }
+        }
     }
 
     const D: usize = 7;

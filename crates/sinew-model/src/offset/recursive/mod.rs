@@ -385,7 +385,7 @@ impl RecursiveOffsets {
     fn is_provisional_now(&self) -> bool {
         let disturbed = self.stage != Stage::Idle || self.incumbent.is_inconsistent();
         let force = self.incumbent.force();
-        let begins = force.is_some_and(ForceBelief::is_suspected);
+        let begins = force.is_some_and(ForceBelief::is_in_doubt);
         !self.opened || disturbed || begins || self.stands_and_softens()
     }
 
@@ -453,7 +453,8 @@ fn opened(model: &EstimationModel, known: Belief, creeps: usize) -> Belief {
     for (to, from) in (covariance.chunks_exact_mut(total)).zip(known.covariance.chunks_exact(d)) {
         to[..d].copy_from_slice(from);
     }
-    let force = model.force.as_ref().map(ForceModel::deviations);
+    let force = model.force.as_ref();
+    let force = force.map(ForceModel::filter_deviations);
     let rates = (0..creeps).map(|_| CREEP_RAD_PER_S);
     let deviations = force.into_iter().flatten().chain(rates);
     for (k, deviation) in (d..total).zip(deviations) {
