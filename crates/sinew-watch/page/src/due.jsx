@@ -74,7 +74,7 @@ function Group({ what, list, until, rows }) {
 // Those whose median lies in the time asked for, and those of which the lower end alone does. Where there is none: why.
 function title(list, groups) {
   if (groups.length === 0) {
-    if (list.not_due > 0) return "No tendon is due";
+    if (list.not_due > 0) return list.cannot_tell > 0 ? "No tendon is known to be due" : "No tendon is due";
     if (list.cannot_tell > 0) return "Nothing can be told yet";
     return list.without_limit > 0 ? "No tendon has a limit" : "No robot is watched";
   }
