@@ -3,12 +3,15 @@
 //! `realtime.rs` beside this folder is a binary of its own: it counts allocations, for which it brings a
 //! global allocator.
 
+mod answers;
 mod bounded_work;
 mod closed_forms;
 mod contact;
 mod correction;
 mod coverage;
 mod identities;
+mod known_offsets;
+mod known_trend;
 mod lost_stiffness;
 mod observer;
 mod offset;
