@@ -111,7 +111,7 @@ impl FitAsked {
             }
             None => None,
             Some(name) => {
-                let catalogue = crate::rope::with_folders(&self.ropes)?;
+                let catalogue = crate::catalogue::with_folders(&self.ropes)?;
                 let entry = catalogue.find(name)?.entry.clone();
                 Some(Arc::new(RopeBase::new(entry)?))
             }

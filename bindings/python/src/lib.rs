@@ -10,6 +10,7 @@
 #![deny(unsafe_code)]
 
 mod arrays;
+mod catalogue;
 mod command;
 mod creep;
 mod document;

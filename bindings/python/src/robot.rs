@@ -182,7 +182,7 @@ impl Robot {
     /// What looks odd in the description; `ropes`: folders with ropes of one's own.
     #[pyo3(name = "_check", signature = (*, mapping=None, ropes=Vec::new()))]
     fn check(&self, mapping: Option<PathBuf>, ropes: Vec<PathBuf>) -> PyResult<Document> {
-        let catalogue = crate::rope::with_folders(&ropes)?;
+        let catalogue = crate::catalogue::with_folders(&ropes)?;
         let check = RobotCheck::of(&self.0, &[], &catalogue);
         let mut check = check.map_err(Failure::from)?;
         if let Some(file) = mapping {

@@ -1,5 +1,6 @@
 //! Ropes: the catalogue, the law, prediction, selection, pretension.
 
+use crate::catalogue::with_folders;
 use crate::document::{Document, Shown};
 use crate::failure::Failure;
 use crate::recording::{LogArg, one_of};
@@ -23,12 +24,6 @@ use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};
 use sinew_rope::{Draws, Ends, pretension};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Shipped ropes, and those of one's own folders.
-pub(crate) fn with_folders(folders: &[PathBuf]) -> Result<sinew_rope::Catalogue, Failure> {
-    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
-    Ok(sinew_rope::Catalogue::with_folders(&folders)?)
-}
 
 fn find<'a>(
     catalogue: &'a sinew_rope::Catalogue,

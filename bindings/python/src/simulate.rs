@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use sinew_estimate::robot_dir::{self, LoadedRobot};
 use sinew_eval::control::Simulated;
 use sinew_eval::excitation::{self, Sensors};
-use sinew_eval::scenarios::{self, DEFAULT, Plan, UNMODELLED};
+use sinew_eval::scenarios::{self, DEFAULT, UNMODELLED, plan_adapted, plan_named};
 use sinew_log::Compression;
 use sinew_sim::{Scenario, SimulateOptions, Simulation};
 use std::path::{Path, PathBuf};
@@ -152,8 +152,8 @@ pub(crate) fn simulate_to(
 #[pyo3(signature = (name, robot=None))]
 pub(crate) fn scenario_text(name: &str, robot: Option<RobotArg<'_>>) -> PyResult<String> {
     let plan = match robot {
-        Some(robot) => Plan::adapted(name, &robot.load()?.robot).map_err(Failure::from)?,
-        None => Plan::named(name).map_err(Failure::from)?,
+        Some(robot) => plan_adapted(name, &robot.load()?.robot).map_err(Failure::from)?,
+        None => plan_named(name).map_err(Failure::from)?,
     };
     Ok(plan.text)
 }

@@ -56,7 +56,7 @@ pub(crate) fn trend(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Document> {
     let robot = robot.as_ref().map(RobotArg::load).transpose()?;
-    let catalogue = crate::rope::with_folders(&ropes)?;
+    let catalogue = crate::catalogue::with_folders(&ropes)?;
     let mut all = stated(tensioned, false)?;
     all.extend(stated(replaced, true)?);
     if !(1.0..=36_500.0).contains(&horizon_days) {

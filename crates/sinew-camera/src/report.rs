@@ -5,6 +5,7 @@ use super::rejection::millimetres;
 use super::summary::Summary;
 use sinew_figure::plot::{Band, Colour, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Page, Table, rounded};
+use sinew_files::number::Z95;
 
 /// Frames that are shown as dots; more lie too close.
 const DOTS: usize = 200;
@@ -30,7 +31,7 @@ pub fn html(outcome: &Outcome, title: &str, version: &str) -> String {
             ),
             format!(
                 "One frame reads it to ± {:.4} mm (95 %)",
-                1.96e3 * summary.elongation_deviation_rms_m
+                1e3 * Z95 * summary.elongation_deviation_rms_m
             ),
         ]
         .map(Headline::from)
@@ -154,8 +155,8 @@ fn figure(outcome: &Outcome) -> Figure {
                 .band(Band::new(
                     "95 %",
                     time.clone(),
-                    column(&|v| v.1 - 1.96 * v.2),
-                    column(&|v| v.1 + 1.96 * v.2),
+                    column(&|v| v.1 - Z95 * v.2),
+                    column(&|v| v.1 + Z95 * v.2),
                 ))
                 .line(Line::new("elongation", time.clone(), column(&|v| v.1)).colour(Colour::Blue))
                 .points(Points::new("", dots, column(&|v| v.1)).size(4.5)),

@@ -4,6 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
+use super::cholesky::lower_factor;
 use super::draw::Draw;
 use super::held::HeldDraws;
 use super::importance;
@@ -99,23 +100,6 @@ fn around(model: &Model, centre: &[f64]) -> Around {
     }
     Around {
         centre: centre.to_vec(),
-        factor: cholesky(precision),
+        factor: lower_factor(precision),
     }
-}
-
-/// Lower triangle of the Cholesky factor.
-fn cholesky(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let d = a.len();
-    for j in 0..d {
-        for k in 0..j {
-            for i in j..d {
-                a[i][j] -= a[i][k] * a[j][k];
-            }
-        }
-        let pivot = a[j][j].max(f64::MIN_POSITIVE).sqrt();
-        for row in a.iter_mut().skip(j) {
-            row[j] /= pivot;
-        }
-    }
-    a
 }

@@ -6,6 +6,7 @@
 //! A density of few numbers costs a thousand evaluations, where a chain needs seven times as many. What such points can't
 //! reach is left to the ensemble, which starts from them.
 
+use super::cholesky::cholesky;
 use super::sample::{Around, Plan, ensemble};
 use rand::{Rng, RngExt};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
@@ -214,25 +215,6 @@ impl Cloud {
 /// Independent draws that weights are worth.
 fn worth(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|w| w * w).sum::<f64>()
-}
-
-/// Lower Cholesky factor, row by row, of a covariance given by its lower triangle times a factor; a direction in which
-/// nothing spreads gets a ten thousandth of the box.
-pub(super) fn cholesky(covariance: &[f64], d: usize, times: f64) -> Vec<f64> {
-    const LEAST: f64 = 1e-4;
-    let mut l = vec![0.0; d * d];
-    for i in 0..d {
-        for j in 0..=i {
-            let told: f64 = (0..j).map(|k| l[i * d + k] * l[j * d + k]).sum();
-            let left = times * covariance[i * d + j] - told;
-            l[i * d + j] = if i == j {
-                left.max(LEAST * LEAST).sqrt()
-            } else {
-                left / l[j * d + j]
-            };
-        }
-    }
-    l
 }
 
 /// Draws of equal weight around an optimum and the `others` that a search found.

@@ -8,6 +8,7 @@
 mod ahead;
 mod analyze;
 mod bootstrap;
+mod cholesky;
 mod curve;
 mod draw;
 mod draws;

@@ -6,6 +6,7 @@
 //! amplitudes of one gives every column of the linear problem, exactly (every stretch is solved in
 //! closed form), and only the rest is searched.
 
+use sinew_model::Z95;
 use sinew_model::rope::entry::{Uncertainty, Value};
 use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
 
@@ -129,7 +130,7 @@ fn flow_share(curve: &Curve, base: &RopeBase, mbl: f64) -> f64 {
         .entry
         .law
         .get(&Parameter::FlowRate)
-        .map_or(0.0, |value| value.at(1.96));
+        .map_or(0.0, |value| value.at(Z95));
     let p = &base.parameters;
     let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
     let heat = p.flow_energy_j_per_mol / sinew_model::rope::GAS_CONSTANT

@@ -55,7 +55,7 @@ impl Around {
                 covariance[i * d + j] = inverse.iter().map(|column| column[i] * column[j]).sum();
             }
         }
-        super::importance::cholesky(&covariance, d, times * times)
+        super::cholesky::cholesky(&covariance, d, times * times)
     }
 
     /// A point at so many standard deviations from a centre, within the box.

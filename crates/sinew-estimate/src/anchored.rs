@@ -40,7 +40,7 @@ pub struct AnchoredOffset {
 
 impl AnchorReading {
     /// Whether both are of one anchor.
-    pub(super) fn is_of(&self, other: &Self) -> bool {
+    pub(crate) fn is_of(&self, other: &Self) -> bool {
         self.joint == other.joint
             && self.kind == other.kind
             && self.position_rad == other.position_rad

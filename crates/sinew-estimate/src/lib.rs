@@ -4,6 +4,7 @@
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
 //! [`trend`] (sessions over months). Results are data in SI; their words are `sinew-report`'s.
 
+mod anchored;
 mod answer;
 pub mod baseline;
 mod cause;
@@ -27,6 +28,7 @@ pub mod robot_dir;
 pub mod robot_toml;
 pub mod session;
 pub mod strand_duty;
+mod touch;
 pub mod trend;
 pub mod warmth;
 mod warning;

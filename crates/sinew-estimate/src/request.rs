@@ -2,7 +2,7 @@
 
 use crate::feeder::Injection;
 use crate::given::Given;
-use crate::session::Touch;
+use crate::touch::Touch;
 use sinew_log::OpenOptions;
 use sinew_model::offset::{Comparison, OffsetConfig, TorqueSource, VelocityFilter};
 use std::path::PathBuf;

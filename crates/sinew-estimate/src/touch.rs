@@ -5,7 +5,7 @@ use sinew_model::transmission::{Anchor, AnchorKind, Transmission};
 use std::cmp::Ordering;
 
 /// A joint whose reading is further than this from a stop's position has not touched it, rad.
-pub(super) const NEAR_RAD: f64 = 0.05;
+pub(crate) const NEAR_RAD: f64 = 0.05;
 
 /// A mark that a joint or its motor passes, as its owner says.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ fn from_mark(anchor: &Anchor, touch: &TouchReading) -> Option<f64> {
 }
 
 /// The mark that a touch is of: of those it may be, the nearest.
-pub(super) fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&'a Anchor> {
+pub(crate) fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&'a Anchor> {
     let apart = |a: &&Anchor| from_mark(a, touch);
     let marks = t.anchors.iter().filter(|a| apart(a).is_some());
     marks.min_by(|a, b| apart(a).partial_cmp(&apart(b)).unwrap_or(Ordering::Equal))
@@ -55,7 +55,7 @@ pub(super) fn nearest<'a>(t: &'a Transmission, touch: &TouchReading) -> Option<&
 ///
 /// # Errors
 /// In words: no mark is where joint or motor stood then, or two are.
-pub(super) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
+pub(crate) fn mark_of(robot: &Robot, touch: &TouchReading) -> Result<(), String> {
     let transmission = robot.arm.joint_index(&touch.joint);
     let transmission = transmission.and_then(|i| robot.transmissions[i].as_ref());
     let anchors = transmission.map_or(&[][..], |t| &t.anchors);

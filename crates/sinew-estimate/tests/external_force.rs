@@ -5,7 +5,7 @@ use sinew_estimate::session::{
     Learning, LiveCourse, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded,
     learn_recorded, replay_live,
 };
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::{Plan, plan_named};
 use sinew_model::Gaussian;
 use sinew_sim::scenario::{Draw, Motion, PerJoint, Waypoint};
 
@@ -18,7 +18,7 @@ struct Case {
 
 impl Case {
     fn new(name: &str, seed: u64) -> Self {
-        Self::of(Plan::named(name).unwrap(), seed)
+        Self::of(plan_named(name).unwrap(), seed)
     }
 
     fn of(plan: Plan, seed: u64) -> Self {
@@ -234,7 +234,7 @@ fn an_arm_that_stands_says_nothing_of_a_force() {
 /// One that is in its place for 86 % of the time and visits three other poses does say it: not asked, its yaw was 10 ± 6 mrad off.
 #[test]
 fn an_arm_that_visits_other_poses_tells_a_force() {
-    let mut plan = Plan::named("force-lateral").unwrap();
+    let mut plan = plan_named("force-lateral").unwrap();
     let names = plan.robot.joint_names().to_vec();
     let pose = |q: [f64; 4]| PerJoint {
         all: None,

@@ -8,7 +8,7 @@ use crate::support;
 use sinew_estimate::session::{
     self, Recorded, SessionEstimate, SessionOptions, Verdict, Warning, WitnessFault,
 };
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::plan_named;
 use support::{biorob_like, block_by_block, least, seeds, sessions, watching, work_session};
 
 /// Offsets inside their intervals, and all; true offsets in mrad.
@@ -38,7 +38,7 @@ fn with_motor_torque(mut recorded: Recorded, of: impl Fn(usize, f64) -> f64) -> 
 
 #[test]
 fn robots_off_by_their_tolerances_are_not_called_stretched_without_a_baseline() {
-    let plan = Plan::named("S5").unwrap();
+    let plan = plan_named("S5").unwrap();
     let (mut hits, mut count, mut false_verdicts) = (0, 0, 0);
     let mut widths = Vec::new();
     for seed in 0..seeds(6) {
@@ -70,7 +70,7 @@ fn robots_off_by_their_tolerances_are_not_called_stretched_without_a_baseline() 
 
 #[test]
 fn a_temperature_that_is_not_recorded_is_unknown_and_widens() {
-    let plan = Plan::named("S8").unwrap();
+    let plan = plan_named("S8").unwrap();
     let options = watching(&plan);
     let (mut hits, mut count) = (0, 0);
     for seed in 0..seeds(4) {
@@ -113,7 +113,7 @@ fn a_temperature_that_is_not_recorded_is_unknown_and_widens() {
 
 #[test]
 fn a_recording_in_two_parts_knows_its_temperature_no_better() {
-    let plan = Plan::named("S5").unwrap();
+    let plan = plan_named("S5").unwrap();
     let ([a, b], _) = sessions(&plan, 830);
     let (a, mut b) = (without_temperature(a), without_temperature(b));
     let options = watching(&plan);
@@ -139,7 +139,7 @@ fn a_recording_in_two_parts_knows_its_temperature_no_better() {
 
 #[test]
 fn a_stated_temperature_counts_as_a_recorded_one() {
-    let plan = Plan::named("S5").unwrap();
+    let plan = plan_named("S5").unwrap();
     let ([a, b], _) = sessions(&plan, 820);
     let (a, b) = (without_temperature(a), without_temperature(b));
     let stated = Some(sinew_model::Gaussian::new(22.0, 0.0));
@@ -161,7 +161,7 @@ fn a_stated_temperature_counts_as_a_recorded_one() {
 
 #[test]
 fn a_motor_torque_that_is_none_is_named_and_left_out() {
-    let plan = Plan::named("S7").unwrap();
+    let plan = plan_named("S7").unwrap();
     let options = watching(&plan);
     let ([a, b], truth) = sessions(&plan, 840);
     let learning = session::Learning::default();
@@ -234,7 +234,7 @@ fn a_motor_torque_that_is_none_is_named_and_left_out() {
 
 #[test]
 fn what_fits_nothing_widens_the_interval_and_teaches_little() {
-    let plan = Plan::named("S5").unwrap();
+    let plan = plan_named("S5").unwrap();
     let options = watching(&plan);
     let ([a, mut b], truth) = sessions(&plan, 860);
     let learning = session::Learning::default();
@@ -301,7 +301,7 @@ fn a_hand_called_empty_that_carries_something_is_found_out() {
 
 #[test]
 fn a_motor_side_that_is_late_is_named_and_held_by_the_interval() {
-    let mut plan = Plan::named("S5").unwrap();
+    let mut plan = plan_named("S5").unwrap();
     plan.scenario.encoder.motor_delay_s = 0.005;
     let (mut hits, mut count, mut named, mut held) = (0, 0, 0, 0);
     for seed in 0..seeds(4) {

@@ -6,7 +6,7 @@
 use crate::support;
 
 use sinew_estimate::session;
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::plan_named;
 use sinew_model::Gaussian;
 use support::{asked_seeds, sessions, watching};
 
@@ -18,7 +18,7 @@ fn the_recursive_form_says_what_the_batch_says() {
         None => (&["S5", "S7"], 1),
     };
     for name in names {
-        let plan = Plan::named(name).unwrap();
+        let plan = plan_named(name).unwrap();
         let options = watching(&plan);
         let (mut apart, mut squares) = (Vec::new(), [0.0, 0.0]);
         let mut inside = [0, 0];

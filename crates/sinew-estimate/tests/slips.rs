@@ -7,7 +7,7 @@ use crate::support;
 
 use sinew_estimate::session;
 use sinew_estimate::session::{Recorded, Recorder, SessionEstimate};
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::{Plan, plan_named};
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
 use support::{asked_seeds, watching};
@@ -73,7 +73,7 @@ fn slips_are_no_noise_and_no_lost_stiffness() {
             .to_vec()
     });
     for (name, seeds) in asked.clone().unwrap_or_else(|| ordinary.to_vec()) {
-        let plan = Plan::named(name).unwrap();
+        let plan = plan_named(name).unwrap();
         let (mut found, mut slipped, mut inside, mut offsets) = (0, 0, 0, 0);
         let mut late_s = Vec::new();
         for seed in seeds {

@@ -6,7 +6,7 @@ use crate::support;
 
 use sinew_estimate::session::{self, SessionEstimate, Warning};
 use sinew_estimate::warmth;
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::plan_named;
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use sinew_sim::scenario::{Bound, Draw};
@@ -38,7 +38,7 @@ fn true_drift_rad_per_k(robot: &Robot, joint: usize) -> f64 {
 
 #[test]
 fn ropes_on_a_frame_of_aluminium_drift_by_both() {
-    let mut plan = Plan::named("S8").unwrap();
+    let mut plan = plan_named("S8").unwrap();
     let drift = |i| Draw::Normal {
         mean: true_drift_rad_per_k(&plan.robot, i),
         std: 0.05e-3,
@@ -92,7 +92,7 @@ fn ropes_on_a_frame_of_aluminium_drift_by_both() {
 
 #[test]
 fn the_drift_is_the_ropes_less_the_frames() {
-    let plan = Plan::named("S8").unwrap();
+    let plan = plan_named("S8").unwrap();
     let drift = |frame| {
         let robot = on_a_frame(&plan.robot, frame);
         let elbow = robot.transmissions[2].as_ref().unwrap().warmth;
@@ -134,7 +134,7 @@ fn the_drift_is_the_ropes_less_the_frames() {
 /// From 25 °C to 45 °C an HMPE rope retracts by a part that no drift per kelvin has: believed, and wide.
 #[test]
 fn heat_retraction_between_the_sessions_is_believed() {
-    let mut plan = Plan::named("S5").unwrap();
+    let mut plan = plan_named("S5").unwrap();
     let robot = on_a_frame(&plan.robot, Some(FRAME_PER_K));
     plan.robot = robot;
     let ([mut a, mut b], truth) = sessions(&plan, 870);

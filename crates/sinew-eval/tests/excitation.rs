@@ -8,7 +8,7 @@ use crate::support;
 use sinew_estimate::session;
 use sinew_estimate::session::{Recorder, SessionOptions};
 use sinew_eval::excitation::{Options, Proposal, propose};
-use sinew_eval::scenarios::Plan;
+use sinew_eval::scenarios::plan_named;
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 use sinew_sim::scenario::{Draw, Motion, Offset, OffsetKind, Shape};
@@ -90,7 +90,7 @@ fn recorded(robot: &Robot, scenario: &Scenario) -> session::Recorded {
 /// Errors and intervals of the offsets after a visit of `proposal`, a robot of scenario S6 and a
 /// baseline of its session A; mrad.
 fn visited(robot: &Robot, proposal: &Proposal, seed: u64) -> Vec<(String, f64, f64)> {
-    let mut first = Plan::named("S6").unwrap().scenario;
+    let mut first = plan_named("S6").unwrap().scenario;
     first.seed = seed;
     first.duration_s = Some(60.0);
     let mut second = first.clone();

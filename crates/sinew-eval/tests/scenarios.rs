@@ -2,7 +2,8 @@
 
 use sinew_estimate::session::Warning;
 use sinew_eval::scenarios::{
-    End, Form, Options, Plan, ScenarioReport, Sessions, record, render_ends, run, variants,
+    End, Form, Options, ScenarioReport, Sessions, plan_adapted, plan_named, record, render_ends,
+    run, variants,
 };
 use sinew_model::Z95;
 use sinew_sim::scenario::{Draw, PerJoint};
@@ -104,7 +105,7 @@ fn of(per: &PerJoint, joint: &str) -> Draw {
 
 #[test]
 fn draws_are_those_of_the_protocol() {
-    let named = |name: &str| Plan::named(name).unwrap().scenario;
+    let named = |name: &str| plan_named(name).unwrap().scenario;
     let s5 = named("S5");
     let uniform = |min: f64, max: f64| Draw::Uniform { min, max };
     let joints = ["shoulder_yaw", "shoulder_pitch", "elbow", "wrist"];
@@ -158,7 +159,7 @@ fn draws_are_those_of_the_protocol() {
 
 #[test]
 fn one_recording_is_judged_against_its_own_truth() {
-    let plan = Plan::named("S8").unwrap();
+    let plan = plan_named("S8").unwrap();
     let recording = record(&plan, 3, Sessions::Slips).unwrap();
     let truth = |name: &str| recording.joints.iter().find(|j| j.name == name).unwrap();
     assert_eq!(1e3 * truth("shoulder_pitch").truth_rad, 10.0);
@@ -182,7 +183,7 @@ fn one_recording_is_judged_against_its_own_truth() {
 
 #[test]
 fn strands_that_failed_between_two_recordings_are_not_read_as_stretch() {
-    let plan = Plan::named("U3").unwrap();
+    let plan = plan_named("U3").unwrap();
     for seed in [4002, 4008] {
         let recording = record(&plan, seed, Sessions::B).unwrap();
         for joint in &recording.joints {
@@ -242,8 +243,8 @@ fn other(folder: &Path, more: &str) -> std::path::PathBuf {
 #[test]
 fn the_protocol_said_of_its_own_arm_is_the_protocol() {
     let robot = support::biorob_like();
-    let s8 = Plan::named("S8").unwrap().scenario;
-    let said = Plan::adapted("S8", &robot).unwrap().scenario;
+    let s8 = plan_named("S8").unwrap().scenario;
+    let said = plan_adapted("S8", &robot).unwrap().scenario;
     let close = |a: Draw, b: Draw, within: f64| {
         let (Draw::Uniform { min: a, max: b }, Draw::Uniform { min: c, max: d }) = (a, b) else {
             return a == b;
@@ -422,7 +423,7 @@ fn a_scenario_may_be_a_file() {
     };
     let file = folder.path().join("mine.toml");
     // Beside the robot it names.
-    let text = Plan::adapted("S5", &loaded).unwrap().text;
+    let text = plan_adapted("S5", &loaded).unwrap().text;
     std::fs::write(&file, format!("robot = \".\"\n{text}")).unwrap();
     let by_file = Options {
         scenarios: vec![file.display().to_string()],
@@ -464,7 +465,7 @@ fn a_scenario_that_cannot_be_run_says_why() {
     let name = file.display().to_string();
     assert!(refused(&[&name], None).contains("can't read"));
     let loaded = sinew_estimate::robot_dir::load(&robot, None).unwrap().robot;
-    let text = Plan::adapted("S5", &loaded).unwrap().text;
+    let text = plan_adapted("S5", &loaded).unwrap().text;
     std::fs::write(&file, &text).unwrap();
     let nobody = refused(&[&name], None);
     assert!(
@@ -557,7 +558,7 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
 #[test]
 fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
     let not_zeroed = |w: &&Warning| matches!(w, Warning::NotZeroed { .. });
-    let plan = Plan::named("not-zeroed").unwrap();
+    let plan = plan_named("not-zeroed").unwrap();
     let (mut inside, mut offsets) = (0, 0);
     for seed in [4000, 4001, 4002] {
         let recording = record(&plan, seed, Sessions::Chain).unwrap();
@@ -577,7 +578,7 @@ fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
     assert!(inside + 2 >= offsets, "{inside} of {offsets}");
     // A zeroed arm is not suspected, whatever else differs.
     for name in ["S8b", "S9b", "friction-3"] {
-        let plan = Plan::named(name).unwrap();
+        let plan = plan_named(name).unwrap();
         let recording = record(&plan, 4000, Sessions::B).unwrap();
         assert_eq!(recording.warnings.iter().find(not_zeroed), None, "{name}");
     }
@@ -589,7 +590,7 @@ fn an_arm_that_was_not_zeroed_is_noticed_and_read_right() {
 fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
     let creeps = |w: &Warning| matches!(w, Warning::TendonCreeps { .. });
     for (name, rad_per_s) in [("creep-1", 1e-3 / 60.0), ("creep-3", 3e-3 / 60.0)] {
-        let plan = Plan::named(name).unwrap();
+        let plan = plan_named(name).unwrap();
         let (mut inside, mut offsets, mut named) = (0, 0, 0);
         let (mut silent, mut read) = (0, 0);
         for seed in [4000, 4001, 4002, 4300, 4301, 4302] {
@@ -633,7 +634,7 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
     }
     // One that keeps its length is not suspected, whatever else differs.
     for name in ["S7", "S8b", "S9", "S9c", "U1", "leaned-on", "friction-3"] {
-        let plan = Plan::named(name).unwrap();
+        let plan = plan_named(name).unwrap();
         let recording = record(&plan, 4000, Sessions::B).unwrap();
         assert_eq!(
             recording.warnings.iter().find(|w| creeps(w)),

@@ -3,6 +3,9 @@
 /// Most decimals shown: below a tenth of a microradian (in mrad) nothing here is known.
 const MOST_DECIMALS: i32 = 4;
 
+/// Standard deviations on either side of a mean that hold 95 % of a normal distribution, as intervals are stated.
+pub const Z95: f64 = 1.96;
+
 /// Stands where there is no number.
 const NONE: &str = "–";
 
@@ -44,8 +47,6 @@ pub fn with_interval(value: f64, standard_error: f64) -> String {
 
 /// The same in two cells of a table, the value with as many decimals as half its interval; `–` for what there is not.
 pub fn interval_cells(value: f64, standard_error: f64) -> [String; 2] {
-    /// Quantile of the normal distribution.
-    const Z95: f64 = 1.96;
     if !value.is_finite() {
         return [NONE.into(), NONE.into()];
     }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Ambiguity, LogError};
 use crate::files::{Format, Progress, Recording, open_parts};
-use crate::frame::Quantity;
 use crate::health::Health;
+use crate::live::JointInfo;
 use crate::options::OpenOptions;
 use crate::sources::{SignalSource, TopicInfo, TopicUse};
 use std::path::PathBuf;
@@ -50,16 +50,6 @@ pub struct RecordingInfo {
     pub lossy: bool,
     /// What was lost or repaired.
     pub health: Health,
-}
-
-/// What is recorded of a joint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct JointInfo {
-    /// Its name.
-    pub name: String,
-    /// Quantities recorded.
-    pub channels: Vec<Quantity>,
 }
 
 impl sinew_files::JsonDocument for RecordingInfo {

@@ -124,7 +124,8 @@ pub use frame::{Channels, Frame, Quantities, Quantity, WORKS_AT_C};
 pub use health::{
     Damage, EVENT_LIMIT, Event, EventKind, Health, MUCH_LOST, SignalCount, StreamRole, StreamTiming,
 };
-pub use info::{JointInfo, Pace, RecordingInfo};
+pub use info::{Pace, RecordingInfo};
+pub use live::JointInfo;
 pub use mapping::{JointEffort, Mapping};
 pub use options::OpenOptions;
 pub use sources::{SignalSource, TopicInfo, TopicUse};

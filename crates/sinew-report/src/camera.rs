@@ -2,6 +2,7 @@
 
 use crate::text::{paragraph, plain, table};
 use sinew_camera::{Outcome, Summary};
+use sinew_model::Z95;
 
 /// Rows of the table: a handful of readings shows the course.
 const ROWS: usize = 12;
@@ -46,7 +47,7 @@ pub fn render(outcome: &Outcome, s: &Summary) -> String {
                 plain(&frame.name),
                 format!("{}", (frame.time_s * 1e3).round() / 1e3),
                 format!("{:.4}", 1e3 * elongation_m),
-                format!("{:.4}", 1.96e3 * deviation_m),
+                format!("{:.4}", 1e3 * Z95 * deviation_m),
                 format!("{:.2}", reading.quality),
             ]
         })

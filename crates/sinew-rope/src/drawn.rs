@@ -5,13 +5,15 @@ use super::caution::Caution;
 use super::draws::{Draws, bounded};
 use super::duty::DutySummary;
 use super::endurance::Endurances;
-use super::life::{BreakCause, LIFE_MOST_S, Life, bent_share, cause, life_s, spots, wear};
+use super::life::{
+    BreakCause, LIFE_MOST_S, Life, MAY_BREAK_SHARE, bent_share, cause, life_s, spots, wear,
+};
 use super::limits;
-use super::predict::{Prediction, PulleyPlace, Reading, TENSIONED_AFTER_S, cautions};
+use super::prediction::{Prediction, PulleyPlace, Reading, cautions};
 use super::refusal::PredictError;
 use super::route::Request;
-use super::select::MAY_BREAK_SHARE;
 use super::strand::{Mean, StrandError, strand};
+use super::times::TENSIONED_AFTER_S;
 use rayon::prelude::*;
 use sinew_model::Bounded;
 use sinew_model::rope::endurance::Endurance;

@@ -20,6 +20,7 @@ pub mod history;
 pub mod life;
 mod limits;
 pub mod predict;
+mod prediction;
 pub mod pretension;
 mod procedure;
 mod refusal;
@@ -29,6 +30,7 @@ pub mod select;
 pub mod stored;
 mod strand;
 pub mod task;
+mod times;
 pub mod warmth;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};

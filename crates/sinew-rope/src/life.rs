@@ -14,6 +14,8 @@ use sinew_model::rope::{Law, RopeLoad, damage};
 
 /// A life beyond this is none that can be told, s: 300 years.
 pub(crate) const LIFE_MOST_S: f64 = 1e10;
+/// A rope that breaks in more of the draws than this is ranked behind those that last.
+pub const MAY_BREAK_SHARE: f64 = 0.025;
 
 /// What breaks a rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,8 @@
 //! Where no rope is left to predict: melted, crept apart, or pulled out of its route.
 
 use super::CatalogueRope;
-use super::predict::{PredictError, Request};
+use super::refusal::PredictError;
+use super::route::Request;
 use sinew_model::rope::Polymer;
 
 /// HMPE melts from here on, °C: the lower end of what is reported for its fibres, 144 to 152 °C.

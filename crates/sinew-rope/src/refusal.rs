@@ -3,7 +3,7 @@
 use super::CatalogueError;
 use super::endurance::Ends;
 use super::life::BreakCause;
-use super::predict::{DAY_S, HOUR_S, YEAR_S};
+use super::times::{DAY_S, HOUR_S, YEAR_S};
 use sinew_model::rope::LoadError;
 use sinew_model::rope::routing::RoutingError;
 

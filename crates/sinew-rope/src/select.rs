@@ -3,6 +3,7 @@
 use super::caution::Caution;
 use super::drawn::drawn;
 use super::draws::{Draws, bounded};
+pub use super::life::MAY_BREAK_SHARE;
 use super::life::{BreakCause, LIFE_MOST_S};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
@@ -10,9 +11,6 @@ use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
 use sinew_model::rope::RopeLoad;
-
-/// A rope that breaks in more of the draws than this is ranked behind those that last.
-pub const MAY_BREAK_SHARE: f64 = 0.025;
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

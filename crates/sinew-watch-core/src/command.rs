@@ -1,6 +1,6 @@
 //! What people tell the monitor. Nothing of it reaches the robot.
 
-use crate::alarm::AlarmKey;
+use crate::condition::AlarmKey;
 use serde::{Deserialize, Serialize};
 
 /// What somebody tells the monitor.

@@ -112,3 +112,13 @@ impl Level {
         }
     }
 }
+
+/// Which alarm.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AlarmKey {
+    /// Joint; `None`: the robot as a whole.
+    pub joint: Option<String>,
+    /// What it is about.
+    pub condition: Condition,
+}

@@ -9,6 +9,7 @@
 
 pub mod alarm;
 pub mod command;
+mod condition;
 pub mod due;
 pub mod instant;
 pub mod journal;

@@ -11,6 +11,7 @@ pub mod check;
 pub mod config;
 pub mod demo;
 pub mod discover;
+mod hex;
 pub mod months;
 pub mod notify;
 pub mod runtime;

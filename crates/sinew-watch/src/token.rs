@@ -1,7 +1,7 @@
 //! The token that other computers need: made at the first start, readable by its owner alone.
 
 use crate::config::WebSettings;
-use crate::web::guard::hex;
+use crate::hex::hex;
 use sinew_files::{Temporary, folder_of};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};

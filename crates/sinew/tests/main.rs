@@ -5,6 +5,7 @@ mod baseline_merge;
 mod build_budget;
 #[cfg(feature = "schema")]
 mod checker;
+mod circles;
 mod cli;
 mod control;
 mod creep;

@@ -1,12 +1,13 @@
 //! What a fit of records would leave open: the fit's own choice of what is fitted and what is held, linearised about a rope.
 
 use super::bench_test::strain;
+use super::coordinate::moved;
 use super::duty::Slopes;
+use crate::cholesky::lower_factor;
 use crate::curve::Curve;
 use crate::rope_base::RopeBase;
 use crate::rope_entry;
 use crate::rope_law::RopePlan;
-use sinew_model::rope::entry::Uncertainty;
 use sinew_model::rope::holds::Holds;
 use sinew_model::rope::{Parameter, Parameters};
 
@@ -21,21 +22,6 @@ pub(super) struct Record {
     slopes: Vec<Vec<f64>>,
     /// What one unit of ε₀ changes, over the readings' deviations, and over that of the zero.
     zero: (f64, f64),
-}
-
-/// Coordinate of a parameter: deviations of the base's interval, where it has one, else its logarithm.
-pub(super) fn moved(p: &Parameters, base: &RopeBase, parameter: Parameter, by: f64) -> Parameters {
-    let value = p.get(parameter);
-    let (low, high) = parameter.range();
-    let known = base.entry.law.get(&parameter);
-    let to = match known.map(|v| v.uncertainty) {
-        Some(Uncertainty::Factor(f)) => value * (f.ln() * by / sinew_model::Z95).exp(),
-        Some(Uncertainty::PlusMinus(d)) => value + d * by / sinew_model::Z95,
-        _ => value * by.exp(),
-    };
-    let mut out = *p;
-    out.set(parameter, to.clamp(low, high));
-    out
 }
 
 impl Record {
@@ -111,7 +97,7 @@ impl Design {
         Some(Self {
             free,
             held,
-            factor: cholesky(information),
+            factor: lower_factor(information),
             curves,
         })
     }
@@ -147,21 +133,4 @@ impl Design {
     pub(super) fn holds(&self, base: &RopeBase) -> Holds {
         rope_entry::holds_of(&self.curves, base)
     }
-}
-
-/// Lower triangle of the Cholesky factor of a matrix given by its lower triangle.
-fn cholesky(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let d = a.len();
-    for j in 0..d {
-        for k in 0..j {
-            for i in j..d {
-                a[i][j] -= a[i][k] * a[j][k];
-            }
-        }
-        let pivot = a[j][j].max(f64::MIN_POSITIVE).sqrt();
-        for row in a.iter_mut().skip(j) {
-            row[j] /= pivot;
-        }
-    }
-    a
 }

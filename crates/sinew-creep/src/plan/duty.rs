@@ -1,7 +1,7 @@
 //! The duty's stretch, and how it goes with every parameter.
 
 use super::PlanRequest;
-use super::design::moved;
+use super::coordinate::moved;
 use crate::error::CreepError;
 use crate::rope_base::RopeBase;
 use sinew_model::rope::entry::Uncertainty;

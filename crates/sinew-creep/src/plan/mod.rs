@@ -9,6 +9,7 @@
 
 mod bench_test;
 mod check;
+mod coordinate;
 mod design;
 mod duty;
 

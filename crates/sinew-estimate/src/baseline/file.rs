@@ -1,7 +1,7 @@
 //! The baseline file: what recordings have taught about a robot.
 
+use crate::anchored::AnchorReading;
 use crate::error::SessionError;
-use crate::session::AnchorReading;
 use serde::{Deserialize, Serialize};
 use sinew_files::{OutputError, limits, read_text, write_file};
 use sinew_model::arm::PARAMETERS_PER_BODY;

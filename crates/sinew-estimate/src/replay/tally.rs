@@ -135,7 +135,7 @@ mod tests {
         for seed in 0..runs {
             let tally = correlated(seed, n, tau);
             errors += tally.standard_error() / runs as f64;
-            within += usize::from(tally.mean().abs() < 1.96 * tally.standard_error());
+            within += usize::from(tally.mean().abs() < sinew_model::Z95 * tally.standard_error());
         }
         // Batch means of 312–625 samples, ≥ 6 correlation times: at most 1/6·… ≈ 10 % low.
         assert!(

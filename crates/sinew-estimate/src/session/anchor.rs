@@ -17,13 +17,13 @@
 //! What it rests on: the stop doesn't move, gives less than its deviation, and what the joint pushed against
 //! was the stop.
 
-use super::anchored::{AnchorReading, AnchoredOffset};
 use super::recorder::Recorded;
 use super::result::{LimitState, RetensionLimit, SessionEstimate, TendonEstimate, Verdict};
 use super::segments::Segments;
-use super::touch::{NEAR_RAD, nearest};
 use super::warning::Warning;
+use crate::anchored::{AnchorReading, AnchoredOffset};
 use crate::baseline::Baseline;
+use crate::touch::{NEAR_RAD, nearest};
 use sinew_model::Gaussian;
 use sinew_model::offset::{Belief, Block, JointParameter, MapEstimator, Prior};
 use sinew_model::robot::Robot;

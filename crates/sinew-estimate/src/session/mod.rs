@@ -12,11 +12,9 @@
 //!
 //! Reading order: `recorder` (frames to blocks), `poses`, `witness` and `temperature` (what of them can be
 //! believed), `segments` (blocks to posteriors), `changes`,
-//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `touch` and `anchor` (stops and marks
-//! that were touched), `run`.
+//! `inflation`, `summary` and `checks` (posteriors to the [`result`](SessionEstimate)), `anchor` (stops and marks that were touched), `run`.
 
 mod anchor;
-mod anchored;
 mod changes;
 mod checks;
 mod context;
@@ -34,14 +32,14 @@ pub mod stated;
 mod summary;
 mod temperature;
 mod torque_range;
-mod touch;
 mod warning;
 mod witness;
 mod zero;
 
+pub use crate::anchored::{AnchorReading, AnchoredOffset};
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
-pub use anchored::{AnchorReading, AnchoredOffset};
+pub use crate::touch::{Touch, TouchReading};
 pub use live::{live, live_saved, live_without_baseline, replay_live};
 pub use poses::Poses;
 pub use recorder::{Recorded, Recorder, Window};
@@ -56,5 +54,4 @@ pub use run::{
 };
 pub use sinew_model::offset::Payload;
 pub use torque_range::TorqueRange;
-pub use touch::{Touch, TouchReading};
 pub use warning::{Warning, WitnessFault};

@@ -1,12 +1,12 @@
 //! A recording as blocks of features.
 
-use super::touch::{Touch, TouchReading, mark_of};
 use crate::error::EstimateError;
 use crate::feeder::{Fed, Feeder, FeederOptions, Injection, Refusal};
 use crate::jumps::Jumps;
 use crate::recording::Opened;
 use crate::request::{Progress, Request};
 use crate::robot_dir::LoadedRobot;
+use crate::touch::{Touch, TouchReading, mark_of};
 use crate::warning::RecordingWarning;
 use sinew_files::names;
 use sinew_log::{Frame, Mapping};

@@ -1,8 +1,8 @@
 //! What a session says of every tendon, as data.
 
-use super::anchored::AnchoredOffset;
 use super::torque_range::TorqueRange;
 use super::warning::Warning;
+use crate::anchored::AnchoredOffset;
 use crate::cause::Cause;
 use crate::nuisance::NuisanceChange;
 use serde::{Deserialize, Serialize};

@@ -20,11 +20,11 @@ pub mod survival;
 
 pub use analyze::{GoneOn, TrendRequest, analyze, analyze_joint, go_on, mean_temperature_c};
 pub use clock::Stated;
-pub use error::AnalyzeError;
+pub use error::{AnalyzeError, RecordError};
 pub use given::KeptTrend;
 pub use passage::{Passage, PassageTimes};
 pub use read::{read_records, read_sessions, records_from_csv, records_from_json, sort_of};
-pub use records::{RecordError, SessionRecord, Sorted, sort};
+pub use records::{SessionRecord, Sorted, sort};
 pub use result::{
     CycleClock, ForecastPoint, JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast,
     LimitState, MissingFromRobot, PriorBasis, SessionPoint, Suspicion, TrendEvent, TrendEventKind,

@@ -20,7 +20,8 @@
 //! | `drift_interval_95_mrad` | part of it that the zero's drift with temperature leaves; optional |
 //! | `stiffness_change_percent`, `stiffness_interval_95_percent` | optional, may be empty |
 
-use super::records::{RecordError, SessionRecord, Sorted, sort};
+use super::error::RecordError;
+use super::records::{SessionRecord, Sorted, sort};
 use crate::session::{SessionEstimate, Verdict};
 use rayon::prelude::*;
 use serde::Deserialize;

@@ -1,9 +1,10 @@
 //! Sessions as records: one per joint and session, put in order and freed of repeats.
 
+use super::error::RecordError;
 use super::result::TrendNote;
 use serde::{Deserialize, Serialize};
 use sinew_files::date::day_of;
-use sinew_files::{Located, names};
+use sinew_files::names;
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 use std::collections::BTreeMap;
@@ -44,82 +45,6 @@ pub struct SessionRecord {
     pub temperature_c: Option<f64>,
     /// Change of stiffness as a fraction of nominal.
     pub stiffness_ratio: Option<Gaussian>,
-}
-
-/// Why records were refused.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RecordError {
-    /// A file that can't be read, or a table with the place of what is wrong.
-    #[error(transparent)]
-    File(#[from] Located),
-    /// A document that can't be.
-    #[error("{place}: {why}")]
-    Value {
-        /// File and line or entry.
-        place: String,
-        /// What is wrong and what to do.
-        why: String,
-    },
-    /// Records of several robots.
-    #[error("{place} is of robot '{found}', not of '{expected}'; a trend is of one robot")]
-    Robot {
-        /// File and place.
-        place: String,
-        /// Its robot.
-        found: String,
-        /// The others'.
-        expected: String,
-    },
-    /// Cycles, and nobody says how long one takes.
-    #[error(
-        "{place}: counts cycles and has no time; say how long a cycle lasts, with --cycle-s SECONDS"
-    )]
-    CycleLength {
-        /// File and place.
-        place: String,
-    },
-    /// Two sessions at one time that differ.
-    #[error(
-        "{first} and {second}: two different offsets of '{joint}' at the same time ({date}) and of one recording; keep one"
-    )]
-    Conflict {
-        /// File and place.
-        first: String,
-        /// File and place.
-        second: String,
-        /// Joint.
-        joint: String,
-        /// Day.
-        date: String,
-    },
-    /// A joint the robot doesn't have.
-    #[error(
-        "{place}: joint '{joint}' has no elastic transmission in the robot's description{hint} it has {known}"
-    )]
-    Joint {
-        /// File and place.
-        place: String,
-        /// Joint.
-        joint: String,
-        /// The one that may have been meant, as `; did you mean …?`.
-        hint: String,
-        /// Joints there are.
-        known: String,
-    },
-    /// A table of ropes or events in which no life begins and ends.
-    #[error(
-        "{file}: no rope's life in it: every place has one event at most, or none that ends a life (broken, replaced, retired); say since when with 'installed' events, or give a row a rope with age_days and end"
-    )]
-    NoLives {
-        /// File.
-        file: String,
-    },
-    /// Nothing at all.
-    #[error(
-        "no records; give files written by sinew estimate LOG --baseline FILE --json, or a CSV (sinew trend --help)"
-    )]
-    Empty,
 }
 
 /// Records of every joint in the order of time, and what was done to them.

@@ -1,5 +1,6 @@
 //! Numbers out of a run.
 
+use crate::numbers::quantile_of;
 use serde::Serialize;
 
 /// The arm has been asked to stand for so long when its position counts as "at rest", s: about one
@@ -143,7 +144,7 @@ impl ContactScore {
 
     /// Median delay, s; NaN when nothing was detected.
     pub fn delay_median_s(&self) -> f64 {
-        median(&self.delays_s)
+        quantile_of(self.delays_s.clone(), 0.5)
     }
 }
 
@@ -161,18 +162,6 @@ fn joined(contacts: &[(f64, f64)], from_s: f64, to_s: f64) -> Vec<(f64, f64)> {
         }
     }
     out
-}
-
-/// The middle value; NaN of nothing.
-pub(crate) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let n = sorted.len();
-    match n {
-        0 => f64::NAN,
-        _ if n % 2 == 1 => sorted[n / 2],
-        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
-    }
 }
 
 /// Sums of one joint on the way to a [`JointScore`].
@@ -270,6 +259,5 @@ mod tests {
         );
         assert!((100.0 * score.false_share() - 100.0).abs() < 1e-9);
         assert!(score.delay_median_s().is_nan());
-        assert_eq!(median(&[3.0, 1.0, 2.0, 10.0]), 2.5);
     }
 }

@@ -1,7 +1,7 @@
 //! What a figure of the paper consists of.
 
 use super::claim::{Claim, Place};
-use super::control::row::Row;
+use super::row::Row;
 use super::sentence::Sentence;
 use serde::Serialize;
 use sinew_figure::Table;

@@ -146,6 +146,12 @@ fn by_third(values: &[f64], held: &[bool]) -> Option<[f64; 3]> {
     }))
 }
 
+/// Their names, one after another; none where nothing decides.
+pub(super) fn decided_by(deciders: &[Decider]) -> Option<String> {
+    let names: Vec<String> = deciders.iter().map(Decider::name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::judge::laws;

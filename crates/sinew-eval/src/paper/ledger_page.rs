@@ -1,7 +1,7 @@
 //! The ledger as text and as one HTML page.
 
 use super::PaperError;
-use super::decider::Decider;
+use super::decider::decided_by;
 use super::ledger::{Ledger, LedgerRow, LedgerStatus};
 use super::page::SOURCE;
 use sinew_figure::{Block, Headline, Level, Page, Table};
@@ -63,11 +63,6 @@ fn details(row: &LedgerRow) -> String {
         text += &format!("; decided by {deciders}");
     }
     text + &format!(" (sinew paper {figure})")
-}
-
-pub(super) fn decided_by(deciders: &[Decider]) -> Option<String> {
-    let names: Vec<String> = deciders.iter().map(Decider::name).collect();
-    (!names.is_empty()).then(|| names.join(", "))
 }
 
 fn html(ledger: &Ledger) -> String {

@@ -33,6 +33,7 @@ mod ledger;
 mod ledger_page;
 mod page;
 mod render;
+mod row;
 mod sentence;
 pub mod staircase;
 mod table1;

@@ -1,7 +1,7 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::data::{PaperFigure, Written};
-use super::ledger_page::decided_by;
+use super::decider::decided_by;
 use super::sentence::{SaidBy, Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;

@@ -2,7 +2,7 @@
 
 use super::control::table as table_of;
 use super::data::PaperFigure;
-use super::ledger_page::decided_by;
+use super::decider::decided_by;
 use super::sentence::{SaidBy, Sentence, Verdict};
 use sinew_figure::rounded;
 use sinew_report::text::{indented, paragraph, table};

@@ -11,7 +11,7 @@
 //! | contacts | 2 to 15 N at `tool` | 0.14 to 1 of the moving weight, there |
 //! | offsets of 10 mrad, slips | shoulder pitch, elbow | the two joints that gravity loads most |
 
-use super::catalogue::set;
+use super::texts::set;
 use sinew_model::arm::{ArmWorkspace, JointKind};
 use sinew_model::robot::Robot;
 use sinew_model::transmission::{Friction, Transmission};

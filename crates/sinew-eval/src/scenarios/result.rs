@@ -1,6 +1,6 @@
 //! What many recordings show together, as data in SI.
 
-use super::EndSummary;
+use super::{End, Form};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Interval95;
@@ -121,4 +121,26 @@ pub struct SlipSummary {
     pub delay_s: Option<f64>,
     /// The same, 90 % quantile.
     pub delay_90_s: Option<f64>,
+}
+
+/// All recordings of a scenario at one end, all elastic joints together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EndSummary {
+    /// Which end.
+    pub end: End,
+    /// Whose estimates.
+    pub form: Form,
+    /// Offsets judged: recordings times elastic joints.
+    pub offsets: usize,
+    /// Share of truths inside the 95 % interval.
+    pub coverage_share: f64,
+    /// Root mean square error, rad.
+    pub rmse_rad: f64,
+    /// Mean half of the 95 % interval, rad.
+    pub half_width_95_rad: f64,
+    /// Share of recordings whose session warned of anything, or was in doubt.
+    pub warned_share: f64,
+    /// Share of offsets outside their interval in a session that warned of nothing.
+    pub silent_share: f64,
 }

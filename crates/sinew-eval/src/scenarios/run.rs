@@ -2,13 +2,13 @@
 
 use super::result::ScenarioReport;
 use super::summary::summarise;
-use super::{Plan, Recording, ScenarioError, Sessions, record};
+use super::{Options, Plan, Recording, ScenarioError, plan_adapted, plan_named, record};
 use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
 use sinew_sim::{Scenario, SimulateError};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
@@ -16,27 +16,6 @@ const RECORDINGS: journal::Kind = journal::Kind {
     version: 14,
     holds: "scenario results",
 };
-
-/// What to run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Names of scenarios, or files (`.toml`) of one's own.
-    pub scenarios: Vec<String>,
-    /// Folder of the robot, where that isn't the protocol's or the file's.
-    pub robot: Option<PathBuf>,
-    /// Recordings per scenario.
-    pub n: u64,
-    /// Seed of the first; the others follow.
-    pub first_seed: u64,
-    /// Which sessions are estimated.
-    pub sessions: Sessions,
-    /// Whether the motor's torque is recorded.
-    pub motor_torque: bool,
-    /// Threads.
-    pub jobs: usize,
-    /// Where a line per recording goes, and where a stopped run is taken up again.
-    pub out: Option<PathBuf>,
-}
 
 /// What all recordings say together; see [`run_recordings`].
 ///
@@ -133,8 +112,8 @@ fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
         let path = Path::new(name);
         let plan = match &robot {
             robot if path.extension().is_some_and(|e| e == "toml") => own(path, robot.clone())?,
-            Some(robot) => Plan::adapted(name, robot)?,
-            None => Plan::named(name)?,
+            Some(robot) => plan_adapted(name, robot)?,
+            None => plan_named(name)?,
         };
         if plans.iter().any(|other| other.name == plan.name) {
             return Err(ScenarioError::Text {
@@ -173,5 +152,5 @@ fn own(path: &Path, robot: Option<sinew_model::robot::Robot>) -> Result<Plan, Sc
 /// All that recordings depend on.
 fn everything(plans: &[Plan]) -> String {
     let own: BTreeSet<&str> = plans.iter().map(|p| p.rests_on.as_str()).collect();
-    super::catalogue::everything() + &own.into_iter().collect::<String>()
+    super::texts::everything() + &own.into_iter().collect::<String>()
 }

@@ -1,7 +1,8 @@
 //! What a user meets outside the protocol: each variant is one of its scenarios with a few edits.
 
+use super::Plan;
 use super::ScenarioError;
-use super::catalogue::{Plan, merged, set};
+use super::texts::{merged, set};
 use toml::{Table, Value};
 
 /// One of the protocol's scenarios, edited.
@@ -448,7 +449,7 @@ mod tests {
     use sinew_sim::scenario::Draw;
 
     fn named(name: &str) -> Plan {
-        Plan::named(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+        crate::scenarios::plan_named(name).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! the sample with the same stamp, or the linear interpolation of its neighbours.
 
 mod condition;
+mod key;
 mod sorter;
 mod steps;
 
@@ -13,8 +14,9 @@ use crate::health::{EventKind, Health, StreamRole};
 
 pub use crate::frame::ABSENT;
 pub use condition::{Conditioner, Signal};
+use key::Key;
 pub use sorter::Sorter;
-use sorter::{Key, has_reached};
+use sorter::has_reached;
 
 /// A joint-side sample waits for a stalled side stream at most this many windows.
 const PATIENCE_WINDOWS: i64 = 4;

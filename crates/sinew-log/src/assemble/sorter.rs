@@ -8,6 +8,7 @@
 
 use std::collections::VecDeque;
 
+use super::key::Key;
 use super::steps::Steps;
 use crate::frame::{ABSENT, is_absent};
 use crate::health::{StreamRole, StreamTiming};
@@ -18,13 +19,6 @@ pub(crate) const JUMP_EVIDENCE: usize = 8;
 const SLOT_LIMIT: usize = 16_384;
 /// Most memory the samples held may take, bytes.
 const BYTES_LIMIT: usize = 32 << 20;
-
-/// Order of samples: the epoch grows with every clock jump.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Key {
-    pub(crate) epoch: u32,
-    pub(crate) time_ns: i64,
-}
 
 #[derive(Debug)]
 pub(crate) struct Slot {

@@ -1,6 +1,6 @@
 //! Steps from stamp to stamp of one stream, counted: what is missing shows as steps of two, three, … samples.
 
-use super::sorter::Key;
+use super::key::Key;
 use crate::health::{StreamRole, StreamTiming};
 
 /// Steps are counted in bins of this relative width.

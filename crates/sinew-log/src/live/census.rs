@@ -8,7 +8,7 @@ use super::survey::{Survey, Topic, description, is_description_topic};
 use super::{TOPICS_MOST, TopicId};
 use crate::decode::MessageKind;
 use crate::error::Ambiguity;
-use crate::info::JointInfo;
+use crate::frame::Quantity;
 use crate::mapping::Mapping;
 use crate::options::OpenOptions;
 use crate::sources::TopicInfo;
@@ -40,6 +40,16 @@ pub struct RobotFound {
     pub joints: Vec<JointInfo>,
     /// Its URDF.
     pub robot_description: Option<String>,
+}
+
+/// What is recorded of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointInfo {
+    /// Its name.
+    pub name: String,
+    /// Quantities recorded.
+    pub channels: Vec<Quantity>,
 }
 
 impl Census {

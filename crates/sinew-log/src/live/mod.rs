@@ -76,7 +76,7 @@ pub(crate) mod survey;
 mod census;
 mod filter;
 
-pub use census::{Census, RobotFound};
+pub use census::{Census, JointInfo, RobotFound};
 pub use filter::TopicFilter;
 
 use crate::assemble::Joiner;

@@ -29,6 +29,7 @@ pub mod misfit;
 mod mixture;
 mod observer;
 mod parameter;
+mod payload;
 mod prior;
 mod recursive;
 mod shared_error;

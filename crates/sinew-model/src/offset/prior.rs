@@ -2,9 +2,9 @@
 
 use super::belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 use super::block::Block;
-use super::equations::payload::point_mass;
 use super::layout::Layout;
 use super::parameter::{ENCODER, JointParameter, PAYLOAD, PER_JOINT};
+use super::payload::point_mass;
 use super::state_entry::StateEntry;
 use crate::Gaussian;
 use crate::arm::{Arm, BaseParameters, PARAMETERS_PER_BODY};

@@ -11,25 +11,14 @@
 //!
 //! What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
 
-mod condition;
 mod list;
 
-pub use condition::{Condition, Level};
+pub use crate::condition::{AlarmKey, Condition, Level};
 pub use list::{Alarms, AlarmsStored, Delays};
 
 use crate::command::What;
 use serde::{Deserialize, Serialize};
 use sinew_estimate::Cause;
-
-/// Which alarm.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct AlarmKey {
-    /// Joint; `None`: the robot as a whole.
-    pub joint: Option<String>,
-    /// What it is about.
-    pub condition: Condition,
-}
 
 /// Where an alarm stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

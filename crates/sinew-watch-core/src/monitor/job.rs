@@ -1,17 +1,15 @@
 //! Estimates, made away from the thread that takes frames.
 
 use super::session::Session;
-use super::trend::{Made, analyze_tendon};
+use super::tendon_trend::{Made, TrendWork, analyze_tendon};
 use crate::journal::SessionEnd;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
     Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
     live,
 };
-use sinew_estimate::trend::{SessionRecord, Stated};
 use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
-use sinew_rope::Catalogue;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -67,19 +65,6 @@ pub(super) struct Learns {
     pub(super) tensioned: Vec<usize>,
     /// Whether it was begun before.
     pub(super) continues: bool,
-}
-
-/// What a tendon's trend needs.
-#[derive(Debug)]
-pub(super) struct TrendWork {
-    /// After how many tensionings it was begun.
-    pub(super) of: u32,
-    /// Place among the elastic joints.
-    pub(super) tendon: usize,
-    pub(super) joint: String,
-    pub(super) records: Vec<SessionRecord>,
-    pub(super) stated: Vec<Stated>,
-    pub(super) catalogue: Arc<Catalogue>,
 }
 
 /// What a [`Job`] gave, for [`Monitor::done`](crate::Monitor::done).

@@ -26,12 +26,13 @@ mod show;
 mod take;
 mod tell;
 mod tendon;
+mod tendon_trend;
 mod trend;
 
 pub use config::{AlarmOptions, ClockChoice, MonitorConfig, MonitorError, Stored, Times};
 pub use history::History;
 pub use job::{Done, Job};
-pub use trend::HORIZON_DAYS;
+pub use tendon_trend::HORIZON_DAYS;
 
 use crate::alarm::{Alarms, StoreFault, Trouble};
 use crate::instant::Instant;

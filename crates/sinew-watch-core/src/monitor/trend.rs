@@ -1,46 +1,10 @@
 //! A tendon's trend, from the best record of every day.
 
 use super::Monitor;
-use super::job::TrendWork;
+use super::tendon_trend::{Made, TrendWork};
 use crate::instant::Instant;
-use sinew_estimate::trend::{JointTrend, PassageTimes, Stated, TrendRequest, analyze_joint};
-use sinew_model::robot::Robot;
+use sinew_estimate::trend::Stated;
 use std::sync::Arc;
-
-/// Days a trend's forecast looks ahead, as that of `sinew trend`.
-pub const HORIZON_DAYS: f64 = 1095.0;
-/// Seed of its draws: that of `sinew trend`.
-const SEED: u64 = 1;
-
-/// A trend without its series, and when it passes its limits.
-#[derive(Debug, Clone)]
-pub(super) struct Made {
-    pub(super) trend: Arc<JointTrend>,
-    pub(super) passages: Arc<[PassageTimes]>,
-}
-
-/// The trend; `None` where the records make none.
-pub(super) fn analyze_tendon(robot: &Robot, work: TrendWork) -> Option<Made> {
-    let last_utc_s = work.records.last()?.time_utc_s;
-    let request = TrendRequest {
-        robot: Some(robot),
-        catalogue: &work.catalogue,
-        // Of what was done since the last record, the next one will tell.
-        stated: (work.stated.into_iter())
-            .filter(|stated| stated.time_utc_s <= last_utc_s)
-            .collect(),
-        duty: None,
-        life: None,
-        horizon_days: HORIZON_DAYS,
-        seed: SEED,
-    };
-    let (mut trend, passages) = analyze_joint(&work.joint, &work.records, &request).ok()?;
-    trend.series = Vec::new();
-    Some(Made {
-        trend: Arc::new(trend),
-        passages: passages.into(),
-    })
-}
 
 /// The trends of a robot's tendons, and which of them are to be made anew.
 #[derive(Debug, Clone, Default)]

@@ -1,86 +1,51 @@
-//! What is known of every robot now, for whoever shows it. Written by core threads, read by everybody.
+//! What is known of all robots now, and where commands to them go.
 
-use super::core_thread::CoreHandle;
+use super::messages::CoreHandle;
+use super::slot::Slot;
 use sinew_door::RobotId;
-use sinew_watch_core::RobotSnapshot;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
-
-/// A robot's place.
-#[derive(Default)]
-pub struct Slot {
-    now: Mutex<Seen>,
-    address: Mutex<Option<(CoreHandle, RobotId)>>,
-    /// Messages dropped before the estimator, by a full queue.
-    pub dropped: AtomicU64,
-}
-
-/// What is known of a robot.
-#[derive(Debug, Clone, Default)]
-pub enum Seen {
-    /// Its monitor hasn't said anything yet.
-    #[default]
-    Nothing,
-    /// It is watched.
-    Watched(Arc<RobotSnapshot>),
-    /// It isn't, and why.
-    NotWatched(String),
-}
-
-impl Slot {
-    /// What is known.
-    pub fn seen(&self) -> Seen {
-        self.now
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
-
-    /// Says what is known.
-    pub fn put(&self, seen: Seen) {
-        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = seen;
-    }
-
-    /// Where commands to it go; `None`: it isn't watched.
-    pub fn address(&self) -> Option<(CoreHandle, RobotId)> {
-        self.address
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
-
-    /// Says where commands to it go.
-    pub fn set_address(&self, address: Option<(CoreHandle, RobotId)>) {
-        *self.address.lock().unwrap_or_else(PoisonError::into_inner) = address;
-    }
-
-    /// Counts what a full queue dropped.
-    pub fn count_dropped(&self, messages: u64) {
-        self.dropped.fetch_add(messages, Ordering::Relaxed);
-    }
-}
+use std::sync::{Arc, PoisonError, RwLock};
 
 /// All robots by name.
 #[derive(Default)]
 pub struct Board {
-    robots: RwLock<BTreeMap<String, Arc<Slot>>>,
+    robots: RwLock<BTreeMap<String, Place>>,
+}
+
+/// A robot's place.
+#[derive(Default)]
+struct Place {
+    slot: Arc<Slot>,
+    /// Where commands to it go; `None`: it isn't watched.
+    address: Option<(CoreHandle, RobotId)>,
 }
 
 impl Board {
-    /// The place of a robot; made where there is none.
+    /// What is known of a robot; a place is made where there is none.
     pub fn slot(&self, robot: &str) -> Arc<Slot> {
         if let Some(slot) = self.get(robot) {
             return slot;
         }
         let mut robots = self.robots.write().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(robots.entry(robot.into()).or_default())
+        Arc::clone(&robots.entry(robot.into()).or_default().slot)
     }
 
-    /// The place of a robot.
+    /// What is known of a robot.
     pub fn get(&self, robot: &str) -> Option<Arc<Slot>> {
         let robots = self.robots.read().unwrap_or_else(PoisonError::into_inner);
-        robots.get(robot).cloned()
+        robots.get(robot).map(|place| Arc::clone(&place.slot))
+    }
+
+    /// Where commands to a robot go; `None`: it isn't watched.
+    pub fn address(&self, robot: &str) -> Option<(CoreHandle, RobotId)> {
+        let robots = self.robots.read().unwrap_or_else(PoisonError::into_inner);
+        robots.get(robot)?.address.clone()
+    }
+
+    /// Says where commands to a robot go.
+    pub fn set_address(&self, robot: &str, address: Option<(CoreHandle, RobotId)>) {
+        let mut robots = self.robots.write().unwrap_or_else(PoisonError::into_inner);
+        robots.entry(robot.into()).or_default().address = address;
     }
 
     /// A robot is no longer in the configuration.
@@ -94,7 +59,7 @@ impl Board {
         let robots = self.robots.read().unwrap_or_else(PoisonError::into_inner);
         robots
             .iter()
-            .map(|(name, slot)| (name.clone(), Arc::clone(slot)))
+            .map(|(name, place)| (name.clone(), Arc::clone(&place.slot)))
             .collect()
     }
 }

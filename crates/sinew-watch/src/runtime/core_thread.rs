@@ -2,23 +2,19 @@
 //!
 //! It never waits for the disk, an estimate or a browser: it waits for messages, and for answers to what it gave away.
 
-use super::board::{Seen, Slot};
-use super::doors::Shut;
 use super::health::Health;
+use super::messages::{Answer, Control, CoreHandle, NotStored, Reply, Request, Watched, Work};
 use super::pace::Pace;
-use super::store_thread::Request;
+use super::slot::{Seen, Slot};
 use super::troubles::Troubles;
-use super::worker::Work;
-use crate::store::StoreError;
-use sinew_door::{Batch, Clock, Inbox, Intake, Received, RobotId, Taken};
-use sinew_watch_core::alarm::StoreFault;
-use sinew_watch_core::command::{Command, CommandError};
+use sinew_door::{Batch, Clock, Inbox, Received, RobotId, Taken};
+use sinew_watch_core::command::Command;
 use sinew_watch_core::journal::{Entry, Event};
 use sinew_watch_core::snapshot::Freshness;
-use sinew_watch_core::{Done, Monitor, MonitorConfig, MonitorError, Transaction};
+use sinew_watch_core::{Monitor, Transaction};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender};
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc as tokio_mpsc;
 
@@ -28,143 +24,6 @@ const TICK: Duration = Duration::from_secs(1);
 const ROUND: Duration = Duration::from_millis(100);
 /// Batches that are taken before the thread looks at what else there is.
 const BATCHES: usize = 64;
-
-/// What a core thread is told.
-pub enum Control {
-    /// Watch this robot.
-    Add(Box<Watched>),
-    /// Take another configuration of a robot; the answer says why not.
-    Reload {
-        /// Robot.
-        robot: RobotId,
-        /// What is asked for.
-        config: Box<MonitorConfig>,
-        /// Who waits.
-        reply: SyncSender<Result<(), MonitorError>>,
-    },
-    /// Watch it no more; its session ends and is stored.
-    Remove {
-        /// Robot.
-        robot: RobotId,
-        /// Dropped when all is stored.
-        gone: SyncSender<()>,
-    },
-    /// Somebody says something.
-    Command {
-        /// Robot.
-        robot: RobotId,
-        /// What.
-        command: Command,
-        /// Who waits.
-        reply: Reply,
-    },
-    /// A transaction was stored, or not.
-    Stored {
-        /// Place of the robot.
-        robot: usize,
-        /// Which.
-        transaction: Box<Transaction>,
-        /// Why not.
-        result: Result<(), NotStored>,
-    },
-    /// A robot's door is shut, or is open.
-    Door {
-        /// Robot.
-        robot: RobotId,
-        /// Why it is shut; `None`: it is open.
-        shut: Option<Shut>,
-    },
-    /// An estimate was made.
-    Done {
-        /// Place of the robot.
-        robot: usize,
-        /// What it gave.
-        done: Box<Done>,
-    },
-    /// An estimate was left out, for the monitor ends.
-    LeftOut {
-        /// Place of the robot.
-        robot: usize,
-    },
-    /// End all sessions, store them, and end by then.
-    End {
-        /// Until when.
-        by: Instant,
-    },
-}
-
-/// Why a transaction wasn't stored.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NotStored {
-    /// What kind of failure.
-    pub fault: StoreFault,
-    /// In words.
-    pub why: String,
-}
-
-impl NotStored {
-    /// Of what the store says.
-    pub fn of(error: &StoreError) -> Self {
-        Self {
-            fault: error.fault(),
-            why: error.in_words(),
-        }
-    }
-}
-
-/// What became of a command.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
-    /// It is done and stored.
-    Stored,
-    /// It is done, and could not be stored yet.
-    NotStored(String),
-    /// It was refused.
-    Refused(CommandError),
-    /// The robot isn't watched any more.
-    Gone,
-}
-
-/// Who waits for the answer to a command.
-pub type Reply = Box<dyn FnOnce(Answer) + Send>;
-
-/// How others reach a core thread.
-#[derive(Clone)]
-pub struct CoreHandle {
-    sender: Sender<Control>,
-    inbox: Inbox,
-}
-
-impl CoreHandle {
-    /// A handle, and what it is connected to.
-    pub fn new(inbox: Inbox) -> (Self, Receiver<Control>) {
-        let (sender, receiver) = channel();
-        (Self { sender, inbox }, receiver)
-    }
-
-    /// Tells the thread something; one that has ended hears nothing.
-    pub fn tell(&self, control: Control) {
-        let _ended = self.sender.send(control);
-        self.inbox.nudge();
-    }
-
-    /// Where its robots' messages go.
-    pub fn inbox(&self) -> &Inbox {
-        &self.inbox
-    }
-}
-
-/// A robot that is watched.
-pub struct Watched {
-    /// Its queue.
-    pub id: RobotId,
-    /// Makes frames of messages.
-    pub intake: Intake,
-    /// What is known of it.
-    pub monitor: Monitor,
-    /// Where that is shown.
-    pub slot: Arc<Slot>,
-}
 
 /// What a core thread gives away.
 #[derive(Clone)]

@@ -1,6 +1,6 @@
 //! How the monitor itself is: its threads, its store, what it has to say.
 
-use super::doors::DoorNow;
+use super::door::DoorNow;
 use crate::store::StoreError;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

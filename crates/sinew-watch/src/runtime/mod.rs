@@ -11,26 +11,31 @@
 
 mod board;
 mod core_thread;
+mod door;
 mod doors;
 mod health;
+mod messages;
 mod pace;
 mod robot;
+mod slot;
 mod store_thread;
 mod tell;
 mod troubles;
 mod worker;
 
-pub use board::{Board, Seen, Slot};
-pub use core_thread::{Answer, Control, CoreHandle, NotStored, Reply};
-pub use doors::{DoorKey, DoorNow, Doors, Shut, check as check_door};
+pub use board::Board;
+pub use door::{DoorKey, DoorNow, Shut};
+pub use doors::{Doors, check as check_door};
 pub use health::{Health, StoreNow};
+pub use messages::{Answer, Control, CoreHandle, NotStored, Reply, Request};
 pub use pace::Pace;
-pub use store_thread::Request;
+pub use slot::{Seen, Slot};
 pub use tell::{INTERFACES, Statuses, Tendons};
 
 use crate::config::{Config, Publish, RobotSettings};
 use crate::store::{Place, Reader, Store, StoreError};
-use core_thread::{CoreThread, Outlets, Watched};
+use core_thread::{CoreThread, Outlets};
+use messages::Watched;
 use robot::{Files, NotYet};
 use sinew_door::{Batch, Clock, Inbox, Intake, QueueLimits, RobotId, Route, Sender as Queue};
 use sinew_log::live::LiveOptions;
@@ -339,7 +344,8 @@ impl Runtime {
         let handle = self.cores[core].0.clone();
         let (id, sender) = handle.inbox().robot(QueueLimits::default());
         let slot = self.board.slot(name);
-        slot.set_address(Some((handle.clone(), id)));
+        let address = Some((handle.clone(), id));
+        self.board.set_address(name, address);
         handle.tell(Control::Add(Box::new(Watched {
             id,
             intake,
@@ -427,7 +433,7 @@ impl Runtime {
         let (gone, ended) = sync_channel(0);
         let robot = queue.id;
         self.cores[core].0.tell(Control::Remove { robot, gone });
-        self.board.slot(name).set_address(None);
+        self.board.set_address(name, None);
         ended.recv_timeout(END_WITHIN) != Err(RecvTimeoutError::Timeout)
     }
 

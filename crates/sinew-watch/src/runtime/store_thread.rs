@@ -1,7 +1,7 @@
 //! The thread that stores: nobody waits for it but what it stores.
 
-use super::core_thread::{Control, CoreHandle, NotStored};
 use super::health::Health;
+use super::messages::{Control, CoreHandle, NotStored, Request};
 use crate::store::Store;
 use sinew_watch_core::Transaction;
 use std::sync::Arc;
@@ -11,32 +11,6 @@ use std::time::Instant;
 
 /// Transactions that are stored together, at most: one wait for the disk for all of them.
 const TOGETHER: usize = 256;
-
-/// What the store is asked for.
-pub enum Request {
-    /// Store this; the answer goes to the robot's core.
-    Store {
-        /// What.
-        transaction: Transaction,
-        /// Robot's place in its core.
-        robot: usize,
-        /// Its core.
-        core: CoreHandle,
-    },
-    /// Remember that records are in a file.
-    Exported {
-        /// Of this type.
-        robot_type: String,
-        /// Of this month.
-        month: String,
-        /// In the file of this number.
-        number: u32,
-        /// Up to this one.
-        last_record: i64,
-    },
-    /// All is stored that was asked for; end.
-    End,
-}
 
 /// Starts the thread.
 ///

@@ -1,7 +1,8 @@
 //! Once a second, what is known goes to the robots' networks: `/diagnostics` and `/sinew/tendons`.
 
-use super::board::{Board, Seen};
-use super::doors::DoorKey;
+use super::board::Board;
+use super::door::DoorKey;
+use super::slot::Seen;
 use crate::words;
 use sinew_door::{Outgoing, Publisher};
 use sinew_log::encode::{

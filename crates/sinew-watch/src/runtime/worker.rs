@@ -1,23 +1,12 @@
 //! Threads that make estimates, so that who takes frames needn't.
 
-use super::core_thread::{Control, CoreHandle};
 use super::health::Health;
-use sinew_watch_core::Job;
+use super::messages::{Control, Work};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
-
-/// An estimate to make, and who waits for it.
-pub(super) struct Work {
-    /// What.
-    pub job: Job,
-    /// Robot's place in its core.
-    pub robot: usize,
-    /// Its core.
-    pub core: CoreHandle,
-}
 
 /// Starts so many threads.
 ///

@@ -23,7 +23,7 @@ impl Asset {
             kind,
             bytes,
             packed: packed.unwrap_or_default(),
-            tag: format!("\"{}\"", &super::guard::hex(&Sha256::digest(bytes))[..16]),
+            tag: format!("\"{}\"", &crate::hex::hex(&Sha256::digest(bytes))[..16]),
         }
     }
 

@@ -5,6 +5,7 @@
 //! JSON, cookies are HttpOnly and SameSite=Strict, and a policy lets the page load nothing but its own parts.
 
 use crate::config::WebSettings;
+use crate::hex::hex;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
@@ -110,11 +111,6 @@ fn is_same(secret: &str, given: &str) -> bool {
 /// What a cookie holds: it tells nothing of the token, and ends with it.
 fn login_of(token: &str) -> String {
     hex(&Sha256::digest(format!("sinew-watch login\n{token}")))
-}
-
-/// Bytes as digits.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// What may be asked without a token: the page itself, which holds nothing, and the login.

@@ -146,9 +146,9 @@ pub(super) async fn command(
     body: Bytes,
 ) -> Result<Json<Done>, Refused> {
     let command: Command = read_body(&body)?;
-    let (slot, _) = watched(&app, &robot)?;
+    watched(&app, &robot)?;
     let gone = || Refused::new(StatusCode::CONFLICT, "it isn't watched any more");
-    let (core, id) = slot.address().ok_or_else(gone)?;
+    let (core, id) = app.board.address(&robot).ok_or_else(gone)?;
     let (sender, answer) = oneshot::channel();
     core.tell(Control::Command {
         robot: id,

@@ -5,7 +5,9 @@ use crate::terminal::{Bar, Failure, Finish, answer, answer_as};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
 use sinew_eval::scenarios;
-use sinew_eval::scenarios::{DEFAULT, Options, Plan, Sessions, UNMODELLED, variants};
+use sinew_eval::scenarios::{
+    DEFAULT, Options, Sessions, UNMODELLED, plan_adapted, plan_named, variants,
+};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -88,9 +90,9 @@ impl Scenarios {
             Self::Show(show) => {
                 let plan = match &show.robot {
                     Some(folder) => {
-                        Plan::adapted(&show.name, &robot_dir::load(folder, None)?.robot)?
+                        plan_adapted(&show.name, &robot_dir::load(folder, None)?.robot)?
                     }
-                    None => Plan::named(&show.name)?,
+                    None => plan_named(&show.name)?,
                 };
                 answer(&plan.text)?;
                 Ok(Finish::Complete)

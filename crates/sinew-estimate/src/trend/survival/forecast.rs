@@ -2,12 +2,11 @@
 
 use super::analyze::{ages, wear};
 use super::lives::Lives;
-use super::result::{AgeUnit, Wear};
+use super::result::{AgeUnit, LifeForecast, Wear};
 use crate::trend::AnalyzeError;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma};
-use serde::{Deserialize, Serialize};
 use sinew_model::statistics::quantile;
 use sinew_model::survival::{Weibull, WeibullFit};
 
@@ -28,39 +27,6 @@ pub struct LifePrior {
     ropes: usize,
     broke: usize,
     source: String,
-}
-
-/// When a rope should be replaced, from its age.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LifeForecast {
-    /// Share of such ropes that have broken by the age at which to replace.
-    pub broken_ratio: f64,
-    /// Age of this one at its last session, s.
-    pub age_s: f64,
-    /// Share of such ropes that have broken by that age: mean over what the lives leave open.
-    pub broken_by_now_ratio: f64,
-    /// Probability that the age at which to replace is passed.
-    pub passed_probability: f64,
-    /// Median of the time from the last session until it is, s; below 0: it was passed before.
-    pub after_s: f64,
-    /// 2.5 % quantile of it, s.
-    pub after_low_s: f64,
-    /// 97.5 % quantile of it, s.
-    pub after_high_s: f64,
-    /// Ropes it rests on.
-    pub ropes: usize,
-    /// Those of them that broke.
-    pub broke: usize,
-    /// Table they stand in.
-    pub source: String,
-}
-
-impl LifeForecast {
-    /// Whether the rope is likelier older than the age at which to replace than not.
-    pub fn is_passed(&self) -> bool {
-        self.passed_probability > 0.5
-    }
 }
 
 impl LifePrior {

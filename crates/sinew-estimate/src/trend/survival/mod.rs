@@ -7,13 +7,15 @@ mod analyze;
 mod events;
 mod forecast;
 mod lives;
+mod read;
 mod result;
 
 pub use analyze::analyze_lives;
 pub use events::EventColumns;
-pub use forecast::{LifeForecast, LifePrior};
-pub use lives::{LifeEnd, Lives, RopeLife, read_lives};
+pub use forecast::LifePrior;
+pub use lives::{LifeEnd, Lives, RopeLife};
+pub use read::read_lives;
 pub use result::{
-    AgeUnit, FittedPoint, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalNote, SurvivalReport,
-    Wear,
+    AgeUnit, FittedPoint, FittedWeibull, LifeForecast, LifeQuantile, SurvivalGroup, SurvivalNote,
+    SurvivalReport, Wear,
 };

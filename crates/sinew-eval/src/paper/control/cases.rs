@@ -1,10 +1,10 @@
 //! The robots and what is known of them.
 
 use super::super::PaperError;
+use super::super::row::{Knowledge, Range, RobotCase, Row, RowJoint};
 use super::super::staircase::controller;
 use super::super::trial::{mean, std};
 use super::Effort;
-use super::row::{Knowledge, Range, RobotCase, Row, RowJoint};
 use crate::control::{ContactScore, JointScore, Outcome, noise_nm, run_with_detectors};
 use sinew_creep::each;
 use sinew_model::Gaussian;

@@ -1,9 +1,9 @@
 //! The drawing.
 
 use super::super::data::{Curve, PanelData, SeriesData};
+use super::super::row::{Knowledge, RobotCase, Row};
 use super::cases::FACTORS;
 use super::climb::{Climb, RUN_S, TOUCH_N, TOUCH_S};
-use super::row::{Knowledge, RobotCase, Row};
 use crate::control::ContactScore;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
 

@@ -7,12 +7,11 @@ mod cases;
 mod climb;
 mod draw;
 mod page;
-pub(super) mod row;
 mod sentences;
 
+pub use super::row::{Knowledge, RobotCase, Row};
 pub(super) use page::csv;
 pub use page::table;
-pub use row::{Knowledge, RobotCase, Row};
 
 use super::PaperError;
 use super::by_hand::ByHand;

@@ -1,6 +1,6 @@
 //! The table, as text, on the page and as CSV.
 
-use super::row::{Range, Row, RowJoint};
+use super::super::row::{Range, Row, RowJoint};
 use sinew_figure::Table;
 use sinew_model::Gaussian;
 use std::fmt::Write as _;

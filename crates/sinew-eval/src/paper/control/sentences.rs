@@ -2,12 +2,12 @@
 
 use super::super::claim::Claim;
 use super::super::decider::{ArmQuantity, Decider};
+use super::super::row::{Knowledge, RobotCase, Row};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::STEPS;
 use super::super::trial::{difference, peak};
 use super::cases::{OFFSET_RAD, STIFFNESS_ERROR};
 use super::climb::{Climb, false_torque_nm};
-use super::row::{Knowledge, RobotCase, Row};
 
 const JOINTS: [&str; 2] = ["shoulder", "elbow"];
 

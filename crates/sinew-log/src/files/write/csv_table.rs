@@ -1,6 +1,6 @@
 //! A table as CSV.
 
-use super::table_write::{Cell, CellKind, Column, refuse};
+use super::{Cell, CellKind, Column, refuse};
 use crate::error::LogError;
 use sinew_files::{AtomicFile, csv_cell};
 use std::fmt::Write as _;

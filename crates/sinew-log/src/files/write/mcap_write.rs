@@ -2,7 +2,7 @@
 
 use super::FrameWriter;
 use super::csv_write::check_lengths;
-use super::table_write::refuse;
+use super::refuse;
 use super::topic_write::{Compression, Packing, Topic, TopicWriter};
 use crate::encode::{DynamicJointState, Header, InterfaceValue, JointState, Text};
 use crate::error::LogError;

@@ -1,5 +1,6 @@
 //! Writing recordings: to a temporary file beside the target, renamed when finished.
 
+mod cell;
 mod csv_table;
 mod csv_write;
 mod mcap_write;
@@ -9,14 +10,16 @@ mod parquet_write;
 mod table_write;
 mod topic_write;
 
+pub use cell::{Cell, CellKind, Column};
 pub use csv_write::CsvWriter;
 pub use mcap_write::{McapOptions, McapWriter};
 pub use parquet_write::ParquetWriter;
-pub use table_write::{Cell, CellKind, Column, Table, TableWriter};
+pub use table_write::{Table, TableWriter};
 pub use topic_write::{Compression, Packing, Topic, TopicWriter};
 
 use crate::error::LogError;
 use crate::frame::Frame;
+use std::path::Path;
 
 /// A recording being written.
 ///
@@ -34,4 +37,12 @@ pub trait FrameWriter {
     /// # Errors
     /// The system refuses; no file is left.
     fn finish(self: Box<Self>) -> Result<(), LogError>;
+}
+
+/// An error of a file being written.
+fn refuse(path: &Path, reason: String) -> LogError {
+    LogError::Write {
+        file: path.display().to_string(),
+        reason,
+    }
 }

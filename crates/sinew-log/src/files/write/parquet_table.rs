@@ -1,6 +1,6 @@
 //! A table as Parquet.
 
-use super::table_write::{Cell, CellKind, Column, refuse};
+use super::{Cell, CellKind, Column, refuse};
 use crate::error::LogError;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};

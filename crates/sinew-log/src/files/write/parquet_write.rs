@@ -2,7 +2,7 @@
 
 use super::FrameWriter;
 use super::csv_write::{check_lengths, value_columns};
-use super::table_write::{Cell, CellKind, Column, TableWriter, refuse};
+use super::{Cell, CellKind, Column, TableWriter, refuse};
 use crate::error::LogError;
 use crate::frame::{Frame, Quantities};
 use std::path::{Path, PathBuf};

@@ -3,81 +3,9 @@
 use super::csv_table::CsvTable;
 #[cfg(feature = "parquet")]
 use super::parquet_table::ParquetTable;
+use super::{Cell, CellKind, Column, refuse};
 use crate::error::LogError;
 use std::path::Path;
-
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CellKind {
-    /// Numbers; NaN is an empty cell.
-    Number,
-    /// Whole numbers, such as nanoseconds.
-    Integer,
-    /// Words.
-    Text,
-    /// True or false.
-    Flag,
-}
-
-/// A cell. One of another kind than its column's is written as empty.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// Nothing is known.
-    Empty,
-    /// A number; one that isn't finite is written as empty.
-    Number(f64),
-    /// A whole number.
-    Integer(i64),
-    /// Words.
-    Text(String),
-    /// True or false.
-    Flag(bool),
-}
-
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
-}
-
-impl From<i64> for Cell {
-    fn from(value: i64) -> Self {
-        Self::Integer(value)
-    }
-}
-
-impl From<usize> for Cell {
-    fn from(value: usize) -> Self {
-        i64::try_from(value).map_or(Self::Empty, Self::Integer)
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(value: &str) -> Self {
-        Self::Text(value.into())
-    }
-}
-
-impl From<String> for Cell {
-    fn from(value: String) -> Self {
-        Self::Text(value)
-    }
-}
-
-impl<T: Into<Cell>> From<Option<T>> for Cell {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Empty, Into::into)
-    }
-}
-
-/// Name and kind of a column; the name ends in its unit.
-pub type Column = (String, CellKind);
 
 /// A table in memory.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -176,13 +104,5 @@ impl TableWriter {
             #[cfg(feature = "parquet")]
             Sink::Parquet(table) => table.finish(),
         }
-    }
-}
-
-/// An error of a file being written.
-pub(super) fn refuse(path: &Path, reason: String) -> LogError {
-    LogError::Write {
-        file: path.display().to_string(),
-        reason,
     }
 }

@@ -1,6 +1,6 @@
 //! Topics of ROS 2 in an MCAP.
 
-use super::table_write::refuse;
+use super::refuse;
 use crate::encode::{Message, Stamp};
 use crate::error::LogError;
 use mcap::records::MessageHeader;

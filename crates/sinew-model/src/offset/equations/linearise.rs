@@ -2,13 +2,13 @@
 
 use super::equation::{Creeping, Equation, Equations, Side};
 use super::measured::Measured;
-use super::payload::HeldPayload;
 use super::reduced_model::ReducedModel;
 use crate::cholesky::dot;
 use crate::offset::block::Block;
 use crate::offset::change::{ChangeKind, ChangePoint};
 use crate::offset::external_force::{AppliedForce, ForceModel, ForceTorque};
 use crate::offset::parameter::{JointParameter as P, PER_JOINT};
+use crate::offset::payload::HeldPayload;
 use crate::offset::prior::{JointPrior, STUCK};
 
 /// What is wanted of a block's equations.

@@ -1,9 +1,9 @@
 //! What a block measures at a joint, prepared once for many linearisations.
 
-use super::payload::PayloadTorque;
 use super::reduced_model::ReducedModel;
 use crate::offset::block::Block;
 use crate::offset::parameter::ENCODER;
+use crate::offset::payload::PayloadTorque;
 
 /// All that a joint's equations need of a block but `Φ`, whatever the state.
 #[derive(Debug, Clone, Copy)]

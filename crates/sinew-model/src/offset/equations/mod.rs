@@ -10,6 +10,5 @@ pub(crate) mod estimation_model;
 pub(crate) mod gram;
 pub(crate) mod linearise;
 pub(crate) mod measured;
-pub(crate) mod payload;
 pub(crate) mod reduced_model;
 pub(crate) mod robust;

@@ -1,0 +1,20 @@
+//! The coordinate in which parameters of a rope are moved.
+
+use crate::rope_base::RopeBase;
+use sinew_model::rope::entry::Uncertainty;
+use sinew_model::rope::{Parameter, Parameters};
+
+/// Coordinate of a parameter: deviations of the base's interval, where it has one, else its logarithm.
+pub(super) fn moved(p: &Parameters, base: &RopeBase, parameter: Parameter, by: f64) -> Parameters {
+    let value = p.get(parameter);
+    let (low, high) = parameter.range();
+    let known = base.entry.law.get(&parameter);
+    let to = match known.map(|v| v.uncertainty) {
+        Some(Uncertainty::Factor(f)) => value * (f.ln() * by / sinew_model::Z95).exp(),
+        Some(Uncertainty::PlusMinus(d)) => value + d * by / sinew_model::Z95,
+        _ => value * by.exp(),
+    };
+    let mut out = *p;
+    out.set(parameter, to.clamp(low, high));
+    out
+}
