@@ -3,7 +3,7 @@
 use sinew_estimate::session::Warning;
 use sinew_eval::scenarios::{
     End, Form, Options, ScenarioReport, Sessions, plan_adapted, plan_named, record, render_ends,
-    run, variants,
+    render_table, run, variants,
 };
 use sinew_model::Z95;
 use sinew_sim::scenario::{Draw, PerJoint};
@@ -642,4 +642,41 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
             "{name}"
         );
     }
+}
+
+/// A study of thousands doesn't end with one recording; what was refused is kept and told.
+#[test]
+fn a_recording_that_is_refused_ends_no_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = other(folder.path(), "");
+    let loaded = sinew_estimate::robot_dir::load(&robot, None).unwrap().robot;
+    let text = plan_adapted("S5", &loaded).unwrap().text;
+    // Session B is shorter than a block.
+    let short = text.replacen("to_s = 120.0", "to_s = 60.05", 1);
+    let short = short.replacen("name = \"S5\"", "name = \"short\"", 1);
+    assert_ne!(text, short);
+    let file = folder.path().join("short.toml");
+    std::fs::write(&file, short).unwrap();
+    let out = folder.path().join("both.jsonl");
+    let both = Options {
+        scenarios: vec![file.display().to_string(), "S5".into()],
+        robot: Some(robot),
+        ..options(Some(&out), 1)
+    };
+    let report = ran(&both);
+    let counts: Vec<usize> = report.scenarios.iter().map(|s| s.recordings).collect();
+    assert_eq!(counts, [0, 1]);
+    let [refusal] = report.refusals.as_slice() else {
+        panic!("{:?}", report.refusals);
+    };
+    assert_eq!((refusal.scenario.as_str(), refusal.seed), ("short", 40));
+    for text in [render_table(&report), render_ends(&report)] {
+        let told = format!("short, seed 40: {}", refusal.reason);
+        let on_one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(on_one_line.contains(&told), "{text}");
+    }
+    let mut seen = Vec::new();
+    let again = run(&both, &mut |done, all| seen.push((done, all))).unwrap();
+    assert_eq!(seen, [(2, 2)], "neither is made again");
+    assert_eq!(again, report);
 }

@@ -3731,6 +3731,25 @@ class Recovery(Record):
     }
 
 
+class Refusal(Record):
+    """A recording that the estimate refused: it is in none of the figures."""
+
+    __slots__ = ()
+
+    reason: str
+    """Why, in words."""
+    scenario: str
+    """Scenario."""
+    seed: int
+    """Seed of everything drawn."""
+
+    _fields = {
+        "reason": "",
+        "scenario": "",
+        "seed": "",
+    }
+
+
 class Rejected(Record):
     """A rope that fell out."""
 
@@ -4313,6 +4332,8 @@ class ScenariosResult(Record):
     """Seed of the first recording of each scenario."""
     recordings: int
     """Recordings asked for per scenario."""
+    refusals: list[Refusal]
+    """Recordings that the estimate refused; they are in no figure."""
     scenarios: list[ScenarioSummary]
     """One entry per scenario."""
     schema: Literal["sinew/scenarios/1"]
@@ -4325,6 +4346,7 @@ class ScenariosResult(Record):
     _fields = {
         "first_seed": "",
         "recordings": "",
+        "refusals": "Refusal",
         "scenarios": "ScenarioSummary",
         "schema": "",
         "sinew_version": "",
@@ -6453,6 +6475,7 @@ _CLASSES: Mapping[str, Any] = {
     "RecordingWarningUnknownJoints": RecordingWarningUnknownJoints,
     "RecordingWarningUnwrapped": RecordingWarningUnwrapped,
     "Recovery": Recovery,
+    "Refusal": Refusal,
     "Rejected": Rejected,
     "RejectionBendRatio": RejectionBendRatio,
     "RejectionBendRatioNotKnown": RejectionBendRatioNotKnown,

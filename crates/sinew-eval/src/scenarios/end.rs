@@ -1,6 +1,7 @@
 //! The ends of sessions B and C over many recordings: shares inside their intervals, and outside unsaid.
 
 use super::result::{EndSummary, ScenarioReport, ScenarioSummary};
+use super::table::refused;
 use super::{End, EndScore, Form, Recording};
 use crate::numbers::{mean, rms};
 use sinew_model::{Gaussian, Z95};
@@ -63,6 +64,7 @@ pub fn render_ends(report: &ScenarioReport) -> String {
             text.push_str(&paragraph(&format!("{}: {about}", plain(&s.scenario)), 2));
         }
     }
+    text.push_str(&refused(report));
     text
 }
 

@@ -1,6 +1,6 @@
 //! What many recordings show together, as data in SI.
 
-use super::{End, Form};
+use super::{End, Form, Refusal};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Interval95;
@@ -20,6 +20,9 @@ pub struct ScenarioReport {
     pub with_slips: bool,
     /// One entry per scenario.
     pub scenarios: Vec<ScenarioSummary>,
+    /// Recordings that the estimate refused; they are in no figure.
+    #[serde(default)]
+    pub refusals: Vec<Refusal>,
 }
 
 impl JsonDocument for ScenarioReport {

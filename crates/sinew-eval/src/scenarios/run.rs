@@ -1,8 +1,9 @@
 //! Many recordings, in parallel, resumable.
 
+use super::outcome::Outcome;
 use super::result::ScenarioReport;
 use super::summary::summarise;
-use super::{Options, Plan, Recording, ScenarioError, plan_adapted, plan_named, record};
+use super::{Options, Plan, Recording, ScenarioError, plan_adapted, plan_named};
 use crate::journal::{Journal, Setting};
 use crate::{jobs, journal};
 use sinew_estimate::robot_dir;
@@ -13,7 +14,7 @@ use std::path::Path;
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 14,
+    version: 15,
     holds: "scenario results",
 };
 
@@ -65,40 +66,46 @@ pub fn run_recordings(
         .flat_map(|k| (0..plans.len()).map(move |plan| (plan, k)))
         .map(|(plan, k)| (plan, options.first_seed.wrapping_add(k)))
         .collect();
-    let is = |r: &Recording, (plan, seed): (usize, u64)| {
-        r.seed == seed && r.scenario == plans[plan].name
-    };
+    let is = |o: &Outcome, (plan, seed): (usize, u64)| o.key() == (&plans[plan].name, seed);
     // Two runs at once may have kept the same recording: it counts once.
     let mut seen = BTreeSet::new();
-    let mut recordings: Vec<Recording> = done
+    let mut outcomes: Vec<Outcome> = done
         .into_iter()
-        .filter(|r| wanted.iter().any(|&w| is(r, w)))
-        .filter(|r| seen.insert((r.scenario.clone(), r.seed)))
+        .filter(|o| wanted.iter().any(|&w| is(o, w)))
+        .filter(|o| seen.insert((o.key().0.to_owned(), o.key().1)))
         .collect();
     let missing: Vec<(usize, u64)> = wanted
         .iter()
         .copied()
-        .filter(|&w| !recordings.iter().any(|r| is(r, w)))
+        .filter(|&w| !outcomes.iter().any(|o| is(o, w)))
         .collect();
-    progress(recordings.len(), wanted.len());
+    progress(outcomes.len(), wanted.len());
 
     jobs::each(
         &missing,
         options.jobs,
         |&(plan, seed), give| {
-            give(record(&plans[plan], seed, options.sessions)?);
+            give(Outcome::of(&plans[plan], seed, options.sessions)?);
             Ok::<_, ScenarioError>(())
         },
-        |recording| {
-            journal.add(&recording)?;
-            recordings.push(recording);
-            progress(recordings.len(), wanted.len());
+        |outcome| {
+            journal.add(&outcome)?;
+            outcomes.push(outcome);
+            progress(outcomes.len(), wanted.len());
             Ok(())
         },
     )?;
     // In the order of seeds, whoever was first: sums come out the same to the last bit.
-    recordings.sort_by_key(|r| r.seed);
-    Ok((summarise(&plans, &recordings, options), recordings))
+    outcomes.sort_by(|a, b| (a.key().1, a.key().0).cmp(&(b.key().1, b.key().0)));
+    let (mut recordings, mut refusals) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        match outcome {
+            Outcome::Judged(recording) => recordings.push(*recording),
+            Outcome::Refused(refusal) => refusals.push(refusal),
+        }
+    }
+    let report = summarise(&plans, &recordings, refusals, options);
+    Ok((report, recordings))
 }
 
 /// What is to be run, each by a name of its own.

@@ -2,7 +2,7 @@
 
 use super::end;
 use super::result::{ScenarioJoint, ScenarioReport, ScenarioSummary, SlipSummary};
-use super::{FoundStep, JointScore, Options, Plan, Recording, Sessions, StepScore};
+use super::{FoundStep, JointScore, Options, Plan, Recording, Refusal, Sessions, StepScore};
 use crate::numbers::{finite, mean, quantile_of, rms};
 use sinew_model::{Interval95, Z95};
 use sinew_report::session_warning;
@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 pub(super) fn summarise(
     plans: &[Plan],
     recordings: &[Recording],
+    refusals: Vec<Refusal>,
     options: &Options,
 ) -> ScenarioReport {
     let of = |plan: &Plan| -> Vec<&Recording> {
@@ -24,6 +25,7 @@ pub(super) fn summarise(
         recordings: options.n,
         with_slips: options.sessions == Sessions::Slips,
         scenarios: plans.iter().map(|plan| scenario(plan, &of(plan))).collect(),
+        refusals,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The report of a run as a terminal shows it.
 
+use super::Refusal;
 use super::result::{ScenarioReport, ScenarioSummary};
 use sinew_model::Z95;
 use sinew_report::text::{paragraph, plain, table};
@@ -51,7 +52,21 @@ pub fn render_table(report: &ScenarioReport) -> String {
         text.push_str(&slips(summaries));
     }
     text.push_str(&warned(summaries));
+    text.push_str(&refused(report));
     text
+}
+
+/// Recordings that the estimate refused, where there are any.
+pub(super) fn refused(report: &ScenarioReport) -> String {
+    let of = |r: &Refusal| {
+        let name = plain(&r.scenario);
+        paragraph(&format!("{name}, seed {}: {}", r.seed, plain(&r.reason)), 2)
+    };
+    let lines: String = report.refusals.iter().map(of).collect();
+    match report.refusals.len() {
+        0 => lines,
+        n => format!("\nRefused by the estimate, and in none of the figures: {n}\n{lines}"),
+    }
 }
 
 /// Three digits or so, in five characters.

@@ -148,6 +148,6 @@ impl Run {
             scenarios::render_table
         };
         answer_as(self.json, &report, render)?;
-        Ok(Finish::Complete)
+        Ok(Finish::lossy(!report.refusals.is_empty()))
     }
 }
