@@ -190,3 +190,12 @@ fn planar_two_link_arm() {
         }
     }
 }
+
+#[test]
+fn bodies_without_mass_add_their_inertias() {
+    let of = |xx: f64, xy: f64| BodyInertia {
+        inertia: [[xx, xy, 0.0], [xy, 2.0 * xx, 0.0], [0.0, 0.0, 3.0 * xx]],
+        ..BodyInertia::ZERO
+    };
+    assert_eq!(of(1.0, 0.25).plus(&of(2.0, 0.5)), of(3.0, 0.75));
+}
