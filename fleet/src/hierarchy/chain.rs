@@ -8,8 +8,9 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma, StandardNormal};
 
-/// Degrees of freedom of groups that may stray: with one their distribution is Cauchy's.
-const GROUP_FREEDOM: f64 = 1.0;
+/// Share of groups that stray, where single ones may, and scale of how far these do: Cauchy's distribution.
+const STRAY_SHARE: f64 = 0.1;
+const STRAY_SCALE: f64 = 0.3;
 /// Scale of the half-Cauchy priors of what tendons and robots differ by.
 const TENDON_SCALE: f64 = 0.5;
 const ROBOT_SCALE: f64 = 0.2;
@@ -23,8 +24,10 @@ pub(super) struct Chain<'a> {
     rng: ChaCha8Rng,
     /// `τ` of tendons, robots, and factors.
     deviations: Vec<f64>,
-    /// Of each column what its variance is multiplied by.
-    column_factor: Vec<f64>,
+    /// Of each column what its variance is beyond that of its factor: 0 where it doesn't stray.
+    strayed: Vec<f64>,
+    /// What that variance is where it strays.
+    if_strayed: Vec<f64>,
     /// Widths of the proposals, over ln τ.
     steps: Vec<f64>,
     /// Sums for the present `τ` of tendons and robots, from the step before.
@@ -43,7 +46,8 @@ impl<'a> Chain<'a> {
             model,
             rng,
             deviations,
-            column_factor: vec![1.0; model.columns()],
+            strayed: vec![0.0; model.columns()],
+            if_strayed: vec![STRAY_SCALE * STRAY_SCALE; model.columns()],
             steps: vec![0.3; count],
             gram: None,
         }
@@ -132,26 +136,34 @@ impl<'a> Chain<'a> {
         let mut precision: Vec<f64> = fixed.collect();
         for (factor, deviation) in self.model.factors.iter().zip(&self.deviations[2..]) {
             let columns = factor.first..factor.first + factor.levels;
-            let of = columns.map(|c| 1.0 / (deviation * deviation * self.column_factor[c]));
+            let of = columns.map(|c| 1.0 / (deviation * deviation + self.strayed[c]));
             precision.extend(of);
         }
         gram.posterior(&precision)
     }
 
-    /// Half-Cauchy each, over ln τ.
+    /// Over ln τ. Tendons and robots: half-Cauchy. Factors: `τ / (1 + (τ/scale)²)^1.5`, which ends as that does and begins at 0.
     fn log_prior(&self) -> f64 {
-        let scales = [TENDON_SCALE, ROBOT_SCALE].into_iter();
-        let scales = scales.chain(self.model.factors.iter().map(|f| f.scale));
-        let of = |(d, scale): (&f64, f64)| d.ln() - (d / scale).powi(2).ln_1p();
-        self.deviations.iter().zip(scales).map(of).sum()
+        let half_cauchy = |(d, scale): (&f64, f64)| d.ln() - (d / scale).powi(2).ln_1p();
+        let from_zero = |(d, scale): (&f64, f64)| 2.0 * d.ln() - 1.5 * (d / scale).powi(2).ln_1p();
+        let (own, factors) = self.deviations.split_at(2);
+        let scales = self.model.factors.iter().map(|f| f.scale);
+        let own: f64 = own
+            .iter()
+            .zip([TENDON_SCALE, ROBOT_SCALE])
+            .map(half_cauchy)
+            .sum();
+        own + factors.iter().zip(scales).map(from_zero).sum::<f64>()
     }
 
-    /// Draws what each group's variance is multiplied by.
+    /// Draws which groups stray, and how far those do.
     fn stray_groups(&mut self, drawn: &[f64]) {
         for (factor, deviation) in self.model.factors.iter().zip(&self.deviations[2..]) {
             for c in (factor.first..factor.first + factor.levels).filter(|_| factor.heavy) {
-                let off = (drawn[c] / deviation).powi(2);
-                self.column_factor[c] = stray(GROUP_FREEDOM, off, &mut self.rng);
+                let usual = deviation * deviation;
+                let (strays, beyond) = stray(drawn[c], usual, self.if_strayed[c], &mut self.rng);
+                self.strayed[c] = if strays { beyond } else { 0.0 };
+                self.if_strayed[c] = beyond;
             }
         }
     }
@@ -161,10 +173,25 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// A draw of a variance's factor: Student's t is a normal distribution whose variance is drawn.
+/// Whether a group strays, and the variance that it has beyond others if it does: one after the other from what each is given
+/// the rest. Cauchy's distribution is a normal one whose variance is drawn.
 ///
-/// * `off`: square of an effect by its deviation.
-fn stray(freedom: f64, off: f64, rng: &mut ChaCha8Rng) -> f64 {
-    let gamma = Gamma::new(0.5 * (freedom + 1.0), 2.0 / (freedom + off));
-    gamma.map_or(1.0, |g| 1.0 / g.sample(rng).max(1e-12))
+/// * `effect`: of the group, of variance `usual`, plus `beyond` where it strays.
+fn stray(effect: f64, usual: f64, beyond: f64, rng: &mut ChaCha8Rng) -> (bool, f64) {
+    let whole = usual + beyond;
+    let log_ratio = 0.5 * ((usual / whole).ln() + effect * effect * (1.0 / usual - 1.0 / whole));
+    let against = (1.0 - STRAY_SHARE) / STRAY_SHARE * (-log_ratio).exp();
+    let strays = rng.random::<f64>() * (1.0 + against) < 1.0;
+    let mut shape = 0.5;
+    let mut off = 0.0;
+    if strays {
+        // Of the effect the part by which it strays.
+        let share = beyond / whole;
+        let normal: f64 = StandardNormal.sample(rng);
+        off = (share * effect + (share * usual).sqrt() * normal) / STRAY_SCALE;
+        shape += 0.5;
+    }
+    let gamma = Gamma::new(shape, 2.0 / (1.0 + off * off));
+    let drawn = gamma.map_or(1.0, |g| 1.0 / g.sample(rng).max(1e-12));
+    (strays, STRAY_SCALE * STRAY_SCALE * drawn)
 }

@@ -7,11 +7,11 @@
 //! | term | what | a priori |
 //! |---|---|---|
 //! | `β` | kinds of tendon, covariates | normal, wide |
-//! | `u_0` | the groups that are compared | Cauchy, `τ_0`: a bad one among good ones isn't drawn in |
-//! | `u_f` | what else differs: batches, sites | Cauchy for batches, normal for sites, `τ_f` |
+//! | `u_0` | the groups that are compared | normal, `τ_0`; one in ten strays beyond: a bad one among good ones isn't drawn in |
+//! | `u_f` | what else differs: batches, sites | as groups for batches, normal for sites, `τ_f` |
 //! | `b_r` | robots | normal, `τ_robot` |
 //! | `e_i` | tendons | normal, `τ_tendon` times what is usual for their kind; who gives the values draws in those that stray |
-//! | `τ` | how far each differ | half-Cauchy |
+//! | `τ` | how far each differ | half-Cauchy; of groups and factors it begins at 0, as no two are quite alike |
 //!
 //! All that is said comes from draws of the joint posterior ([`sample`]), so it holds what isn't known of the `τ` too: a factor
 //! with four levels tells little of its `τ`.
@@ -51,7 +51,7 @@ pub struct Factor {
     pub first: usize,
     /// Its levels, a column each.
     pub levels: usize,
-    /// Scale of the half-Cauchy prior of how far they differ.
+    /// Scale of the prior of how far they differ.
     pub scale: f64,
     /// Whether single ones may stray.
     pub heavy: bool,

@@ -105,6 +105,33 @@ fn robots_that_differ_widen_the_intervals_of_their_groups() {
     assert!((2.5..5.0).contains(&ratio), "{ratio}");
 }
 
+/// How many true differences between a group and the mean of the others lie in their intervals, of `fleets` times 18.
+fn held(fleets: u64, effect: impl Fn(usize, f64) -> f64) -> usize {
+    let one = |seed: u64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let effects: Vec<f64> = (0..18)
+            .map(|group| effect(group, StandardNormal.sample(&mut rng)))
+            .collect();
+        let of: Vec<(usize, f64)> = effects.iter().map(|e| (8, *e)).collect();
+        let draws = sample(&groups(&of, 0.25, 0.0, seed), 1).unwrap();
+        let sum: f64 = effects.iter().sum();
+        let is_held = |g: &usize| {
+            let truth = effects[*g] - (sum - effects[*g]) / 17.0;
+            let [_, low, high] = against_others(&draws, *g, 18);
+            low <= truth && truth <= high
+        };
+        (0..18).filter(is_held).count()
+    };
+    (0..fleets).map(one).sum()
+}
+
+#[test]
+fn groups_that_differ_normally_by_what_their_means_scatter_lie_in_their_intervals() {
+    // A mean of 8 tendons scatters by 0.09.
+    let held = held(60, |_, normal| 0.08 * normal);
+    assert!((1010..=1060).contains(&held), "{held} of 1080");
+}
+
 #[test]
 fn a_seed_draws_the_same_again() {
     let model = groups(&[(10, 0.0), (10, 0.1)], 0.2, 0.1, 5);
