@@ -1,9 +1,10 @@
 //! What the program is asked for.
 
-use crate::bucket::folder_or_address;
+use crate::address::folder_or_address;
+pub use crate::by::By;
 use crate::creep::Ages;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Ask the records of a whole fleet
@@ -125,21 +126,6 @@ pub struct Due {
     /// Follow every tendon: a quarter of a second each
     #[arg(long)]
     pub follow_all: bool,
-}
-
-/// What groups are made by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum By {
-    /// Ropes, freed of joint, batch, site and temperature
-    Rope,
-    /// Batches of a rope, freed of joint, site and temperature
-    Batch,
-    /// Sites, freed of joint, rope and batch
-    Site,
-    /// Bands of 10 K, freed of joint, rope and batch
-    Temperature,
-    /// Ropes within each band of 10 K, freed of joint and batch
-    RopeTemperature,
 }
 
 /// `compare`.

@@ -1,10 +1,10 @@
 //! What lies beside the records of a fleet: types of robots with the ropes they have, batches, sites, and what was done.
 
 use crate::FleetError;
-use crate::due::sessions::Sessions;
 use crate::folder::TYPES;
 use crate::folder::sides::{self, Fitted, Tendon};
-use crate::pool::creep::{self, CreepKind, KnownCreeps};
+use crate::known_creep::{self, CreepKind, KnownCreeps};
+use crate::sessions::Sessions;
 use sinew_estimate::robot_dir;
 use sinew_estimate::trend::prior::{RopePrior, rope_prior};
 use sinew_estimate::trend::{
@@ -75,7 +75,7 @@ impl Beside {
     /// With how fast ropes creep by `pool --creep`.
     pub(crate) fn with_creep(mut self, file: Option<&Path>) -> Result<Self, FleetError> {
         if let Some(file) = file {
-            self.creep = creep::read(file)?;
+            self.creep = known_creep::read(file)?;
         }
         Ok(self)
     }
@@ -147,7 +147,7 @@ impl Beside {
     /// Whether a fleet says how fast its rope creeps.
     pub(crate) fn is_creep_known(&self, sessions: &Sessions, robot: &Robot) -> bool {
         let kind = self.kind(sessions, tendon_of(robot, &sessions.tendon.1));
-        creep::find(&self.creep, &kind).is_some()
+        known_creep::find(&self.creep, &kind).is_some()
     }
 
     /// What its rope says of a tendon.
@@ -160,7 +160,7 @@ impl Beside {
         let tendon = robot.and_then(|robot| tendon_of(robot, &sessions.tendon.1));
         let celsius = mean_temperature_c(&sessions.rows).round();
         let own = self.kind(sessions, tendon);
-        let (kind, known) = match creep::find(&self.creep, &own) {
+        let (kind, known) = match known_creep::find(&self.creep, &own) {
             Some((kind, known)) => (kind, Some(known)),
             None => (own.widest(), None),
         };
@@ -171,7 +171,7 @@ impl Beside {
         }
         let mut found = rope_prior(tendon, request.catalogue, None, celsius, request.seed)?;
         if let Some(known) = known {
-            creep::apply(&mut found.prior, &known);
+            known_creep::apply(&mut found.prior, &known);
         }
         Ok(priors().entry(kind).or_insert(Arc::new(found)).clone())
     }

@@ -2,11 +2,12 @@
 
 use crate::FleetError;
 use crate::args::Source;
+use crate::columns::data_type;
 use crate::folder::{Folder, RECORDS, RecordFile, SIDES, side};
 use crate::functions;
+use crate::sessions::{self, Sessions};
 use datafusion::arrow::array::{AsArray as _, RecordBatch};
-use datafusion::arrow::compute::can_cast_types;
-use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef};
+use datafusion::arrow::datatypes::{Field, Int64Type, Schema, SchemaRef};
 use datafusion::common::TableReference;
 use datafusion::datasource::MemTable;
 use datafusion::datasource::file_format::parquet::ParquetFormat;
@@ -18,32 +19,9 @@ use datafusion::execution::memory_pool::FairSpillPool;
 use datafusion::execution::runtime_env::RuntimeEnvBuilder;
 use datafusion::logical_expr::type_coercion::functions::fields_with_udf;
 use datafusion::prelude::{CsvReadOptions, DataFrame, SessionConfig, SessionContext};
-use sinew_log::CellKind;
-use sinew_watch_core::table::{COLUMNS, kind};
+use sinew_watch_core::table::COLUMNS;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// What a column of `sinew-record/1` holds.
-fn data_type(column: &str) -> DataType {
-    match kind(column) {
-        CellKind::Number => DataType::Float64,
-        CellKind::Integer => DataType::Int64,
-        CellKind::Text => DataType::Utf8,
-        CellKind::Flag => DataType::Boolean,
-    }
-}
-
-/// Says which column of a file can't be what it is called.
-pub(crate) fn check_types(schema: &Schema) -> Result<(), String> {
-    for field in schema.fields() {
-        let name = field.name();
-        let (found, wanted) = (field.data_type(), data_type(name));
-        if COLUMNS.contains(&name.as_str()) && !can_cast_types(found, &wanted) {
-            return Err(format!("'{name}' is {found}, not {wanted}"));
-        }
-    }
-    Ok(())
-}
 
 /// A file's address: no character of its name is a pattern.
 fn url_of(path: &Path) -> Result<url::Url, FleetError> {
@@ -329,6 +307,23 @@ impl Engine {
             let batches = frame.collect().await.map_err(Wrong::Reading)?;
             Ok(Answer { schema, batches })
         })
+    }
+
+    /// Reads the sessions of robots whose names follow each other.
+    pub(crate) fn sessions(&mut self, robots: &[String]) -> Result<Vec<Sessions>, FleetError> {
+        let (Some(first), Some(last)) = (robots.first(), robots.last()) else {
+            return Ok(Vec::new());
+        };
+        let quoted = |name: &str| format!("'{}'", name.replace('\'', "''"));
+        // What a civil clock didn't date is no part of a trend.
+        let sql = format!(
+            "SELECT {} FROM records WHERE robot >= {} AND robot <= {} AND clock = 'utc' AND offset_rad IS NOT NULL \
+             AND offset_deviation_rad > 0",
+            sessions::COLUMNS.join(", "),
+            quoted(first),
+            quoted(last)
+        );
+        sessions::sessions(&self.ask(&sql)?.batches)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why there is no answer.
 
-use crate::args::By;
-use crate::bucket::Address;
+use crate::address::Address;
+use crate::by::By;
 use crate::creep::Ages;
 use datafusion::arrow::datatypes::DataType;
 use datafusion::common::SchemaError;

@@ -5,9 +5,9 @@
 use crate::FleetError;
 use crate::beside::{Beside, tendon_of};
 use crate::creep::{Ages, Creep, creep};
-use crate::due::sessions::Sessions;
 use crate::engine::Engine;
 use crate::folder::sides::Fitted;
+use crate::sessions::Sessions;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -61,7 +61,7 @@ pub fn gather(
     let names: Vec<String> = robots.map(str::to_owned).collect();
     let mut out = Gathered::default();
     for robots in names.chunks(TOGETHER) {
-        let tendons = Sessions::read(engine, robots)?;
+        let tendons = engine.sessions(robots)?;
         let looked: Vec<Option<CreepingTendon>> =
             tendons.par_iter().map(|t| look(&beside, t, ages)).collect();
         for (sessions, found) in tendons.iter().zip(looked) {

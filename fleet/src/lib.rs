@@ -9,9 +9,12 @@
 //! [`compare`] (which group is worse), [`outliers`] (which tendon departs), [`pool`] (what a new robot
 //! starts from), [`report`] (all of it as a page), [`simulate`] (fleets whose truth is known).
 
+mod address;
 pub mod args;
 mod beside;
 pub mod bucket;
+mod by;
+mod columns;
 pub mod compare;
 pub mod creep;
 pub mod due;
@@ -21,13 +24,16 @@ pub mod folder;
 mod functions;
 pub mod gather;
 pub mod hierarchy;
+pub mod known_creep;
 pub mod outliers;
 pub mod pool;
 pub mod query;
 pub mod report;
 pub mod rows;
+mod sessions;
 pub mod simulate;
 mod table;
+mod words;
 
 pub use error::FleetError;
 

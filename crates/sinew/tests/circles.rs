@@ -277,7 +277,7 @@ fn place_of(relative: &Path) -> Place {
 /// Source folders of all crates, those with lock files of their own too.
 fn sources() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut folders = Vec::new();
+    let mut folders = vec![root.join("fleet")];
     for rooms in ["crates", "bindings"] {
         let entries = std::fs::read_dir(root.join(rooms)).unwrap();
         folders.extend(entries.map(|entry| entry.unwrap().path()));

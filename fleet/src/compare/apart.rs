@@ -1,6 +1,6 @@
 //! Groups that nothing tells from something else: a batch that is in use at one site only, where no other is.
 
-use super::design::{DesignGroup, Factor, level};
+use super::factor::{DesignGroup, Factor, level};
 use crate::args::By;
 use crate::gather::CreepingTendon;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,6 @@
 //! Which columns a tendon has part in: its group, and what groups are to be freed of.
 
+use super::factor::{BAND_K, DesignGroup, Factor, GroupKey, band, level, numbered};
 use super::values::{drawn_in, logarithms, spreads};
 use super::{CreepUnit, apart};
 use crate::args::By;
@@ -12,46 +13,6 @@ const KIND: f64 = 10.0;
 const COVARIATE: f64 = 1.0;
 /// Scale of what groups, and other factors, differ by.
 const GROUP_SCALE: f64 = 0.2;
-/// Width of a band of temperatures, K.
-const BAND_K: f64 = 10.0;
-
-/// What tendons may differ by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Factor {
-    /// Type of the robot and joint: load, length, pulleys, guides.
-    Joint,
-    /// Type, joint and rope.
-    Kind,
-    /// Batch of the rope.
-    Batch,
-    /// Site.
-    Site,
-    /// Site, for each rope apart: ropes answer to a site each in its own way.
-    SiteOfRope,
-    /// Robot.
-    Robot,
-    /// Mean temperature.
-    Temperature,
-}
-
-/// A group: what it is compared within, and its name. Either may be unknown.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct GroupKey {
-    /// Groups are compared with others of this: a batch with those of its rope.
-    pub family: Option<String>,
-    /// Its name, or the lower end of its band in °C.
-    pub name: String,
-}
-
-/// A group of tendons as the model has it.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct DesignGroup {
-    pub(super) key: GroupKey,
-    pub(super) tendons: usize,
-    pub(super) robots: usize,
-    /// What it can't be told from.
-    pub(super) tied_to: Vec<(Factor, String)>,
-}
 
 /// The model of a comparison.
 pub(crate) struct Design {
@@ -68,12 +29,6 @@ pub(crate) struct Design {
     pub(super) freed_of: Vec<Factor>,
     pub(super) without_group: usize,
     pub(super) undated: usize,
-}
-
-/// Lower end of a tendon's band of temperatures.
-fn band(tendon: &CreepingTendon) -> Option<String> {
-    let celsius = tendon.creep.temperature_c?;
-    Some(format!("{:.0}", (celsius / BAND_K).floor() * BAND_K))
 }
 
 /// The group of a tendon.
@@ -96,28 +51,6 @@ fn others(by: By) -> (Factor, &'static [Factor]) {
         By::Site | By::Temperature => (Factor::Kind, &[Factor::Batch]),
         By::RopeTemperature => (Factor::Joint, &[Factor::Batch]),
     }
-}
-
-/// The level of a factor a tendon has; what isn't known is a level too.
-pub(super) fn level(tendon: &CreepingTendon, factor: Factor) -> String {
-    let known = |text: &Option<String>| text.clone().unwrap_or_default();
-    let joint = || format!("{}, {}", tendon.robot_type, tendon.joint);
-    match factor {
-        Factor::Joint => joint(),
-        Factor::Kind => format!("{}, {}", joint(), known(&tendon.fit.rope)),
-        Factor::Batch => format!("{}, {}", known(&tendon.fit.rope), known(&tendon.fit.batch)),
-        Factor::Site => known(&tendon.site),
-        Factor::SiteOfRope => format!("{}, {}", known(&tendon.site), known(&tendon.fit.rope)),
-        Factor::Robot => tendon.robot.clone(),
-        Factor::Temperature => band(tendon).unwrap_or_default(),
-    }
-}
-
-/// Numbers of names, in their order.
-pub(super) fn numbered<T: Ord>(names: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
-    let mut out: BTreeMap<T, usize> = names.map(|name| (name, 0)).collect();
-    out.values_mut().enumerate().for_each(|(i, n)| *n = i);
-    out
 }
 
 impl Design {

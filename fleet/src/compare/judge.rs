@@ -1,6 +1,7 @@
 //! What the draws say of each group, and what may be claimed of all of them together.
 
-use super::design::{Design, Factor, GroupKey};
+use super::design::Design;
+use super::factor::{Factor, GroupKey};
 use crate::hierarchy::{Draws, median_and_95};
 use sinew_model::statistics::quantile;
 

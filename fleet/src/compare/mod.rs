@@ -2,11 +2,12 @@
 
 mod apart;
 pub(crate) mod design;
+mod factor;
 mod judge;
 pub(crate) mod show;
 pub(crate) mod values;
 
-pub use design::{Factor, GroupKey};
+pub use factor::{Factor, GroupKey};
 pub use judge::{Group, Verdict};
 
 use crate::FleetError;

@@ -1,7 +1,7 @@
 //! What the model takes of each tendon: the logarithm of its creep, how sure it is, and how far others of its kind stray.
 
 use super::CreepUnit;
-use super::design::{Factor, level, numbered};
+use super::factor::{Factor, level, numbered};
 use crate::gather::CreepingTendon;
 use sinew_model::statistics::quantile;
 use std::collections::BTreeMap;

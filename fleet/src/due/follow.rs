@@ -1,21 +1,15 @@
 //! A tendon that may come near its limit, by the trend of `sinew trend`.
 
-use super::sessions::Sessions;
 use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
+use crate::sessions::{Sessions, thinned};
 use sinew_estimate::trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
-use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 use std::cmp::Ordering;
 
-/// All sessions of the present period and of the one before are taken, a period from a tendon's first session on, and those of some days
-/// after each new baseline; of the others one a week. So what is taken of the past changes with the period, not from day to day, and a trend
-/// goes on from yesterday.
-const PERIOD_DAYS: f64 = 30.0;
-const FRESH_DAYS: f64 = 14.0;
 /// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
 const DRIFT_FACTOR: f64 = 1.25;
 
@@ -185,54 +179,11 @@ fn before_rad(rows: &[SessionRecord]) -> f64 {
     largest.iter().map(|l| l.1).sum()
 }
 
-/// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
-/// creeps, and a day more or less of it hardly adds.
-pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
-    let [first_utc_s, last_utc_s] =
-        [rows.first(), rows.last()].map(|row| row.map_or(0.0, |r| r.time_utc_s));
-    let period_s = PERIOD_DAYS * DAY_S;
-    let period = ((last_utc_s - first_utc_s) / period_s).floor();
-    let recent_utc_s = first_utc_s + (period - 1.0) * period_s;
-    let mut out: Vec<SessionRecord> = Vec::new();
-    let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    let mut baseline: Option<&Option<String>> = None;
-    for row in rows {
-        if baseline != Some(&row.baseline) {
-            (baseline, since_utc_s) = (Some(&row.baseline), row.time_utc_s);
-        }
-        let recent = row.time_utc_s >= recent_utc_s;
-        let fresh = row.time_utc_s - since_utc_s <= FRESH_DAYS * DAY_S;
-        let number = (row.time_utc_s / (7.0 * DAY_S)).floor();
-        if recent || fresh || number != week {
-            out.push(row.clone());
-        }
-        week = number;
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use sinew_estimate::trend::{Limit, LimitState};
-
-    #[test]
-    fn what_is_taken_of_the_past_changes_with_the_period_only() {
-        let days = |count: u32| -> Vec<SessionRecord> {
-            let session = |day: u32| SessionRecord {
-                time_utc_s: 1.75e9 + f64::from(day) * DAY_S,
-                ..SessionRecord::default()
-            };
-            (0..count).map(session).collect()
-        };
-        let [day_99, day_119, day_120] = [100, 120, 121].map(|count| thinned(&days(count)));
-        // Two weeks, seven weeks until day 60, and all since; twenty days later the same and all since.
-        assert!(day_99.len() < 14 + 7 + 40 + 2, "{}", day_99.len());
-        assert!(day_119.starts_with(&day_99));
-        assert_eq!(day_119.len(), day_99.len() + 20);
-        assert!(!day_120.starts_with(&day_99));
-        assert!(day_120.len() < day_119.len());
-    }
+    use sinew_files::date::DAY_S;
 
     #[test]
     fn the_farthest_beyond_its_limit_is_the_worst() {

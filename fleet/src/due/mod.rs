@@ -5,13 +5,10 @@
 
 mod follow;
 pub mod screen;
-pub(crate) mod sessions;
 pub(crate) mod show;
 mod state;
-pub(crate) mod words;
 
 pub use follow::Followed;
-pub(crate) use follow::thinned;
 pub use sinew_estimate::trend::Passage;
 pub use state::StateUnused;
 
@@ -25,7 +22,6 @@ use datafusion::arrow::array::AsArray as _;
 use datafusion::arrow::datatypes::Float64Type;
 use follow::{Followers, Outcome};
 use rayon::prelude::*;
-use sessions::Sessions;
 use sinew_files::date::DAY_S;
 use state::State;
 use std::collections::BTreeMap;
@@ -95,7 +91,7 @@ pub fn due(engine: &mut Engine, asked: &Due) -> Result<DueList, FleetError> {
         .collect();
     let mut unknown = BTreeMap::new();
     for robots in names.chunks(TOGETHER) {
-        let tendons = Sessions::read(engine, robots)?;
+        let tendons = engine.sessions(robots)?;
         out.tendons += tendons.len();
         let mut before = (state.as_mut()).map_or_else(BTreeMap::new, |state| state.of(robots));
         let outcomes: Vec<Outcome> = (tendons.par_iter())

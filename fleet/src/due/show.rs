@@ -1,8 +1,9 @@
 //! The list for people, and as a table for other programs.
 
-use super::{DueList, Followed, Passage, StateUnused, rope_of, screen, words};
+use super::{DueList, Followed, Passage, StateUnused, rope_of, screen};
 use crate::FleetError;
 use crate::args::Due;
+use crate::words;
 use sinew_estimate::trend::{Limit, LimitState, TrendVerdict};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_files::plain;

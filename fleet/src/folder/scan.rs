@@ -90,7 +90,7 @@ fn read(path: &Path, whole: bool) -> Result<RecordFile, Trouble> {
     if let Some(missing) = KEYS.iter().find(|k| schema.index_of(k).is_err()) {
         return Err(Trouble::NoColumn(missing));
     }
-    crate::engine::check_types(&schema).map_err(Trouble::WrongType)?;
+    crate::columns::check_types(&schema).map_err(Trouble::WrongType)?;
     let mask = match whole {
         true => ProjectionMask::all(),
         false => {

@@ -3,8 +3,8 @@
 use super::{Lazy, refuse};
 use crate::FleetError;
 use crate::beside::Beside;
-use crate::due::sessions::{self, Sessions};
-use crate::due::{Passage, thinned, words};
+use crate::sessions::{self, Sessions, thinned};
+use crate::words;
 use datafusion::arrow::array::{
     Array as _, ArrayRef, AsArray as _, Float64Array, Int64Array, RecordBatch, StringArray,
     StructArray, UInt64Array,
@@ -18,7 +18,7 @@ use datafusion::common::utils::SingleRowListArrayBuilder;
 use datafusion::error::DataFusionError;
 use datafusion::logical_expr::function::{AccumulatorArgs, StateFieldsArgs};
 use datafusion::logical_expr::{Accumulator, AggregateUDFImpl, Signature, Volatility};
-use sinew_estimate::trend::{JointTrend, TrendEvent};
+use sinew_estimate::trend::{JointTrend, Passage, TrendEvent};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use std::hash::{Hash, Hasher};

@@ -6,6 +6,7 @@ mod show;
 use crate::FleetError;
 use crate::args::Pool;
 use crate::folder::{BASELINES, find};
+use crate::known_creep;
 use crate::rows::tell_refused;
 use sinew_estimate::baseline::{self, Baseline, MergeSummary};
 use sinew_estimate::robot_dir;
@@ -86,7 +87,7 @@ pub fn pool(asked: &Pool) -> Result<Pooled, FleetError> {
 pub fn command(asked: &Pool) -> Result<ExitCode, FleetError> {
     if asked.creep {
         let (known, folder) = creep::learn(asked)?;
-        creep::write(&known, &asked.out)?;
+        known_creep::write(&known, &asked.out)?;
         print!("{}", show::creep(&known, &asked.out));
         return Ok(tell_refused(&folder));
     }

@@ -1,7 +1,7 @@
 //! What robots have in common, for people.
 
-use super::creep::KnownCreeps;
 use super::{LeftOut, Pooled};
+use crate::known_creep::{CreepKind, KnownCreeps};
 use sinew_files::plain;
 use sinew_model::offset::alike::{Alike, Kind};
 use sinew_report::tables;
@@ -40,7 +40,7 @@ pub(super) fn text(pooled: &Pooled, out: &Path) -> String {
 pub(super) fn creep(known: &KnownCreeps, out: &Path) -> String {
     let any = (known.iter()).filter(|(kind, _)| kind.batch.is_none() && kind.site.is_none());
     let rows = any.map(|(kind, creep)| {
-        let its = |other: &&super::creep::CreepKind| {
+        let its = |other: &&CreepKind| {
             other.batch.is_some() && other.widest() == *kind && other.site.is_none()
         };
         vec![

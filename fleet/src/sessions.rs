@@ -1,7 +1,6 @@
 //! Records of some robots, tendon by tendon.
 
 use crate::FleetError;
-use crate::engine::Engine;
 use crate::folder::sides::Tendon;
 use datafusion::arrow::array::{Array as _, AsArray as _, RecordBatch};
 use datafusion::arrow::compute::cast;
@@ -10,6 +9,12 @@ use sinew_estimate::trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use std::collections::HashMap;
+
+/// All sessions of the present period and of the one before are taken, a period from a tendon's first session on, and those of some days
+/// after each new baseline; of the others one a week. So what is taken of the past changes with the period, not from day to day, and a trend
+/// goes on from yesterday.
+const PERIOD_DAYS: f64 = 30.0;
+const FRESH_DAYS: f64 = 14.0;
 
 /// What a tendon's monitor recorded: of each day the session with the narrowest interval, as the monitor's own trend
 /// takes them.
@@ -36,23 +41,6 @@ pub(crate) const COLUMNS: [&str; 11] = [
 ];
 
 impl Sessions {
-    /// Reads those of robots whose names follow each other.
-    pub(crate) fn read(engine: &mut Engine, robots: &[String]) -> Result<Vec<Self>, FleetError> {
-        let (Some(first), Some(last)) = (robots.first(), robots.last()) else {
-            return Ok(Vec::new());
-        };
-        let quoted = |name: &str| format!("'{}'", name.replace('\'', "''"));
-        // What a civil clock didn't date is no part of a trend.
-        let sql = format!(
-            "SELECT {} FROM records WHERE robot >= {} AND robot <= {} AND clock = 'utc' AND offset_rad IS NOT NULL \
-             AND offset_deviation_rad > 0",
-            COLUMNS.join(", "),
-            quoted(first),
-            quoted(last)
-        );
-        sessions(&engine.ask(&sql)?.batches)
-    }
-
     /// Adds a session: a day's second counts only if it is the better one. A tensioning parts a day in two.
     fn push(&mut self, row: SessionRecord) {
         let day = |r: &SessionRecord| (r.time_utc_s / DAY_S).floor();
@@ -167,6 +155,32 @@ impl Taken {
     }
 }
 
+/// All recent sessions and those after a new baseline, and of the others one a week: what is months back says how the rope
+/// creeps, and a day more or less of it hardly adds.
+pub(crate) fn thinned(rows: &[SessionRecord]) -> Vec<SessionRecord> {
+    let [first_utc_s, last_utc_s] =
+        [rows.first(), rows.last()].map(|row| row.map_or(0.0, |r| r.time_utc_s));
+    let period_s = PERIOD_DAYS * DAY_S;
+    let period = ((last_utc_s - first_utc_s) / period_s).floor();
+    let recent_utc_s = first_utc_s + (period - 1.0) * period_s;
+    let mut out: Vec<SessionRecord> = Vec::new();
+    let (mut since_utc_s, mut week) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let mut baseline: Option<&Option<String>> = None;
+    for row in rows {
+        if baseline != Some(&row.baseline) {
+            (baseline, since_utc_s) = (Some(&row.baseline), row.time_utc_s);
+        }
+        let recent = row.time_utc_s >= recent_utc_s;
+        let fresh = row.time_utc_s - since_utc_s <= FRESH_DAYS * DAY_S;
+        let number = (row.time_utc_s / (7.0 * DAY_S)).floor();
+        if recent || fresh || number != week {
+            out.push(row.clone());
+        }
+        week = number;
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -225,5 +239,23 @@ mod tests {
         other.swap(1, 5);
         let (one, two) = other.split_at(3);
         assert_eq!(sessions(&[batch(one), batch(two)]).unwrap(), sorted);
+    }
+
+    #[test]
+    fn what_is_taken_of_the_past_changes_with_the_period_only() {
+        let days = |count: u32| -> Vec<SessionRecord> {
+            let session = |day: u32| SessionRecord {
+                time_utc_s: 1.75e9 + f64::from(day) * DAY_S,
+                ..SessionRecord::default()
+            };
+            (0..count).map(session).collect()
+        };
+        let [day_99, day_119, day_120] = [100, 120, 121].map(|count| thinned(&days(count)));
+        // Two weeks, seven weeks until day 60, and all since; twenty days later the same and all since.
+        assert!(day_99.len() < 14 + 7 + 40 + 2, "{}", day_99.len());
+        assert!(day_119.starts_with(&day_99));
+        assert_eq!(day_119.len(), day_99.len() + 20);
+        assert!(!day_120.starts_with(&day_99));
+        assert!(day_120.len() < day_119.len());
     }
 }
