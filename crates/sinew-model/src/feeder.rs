@@ -565,4 +565,33 @@ mod tests {
         assert_eq!(feeder.take(&reading), Fed::Restarted(()));
         assert_eq!(feeder.theta(), [0.1, 0.2]);
     }
+
+    /// 0.5 s after its motor position is back, and not before.
+    #[test]
+    fn a_joint_settles_for_as_long_as_is_said() {
+        let observer = Steps {
+            needs: Needs {
+                velocity: false,
+                torque: TorqueSource::Observer,
+            },
+            dt_s: Vec::new(),
+        };
+        let options = FeederOptions {
+            missing_motor: MissingMotor::Bridge { settling_s: 0.5 },
+            ..FeederOptions::default()
+        };
+        let springs = [None, Some(Transmission::spring(40.0))];
+        let mut feeder = Feeder::new(observer, &springs, options);
+        let mut settled_ms = Vec::new();
+        for ms in 0..2_000 {
+            let lacks = (300..600).contains(&ms);
+            let theta: &[f64] = if lacks { &[0.1, f64::NAN] } else { &[0.1, 0.2] };
+            let reading = Reading { theta, ..whole(ms) };
+            let _refused_at_first = feeder.take(&reading);
+            if ms >= 600 && feeder.is_joint_settled(1) {
+                settled_ms.push(ms);
+            }
+        }
+        assert_eq!(settled_ms.first(), Some(&1_100));
+    }
 }

@@ -284,3 +284,23 @@ impl Arm {
         self.joints.get(i).map(|j| j.subtree_mass)
     }
 }
+
+#[cfg(all(test, feature = "wire"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_on_a_joint_that_is_not_there_makes_no_whole_arm() {
+        let mut arm = crate::offset::fixtures::tables(2);
+        assert!(arm.is_whole());
+        let pose = Pose::from_xyz_rpy([0.0; 3], [0.0; 3]);
+        for (joint, is_whole) in [(Some(1), true), (Some(2), false), (None, true)] {
+            arm.links = vec![LinkFrame {
+                name: "hand".into(),
+                joint,
+                pose,
+            }];
+            assert_eq!(arm.is_whole(), is_whole, "{joint:?}");
+        }
+    }
+}

@@ -45,7 +45,7 @@ pub(crate) fn turntable() -> EstimationModel {
 }
 
 /// Joints about the vertical one on the other.
-fn tables(count: usize) -> Arm {
+pub(crate) fn tables(count: usize) -> Arm {
     let mut arm = ArmBuilder::new();
     for k in 0..count {
         arm = arm.body(BodySpec {

@@ -11,6 +11,7 @@ mod correction;
 mod coverage;
 mod identities;
 mod known_offsets;
+mod known_rope;
 mod known_trend;
 mod lost_stiffness;
 mod observer;

@@ -610,3 +610,29 @@ fn features_follow_a_rate_that_changes() {
     }
     assert!(checked > 60, "{checked}");
 }
+
+/// At rest `Φ z = g`: what is described, and a kilogram at the end of the rod, over the stiffness.
+#[test]
+fn what_a_payload_would_turn_a_joint_by_is_told_beforehand() {
+    let robot = pendulum("").unwrap();
+    let stand = Truth {
+        swing_rad: [0.0, 1.2],
+        ..PLAIN
+    };
+    let blocks = blocks(&robot.arm, stand);
+    // Where the bob is, in the frame whose z is the joint's axis.
+    let at = robot.arm.body(0).unwrap().com;
+    let prior = Prior::new(&robot.arm, &robot.transmissions, 0, at, robot.tolerances);
+    let told = prior.described_deflections_rad(&blocks, 0);
+    let [own, kilogram, along @ ..] = *told.last().unwrap();
+    let g = robot.arm.gravity()[2].abs();
+    let per_kg = g * LENGTH_M * 1.2_f64.sin() / K;
+    assert!((own / (MASS_KG * per_kg) - 1.0).abs() < 1e-6, "{own}");
+    assert!((kilogram / per_kg - 1.0).abs() < 1e-6, "{kilogram}");
+    // A moment along the rod turns it as a kilogram a metre further out would.
+    let metre = g * 1.2_f64.sin() / K;
+    let rod: f64 = (along.iter().zip(at))
+        .map(|(turn, along)| turn * along / LENGTH_M)
+        .sum();
+    assert!((rod / metre - 1.0).abs() < 1e-6, "{along:?}");
+}
