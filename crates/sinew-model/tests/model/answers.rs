@@ -33,6 +33,12 @@ impl Answers {
             .push((format!("{name} ±"), value.deviation, value.deviation.abs()));
     }
 
+    /// One that is held to a millionth of what is usual.
+    pub(crate) fn usually(&mut self, name: &str, value: f64, usual: f64) {
+        self.rows
+            .push((format!("{} {name}", self.about), value, usual));
+    }
+
     /// One from 0 to 1.
     pub(crate) fn probability(&mut self, name: &str, value: f64) {
         self.rows

@@ -59,7 +59,7 @@ fn left(name: &str, parameters: Parameters, warmer_k: f64, answers: &mut Answers
     let strand = |length_m: f64, extra_n: f64| Strand {
         extra_n,
         give_m_per_n: 2e-6,
-        ..Strand::straight(law.clone(), length_m, State::default())
+        ..Strand::straight(law, length_m, State::default())
     };
     let strands = vec![strand(0.7, 0.0), strand(0.5, 40.0)];
     let tension_n = 0.08 * parameters.breaking_load_n;
