@@ -54,7 +54,8 @@ fn held(name: &str, parameters: Parameters, guides: f64, answers: &mut Answers) 
     }
 }
 
-fn left(name: &str, parameters: Parameters, warmer_k: f64, answers: &mut Answers) {
+/// At once, or after it was held at its tension for two minutes.
+fn left(name: &str, parameters: Parameters, (warmer_k, held_s): (f64, f64), answers: &mut Answers) {
     let law = Law::new(parameters).expect("a rope");
     let strand = |length_m: f64, extra_n: f64| Strand {
         extra_n,
@@ -63,7 +64,7 @@ fn left(name: &str, parameters: Parameters, warmer_k: f64, answers: &mut Answers
     };
     let strands = vec![strand(0.7, 0.0), strand(0.5, 40.0)];
     let tension_n = 0.08 * parameters.breaking_load_n;
-    let strung = Strung::new(strands, tension_n, REFERENCE_K + warmer_k, 120.0);
+    let strung = Strung::new(strands, tension_n, REFERENCE_K + warmer_k, held_s);
     let mut strung = strung.expect("a load");
     for (k, days) in [0.01, 1.0, 30.0, 300.0].into_iter().enumerate() {
         let left = strung.leave(days * DAY_S, None, RELAXATION_TOLERANCE, |_, _| {});
@@ -71,7 +72,9 @@ fn left(name: &str, parameters: Parameters, warmer_k: f64, answers: &mut Answers
         if k == 2 {
             strung.tension_again(tension_n, 60.0).expect("a load");
         }
-        answers.about(&format!("{name} left at {warmer_k} K, {k},"));
+        answers.about(&format!(
+            "{name} left at {warmer_k} K after {held_s} s, {k},"
+        ));
         answers.number("tension", strung.tension_n());
         answers.number("sag", strung.sag_m());
         for strand in strung.strands() {
@@ -90,9 +93,9 @@ fn what_ropes_do_is_what_they_did() {
     held("sk99", sk99(), 0.0, &mut answers);
     held("sk99 over guides", sk99(), 2.0, &mut answers);
     held("aramid", aramid(), 0.0, &mut answers);
-    for warmer_k in [0.0, 30.0] {
-        left("sk99", sk99(), warmer_k, &mut answers);
-        left("aramid", aramid(), warmer_k, &mut answers);
+    for how in [(0.0, 120.0), (30.0, 120.0), (30.0, 0.0)] {
+        left("sk99", sk99(), how, &mut answers);
+        left("aramid", aramid(), how, &mut answers);
     }
     answers.hold("known_rope.csv");
 }

@@ -342,3 +342,24 @@ fn bends_add_up() {
     let tighter = damage::passes_survived(&law, 445.0, 0.015, 0.0015).expect("bend");
     assert!((tighter - 2e4 / 8.0).abs() < 1e-6);
 }
+
+/// For small steps against `dc/dx = (1 − c) e^(−u c)`, step by step (Runge and Kutta).
+#[test]
+fn small_steps_close_what_the_equation_says() {
+    for u in [0.3_f64, 3.0, 30.0, 300.0] {
+        let p = 1.99e-3 / (1.0 + u);
+        let slope = |c: f64| (1.0 - c) * (-u * c).exp();
+        let steps = 64;
+        let h = p / f64::from(steps);
+        let mut c = 0.0;
+        for _ in 0..steps {
+            let k1 = slope(c);
+            let k2 = slope(c + 0.5 * h * k1);
+            let k3 = slope(c + 0.5 * h * k2);
+            let k4 = slope(c + h * k3);
+            c += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+        }
+        let found = bedding::closed_fraction(u, p);
+        assert!((found / c - 1.0).abs() < 3e-14, "{u}: {found} {c}");
+    }
+}
