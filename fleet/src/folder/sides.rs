@@ -72,7 +72,7 @@ pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
     Ok(out)
 }
 
-/// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned` or `replaced`).
+/// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned`, `replaced` or `broken`).
 ///
 /// # Errors
 /// The place of what is wrong.
@@ -101,7 +101,9 @@ pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError
         let replaced = match row.need_text("event")? {
             "tensioned" => false,
             "replaced" => true,
-            _ => return Err(wrong("event", "must be tensioned or replaced").into()),
+            // For `sinew trend survival`: a trend begins anew with the rope that takes its place.
+            "broken" => continue,
+            _ => return Err(wrong("event", "must be tensioned, replaced or broken").into()),
         };
         let joint = Some(key.1.clone());
         out.entry(key).or_default().push(Stated {
@@ -111,4 +113,30 @@ pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError
         });
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rope_that_broke_is_no_tensioning_and_other_words_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |last: &str| {
+            let rows = format!(
+                "robot,joint,time_utc_s,event\na,elbow,2026-03-01,tensioned\na,elbow,2026-04-01,broken\na,elbow,2026-04-02,{last}\n"
+            );
+            std::fs::write(folder.path().join("events.csv"), rows).unwrap();
+        };
+        write("replaced");
+        let read = events(folder.path()).unwrap();
+        let stated: Vec<bool> = read.values().flatten().map(|s| s.replaced).collect();
+        assert_eq!(stated, [false, true]);
+        write("snapped");
+        let refused = events(folder.path()).unwrap_err().to_string();
+        assert!(
+            refused.contains("tensioned, replaced or broken"),
+            "{refused}"
+        );
+    }
 }
