@@ -28,11 +28,28 @@ struct File {
 /// All files of a crate.
 struct Crate(BTreeMap<Place, File>);
 
+/// `#[cfg(test)]`, or that and more.
 fn is_of_tests(attributes: &[Attribute]) -> bool {
-    attributes.iter().any(|a| {
-        let is_cfg = a.path().is_ident("cfg");
-        is_cfg && matches!(a.parse_args::<syn::Ident>(), Ok(word) if word == "test")
-    })
+    let words = |a: &Attribute| match &a.meta {
+        syn::Meta::List(list) if list.path.is_ident("cfg") => {
+            let mut words = Place::new();
+            words_of(list.tokens.clone(), &mut words);
+            words
+        }
+        _ => Vec::new(),
+    };
+    let mut all = attributes.iter().map(words);
+    all.any(|words| words.iter().any(|w| w == "test") && !words.iter().any(|w| w == "not"))
+}
+
+fn words_of(tokens: TokenStream, into: &mut Vec<String>) {
+    for token in tokens {
+        match token {
+            TokenTree::Ident(word) => into.push(word.to_string()),
+            TokenTree::Group(group) => words_of(group.stream(), into),
+            _ => {}
+        }
+    }
 }
 
 /// Name and attributes of an item that others may import.
@@ -312,7 +329,7 @@ fn a_circle_is_found_through_a_name_that_is_handed_on() {
     assert_eq!(found, [": a needs b, b needs a"]);
     write(
         "b.rs",
-        "pub struct B; #[cfg(test)] mod tests { use super::super::a::A; }",
+        "pub struct B; #[cfg(all(test, unix))] mod tests { use super::super::a::A; }",
     );
     assert_eq!(Crate::read(folder.path()).circles(), Vec::<String>::new());
 }
