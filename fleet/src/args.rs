@@ -306,6 +306,9 @@ pub struct Simulate {
     /// Another rope that some of the robots have, by its name in the catalogue; may be given again
     #[arg(long = "rope", value_name = "NAME")]
     pub ropes: Vec<String>,
+    /// Recordings of so many robots: a minute right after tensioning, then one as on the last day
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub recordings: u32,
 }
 
 /// A standard deviation of a logarithm.

@@ -85,6 +85,12 @@ pub enum FleetError {
     /// A text file, with the place of what is wrong.
     #[error(transparent)]
     File(#[from] sinew_files::Located),
+    /// A scenario that can't be made of a robot.
+    #[error(transparent)]
+    Scenario(#[from] sinew_eval::scenarios::ScenarioError),
+    /// A recording that can't be made.
+    #[error(transparent)]
+    Simulate(#[from] sinew_sim::SimulateError),
     /// A table to write.
     #[error(transparent)]
     Log(#[from] sinew_log::LogError),

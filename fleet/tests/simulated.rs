@@ -1,7 +1,10 @@
 //! Simulated fleets: the same again from the same seed, and what is written is what happens.
 
 use crate::support::{cells, fleet, open, small};
+use sinew_estimate::Request;
+use sinew_estimate::session::{Learning, SessionOptions, Window, estimate, learn};
 use sinew_fleet::FleetError;
+use sinew_fleet::args::Simulate;
 use sinew_fleet::simulate::simulate;
 use std::path::Path;
 
@@ -93,4 +96,43 @@ fn a_rope_that_isnt_there_is_refused_before_anything_is_written() {
     asked.ropes = vec!["hemp".into()];
     assert!(matches!(simulate(&asked), Err(FleetError::Catalogue(_))));
     assert!(!asked.out.exists());
+}
+
+/// Right after tensioning a minute teaches the baseline; the minute that follows is of the last day.
+#[test]
+fn recordings_of_some_robots_hold_what_their_tendons_are_longer_by() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("fleet");
+    let asked = Simulate {
+        recordings: 2,
+        ..small(&out, 3, 60)
+    };
+    assert_eq!(simulate(&asked).unwrap().recordings, 2);
+    let truth = std::fs::read_to_string(out.join("truth/tendons.csv")).unwrap();
+    let mut judged = 0;
+    for robot in ["arm-0001", "arm-0002"] {
+        let mut request = Request::new(out.join(format!("recordings/{robot}.mcap")));
+        request.robot = Some(out.join("types/biorob-like"));
+        let window = |from_s, to_s| Window { from_s, to_s };
+        let learning = Learning::default();
+        let (baseline, _) = learn(&request, window(0.0, 60.0), &learning, &mut |_| {}).unwrap();
+        let known = Some((&baseline, "the first minute"));
+        let options = SessionOptions::default();
+        let second = window(60.0, f64::INFINITY);
+        let (found, _) = estimate(&request, second, known, &options, &mut |_| {}).unwrap();
+        for joint in &found.joints {
+            let own = format!("{robot},{},", joint.name);
+            let row = truth.lines().find(|line| line.starts_with(&own)).unwrap();
+            let true_rad: f64 = row.split(',').nth(4).unwrap().parse().unwrap();
+            let off = joint.offset_rad.mean - true_rad;
+            assert!(
+                off.abs() < 4.0 * joint.offset_rad.deviation,
+                "{row}: {joint:?}"
+            );
+            assert!(joint.offset_rad.deviation < 2e-3, "{joint:?}");
+            judged += 1;
+        }
+    }
+    assert_eq!(judged, 8);
+    assert!(!out.join("recordings/arm-0003.mcap").exists());
 }

@@ -2,6 +2,7 @@
 
 mod life;
 mod plan;
+mod recordings;
 mod write;
 
 pub use life::{Life, LookAhead};
@@ -29,6 +30,8 @@ pub struct Made {
     pub rows: u64,
     /// Files of records.
     pub files: usize,
+    /// Robots with a recording.
+    pub recordings: usize,
 }
 
 /// Makes a fleet up.
@@ -47,6 +50,15 @@ pub fn simulate(asked: &Simulate) -> Result<Made, FleetError> {
         let lives: Vec<Vec<Life>> = (robots.par_iter())
             .map(|robot| plan.lives(robot, &catalogue))
             .collect::<Result<_, _>>()?;
+        // The first robots have recordings too.
+        let left = (asked.recordings as usize).saturating_sub(made.recordings);
+        let recorded: Vec<(&PlannedRobot, &[Life])> = (robots.iter().zip(&lives))
+            .map(|(robot, lives)| (robot, lives.as_slice()))
+            .take(left)
+            .collect();
+        if !recorded.is_empty() {
+            made.recordings += recordings::write(&asked.out, &plan, &loaded.robot, &recorded)?;
+        }
         let (rows, files) = write::months(&asked.out, &plan, number, robots, &lives)?;
         for (robot, lives) in robots.iter().zip(&lives) {
             sides.robot(&plan, robot, lives)?;
@@ -79,8 +91,12 @@ fn empty(folder: &Path) -> Result<(), FleetError> {
 /// [`FleetError`].
 pub fn command(asked: &Simulate) -> Result<ExitCode, FleetError> {
     let made = simulate(asked)?;
+    let recordings = match made.recordings {
+        0 => String::new(),
+        count => format!(", {count} recordings"),
+    };
     println!(
-        "{}: {} robots, {} tendons, {} records in {} files; truth in {}",
+        "{}: {} robots, {} tendons, {} records in {} files{recordings}; truth in {}",
         asked.out.display(),
         made.robots,
         made.tendons,

@@ -33,6 +33,7 @@ pub(crate) fn small(out: &Path, robots: u32, days: u32) -> Simulate {
         batch_spread: 0.08,
         bad_batch: 1.7,
         ropes: vec!["tasline-pe8".into()],
+        recordings: 0,
     }
 }
 
