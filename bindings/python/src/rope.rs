@@ -22,7 +22,7 @@ use sinew_rope::predict::{self, Guide};
 use sinew_rope::select::{self, Constraints};
 use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};
 use sinew_rope::{Draws, Ends, pretension};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 fn find<'a>(
