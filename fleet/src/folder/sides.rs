@@ -72,7 +72,7 @@ pub fn sites(folder: &Path) -> Result<BTreeMap<String, String>, FleetError> {
     Ok(out)
 }
 
-/// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned`, `replaced` or `broken`).
+/// Reads `events.csv`: robot, joint, time_utc_s, event (`tensioned`, `replaced`, `broken` or `installed`).
 ///
 /// # Errors
 /// The place of what is wrong.
@@ -100,10 +100,15 @@ pub fn events(folder: &Path) -> Result<BTreeMap<Tendon, Vec<Stated>>, FleetError
         })?;
         let replaced = match row.need_text("event")? {
             "tensioned" => false,
-            "replaced" => true,
+            // After a break a rope is put in, and none replaced: until then `sinew trend survival` counts none.
+            "replaced" | "installed" => true,
             // For `sinew trend survival`: a trend begins anew with the rope that takes its place.
             "broken" => continue,
-            _ => return Err(wrong("event", "must be tensioned, replaced or broken").into()),
+            _ => {
+                return Err(
+                    wrong("event", "must be tensioned, replaced, broken or installed").into(),
+                );
+            }
         };
         let joint = Some(key.1.clone());
         out.entry(key).or_default().push(Stated {
@@ -132,10 +137,12 @@ mod tests {
         let read = events(folder.path()).unwrap();
         let stated: Vec<bool> = read.values().flatten().map(|s| s.replaced).collect();
         assert_eq!(stated, [false, true]);
+        write("installed");
+        assert_eq!(events(folder.path()).unwrap(), read);
         write("snapped");
         let refused = events(folder.path()).unwrap_err().to_string();
         assert!(
-            refused.contains("tensioned, replaced or broken"),
+            refused.contains("tensioned, replaced, broken or installed"),
             "{refused}"
         );
     }
