@@ -751,3 +751,24 @@ fn a_frame_written_twice_loses_nothing() {
         out(&info)
     );
 }
+
+/// Of a session B that is shorter than a block nothing can be said.
+#[test]
+fn a_study_of_which_nothing_is_judged_is_no_success() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let robot = robot();
+    let show = ["scenarios", "show", "S5", "--robot", &robot];
+    let text = out(&sinew(&show, dir.path()));
+    let short = text.replacen("to_s = 120.0", "to_s = 60.05", 1);
+    assert_ne!(text, short);
+    std::fs::write(dir.path().join("short.toml"), short).expect("a scenario");
+    let study = ["scenarios", "run", "--scenario", "short.toml", "--n", "1"];
+    let study = [&study[..], &["--robot", &robot, "--no-steps", "--quiet"]].concat();
+    let output = sinew(&study, dir.path());
+    assert_eq!(code(&output), 1, "{}{}", out(&output), err(&output));
+    let said = out(&output);
+    assert!(
+        said.contains("Refused by the estimate") && said.contains("seed 1"),
+        "{said}"
+    );
+}

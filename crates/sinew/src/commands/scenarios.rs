@@ -148,6 +148,10 @@ impl Run {
             scenarios::render_table
         };
         answer_as(self.json, &report, render)?;
-        Ok(Finish::lossy(!report.refusals.is_empty()))
+        // Nothing judged is no success.
+        Ok(match recordings.is_empty() {
+            true => Finish::Refused,
+            false => Finish::lossy(!report.refusals.is_empty()),
+        })
     }
 }
