@@ -1,10 +1,11 @@
 //! From the messages of a recording that grows to records that are stored: the whole way, with its threads.
 
 use sinew_watch::config::Config;
-use sinew_watch::runtime::{Runtime, Seen, Start};
+use sinew_watch::runtime::{Answer, Control, Runtime, Seen, Start};
 use sinew_watch::store::{JournalEntry, JournalQuery, Place, Reader, RecordQuery};
 use sinew_watch_core::RobotSnapshot;
-use sinew_watch_core::alarm::{AlarmCause, Condition};
+use sinew_watch_core::alarm::{AlarmCause, AlarmKey, Condition};
+use sinew_watch_core::command::{Command, What};
 use sinew_watch_core::journal::Event;
 use sinew_watch_core::snapshot::{Freshness, NotNow};
 use std::io::Write as _;
@@ -300,6 +301,46 @@ fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
         shut(&runtime).is_none()
     });
     assert_eq!(runtime.health().doors()[0].shut, None);
+    runtime.end();
+}
+
+#[test]
+fn who_has_his_answer_finds_what_he_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut runtime = start(folder.path());
+    runtime.configure(&config(folder.path(), ""));
+    until("the door's alarm", || {
+        runtime.look();
+        shut(&runtime).is_some()
+    });
+    let (core, robot) = runtime.board().address("arm").unwrap();
+    let slot = runtime.board().get("arm").unwrap();
+    let alarm = AlarmKey {
+        joint: None,
+        condition: Condition::Door,
+    };
+    let (sender, answers) = std::sync::mpsc::channel();
+    core.tell(Control::Command {
+        robot,
+        command: Command {
+            who: "a test".into(),
+            note: String::new(),
+            what: What::Shelve {
+                alarm,
+                for_s: 3600.0,
+            },
+        },
+        // Called by who answers, before anything else goes on.
+        reply: Box::new(move |answer| sender.send((answer, slot.seen())).unwrap()),
+    });
+    let (answer, seen) = answers.recv_timeout(LONGEST).unwrap();
+    assert!(matches!(answer, Answer::Stored), "{answer:?}");
+    let Seen::Watched(robot) = seen else {
+        panic!("not watched");
+    };
+    let mut alarms = robot.alarms.iter();
+    let door = alarms.find(|a| a.key.condition == Condition::Door).unwrap();
+    assert!(door.shelved_until_utc_s.is_some(), "{door:?}");
     runtime.end();
 }
 

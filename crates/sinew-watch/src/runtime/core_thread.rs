@@ -294,12 +294,11 @@ impl CoreThread {
             Ok(()) => Answer::Stored,
             Err(not) => Answer::NotStored(not.why.clone()),
         };
-        for at in (0..robot.commands.len()).rev() {
-            if robot.commands[at].1 == Some(id) {
-                let (_, _, reply) = robot.commands.swap_remove(at);
-                reply(answer.clone());
-            }
-        }
+        let (answered, waiting) = std::mem::take(&mut robot.commands)
+            .into_iter()
+            .partition::<Vec<_>, _>(|(_, of, _)| *of == Some(id));
+        robot.commands = waiting;
+        let again = result.is_err();
         match result {
             Ok(()) => {
                 robot.watched.monitor.committed(id, now);
@@ -314,12 +313,16 @@ impl CoreThread {
                 }
                 self.show(at);
             }
-            // Tried again at the next tick.
-            Err(NotStored { fault, why }) => {
-                return robot.watched.monitor.refused(id, fault, &why, now);
-            }
+            Err(NotStored { fault, why }) => robot.watched.monitor.refused(id, fault, &why, now),
         }
-        self.pump(at);
+        // Who has his answer finds on the page what he said.
+        for (_, _, reply) in answered {
+            reply(answer.clone());
+        }
+        // What could not be stored is tried again at the next tick.
+        if !again {
+            self.pump(at);
+        }
     }
 
     /// Gives away what there is to estimate and to store.
