@@ -53,7 +53,7 @@ fn what_observers_read_is_what_they_read() {
                 let observer = OffsetObserver::new(&robot.arm, &robot.transmissions, config);
                 // Velocities of motors aren't recorded.
                 let Ok(mut observer) = observer else { continue };
-                let motion = Motion::new(8);
+                let motion = Motion::new(8, 1.0);
                 let mut plant = Plant::new(&robot, truth());
                 for k in 0..SAMPLES {
                     let found = plant.sample(k as f64 * DT_S, &motion);
@@ -122,7 +122,7 @@ fn what_pushes_is_known_as_it_was() {
         let mut observer = observer.expect("an observer");
         let detector = ContactDetector::new(N, ContactConfig::default());
         let mut detector = detector.expect("a detector");
-        let motion = Motion::new(8);
+        let motion = Motion::new(8, 1.0);
         let mut plant = Plant::new(&robot, pushed);
         let mut touched = [0.0; N];
         for k in 0..SAMPLES {

@@ -1,4 +1,4 @@
-//! What the estimators say of five recordings of one arm, number by number.
+//! What the estimators say of six recordings of one arm, number by number.
 //!
 //! Other tests hold against closed forms, truths and identities, with tolerances of some standard deviations.
 
@@ -15,7 +15,7 @@ use sinew_model::robot::Robot;
 
 fn record(robot: &Robot, truth: Truth) -> Vec<Block> {
     let mut features = FeatureObserver::new(&robot.arm, FeatureConfig::default());
-    let motion = Motion::new(truth.seed);
+    let motion = Motion::new(truth.seed, truth.reach);
     let mut plant = Plant::new(robot, truth);
     let mut blocks = Vec::new();
     let [from_c, to_c] = truth.temperature_c;
@@ -181,7 +181,7 @@ fn estimated(
 }
 
 #[test]
-fn what_is_known_of_five_recordings_is_what_it_was() {
+fn what_is_known_of_six_recordings_is_what_it_was() {
     let robot = robot();
     let mut answers = Answers::default();
     let before = learned(&robot, &mut answers);
@@ -213,6 +213,14 @@ fn what_is_known_of_five_recordings_is_what_it_was() {
         stiffness_factor: [1.06, 0.93, 0.92, 0.9],
         ..stretched
     };
+    // What pulls at an arm that hardly moves looks like lost stiffness.
+    let stands = Truth {
+        reach: 0.05,
+        seed: 7,
+        force_n: [2.0, 0.0, -4.0],
+        motor_torque: false,
+        ..stretched
+    };
     let creeping = Truth {
         seed: 6,
         creep_rad_per_s: 3e-3 / 60.0,
@@ -223,6 +231,7 @@ fn what_is_known_of_five_recordings_is_what_it_was() {
     let a = estimated("slip", slipped, (Payload::Unknown, 0.0), (&before, all));
     let b = estimated("strand", strand, (Payload::Empty, 1.0), (&before, all));
     estimated("force", pulled, (Payload::Unknown, 1.0), (&before, all));
+    estimated("stands", stands, (Payload::Empty, 1.0), (&before, all));
     let load = Payload::Unknown;
     estimated("load", loaded, (load, 1.0), (&before, all));
     estimated("creep", creeping, (Payload::Empty, 1.0), (&before, all));

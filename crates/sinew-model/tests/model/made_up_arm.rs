@@ -16,6 +16,8 @@ const STEP_RAD: f64 = core::f64::consts::TAU / 65_536.0;
 #[derive(Clone, Copy)]
 pub(crate) struct Truth {
     pub(crate) seed: u64,
+    /// How far its moves go, of what they usually do.
+    pub(crate) reach: f64,
     pub(crate) offset_rad: [f64; N],
     pub(crate) stiffness_factor: [f64; N],
     /// Joint, time and size of a slip.
@@ -35,6 +37,7 @@ pub(crate) struct Truth {
 
 pub(crate) const CALM: Truth = Truth {
     seed: 1,
+    reach: 1.0,
     offset_rad: [0.0; N],
     stiffness_factor: [1.06, 0.93, 1.02, 0.9],
     slip: None,
@@ -71,10 +74,10 @@ impl Motion {
     const MOVE_S: f64 = 1.4;
     const EACH_S: f64 = 2.2;
 
-    pub(crate) fn new(mut seed: u64) -> Self {
+    pub(crate) fn new(mut seed: u64, share: f64) -> Self {
         let poses = (LASTS_S / Self::EACH_S) as usize + 2;
         let middle = [0.0, 0.8, 1.0, 0.0];
-        let reach = [1.6, 0.8, 0.9, 1.0];
+        let reach = [1.6, 0.8, 0.9, 1.0].map(|rad| rad * share);
         let pose = |_| core::array::from_fn(|i| middle[i] + reach[i] * random(&mut seed));
         Self((0..poses).map(pose).collect())
     }
