@@ -11,6 +11,7 @@ use crate::offset::equations::equation::{Equation, Side};
 use crate::offset::equations::estimation_model::EstimationModel;
 use crate::offset::equations::robust::redescending_weight;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Belief, noise, and how well the blocks have agreed with it.
 #[derive(Debug, Clone)]
@@ -39,6 +40,8 @@ pub(super) struct Filter {
     /// Belief at the end of the pass before.
     reference: Vec<f64>,
     residuals: ResidualSizes,
+    /// Whether blocks are weighed only: none goes in.
+    is_held: bool,
 }
 
 /// Least noise of an equation, rad or N·m.
@@ -103,6 +106,7 @@ impl Filter {
             recent: alloc::vec![none; recent],
             reference: belief.mean.clone(),
             residuals: ResidualSizes::new(equations / 2, recent),
+            is_held: false,
         };
         made.settle();
         made
@@ -120,6 +124,64 @@ impl Filter {
         }
         self.settle();
         self.begin_pass(belief);
+    }
+
+    /// From now on it knows what `other` does, and what of the last blocks went in; how they agreed stays. O(d²).
+    pub(super) fn know_as(&mut self, other: &Self) {
+        copy(&mut self.belief.mean, &other.belief.mean);
+        copy(&mut self.belief.covariance, &other.belief.covariance);
+        self.belief.temperature_c = other.belief.temperature_c;
+        self.at_s = other.at_s;
+        self.blocks = other.blocks;
+        for (to, from) in self.noise.iter_mut().zip(&other.noise) {
+            copy(to, from);
+        }
+        copy(&mut self.unexplained_rad, &other.unexplained_rad);
+        if let Some((to, from)) = self.force.as_mut().zip(other.force.as_ref()) {
+            to.know_as(from);
+        }
+        for (to, from) in self.recent.iter_mut().zip(&other.recent) {
+            to.share = from.share;
+            copy(&mut to.information, &from.information);
+        }
+    }
+
+    /// Nothing of the blocks at these slots went in.
+    pub(super) fn leave_out(&mut self, slots: impl Iterator<Item = usize>) {
+        for slot in slots {
+            if let Some(recent) = self.recent.get_mut(slot) {
+                recent.share = 0.0;
+            }
+        }
+    }
+
+    /// Whether blocks are only weighed from now on: nothing of them goes in.
+    pub(super) fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
+    }
+
+    /// The offsets are taken for those at `at_s`.
+    pub(super) fn refer_to(&mut self, at_s: f64) {
+        self.at_s = at_s;
+    }
+
+    /// Offsets may have jumped, `0 ± jump_rad` each, and so may what is held, by as much as it was unknown at the `start`.
+    pub(super) fn open(&mut self, start: &Belief, payload: Range<usize>, jump_rad: f64) {
+        let d = self.belief.mean.len();
+        for offset in &self.creeps {
+            if let Some(p) = self.belief.covariance.get_mut(offset * (d + 1)) {
+                *p += jump_rad * jump_rad;
+            }
+        }
+        for row in payload.clone() {
+            let own = row * d + payload.start..row * d + payload.end;
+            let unknown = start.covariance.get(own.clone()).unwrap_or_default();
+            let known = self.belief.covariance.get_mut(own).unwrap_or_default();
+            for (p, more) in known.iter_mut().zip(unknown) {
+                *p += more;
+            }
+        }
+        self.settle();
     }
 
     /// Forgets all but noise, and where the pass before ended.
@@ -285,18 +347,21 @@ impl Filter {
     }
 
     /// Weight of the projected equations at work of a block that comes for the first time; noise and innovations follow
-    /// them.
+    /// them, and what surprises is worth less than its noise.
     pub(super) fn weigh_new(
         &mut self,
         model: &EstimationModel,
-        work: &Workspace,
+        work: &mut Workspace,
         (share, scale): (f64, f64),
     ) -> f64 {
         let mut chi = 0.0;
         let gains = work.gains.chunks_exact(self.belief.mean.len().max(1));
-        for (e, gain) in work.equations.list.iter().zip(gains) {
+        let equations = work.equations.list.iter().zip(gains);
+        for ((e, gain), surprising) in equations.zip(&mut work.surprising) {
             let of_force = self.force.as_ref().map_or(0.0, |f| f.added_variance(gain));
-            let spread = work.equations.dot(e, gain) - of_force + self.variance(e);
+            let known = work.equations.dot(e, gain) - of_force;
+            *surprising = known.max(0.0);
+            let spread = known + self.variance(e);
             chi += e.residual * e.residual / spread;
             self.follow_noise(model, e, spread);
             if let (Side::Link, Some(mean)) = (e.side, self.mean_innovation.get_mut(e.joint)) {
@@ -306,7 +371,11 @@ impl Filter {
             }
         }
         let chi = chi / work.equations.list.len().max(1) as f64;
-        redescending_weight(chi, scale)
+        let weight = redescending_weight(chi, scale);
+        for surprising in &mut work.surprising {
+            *surprising *= 1.0 - weight;
+        }
+        weight
     }
 
     /// Equations of a block in a pass over it, around where the pass before ended; returns its weight.
@@ -370,6 +439,7 @@ impl Filter {
     pub(super) fn note_new(&mut self, (weight, share): (f64, f64), slot: usize) -> bool {
         self.weight = weight;
         self.mean_weight += 0.05 * (weight - self.mean_weight);
+        let share = if self.is_held { 0.0 } else { share };
         if let Some(recent) = self.recent.get_mut(slot) {
             recent.share = share;
             recent.information.fill(0.0);
@@ -410,12 +480,13 @@ impl Filter {
             origin,
             gains,
             taken,
+            surprising,
             ..
         } = work;
-        let Some(e) = equations.list.get(k) else {
+        let Some((e, surprising)) = equations.list.get(k).zip(surprising.get(k)) else {
             return;
         };
-        let information = weight / self.variance(e);
+        let information = weight / (self.variance(e) + surprising);
         let recent = self.recent.get(slot);
         let Some(before) = recent.and_then(|y| y.information.get(k)).copied() else {
             return;
@@ -494,6 +565,9 @@ impl Filter {
             let above = e.residual.abs() > MEDIAN * *size;
             let factor = if above { 1.0 + STEP } else { 1.0 - STEP };
             *size = (*size * factor).max(floor);
+        }
+        if self.is_held {
+            return;
         }
         let [link, motor] = &mut self.noise;
         let noise = match e.side {

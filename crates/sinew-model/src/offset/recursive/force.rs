@@ -78,6 +78,16 @@ impl ForceBelief {
         self.is_contradicted = false;
     }
 
+    /// From now on it knows what `other` does. O(d).
+    pub(super) fn know_as(&mut self, other: &Self) {
+        self.acts = other.acts;
+        self.likely_blocks = other.likely_blocks;
+        self.is_contradicted = other.is_contradicted;
+        self.inverse = other.inverse;
+        self.found = other.found;
+        copy(&mut self.point, &other.point);
+    }
+
     /// Whether a force is likely and hasn't been for long, or one that was stated is another: something isn't as it was thought to be.
     pub(super) fn is_in_doubt(&self) -> bool {
         self.is_contradicted || !self.acts && self.likely_blocks > 0

@@ -1,9 +1,11 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 //!
-//! Reading order: this file, `slices` (what is done with a block, in order), `task` (a filter's part of it), `filter` (one
-//! filter over blocks), `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness`
+//! Reading order: this file, `slices` (what is done with a block, in order), `disturbance` (what is done when blocks no longer
+//! fit), `checkpoints` (what was known before), `task` (a filter's part of a block), `filter` (one filter over blocks), `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness`
 //! (the average over lost stiffness), `force` (whether a force from outside acts), `places` (whether the arm works or stands).
 
+mod checkpoints;
+mod disturbance;
 mod filter;
 mod force;
 mod places;
@@ -25,6 +27,7 @@ use super::misfit::misfit_rad;
 use super::parameter::JointParameter;
 use crate::{Gaussian, StepError};
 use alloc::vec::Vec;
+use checkpoints::Checkpoints;
 use filter::Filter;
 use force::{ForceAverage, ForceBelief};
 use ring::{BlockRing, KEPT, SEGMENT};
@@ -37,9 +40,12 @@ use workspace::{Workspace, dimension};
 /// block at a time, with a state that never grows.
 ///
 /// ```text
-/// e = residual,  s = h P hᵀ,  R = σ² ι / w,   w = (c²/(c² + χ))²,  χ = mean e²/(s + σ²)
+/// e = residual,  s = h P hᵀ,  R = ι (σ² + (1 − w) s)/w,   w = (c²/(c² + χ))²,  χ = mean e²/(s + σ²)
 /// x ← x + P hᵀ e/(s + R),     P ← P − P hᵀ h P/(s + R)
 /// ```
+///
+/// So what surprises moves `x` by some `w` of what it says, however little was known. With `R = σ² ι/w` a contact at eight
+/// deviations, `w = 0.02`, moved an arm that stands nine tenths of the way.
 ///
 /// The scale `c` of the redescending weight falls from wide to 3 with the data, as the batch form's
 /// does from iteration to iteration. `ι` spreads the information of correlated blocks, and a stand
@@ -63,9 +69,16 @@ use workspace::{Workspace, dimension};
 /// They are so again when the incumbent is inconsistent: the mean weight of its blocks stays below a
 /// quarter for some six seconds, or the mean normalised innovation of a joint's link equations exceeds
 /// two over 40 blocks that carry new information (each cut at five, so that a contact of a few seconds
-/// isn't enough). Where that lasts for another ten seconds, the challenger replays the last 75 blocks.
-/// It replaces the incumbent once it is consistent and explains them better by 60, half chi-square: a
-/// rope has slipped, a load changed. The offsets are provisional no longer once the blocks agree again.
+/// isn't enough). A filter that takes in what it can't explain moves stiffness and rates instead: five deviations
+/// within some ten to twenty seconds count as well.
+///
+/// **Disturbance.** What went in of late may be wrong then. So the incumbent goes back to what it knew ten to twenty seconds ago, and
+/// only weighs blocks, none of which goes in. If they agree again, it was a contact. If not within ten seconds, the challenger
+/// goes on from there over the blocks since the disturbance was seen, with offsets opened by 10 mrad and the payload by as much as
+/// it was unknown before the first block. What else was learned stays. Every third attempt begins from the prior instead, over the last
+/// 75 blocks, as a strand may have failed. The challenger replaces the incumbent once it is consistent, has moved neither stiffness nor
+/// rates by five deviations, and explains its blocks better by 60, half chi-square, or at all after 45 s: a rope has slipped, a load
+/// changed. The offsets are provisional no longer once the blocks agree again.
 ///
 /// **Lost stiffness.** Strands may have failed since the prior was learned: the filter starts with every
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
@@ -94,7 +107,7 @@ use workspace::{Workspace, dimension};
 /// # Realtime
 /// [`RecursiveOffsets::step`]: no allocation, lock, panic or clock; `O(n d²)`, up to thirty times that while
 /// the challenger replays. Keeps 150 blocks, `1200 n (r + 42)` bytes of `r` base parameters, and
-/// six covariances, `48 d²` bytes, beside vectors.
+/// eight covariances, `64 d²` bytes, beside vectors.
 #[derive(Debug, Clone)]
 pub struct RecursiveOffsets {
     model: EstimationModel,
@@ -110,6 +123,12 @@ pub struct RecursiveOffsets {
     start_noise: [Vec<f64>; 2],
     incumbent: Filter,
     challenger: Filter,
+    /// What the incumbent knew before anything was amiss.
+    checkpoints: Checkpoints,
+    /// How often the challenger has begun since.
+    attempts: usize,
+    /// Blocks taken when it was seen.
+    seen: usize,
     stage: Stage,
     work: Workspace,
     ring: BlockRing,
@@ -200,6 +219,9 @@ impl RecursiveOffsets {
         let mut made = Self {
             force: average,
             challenger: filter.clone(),
+            checkpoints: Checkpoints::new(&filter),
+            attempts: 0,
+            seen: 0,
             incumbent: filter,
             stage: Stage::Idle,
             start,
@@ -296,30 +318,6 @@ impl RecursiveOffsets {
         Ok(self.incumbent.weight())
     }
 
-    /// The challenger will begin when most of the last blocks are from after the disturbance.
-    fn await_segment(&mut self) {
-        /// Blocks from after it.
-        const AFTER: usize = 50;
-        self.stage = Stage::Waiting {
-            until: self.ring.taken() + AFTER,
-        };
-    }
-
-    /// The challenger begins with the last blocks.
-    fn begin_replay(&mut self) {
-        let last = self.ring.taken().checked_sub(1);
-        let last = last.and_then(|number| self.ring.get(number));
-        let at_s = last.map_or(f64::NAN, |(_, kept)| kept.block.time_s);
-        self.challenger
-            .restart(&self.start, &self.start_noise, at_s);
-        self.from = self.ring.taken().saturating_sub(SEGMENT);
-        self.stage = Stage::Replaying {
-            pass: 0,
-            to: self.ring.taken(),
-            at: self.from,
-        };
-    }
-
     /// Offset of a joint, rad, averaged over which joints' stiffness has changed since the belief the
     /// filter started from; NaN for a joint there isn't. Its deviation holds what
     /// [fits nothing](super::misfit).
@@ -383,7 +381,7 @@ impl RecursiveOffsets {
     }
 
     fn is_provisional_now(&self) -> bool {
-        let disturbed = self.stage != Stage::Idle || self.incumbent.is_inconsistent();
+        let disturbed = self.stage != Stage::Idle || self.is_disturbed();
         let force = self.incumbent.force();
         let begins = force.is_some_and(ForceBelief::is_in_doubt);
         !self.opened || disturbed || begins || self.stands_and_softens()

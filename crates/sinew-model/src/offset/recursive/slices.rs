@@ -38,6 +38,10 @@ pub(super) enum Next {
     },
     /// Whether the challenger began too early.
     Tracked,
+    /// What is known is kept, so often.
+    Keep(usize),
+    /// What was known before something was amiss is known again.
+    GoBack,
     /// Averages over whether a force acts and over lost stiffness: this slice of it.
     Average(usize),
 }
@@ -119,9 +123,9 @@ impl RecursiveOffsets {
     pub fn slices_per_block(&self) -> usize {
         let task = Task::slices(self.model.reduced.layout.joints, self.start.mean.len());
         let taking = (AGAIN.len() + 1) * task;
-        // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and what
-        // follows it, the average.
-        let compared = KEPT + 2;
+        // The incumbent's, the decision, ten of the challenger's with a slice between, the comparison with its verdict and the two
+        // that follow it, the average.
+        let compared = KEPT + 3;
         taking + 1 + AT_ONCE * (taking + 1) + 1 + compared + self.average_slices()
     }
 
@@ -177,9 +181,20 @@ impl RecursiveOffsets {
             } => self.compare_block(at, costs, tracking),
             Next::Tracked => {
                 // It began with blocks from before what it should explain.
-                if self.stage == Stage::Tracking && self.challenger.is_inconsistent() {
+                if self.stage == Stage::Tracking && self.challenger_fails() {
                     self.await_segment();
                 }
+                Next::Average(0)
+            }
+            Next::Keep(times) => {
+                self.keep();
+                match times {
+                    0 | 1 => Next::Average(0),
+                    times => Next::Keep(times - 1),
+                }
+            }
+            Next::GoBack => {
+                self.go_back();
                 Next::Average(0)
             }
             Next::Average(slice) => {
@@ -218,15 +233,18 @@ impl RecursiveOffsets {
             Stage::Idle => {
                 if self.ring.taken() == SEGMENT {
                     self.begin_replay();
-                } else if self.ring.taken() > SEGMENT && self.incumbent.is_inconsistent() {
+                } else if self.ring.taken() > SEGMENT && self.is_disturbed() {
                     self.await_segment();
+                    return Next::GoBack;
+                } else if self.is_to_be_kept() {
+                    return Next::Keep(1);
                 }
             }
             // What disturbed it is over.
             Stage::Waiting { .. } | Stage::Replaying { .. }
                 if self.opened && self.incumbent.is_consistent() =>
             {
-                self.stage = Stage::Idle;
+                self.rest();
             }
             Stage::Waiting { until } => {
                 if self.ring.taken() >= until {
@@ -274,13 +292,16 @@ impl RecursiveOffsets {
         if at >= to {
             pass += 1;
             if pass > NOISE_SEEN {
-                self.challenger.find_noise(&self.model);
+                // Blocks from before and after a second slip would look like noise.
+                if !self.goes_on() {
+                    self.challenger.find_noise(&self.model);
+                }
                 let in_one_pose = self.ring.in_one_pose();
                 (self.challenger).judge_force(&self.model, in_one_pose, true);
             }
             if pass < SCALES.len() {
                 at = self.from;
-                self.challenger.begin_pass(&self.start);
+                self.begin_pass();
             }
         }
         self.replayed(left, (to, pass, at))
@@ -315,10 +336,11 @@ impl RecursiveOffsets {
     /// One block of it, or the verdict.
     fn compare_block(&mut self, at: usize, mut costs: [f64; 2], tracking: bool) -> Next {
         if at >= self.ring.taken() {
-            self.judge(costs);
-            return match tracking {
-                true => Next::Tracked,
-                false => Next::Average(0),
+            return match (self.judge(costs), tracking) {
+                // What was known before what is settled now no longer holds.
+                (true, _) => Next::Keep(2),
+                (false, true) => Next::Tracked,
+                (false, false) => Next::Average(0),
             };
         }
         if let Some((_, kept)) = self.ring.get(at)
@@ -336,29 +358,40 @@ impl RecursiveOffsets {
         }
     }
 
-    /// Whether the challenger replaces the incumbent, or rests.
-    fn judge(&mut self, [challenger, incumbent]: [f64; 2]) {
+    /// Whether the challenger replaces the incumbent, or rests; whether the incumbent is to be kept as it is now.
+    fn judge(&mut self, [challenger, incumbent]: [f64; 2]) -> bool {
         /// By how much it must explain its blocks better, half chi-square: it has every entry to
         /// itself. A slip of a millirad is worth more in 15 s.
         const BETTER: f64 = 60.0;
+        /// The first time it may be worse by as much: its noise is found, the incumbent's is on the way there.
+        const NO_WORSE: f64 = 10.0;
+        /// After so many blocks it needn't: nothing goes into the incumbent meanwhile.
+        const LONG: usize = 3 * SEGMENT;
         /// From so many blocks that carry new information: two or three stands say little of an arm.
         const ENOUGH: f64 = 15.0;
         let opening = self.from == 0;
-        let seen = self.ring.taken().saturating_sub(KEPT).max(self.from)..self.ring.taken();
+        let taken = self.ring.taken();
+        let seen = taken.saturating_sub(KEPT).max(self.from)..taken;
         let news: f64 = seen
             .filter_map(|number| self.ring.get(number))
             .map(|(_, kept)| kept.share)
             .sum();
-        let fit = news * self.model.inflation > ENOUGH && self.challenger.is_consistent();
-        let margin = if opening { 0.0 } else { BETTER };
-        let better = (opening || fit) && challenger + margin < incumbent;
+        let fits = news * self.model.inflation > ENOUGH && self.challenger_fits();
+        let is_long = taken.saturating_sub(self.from) > LONG;
+        let margin = match (opening, is_long) {
+            (true, _) => -NO_WORSE,
+            (false, true) => 0.0,
+            (false, false) => BETTER,
+        };
+        let better = (opening || fits) && challenger + margin < incumbent;
         if better {
             core::mem::swap(&mut self.challenger, &mut self.incumbent);
         }
         self.opened |= opening;
         if better || opening || self.incumbent.is_consistent() {
-            self.stage = Stage::Idle;
+            self.rest();
         }
+        better || opening
     }
 
     /// From now on the offsets are those of the last block.

@@ -94,6 +94,7 @@ impl Task {
                     }
                 };
                 work.taken.fill(0.0);
+                work.surprising.fill(0.0);
                 match projected {
                     true => Next::Project(0),
                     false => Next::Done,

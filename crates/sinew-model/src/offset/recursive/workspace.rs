@@ -32,6 +32,8 @@ pub(super) struct Workspace {
     /// What each adds to the information over `1 + information h P hᵀ`: `P` falls by
     /// `Σ taken P hᵀ h P`. 0: it did not go in.
     pub(super) taken: Vec<f64>,
+    /// What the equations at work add to their noise as they surprise, rad² or N²m².
+    pub(super) surprising: Vec<f64>,
 }
 
 impl Workspace {
@@ -58,6 +60,7 @@ impl Workspace {
             carried: alloc::vec![0.0; d],
             gains: alloc::vec![0.0; 2 * n * d],
             taken: alloc::vec![0.0; 2 * n],
+            surprising: alloc::vec![0.0; 2 * n],
         }
     }
 

@@ -1,0 +1,131 @@
+//! What is done when blocks no longer fit: a slip, a load, a failed strand, a contact that lasts.
+
+use super::checkpoints::Checkpoints;
+use super::filter::Filter;
+use super::workspace::dimension;
+use super::{RecursiveOffsets, SEGMENT, Stage};
+use crate::offset::belief::Belief;
+use crate::offset::parameter::{JointParameter, PAYLOAD};
+
+/// How far an offset may jump, rad, a standard deviation: a starting guess. Slips of 5 mrad were tried.
+const JUMP_RAD: f64 = 10e-3;
+/// Every so many attempts the challenger begins from before the first block: with every stiffness open.
+const FROM_THE_START: usize = 3;
+/// What doesn't jump can't move further from what was known, standard deviations.
+const FAR: f64 = 5.0;
+
+impl RecursiveOffsets {
+    /// Whether the incumbent no longer agrees with the blocks, or only because it has moved what doesn't jump.
+    pub(super) fn is_disturbed(&self) -> bool {
+        let before = self.checkpoints.older().belief();
+        self.incumbent.is_inconsistent() || self.contradicts(&self.incumbent, before)
+    }
+
+    /// Whether the challenger doesn't agree with its blocks, or only because it has moved what doesn't jump.
+    pub(super) fn challenger_fails(&self) -> bool {
+        self.challenger.is_inconsistent() || self.contradicts(&self.challenger, self.basis())
+    }
+
+    /// Whether the challenger agrees with its blocks, and has moved nothing that doesn't jump.
+    pub(super) fn challenger_fits(&self) -> bool {
+        self.challenger.is_consistent() && !self.contradicts(&self.challenger, self.basis())
+    }
+
+    /// Whether stiffness or how fast ropes creep has moved further from what was known `before` than it can have: a filter that takes in
+    /// what it can't explain moves these.
+    fn contradicts(&self, filter: &Filter, before: &Belief) -> bool {
+        let layout = self.model.reduced.layout;
+        let elastic = (0..layout.joints).filter(|&i| self.model.reduced.is_elastic(i));
+        let compliances = elastic.map(|i| layout.place(i, JointParameter::Compliance));
+        let rates = dimension(&self.model, 0)..before.mean.len();
+        compliances.chain(rates).any(|place| {
+            let (now, before) = (filter.belief().entry(place), before.entry(place));
+            (now.mean - before.mean).abs() > FAR * before.deviation
+        })
+    }
+
+    /// The incumbent was disturbed: what went in of late may be wrong, and nothing more goes in until that is settled. O(d²).
+    pub(super) fn go_back(&mut self) {
+        (self.checkpoints).go_back(&mut self.incumbent, self.ring.taken());
+        self.incumbent.hold(true);
+        self.attempts = 0;
+    }
+
+    /// What the incumbent knows is kept, for when it is disturbed. O(d²).
+    pub(super) fn keep(&mut self) {
+        self.checkpoints.keep(&self.incumbent, self.ring.taken());
+    }
+
+    /// Whether what is known is to be kept after this block.
+    pub(super) fn is_to_be_kept(&self) -> bool {
+        self.opened && Checkpoints::is_due(self.ring.taken()) && self.incumbent.is_consistent()
+    }
+
+    /// Whatever was amiss is settled.
+    pub(super) fn rest(&mut self) {
+        self.stage = Stage::Idle;
+        for filter in [&mut self.incumbent, &mut self.challenger] {
+            filter.hold(false);
+        }
+    }
+
+    /// The challenger will begin when there are enough blocks from after the disturbance.
+    pub(super) fn await_segment(&mut self) {
+        /// Blocks from after it.
+        const AFTER: usize = 50;
+        self.seen = self.ring.taken();
+        self.stage = Stage::Waiting {
+            until: self.ring.taken() + AFTER,
+        };
+    }
+
+    /// The challenger begins with the last blocks. O(d²).
+    pub(super) fn begin_replay(&mut self) {
+        let taken = self.ring.taken();
+        let last = taken.checked_sub(1);
+        let last = last.and_then(|number| self.ring.get(number));
+        let at_s = last.map_or(f64::NAN, |(_, kept)| kept.block.time_s);
+        self.attempts += 1;
+        self.from = taken.saturating_sub(SEGMENT);
+        (self.challenger).restart(&self.start, &self.start_noise, at_s);
+        if self.goes_on() {
+            // None from before what was seen.
+            self.from = self.from.max(self.seen);
+            self.challenger.know_as(self.checkpoints.older());
+            self.challenger.refer_to(at_s);
+        }
+        self.begin_pass();
+        self.stage = Stage::Replaying {
+            pass: 0,
+            to: taken,
+            at: self.from,
+        };
+    }
+
+    /// A pass of the challenger begins. O(d²).
+    pub(super) fn begin_pass(&mut self) {
+        if self.goes_on() {
+            let before = self.checkpoints.older().belief();
+            self.challenger.begin_pass(before);
+            let payload = self.model.reduced.layout.payload_place();
+            let payload = payload..payload + PAYLOAD;
+            self.challenger.open(&self.start, payload, JUMP_RAD);
+        } else {
+            self.challenger.begin_pass(&self.start);
+        }
+    }
+
+    /// Whether the challenger goes on from what was known before the disturbance, with offsets and payload opened; else it begins from
+    /// what was known before the first block.
+    pub(super) fn goes_on(&self) -> bool {
+        self.opened && !self.attempts.is_multiple_of(FROM_THE_START)
+    }
+
+    /// What the challenger's blocks are added to.
+    fn basis(&self) -> &Belief {
+        match self.goes_on() {
+            true => self.checkpoints.older().belief(),
+            false => &self.start,
+        }
+    }
+}
