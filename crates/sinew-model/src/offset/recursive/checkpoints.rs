@@ -54,6 +54,7 @@ impl Checkpoints {
     /// A filter that has taken so many blocks knows what the older one does. O(d²).
     pub(super) fn go_back(&self, filter: &mut Filter, taken: usize) {
         filter.know_as(&self.older.filter);
+        filter.doubt_what_is_not_finite();
         let since = self.older.taken.max(taken.saturating_sub(KEPT))..taken;
         filter.leave_out(since.map(|number| number % KEPT));
     }

@@ -32,16 +32,18 @@ impl RecursiveOffsets {
     }
 
     /// Whether stiffness or how fast ropes creep has moved further from what was known `before` than it can have: a filter that takes in
-    /// what it can't explain moves these.
+    /// what it can't explain moves these. One that isn't finite any more contradicts all.
     fn contradicts(&self, filter: &Filter, before: &Belief) -> bool {
         let layout = self.model.reduced.layout;
-        let elastic = (0..layout.joints).filter(|&i| self.model.reduced.is_elastic(i));
-        let compliances = elastic.map(|i| layout.place(i, JointParameter::Compliance));
+        let elastic = || (0..layout.joints).filter(|&i| self.model.reduced.is_elastic(i));
+        let compliances = elastic().map(|i| layout.place(i, JointParameter::Compliance));
         let rates = dimension(&self.model, 0)..before.mean.len();
-        compliances.chain(rates).any(|place| {
+        let moved = compliances.chain(rates).any(|place| {
             let (now, before) = (filter.belief().entry(place), before.entry(place));
             (now.mean - before.mean).abs() > FAR * before.deviation
-        })
+        });
+        let mut offsets = elastic().map(|i| filter.entry(layout.place(i, JointParameter::Offset)));
+        moved || offsets.any(|offset| !(offset.mean + offset.deviation).is_finite())
     }
 
     /// The incumbent was disturbed: what went in of late may be wrong, and nothing more goes in until that is settled. O(d²).
@@ -127,5 +129,47 @@ impl RecursiveOffsets {
             true => self.checkpoints.older().belief(),
             false => &self.start,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::belief::{Payload, UNKNOWN_OFFSET_RAD};
+    use crate::offset::external_force::ExternalForce;
+    use crate::offset::fixtures::{pushable, pushed};
+
+    #[test]
+    fn a_state_that_is_not_finite_is_in_doubt_and_what_was_known_before_is_taken_up() {
+        let model = pushable(ExternalForce::possible(2.0).unwrap());
+        let belief = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let mut filter = RecursiveOffsets::of(model.clone(), belief).unwrap();
+        let mut blocks = pushed(&model, [0.0; 3], 1);
+        for seed in [101, 201] {
+            let later_s = blocks.len() as f64;
+            blocks.extend(pushed(&model, [0.0; 3], seed).into_iter().map(|mut block| {
+                block.time_s += later_s;
+                block
+            }));
+        }
+        let (first, then) = blocks.split_at(blocks.len() * 2 / 3);
+        for block in first {
+            filter.step(block).unwrap();
+        }
+        assert!(!filter.is_provisional());
+        let before = filter.offset(0);
+        filter.incumbent.belief_mut().covariance.fill(f64::NAN);
+        for (k, block) in then.iter().enumerate() {
+            filter.step(block).unwrap();
+            let told = filter.offset(0);
+            let is_finite = (told.mean + told.deviation).is_finite();
+            assert!(is_finite || filter.is_provisional(), "block {k}: {told:?}");
+        }
+        let after = filter.offset(0);
+        assert!(!filter.is_provisional());
+        assert!(
+            (after.mean - before.mean).abs() < 4.0 * before.deviation,
+            "{before:?} {after:?}"
+        );
     }
 }

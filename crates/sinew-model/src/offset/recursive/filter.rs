@@ -146,6 +146,17 @@ impl Filter {
         }
     }
 
+    /// Agreement that can't be told is none.
+    pub(super) fn doubt_what_is_not_finite(&mut self) {
+        for (value, none) in core::iter::once((&mut self.mean_weight, 0.0))
+            .chain(self.mean_innovation.iter_mut().map(|m| (m, INNOVATION_MAX)))
+        {
+            if !value.is_finite() {
+                *value = none;
+            }
+        }
+    }
+
     /// Nothing of the blocks at these slots went in.
     pub(super) fn leave_out(&mut self, slots: impl Iterator<Item = usize>) {
         for slot in slots {
