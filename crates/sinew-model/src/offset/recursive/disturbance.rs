@@ -5,11 +5,12 @@ use super::filter::Filter;
 use super::workspace::dimension;
 use super::{RecursiveOffsets, SEGMENT, Stage};
 use crate::offset::belief::Belief;
+use crate::offset::mixture::LOST_STIFFNESS;
 use crate::offset::parameter::{JointParameter, PAYLOAD};
 
 /// How far an offset may jump, rad, a standard deviation: a starting guess. Slips of 5 mrad were tried.
 const JUMP_RAD: f64 = 10e-3;
-/// Every so many attempts the challenger begins from before the first block: with every stiffness open.
+/// Every so many attempts the challenger begins from before the first block.
 const FROM_THE_START: usize = 3;
 /// What doesn't jump can't move further from what was known, standard deviations.
 const FAR: f64 = 5.0;
@@ -17,7 +18,7 @@ const FAR: f64 = 5.0;
 impl RecursiveOffsets {
     /// Whether the incumbent no longer agrees with the blocks, or only because it has moved what doesn't jump.
     pub(super) fn is_disturbed(&self) -> bool {
-        let before = self.checkpoints.older().belief();
+        let before = (self.checkpoints.older().belief(), 0.0);
         self.incumbent.is_inconsistent() || self.contradicts(&self.incumbent, before)
     }
 
@@ -33,15 +34,20 @@ impl RecursiveOffsets {
 
     /// Whether stiffness or how fast ropes creep has moved further from what was known `before` than it can have: a filter that takes in
     /// what it can't explain moves these. One that isn't finite any more contradicts all.
-    fn contradicts(&self, filter: &Filter, before: &Belief) -> bool {
+    ///
+    /// * `softer`: what compliances were opened by since, a standard deviation.
+    fn contradicts(&self, filter: &Filter, (before, softer): (&Belief, f64)) -> bool {
         let layout = self.model.reduced.layout;
         let elastic = || (0..layout.joints).filter(|&i| self.model.reduced.is_elastic(i));
         let compliances = elastic().map(|i| layout.place(i, JointParameter::Compliance));
         let rates = dimension(&self.model, 0)..before.mean.len();
-        let moved = compliances.chain(rates).any(|place| {
-            let (now, before) = (filter.belief().entry(place), before.entry(place));
-            (now.mean - before.mean).abs() > FAR * before.deviation
-        });
+        let compliances = compliances.map(|place| (place, softer));
+        let moved = compliances
+            .chain(rates.map(|place| (place, 0.0)))
+            .any(|(place, opened)| {
+                let (now, before) = (filter.belief().entry(place), before.entry(place));
+                (now.mean - before.mean).abs() > FAR * libm::hypot(before.deviation, opened)
+            });
         let mut offsets = elastic().map(|i| filter.entry(layout.place(i, JointParameter::Offset)));
         moved || offsets.any(|offset| !(offset.mean + offset.deviation).is_finite())
     }
@@ -111,23 +117,24 @@ impl RecursiveOffsets {
             self.challenger.begin_pass(before);
             let payload = self.model.reduced.layout.payload_place();
             let payload = payload..payload + PAYLOAD;
-            self.challenger.open(&self.start, payload, JUMP_RAD);
+            let softer = (self.stiffness.compliances(), LOST_STIFFNESS.deviation);
+            (self.challenger).open((&self.start, payload), JUMP_RAD, softer);
         } else {
             self.challenger.begin_pass(&self.start);
         }
     }
 
-    /// Whether the challenger goes on from what was known before the disturbance, with offsets and payload opened; else it begins from
-    /// what was known before the first block.
+    /// Whether the challenger goes on from what was known before the disturbance, with offsets, stiffness and payload opened; else it
+    /// begins from what was known before the first block.
     pub(super) fn goes_on(&self) -> bool {
         self.opened && !self.attempts.is_multiple_of(FROM_THE_START)
     }
 
-    /// What the challenger's blocks are added to.
-    fn basis(&self) -> &Belief {
+    /// What the challenger's blocks are added to, and what compliances are opened by there.
+    fn basis(&self) -> (&Belief, f64) {
         match self.goes_on() {
-            true => self.checkpoints.older().belief(),
-            false => &self.start,
+            true => (self.checkpoints.older().belief(), LOST_STIFFNESS.deviation),
+            false => (&self.start, 0.0),
         }
     }
 }

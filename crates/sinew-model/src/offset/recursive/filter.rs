@@ -176,12 +176,20 @@ impl Filter {
         self.at_s = at_s;
     }
 
-    /// Offsets may have jumped, `0 ± jump_rad` each, and so may what is held, by as much as it was unknown at the `start`.
-    pub(super) fn open(&mut self, start: &Belief, payload: Range<usize>, jump_rad: f64) {
+    /// Offsets may have jumped, `0 ± jump_rad` each, compliances by `0 ± softer`, and what is held by as much as it was unknown at the
+    /// `start`.
+    pub(super) fn open(
+        &mut self,
+        (start, payload): (&Belief, Range<usize>),
+        jump_rad: f64,
+        (compliances, softer): (&[usize], f64),
+    ) {
         let d = self.belief.mean.len();
-        for offset in &self.creeps {
-            if let Some(p) = self.belief.covariance.get_mut(offset * (d + 1)) {
-                *p += jump_rad * jump_rad;
+        let offsets = self.creeps.iter().map(|offset| (offset, jump_rad));
+        let compliances = compliances.iter().map(|compliance| (compliance, softer));
+        for (place, deviation) in offsets.chain(compliances) {
+            if let Some(p) = self.belief.covariance.get_mut(place * (d + 1)) {
+                *p += deviation * deviation;
             }
         }
         for row in payload.clone() {

@@ -74,11 +74,11 @@ use workspace::{Workspace, dimension};
 ///
 /// **Disturbance.** What went in of late may be wrong then. So the incumbent goes back to what it knew ten to twenty seconds ago, and
 /// only weighs blocks, none of which goes in. If they agree again, it was a contact. If not within ten seconds, the challenger
-/// goes on from there over the blocks since the disturbance was seen, with offsets opened by 10 mrad and the payload by as much as
-/// it was unknown before the first block. What else was learned stays. Every third attempt begins from the prior instead, over the last
-/// 75 blocks, as a strand may have failed. The challenger replaces the incumbent once it is consistent, has moved neither stiffness nor
-/// rates by five deviations, and explains its blocks better by 60, half chi-square, or at all after 45 s: a rope has slipped, a load
-/// changed. The offsets are provisional no longer once the blocks agree again.
+/// goes on from there over the blocks since the disturbance was seen, with offsets opened by 10 mrad, known stiffness by a tenth, and the
+/// payload by as much as it was unknown before the first block. What else was learned stays. Every third attempt begins from the prior
+/// instead, over the last 75 blocks. The challenger replaces the incumbent once it is consistent, has moved neither stiffness nor
+/// rates by five deviations, and explains its blocks better by 60, half chi-square, or at all after 45 s: a rope has slipped, a strand
+/// failed, a load changed. The offsets are provisional no longer once the blocks agree again.
 ///
 /// **Lost stiffness.** Strands may have failed since the prior was learned: the filter starts with every
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them

@@ -24,7 +24,9 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone)]
 pub(super) struct StiffnessAverage {
     joints: Vec<usize>,
-    /// Places of their offsets in the state.
+    /// Places of their compliances in the state.
+    compliances: Vec<usize>,
+    /// Places of their offsets.
     offsets: Vec<usize>,
     /// `A`, a row per joint.
     towards: Vec<f64>,
@@ -87,11 +89,17 @@ impl StiffnessAverage {
             values: alloc::vec![0.0; 2 * n],
             covariance: alloc::vec![0.0; 4 * n * n],
             mixture: Mixture::new(n, n),
+            compliances: entries,
             dimension: d,
             rows_at_once: (d / (ROWS_OVER_BAND * n).max(1)).max(1),
             sets_at_once: (d * d / (SET_OVER_ROW * n * n * n).max(1)).max(1),
             joints,
         })
+    }
+
+    /// Places of the compliances that may change.
+    pub(super) fn compliances(&self) -> &[usize] {
+        &self.compliances
     }
 
     /// Averages the posterior `now`; `start` is the prior with stiffness opened.
