@@ -254,3 +254,24 @@ fn the_scale_has_a_gamma_distribution_whose_rate_is_the_sum_of_powers() {
         );
     }
 }
+
+#[test]
+fn the_density_of_the_shape_is_that_of_the_lives() {
+    let lives = remissions();
+    let fit = WeibullFit::new(&lives).unwrap();
+    // Straight from the lives, per logarithm of the shape, the scale integrated out.
+    let of = |k: f64| {
+        let broken = lives.iter().filter(|life| life.broke);
+        let d = broken.clone().count() as f64;
+        let ages: f64 = broken.map(|life| (k - 1.0) * life.age.ln()).sum();
+        let powers: f64 = lives.iter().map(|life| life.age.powf(k)).sum();
+        (d - 1.0) * k.ln() + ages - d * powers.ln()
+    };
+    for k in [0.3, 0.8, 1.35, 2.5, 5.0] {
+        let (is, should) = (
+            fit.log_shape_density(k) - fit.log_shape_density(1.0),
+            of(k) - of(1.0),
+        );
+        assert!((is - should).abs() < 1e-10, "{k}: {is} {should}");
+    }
+}

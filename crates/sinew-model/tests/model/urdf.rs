@@ -324,3 +324,18 @@ fn xacro_is_refused_by_its_name_with_what_expands_it() {
         assert!(located.starts_with("arm.urdf.xacro, line "), "{located}");
     }
 }
+
+#[test]
+fn links_that_a_joint_carries_are_its_own_and_those_fixed_to_it() {
+    let hand = r#"<link name="hand"/><joint name="wrist" type="fixed"><parent link="bob"/><child link="hand"/>
+        <origin xyz="0.1 0 -0.7"/></joint></robot>"#;
+    let urdf = parse(&PENDULUM.replace("</robot>", hand), &UrdfOptions::default()).unwrap();
+    let links: Vec<_> = urdf.arm.links_of(0).collect();
+    let names: Vec<&str> = links.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["bob", "hand"]);
+    // The joint turns about z of its frame: 0.7 m from there, whatever that axis is.
+    let [x, y, z] = links[1].1.translation;
+    assert!(((x * x + y * y + z * z) - (0.01 + 0.49)).abs() < 1e-14);
+    assert_eq!(links[0].1.translation, [0.0; 3]);
+    assert_eq!(urdf.arm.links_of(1).count(), 0);
+}
