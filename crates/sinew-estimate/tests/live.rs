@@ -131,7 +131,7 @@ fn a_slip_is_doubted_and_then_followed() {
     const ELBOW: usize = 2;
     /// Slips of the work session: joint, when, s, and how far, mrad.
     const SLIPS: [(usize, f64, f64); 2] = [(PITCH, 130.0, 5.0), (ELBOW, 150.0, 5.0)];
-    /// A slip is doubted within this time, s: 4 to 6 mostly, 12 at worst of 24 recordings.
+    /// A slip is doubted within this time, s: 4 to 7 mostly, 14 at worst of 24 recordings.
     const SEEN_S: f64 = 15.0;
     let robot = biorob_like();
     let (mut all, mut ends, mut doubts) = ([0, 0], [0, 0], 0);
@@ -194,7 +194,8 @@ fn a_slip_is_doubted_and_then_followed() {
     println!("{all:?} inside, {ends:?} in the end, {doubts} then in doubt");
     assert!(10 * all[0] > 9 * all[1], "{all:?}");
     assert!(6 * ends[0] >= 5 * ends[1], "{ends:?}");
-    assert!(3 * doubts <= seeds(3), "{doubts}");
+    // Half a minute after the second slip; a filter that was sure sooner was wrong more often.
+    assert!(2 * doubts <= seeds(3), "{doubts}");
 }
 
 /// With the work of a call bounded the offsets are those of a loop that does it at once, a block later; nothing is left out, and
