@@ -1,8 +1,9 @@
 //! The absolute offset, block by block: a small Kalman step five times a second.
 //!
 //! Reading order: this file, `slices` (what is done with a block, in order), `disturbance` (what is done when blocks no longer
-//! fit), `checkpoints` (what was known before), `task` (a filter's part of a block), `filter` (one filter over blocks), `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness`
-//! (the average over lost stiffness), `force` (whether a force from outside acts), `places` (whether the arm works or stands).
+//! fit), `checkpoints` (what was known before), `task` (a filter's part of a block), `filter` (one filter over blocks),
+//! `workspace` (what its step computes with), `ring` (the last blocks), `robust_noise`, `stiffness` (the average over lost
+//! stiffness), `force` (whether a force from outside acts), `places` (whether the arm works or stands).
 
 mod checkpoints;
 mod disturbance;
