@@ -274,15 +274,21 @@ fn shut(runtime: &Runtime) -> Option<(String, String)> {
     }
 }
 
-#[test]
-fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut runtime = start(folder.path());
-    runtime.configure(&config(folder.path(), ""));
+/// A monitor whose recording isn't there: that is an alarm.
+fn start_without_recording(folder: &Path) -> Runtime {
+    let mut runtime = start(folder);
+    runtime.configure(&config(folder, ""));
     until("the door's alarm", || {
         runtime.look();
         shut(&runtime).is_some()
     });
+    runtime
+}
+
+#[test]
+fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut runtime = start_without_recording(folder.path());
     let (door, why) = shut(&runtime).unwrap();
     assert!(door.ends_with("run.mcap") && why.contains("No such file"));
     let doors = runtime.health().doors();
@@ -307,12 +313,7 @@ fn a_recording_that_is_not_there_is_a_fault_of_the_door_until_it_is() {
 #[test]
 fn who_has_his_answer_finds_what_he_said() {
     let folder = tempfile::tempdir().unwrap();
-    let mut runtime = start(folder.path());
-    runtime.configure(&config(folder.path(), ""));
-    until("the door's alarm", || {
-        runtime.look();
-        shut(&runtime).is_some()
-    });
+    let runtime = start_without_recording(folder.path());
     let (core, robot) = runtime.board().address("arm").unwrap();
     let slot = runtime.board().get("arm").unwrap();
     let alarm = AlarmKey {
