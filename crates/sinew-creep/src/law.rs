@@ -284,3 +284,32 @@ impl std::str::FromStr for Law {
             })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coordinate_is_that_of_its_value_and_stays_within_its_bounds() {
+        for logarithmic in [false, true] {
+            let shape = Shape {
+                name: "tau",
+                unit: "s",
+                logarithmic,
+                lower: 0.5,
+                upper: 40.0,
+            };
+            for k in 0..=10 {
+                let unit = 0.1 * f64::from(k);
+                let back = shape.coordinate(shape.value(unit));
+                assert!((back - unit).abs() < 1e-14, "{unit} {back}");
+                let by = 1e-6;
+                let slope = (shape.value(unit + by) - shape.value(unit - by)) / (2.0 * by);
+                let exact = shape.slope(shape.value(unit));
+                assert!((slope - exact).abs() < 1e-8 * exact, "{slope} {exact}");
+            }
+            let bounds = [0.1, 0.5, 40.0, 1e3].map(|value| shape.coordinate(value));
+            assert_eq!(bounds, [0.0, 0.0, 1.0, 1.0]);
+        }
+    }
+}

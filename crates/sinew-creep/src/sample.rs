@@ -165,6 +165,22 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
+    /// `Lᵀ x = z` by hand: `x₂ = 2/20`, `x₁ = (1 − 5 x₂)/10`.
+    #[test]
+    fn points_are_slanted_as_the_density_is_and_stay_in_the_box() {
+        let around = Around {
+            centre: vec![0.5, 0.5],
+            factor: vec![vec![10.0, 0.0], vec![5.0, 20.0]],
+        };
+        let near = |z: [f64; 2], wanted: [f64; 2]| {
+            let point = around.point(&around.centre, &z);
+            let apart = point.iter().zip(wanted).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-12, "{point:?} {wanted:?}");
+        };
+        near([1.0, 2.0], [0.55, 0.6]);
+        near([0.0, -40.0], [1.0 - 1e-6, 1e-6]);
+    }
+
     #[test]
     fn a_slanted_normal_density_comes_back() {
         // x, y with standard deviations 0.1 and correlation 0.9 around 0.5.

@@ -252,3 +252,48 @@ fn wlf(shifts: &[Shift], reference_c: f64) -> Option<Wlf> {
         misfit_decades: rms,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same curve 1.2 decades apart, read with errors again and again: the shift varies by as much as its error says.
+    #[test]
+    fn the_error_of_a_shift_is_how_much_it_varies() {
+        const APART: f64 = 1.2;
+        const DRAWS: u32 = 60;
+        let mut at: u64 = 7;
+        // Twelve even numbers less six: nearly normal.
+        let mut normal = || {
+            let mut even = || {
+                at = at
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (at >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            (0..12).map(|_| even()).sum::<f64>() - 6.0
+        };
+        let mut curve = |later: f64| -> Vec<(f64, f64)> {
+            let times = (0..20).map(|k| 0.2 * f64::from(k));
+            times
+                .map(|x| (x + later, 0.3 + 0.05 * x + 0.004 * x * x + 1e-3 * normal()))
+                .collect()
+        };
+        let found: Vec<(f64, f64)> = (0..DRAWS)
+            .map(|_| {
+                let (shift, error, overlap) = distance(&curve(0.0), &curve(APART));
+                assert!(overlap > 0.95, "{overlap}");
+                (shift, error)
+            })
+            .collect();
+        let n = f64::from(DRAWS);
+        let mean = found.iter().map(|(shift, _)| shift).sum::<f64>() / n;
+        let squares: f64 = found.iter().map(|(shift, _)| (shift - mean).powi(2)).sum();
+        let spread = (squares / (n - 1.0)).sqrt();
+        let error = found.iter().map(|(_, error)| error).sum::<f64>() / n;
+        println!("{mean} ± {spread}, by its own word ± {error}");
+        assert!((mean - APART).abs() < 4.0 * spread / n.sqrt());
+        // A spread of 60 draws is known to 9 %.
+        assert!((error / spread - 1.0).abs() < 0.3, "{error} {spread}");
+    }
+}

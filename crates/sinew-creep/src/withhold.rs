@@ -177,3 +177,27 @@ pub fn withhold_all(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_of_what_was_forecast() {
+        let mut counted = Coverage {
+            forecaster: Forecaster::Combined,
+            tests: 4,
+            failed: 1,
+            readings: 40,
+            readings_inside: 36,
+            ends_inside: 3,
+            end_error_ratio: 0.0,
+            end_half_width_ratio: 0.0,
+        };
+        assert_eq!(counted.readings_share(), Some(0.9));
+        assert_eq!(counted.ends_share(), Some(0.75));
+        (counted.tests, counted.readings) = (0, 0);
+        assert_eq!(counted.readings_share(), None);
+        assert_eq!(counted.ends_share(), None);
+    }
+}

@@ -255,6 +255,26 @@ fn groups_by_a_number_get_a_line_each() {
 }
 
 #[test]
+fn a_group_that_no_specimen_has_is_refused_with_those_there_are() {
+    for command in ["analyze", "fit"] {
+        let asked = [
+            "creep", command, ROPES[0], ROPES[1], "--group", "Rop", "--quiet",
+        ];
+        let output = sinew(&asked);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            !output.status.success() && output.stdout.is_empty(),
+            "{output:?}"
+        );
+        assert!(
+            errors.contains("--group Rop: no such column; there are "),
+            "{errors}"
+        );
+        assert!(errors.contains("Temperature (C)"), "{errors}");
+    }
+}
+
+#[test]
 fn tables_stay_within_80_columns() {
     for arguments in [
         &["creep", "analyze", "rope-A.csv", "--quiet"][..],

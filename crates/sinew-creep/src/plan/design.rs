@@ -134,3 +134,29 @@ impl Design {
         rope_entry::holds_of(&self.curves, base)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two numbers of a fit, `b = (1, 2)` along them, and one it doesn't touch. `L⁻¹ b = (1/2, (2 − 1/2)/3)`, so together they leave
+    /// 1/2. One by one it is `(1/2, −1/6)` and `(0, 2/3)`: 13/18.
+    #[test]
+    fn what_a_fit_leaves_open_by_hand() {
+        let design = Design {
+            free: vec![2],
+            held: vec![0],
+            factor: vec![vec![2.0, 0.0], vec![1.0, 3.0]],
+            curves: Vec::new(),
+        };
+        let mut duty = Slopes {
+            slopes: vec![2.0, 3.0, 1.0],
+            stated: vec![true; 3],
+        };
+        let fitted = 0.999 * 0.5 + 0.001 * 13.0 / 18.0;
+        assert!((design.variance(&duty) - (fitted + 9.0)).abs() < 1e-12);
+        // Where the base states no interval nobody knows.
+        duty.stated[1] = false;
+        assert!((design.variance(&duty) - fitted).abs() < 1e-12);
+    }
+}

@@ -28,7 +28,7 @@ pub(super) struct Duty {
 pub(super) struct Slopes {
     pub(super) slopes: Vec<f64>,
     /// Whether the base states an interval.
-    stated: Vec<bool>,
+    pub(super) stated: Vec<bool>,
 }
 
 impl Duty {

@@ -26,6 +26,19 @@ fn a_spring_and_its_inverse_undo_each_other() {
 }
 
 #[test]
+fn offsets_are_read_back_as_they_were_set() {
+    let mut transmissions = springs(2);
+    transmissions[1] = None;
+    let stretched = |mean| JointCorrection::offset(Gaussian::new(mean, 1e-3));
+    let corrections = [stretched(3e-3), JointCorrection::default()];
+    let mut correction = Correction::new(&transmissions, &corrections).unwrap();
+    let read = |c: &Correction| [0, 1, 2].map(|joint| c.delta_e(joint));
+    assert_eq!(read(&correction), [Some(3e-3), None, None]);
+    correction.set(0, &stretched(-2e-3)).unwrap();
+    assert_eq!(read(&correction), [Some(-2e-3), None, None]);
+}
+
+#[test]
 fn stiffening_by_hand() {
     // 40 · 0.1 · (1 + 2 · 0.01) = 4.08; slope 40 · (1 + 6 · 0.01) = 42.4.
     let spring = Spring::new(40.0, 2.0).unwrap();

@@ -4,8 +4,8 @@ use crate::score::Scores;
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
 use sinew_model::trend::{
-    Curve, Noise, Paths, Prior, Record, Trend, TrendConfig, TrendError, TrendNow, first_passage,
-    generic_curves, node_times_s,
+    Curve, Noise, Paths, Prior, Record, Trend, TrendConfig, TrendError, TrendNow, TrendState,
+    first_passage, generic_curves, node_times_s,
 };
 
 const DAY_S: f64 = 86_400.0;
@@ -382,6 +382,38 @@ fn going_on_from_a_state_is_the_same_to_the_last_bit() {
         Trend::resume(other, config, whole.state()),
         Err(TrendError::State)
     );
+}
+
+/// Each number of a state that can't be is refused by itself, whatever the others are.
+#[test]
+fn a_state_that_cant_be_is_refused() {
+    let prior = Prior::new(generic_curves(0.03));
+    let config = TrendConfig::default();
+    let mut random = Random(22);
+    let mut trend = Trend::new(prior.clone(), config).expect("a prior");
+    for record in drawn(&prior, 6, &[], &mut random).records {
+        trend.add(record).expect("in order");
+    }
+    let state = trend.state();
+    let last = state.components.len() - 1;
+    let broken: [fn(&mut TrendState, usize); 9] = [
+        |s, _| s.fingerprint ^= 1,
+        |s, _| s.time_s = f64::NAN,
+        |s, _| s.components.clear(),
+        |s, i| s.components[i].curve = u32::MAX,
+        |s, i| s.components[i].noise = u32::MAX,
+        |s, i| s.components[i].log_weight = f64::NAN,
+        |s, i| s.components[i].log_weight = f64::INFINITY,
+        |s, i| s.components[i].mean[2] = f64::NAN,
+        |s, i| s.components[i].covariance[5] = f64::INFINITY,
+    ];
+    for (k, broken) in broken.into_iter().enumerate() {
+        let mut state = state.clone();
+        broken(&mut state, last);
+        let resumed = Trend::resume(prior.clone(), config, state);
+        assert_eq!(resumed, Err(TrendError::State), "the {k}. break");
+    }
+    assert_eq!(Trend::resume(prior, config, state), Ok(trend));
 }
 
 #[test]
