@@ -262,6 +262,16 @@ sinew_status sinew_offsets_read(const sinew_offsets *offsets,
 // The caller sees to it: `offsets` are offsets; `probability` is null or may be written.
 sinew_status sinew_offsets_stiffness_changed(const sinew_offsets *offsets, size_t joint, double *probability);
 
+// What a temperature that isn't known, now or in the baseline, adds to the deviation of a joint's offset, rad; 0 where both are known.
+// The deviation that is read holds it: it is the tolerance of robot.toml, so warmth far beyond that reads as stretch.
+//
+// Realtime: yes.
+//
+// The caller sees to it: `offsets` are offsets; `deviation_rad` is null or may be written.
+sinew_status sinew_offsets_unknown_temperature(const sinew_offsets *offsets,
+                                               size_t joint,
+                                               double *deviation_rad);
+
 // A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
 //
 // `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be

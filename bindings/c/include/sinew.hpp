@@ -157,6 +157,12 @@ public:
         sinew_offsets_stiffness_changed(handle_.get(), joint, &probability);
         return probability;
     }
+    /// Realtime. What a temperature that isn't known adds to a joint's deviation, rad; 0 where it is; NaN where there is no such joint.
+    double unknown_temperature_rad(std::size_t joint) const noexcept {
+        double deviation_rad = std::numeric_limits<double>::quiet_NaN();
+        sinew_offsets_unknown_temperature(handle_.get(), joint, &deviation_rad);
+        return deviation_rad;
+    }
     /// Realtime. A constant force from outside at the tool; all NaN where none is looked for.
     external_force force() const noexcept {
         external_force read{};

@@ -315,6 +315,30 @@ pub unsafe extern "C" fn sinew_offsets_stiffness_changed(
     })
 }
 
+/// What a temperature that isn't known, now or in the baseline, adds to the deviation of a joint's offset, rad; 0 where both are known.
+/// The deviation that is read holds it: it is the tolerance of robot.toml, so warmth far beyond that reads as stretch.
+///
+/// Realtime: yes.
+///
+/// # Safety
+/// `offsets` are offsets; `deviation_rad` is null or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_offsets_unknown_temperature(
+    offsets: *const SinewOffsets,
+    joint: usize,
+    deviation_rad: *mut f64,
+) -> Status {
+    // SAFETY: the caller's promises, handed on.
+    guarded(|| unsafe {
+        let live = &shared(offsets)?.0;
+        if joint >= live.robot().arm.dof() {
+            return Err(Status::Length);
+        }
+        put(deviation_rad, live.unknown_temperature_rad(joint));
+        Ok(())
+    })
+}
+
 /// A constant force from outside at the tool, as far as it is known: a hose, a cable that drags.
 ///
 /// `probability`, 0 to 1: that one acts. `force_n`, `deviation_n`: three each, along the axes of the base, N, if one does. Each may be

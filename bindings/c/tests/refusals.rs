@@ -62,6 +62,8 @@ fn null_is_told_everywhere() {
             sinew_offsets_stiffness_changed(null(), 0, null_mut()),
             Status::Null
         );
+        let read = sinew_offsets_unknown_temperature(null(), 0, null_mut());
+        assert_eq!(read, Status::Null);
         let none = null_mut();
         let read = sinew_offsets_external_force(null(), none, none, none);
         assert_eq!(read, Status::Null);

@@ -120,6 +120,11 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
             (in_doubt, changed),
             (live.is_provisional(), live.stiffness_changed(joint))
         );
+        let mut unknown = f64::NAN;
+        // SAFETY: handles and places.
+        let read = unsafe { sinew_offsets_unknown_temperature(offsets, joint, &mut unknown) };
+        assert_eq!(read, Status::Ok);
+        assert_eq!(unknown, live.unknown_temperature_rad(joint));
     }
     let (mut likely, mut force_n, mut deviation_n) = (0.0, [0.0; 3], [0.0; 3]);
     let (to, and) = (force_n.as_mut_ptr(), deviation_n.as_mut_ptr());

@@ -181,6 +181,18 @@ impl LiveOffsets {
         Ok(self.live.stiffness_changed(self.index(joint)?))
     }
 
+    /// What a temperature that isn't known, now or in the baseline, adds to the standard deviation of every joint's offset, `(n,)`,
+    /// rad; 0 where both are known. The intervals hold it: it is the tolerance of robot.toml, so warmth far beyond that reads
+    /// as stretch.
+    #[getter]
+    fn unknown_temperature_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let joints = 0..self.names.len();
+        PyArray1::from_iter(
+            py,
+            joints.map(|joint| self.live.unknown_temperature_rad(joint)),
+        )
+    }
+
     /// A constant force from outside at the tool, as far as it is known: probability that one acts, 0 to 1, then mean and
     /// standard deviation along the axes of the base, `(3,)` each, N, if one does. `None`: none is looked for
     /// (`external_force_n = 0` in robot.toml).

@@ -190,6 +190,12 @@ impl LiveOffsets {
         self.filter.stiffness_changed(joint)
     }
 
+    /// What a temperature that isn't known, now or in the baseline, adds to the deviation of a joint's offset, rad; 0 where both are
+    /// known. The interval holds it: it is the tolerance of robot.toml, so warmth far beyond that reads as stretch.
+    pub fn unknown_temperature_rad(&self, joint: usize) -> f64 {
+        self.filter.unknown_temperature_rad(joint)
+    }
+
     /// A constant force from outside at the tool, as far as it is known; `None`: none is looked for, as robot.toml or the
     /// session's options say.
     pub fn external_force(&self) -> Option<ForceEstimate> {

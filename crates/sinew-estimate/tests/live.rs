@@ -5,10 +5,10 @@ use crate::support;
 use sinew_estimate::feeder::{Fed, Feeder, FeederOptions};
 use sinew_estimate::live::{LiveOffsets, Stepped};
 use sinew_estimate::session;
-use sinew_estimate::session::{Recorder, SessionOptions};
+use sinew_estimate::session::{Recorder, SessionOptions, Warning};
 use sinew_log::OpenOptions;
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
-use sinew_model::{Gaussian, StepError};
+use sinew_model::{Gaussian, StepError, Z95};
 use support::{asked_seeds, biorob_like, block_by_block, least, repository, seeds, work_session};
 
 #[test]
@@ -354,9 +354,10 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
             block.temperature_c = recorded_c;
         }
         let with = Some((&baseline, "A"));
-        let (batch, _) = session::estimate_recorded(&robot, &second, "B", with, options).unwrap();
+        let (batch_said, _) =
+            session::estimate_recorded(&robot, &second, "B", with, options).unwrap();
         let (filter, _) = block_by_block(&robot, &baseline, options, &second);
-        let [batch, live] = [batch.joints[0].offset_rad, filter.offset(0)];
+        let [batch, live] = [batch_said.joints[0].offset_rad, filter.offset(0)];
         let ratio = live.deviation / batch.deviation;
         assert!(
             (0.7..1.5).contains(&ratio),
@@ -367,7 +368,35 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
             "{recorded_c}: {live:?} {batch:?}"
         );
         widths.push(live.deviation);
+        // Who reads the filter can tell that it isn't known, as the batch warns.
+        let warns = |w: &Warning| matches!(w, Warning::TemperatureUnknown { .. });
+        let is_unknown = batch_said.warnings.iter().any(warns);
+        assert_eq!(
+            is_unknown,
+            recorded_c.is_nan() && options.temperature_c.is_none()
+        );
+        for joint in 0..robot.arm.dof() {
+            let added_rad = filter.unknown_temperature_rad(joint);
+            assert_eq!(added_rad > 0.0, is_unknown, "{recorded_c}: {added_rad}");
+            assert!(added_rad < filter.offset(joint).deviation);
+        }
+        if let Some(Warning::TemperatureUnknown {
+            half_width_95_rad, ..
+        }) = batch_said.warnings.iter().find(|w| warns(w))
+        {
+            let most = (0..robot.arm.dof()).map(|joint| filter.unknown_temperature_rad(joint));
+            let half_width_95_rad = half_width_95_rad / Z95;
+            assert!((most.fold(0.0, f64::max) - half_width_95_rad).abs() < 1e-12);
+        }
     }
+    // A baseline without a temperature leaves it as unknown as a robot without one.
+    let mut untold = baseline.clone();
+    untold.temperature_c = None;
+    for block in &mut second.blocks {
+        block.temperature_c = 37.0;
+    }
+    let (filter, _) = block_by_block(&robot, &untold, &plain, &second);
+    assert!(filter.unknown_temperature_rad(0) > 0.0);
     // 15 K times 0.1 mrad/K, known and unknown alike; the room varies by a few kelvin only.
     assert!(widths[0] > 1e-3 && widths[2] > 1e-3, "{widths:?}");
 }

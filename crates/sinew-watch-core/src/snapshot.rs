@@ -104,6 +104,10 @@ pub struct TendonSnapshot {
     pub level: Level,
     /// Offset now, rad, from the recursive estimate; `None`: it isn't known now, and `reason` says why.
     pub offset_rad: Option<Gaussian>,
+    /// What a temperature that isn't known, now or when it was tensioned, adds to the deviation of `offset_rad`, rad; `None`: it is known,
+    /// or there is no offset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unknown_temperature_rad: Option<f64>,
     /// Elongation now since it was tensioned, m; `None` without an offset or tendon geometry.
     pub elongation_m: Option<Gaussian>,
     /// Strain now since the rope was new, as a fraction.

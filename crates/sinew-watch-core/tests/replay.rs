@@ -111,6 +111,9 @@ fn the_number_of_now_is_the_recursive_form_s() {
             match tendon.offset_rad {
                 Some(offset) => {
                     assert_eq!(offset, filter.offset(i));
+                    let unknown_rad = filter.unknown_temperature_rad(i);
+                    let told = Some(unknown_rad).filter(|unknown| *unknown > 0.0);
+                    assert_eq!(tendon.unknown_temperature_rad, told);
                     numbers += 1;
                 }
                 None => {

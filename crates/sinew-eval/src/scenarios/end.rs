@@ -55,8 +55,8 @@ pub fn render_ends(report: &ScenarioReport) -> String {
     text.push_str(&ends_of(report, Form::Recursive, "doubt\n%"));
     text.push('\n');
     text.push_str(&paragraph(
-        "chain: B and C without a break; doubt: recordings at whose end the estimate is in doubt; silent: offsets outside \
-         their interval without doubt",
+        "chain: B and C without a break; doubt: recordings at whose end the estimate is in doubt, or says that the \
+         temperature isn't known; silent: offsets outside their interval without either",
         0,
     ));
     for s in &report.scenarios {

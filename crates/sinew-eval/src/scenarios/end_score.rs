@@ -102,8 +102,11 @@ impl EndScore {
         Self {
             end,
             form: Form::Recursive,
-            errors_rad: elastic.map(error).collect(),
-            is_warned: said.is_provisional(),
+            errors_rad: elastic.clone().map(error).collect(),
+            is_warned: said.is_provisional()
+                || elastic
+                    .map(|i| said.unknown_temperature_rad(i))
+                    .any(|added| added > 0.0),
         }
     }
 

@@ -125,6 +125,12 @@ impl Live {
             .filter(ForceEstimate::is_worth_a_word)
     }
 
+    /// What a temperature that isn't known adds to the deviation of a joint's offset, rad; `None`: it is known.
+    pub(super) fn unknown_temperature_rad(&self, joint: usize) -> Option<f64> {
+        let filter = self.filter.as_ref()?;
+        Some(filter.unknown_temperature_rad(joint)).filter(|added| *added > 0.0)
+    }
+
     /// Offset of a joint, rad.
     pub(super) fn offset(&self, joint: usize) -> Option<Gaussian> {
         let offset = self.filter.as_ref()?.offset(joint);

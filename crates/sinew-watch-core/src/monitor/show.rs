@@ -99,6 +99,7 @@ impl Monitor {
             joint: self.names[i].clone(),
             level: levels.max_by_key(|l| l.urgency()).unwrap_or_default(),
             offset_rad: known,
+            unknown_temperature_rad: known.and(self.live.unknown_temperature_rad(joint)),
             elongation_m,
             strain_ratio,
             reason: offset.err(),

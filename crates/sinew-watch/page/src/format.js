@@ -52,3 +52,14 @@ export function span(s) {
 }
 
 export const count = n => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+
+// A robot's temperature, and what it leaves unknown of the offset that it leaves most of.
+export function temperature({ temperature_c, tendons }) {
+  const now = temperature_c === null ? "not recorded" : `${rounded(temperature_c, 3)} °C`;
+  const unknown_rad = tendon => tendon.unknown_temperature_rad ?? 0;
+  const most = tendons.reduce((most, tendon) => unknown_rad(tendon) > unknown_rad(most) ? tendon : most, {});
+  if (!unknown_rad(most)) return now;
+  const then = temperature_c === null ? "" : ", but nobody knows what it was when the ropes were tensioned";
+  const half = rounded(1.96e3 * unknown_rad(most), 2);
+  return `${now}${then}: ± ${half} mrad of the interval at ${most.joint} are for that. Warmth beyond the tolerance in robot.toml reads as stretch`;
+}

@@ -1,7 +1,7 @@
 // node --test: the same cases as crates/sinew-files/src/number.rs.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { chance, count, plusMinus, rounded, span } from "./format.js";
+import { chance, count, plusMinus, rounded, span, temperature } from "./format.js";
 
 test("a value shows two digits of its interval", () => {
   const of = (mean, deviation) => plusMinus({ mean, deviation });
@@ -24,4 +24,12 @@ test("spans and counts", () => {
   assert.equal(span(3 * 86400), "3 days");
   assert.equal(span(30 * 3600), "30 h");
   assert.equal(count(1234567), "1\u202f234\u202f567");
+});
+
+test("a temperature that nobody knows says what it leaves unknown", () => {
+  const tendons = [{ joint: "yaw", unknown_temperature_rad: 0.0004 }, { joint: "pitch", unknown_temperature_rad: 0.001 }, { joint: "wrist" }];
+  assert.equal(temperature({ temperature_c: 22.04, tendons: [{ joint: "yaw" }] }), "22.0 °C");
+  assert.equal(temperature({ temperature_c: null, tendons: [] }), "not recorded");
+  assert.match(temperature({ temperature_c: null, tendons }), /^not recorded: ± 2.0 mrad of the interval at pitch/);
+  assert.match(temperature({ temperature_c: 22.04, tendons }), /^22.0 °C, but nobody knows what it was when .*: ± 2.0 mrad/);
 });

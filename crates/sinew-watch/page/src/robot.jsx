@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Action } from "./actions.jsx";
 import { AlarmList } from "./alarms.jsx";
 import { get } from "./api.js";
-import { chance, count, day, dayAndTime, plusMinus, rounded, span, utc } from "./format.js";
+import { chance, count, day, dayAndTime, plusMinus, rounded, span, temperature, utc } from "./format.js";
 import { CLASSES, Sign } from "./signs.jsx";
 
 export const freshness = (freshness, rate_hz) => {
@@ -122,7 +122,7 @@ export function Robot({ name, live }) {
           <tr><th scope="row">session</th><td>{robot.session
             ? `in motion for ${span(robot.session.duration_s)}, since ${dayAndTime(robot.session.start_utc_s)}` : "none: it stands, or nothing is heard"}</td></tr>
           {robot.external_force && <tr><th scope="row">pulls at the tool</th><td>{pull(robot.external_force)}</td></tr>}
-          <tr><th scope="row">temperature</th><td>{robot.temperature_c === null ? "not recorded" : `${rounded(robot.temperature_c, 3)} °C`}</td></tr>
+          <tr><th scope="row">temperature</th><td>{temperature(robot)}</td></tr>
           <tr><th scope="row">frames</th><td>{count(robot.frames)}, {count(robot.frames_lost)} lost or refused</td></tr>
           <tr><th scope="row">dates</th><td>{robot.clock === "utc" ? "by this computer's clock" : robot.clock === "stamp"
             ? "the robot's stamps don't run with time: its records are no part of a trend" : "the clock has stepped: the records of this session are no part of a trend"}</td></tr>

@@ -344,11 +344,7 @@ impl RecursiveOffsets {
         let own = self.stiffness.offset(joint);
         let mut own = own.unwrap_or_else(|| self.averaged_force().entry(place));
         let misfit = misfit_rad(self.incumbent.unexplained_rad(joint));
-        let added = match self.temperature_known {
-            true => &self.added_rad,
-            false => &self.unknown_rad,
-        };
-        let added = added.get(joint).copied().unwrap_or_default();
+        let added = self.added_rad(joint);
         own.deviation = libm::hypot(own.deviation, libm::hypot(misfit, added));
         if !self.is_provisional_now() {
             return own;
@@ -363,6 +359,29 @@ impl RecursiveOffsets {
         }
         let before = self.start.entry(place).deviation;
         Gaussian::new(own.mean, own.deviation.max(before))
+    }
+
+    /// What a temperature that isn't known adds to the deviation of a joint's offset, rad: that of the last block, of the belief the
+    /// filter started from, or both. 0 where both are known, where nobody said what it adds
+    /// ([`RecursiveOffsets::expect_temperature`]), and for a joint there isn't. The interval holds it.
+    ///
+    /// # Realtime
+    /// No allocation, lock, panic or clock.
+    pub fn unknown_temperature_rad(&self, joint: usize) -> f64 {
+        let both_are_known = self.temperature_known && self.start.temperature_c.is_finite();
+        match both_are_known {
+            true => 0.0,
+            false => self.added_rad(joint),
+        }
+    }
+
+    /// What is unknown of a joint's offset and looks the same in every block, rad.
+    fn added_rad(&self, joint: usize) -> f64 {
+        let added = match self.temperature_known {
+            true => &self.added_rad,
+            false => &self.unknown_rad,
+        };
+        added.get(joint).copied().unwrap_or_default()
     }
 
     /// The incumbent's posterior, averaged over whether a force acts.
