@@ -159,12 +159,7 @@ impl Curve {
             time_s: self.time_s[range.clone()].to_vec(),
             strain: self.strain[range.clone()].to_vec(),
             count: self.count[range].to_vec(),
-            ..Curve {
-                time_s: Vec::new(),
-                strain: Vec::new(),
-                count: Vec::new(),
-                ..self.clone()
-            }
+            ..self.clone()
         };
         (part(0..at), part(at..self.time_s.len()))
     }
@@ -264,5 +259,60 @@ impl Curve {
             from = to;
         }
         thin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn loaded() -> Curve {
+        Curve {
+            steps: vec![(-1.0, 1.0), (5.0, 0.5)],
+            temperature_c: Some(23.0),
+            ..Curve::constant_load("a", vec![1.0, 2.0, 4.0, 8.0], vec![0.1, 0.2, 0.3, 0.4])
+        }
+    }
+
+    #[test]
+    fn a_split_loses_no_reading_and_keeps_the_loads() {
+        let whole = Curve {
+            count: vec![1.0, 2.0, 3.0, 4.0],
+            ..loaded()
+        };
+        let (before, after) = whole.split(2.0);
+        assert_eq!(
+            (before.time_s, after.time_s),
+            (vec![1.0, 2.0], vec![4.0, 8.0])
+        );
+        assert_eq!(
+            (before.strain, after.strain),
+            (vec![0.1, 0.2], vec![0.3, 0.4])
+        );
+        assert_eq!(
+            (before.count, after.count),
+            (vec![1.0, 2.0], vec![3.0, 4.0])
+        );
+        for steps in [before.steps, after.steps] {
+            assert_eq!(steps, whole.steps);
+        }
+    }
+
+    #[test]
+    fn the_same_specimen_new_has_one_step_and_no_readings() {
+        let mut other = loaded();
+        other.windows.push(StepWindow {
+            step: 1,
+            from_s: 4.0,
+            to_s: 8.0,
+        });
+        let other = other.instead(0.7, Some(40.0));
+        assert!(other.time_s.is_empty() && other.strain.is_empty() && other.count.is_empty());
+        assert!(other.windows.is_empty());
+        assert_eq!(other.steps, [(-1.0, 0.7)]);
+        assert_eq!(
+            (other.temperature_c, other.name.as_str()),
+            (Some(40.0), "a")
+        );
     }
 }
