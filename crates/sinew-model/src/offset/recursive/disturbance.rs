@@ -80,7 +80,7 @@ impl RecursiveOffsets {
     /// The challenger will begin when there are enough blocks from after the disturbance.
     pub(super) fn await_segment(&mut self) {
         /// Blocks from after it.
-        const AFTER: usize = 50;
+        const AFTER: usize = 20;
         self.seen = self.ring.taken();
         self.stage = Stage::Waiting {
             until: self.ring.taken() + AFTER,

@@ -72,6 +72,8 @@ const FALL: f64 = 10.0;
 const INNOVATION_MAX: f64 = 5.0;
 /// Memory of the mean innovation, in blocks that carry new information.
 const INNOVATION_MEMORY: f64 = 40.0;
+/// The same while nothing goes in: what is asked is whether it agrees again.
+const HELD_MEMORY: f64 = 15.0;
 
 /// Whether information is worth changing.
 fn differs(now: f64, before: f64) -> bool {
@@ -386,7 +388,12 @@ impl Filter {
             if let (Side::Link, Some(mean)) = (e.side, self.mean_innovation.get_mut(e.joint)) {
                 let innovation =
                     (e.residual / libm::sqrt(spread)).clamp(-INNOVATION_MAX, INNOVATION_MAX);
-                *mean += share * model.inflation / INNOVATION_MEMORY * (innovation - *mean);
+                let memory = if self.is_held {
+                    HELD_MEMORY
+                } else {
+                    INNOVATION_MEMORY
+                };
+                *mean += share * model.inflation / memory * (innovation - *mean);
             }
         }
         let chi = chi / work.equations.list.len().max(1) as f64;

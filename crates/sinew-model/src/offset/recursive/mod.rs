@@ -70,11 +70,11 @@ use workspace::{Workspace, dimension};
 /// They are so again when the incumbent is inconsistent: the mean weight of its blocks stays below a
 /// quarter for some six seconds, or the mean normalised innovation of a joint's link equations exceeds
 /// two over 40 blocks that carry new information (each cut at five, so that a contact of a few seconds
-/// isn't enough). A filter that takes in what it can't explain moves stiffness and rates instead: five deviations
-/// within some ten to twenty seconds count as well.
+/// isn't enough; over 15 while nothing goes in, so that it agrees soon after one). A filter that takes in what it
+/// can't explain moves stiffness and rates instead: five deviations within some ten to twenty seconds count as well.
 ///
 /// **Disturbance.** What went in of late may be wrong then. So the incumbent goes back to what it knew ten to twenty seconds ago, and
-/// only weighs blocks, none of which goes in. If they agree again, it was a contact. If not within ten seconds, the challenger
+/// only weighs blocks, none of which goes in. If they agree again, it was a contact. If not within four seconds, the challenger
 /// goes on from there over the blocks since the disturbance was seen, with offsets opened by 10 mrad, known stiffness by a tenth, and the
 /// payload by as much as it was unknown before the first block. What else was learned stays. Every third attempt begins from the prior
 /// instead, over the last 75 blocks. The challenger replaces the incumbent once it is consistent, has moved neither stiffness nor
