@@ -37,7 +37,7 @@ def test_live_offsets_follow_a_session(work: Path, learned: sn.Learned) -> None:
         assert (mean, deviation) == (means[i], deviations[i])
         wanted = batch.joint(joint).offset_rad
         assert abs(mean - wanted.mean) < 2.0 * max(1.96 * deviation, wanted.half_width_95), joint
-    # The recording holds no temperature, or the joints' drift is what robot.toml leaves unknown.
+    # Unknown where the recording holds no temperature, and nowhere else.
     unknown_rad = live.unknown_temperature_rad
     assert unknown_rad.shape == (len(robot.joints),) and (unknown_rad <= deviations).all()
     assert (unknown_rad > 0.0).any() == ("temperature_c" not in arrays)
