@@ -189,13 +189,11 @@ fn a_slip_is_doubted_and_then_followed() {
         let none = truth.len();
         let offset = filter.offset(none);
         assert!(offset.mean.is_nan() && offset.deviation.is_nan());
-        // A slip that its interval has room for goes in without a word.
         for (seen_s, (i, _, size)) in seen_s.into_iter().zip(SLIPS) {
-            let half_width = 1e3 * filter.offset(i).half_width_95();
-            assert!(
-                seen_s < SEEN_S || half_width > size,
-                "{seen_s} {half_width}"
-            );
+            // Of many recordings there are some whose interval has room for a slip: it goes in without a word.
+            let has_room = 1e3 * filter.offset(i).half_width_95() > size;
+            let may_pass = asked_seeds().is_some() && has_room;
+            assert!(seen_s < SEEN_S || may_pass, "joint {i}: {seen_s}");
         }
     }
     println!("{all:?} inside, {ends:?} in the end, {doubts} then in doubt");
