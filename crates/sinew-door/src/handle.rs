@@ -90,6 +90,7 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
+    /// Before they are handed on: whoever has a message finds it counted.
     pub(crate) fn count(&self, messages: u64) {
         self.messages.fetch_add(messages, Ordering::Relaxed);
     }

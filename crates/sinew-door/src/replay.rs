@@ -257,8 +257,8 @@ impl Player {
             let since_s = since_ns as f64 * 1e-9;
             alter.alter(recorded.topic, recorded.schema, since_s, &mut self.scratch);
         }
-        targets.message(self.clock.now(), source_ns, &[&self.scratch]);
         shared.count(1);
+        targets.message(self.clock.now(), source_ns, &[&self.scratch]);
         true
     }
 }

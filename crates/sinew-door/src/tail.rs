@@ -309,8 +309,8 @@ impl Tail {
             }
             std::thread::sleep(Duration::from_micros(200));
         }
-        targets.message(self.clock.now(), recorded.logged_ns, &[recorded.cdr]);
         shared.count(1);
+        targets.message(self.clock.now(), recorded.logged_ns, &[recorded.cdr]);
         !shared.stops()
     }
 

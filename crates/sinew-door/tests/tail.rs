@@ -78,6 +78,11 @@ fn a_recorder_that_is_at_work_is_followed_and_the_past_left_out() {
             bag.state(step);
             if step % 10 == 9 {
                 bag.writer.flush().unwrap();
+                came.until(&inbox, robot, |came| {
+                    // What is here was counted before.
+                    assert!(door.status().messages >= came.stamps.len() as u64);
+                    came.stamps.last() == stamps(step..step + 1).last()
+                });
             }
         }
         bag.writer.finish().unwrap();
