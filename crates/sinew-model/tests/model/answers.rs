@@ -1,5 +1,5 @@
 //! Numbers as they were when somebody last looked, each held to a millionth of its own deviation, so that no change of the code
-//! goes unnoticed. Where a change is meant, `SINEW_WRITE=1 cargo test -p sinew-model known` writes them anew; `git diff` says
+//! goes unnoticed. Where a change is meant, `SINEW_WRITE=1 cargo test -p PACKAGE known` writes them anew; `git diff` says
 //! which moved, and by how much.
 
 use sinew_model::Gaussian;
