@@ -1,7 +1,6 @@
 //! All tests of sinew-creep in one binary: one link, one start.
 
 #[path = "../../sinew-model/tests/model/answers.rs"]
-#[expect(dead_code, reason = "other packages hold other kinds of numbers")]
 mod answers;
 mod creep_forecast;
 mod fits;

@@ -3,12 +3,15 @@
 mod absolute;
 mod absolute_events;
 mod anchor;
+#[path = "../../sinew-model/tests/model/answers.rs"]
+mod answers;
 mod bad_input;
 mod baseline_merge;
 mod external_force;
 mod feeder;
 mod given;
 mod honest;
+mod known;
 mod live;
 mod motor_current;
 mod offset_map;

@@ -1,0 +1,237 @@
+//! What is said of recordings, robots and sessions, whole reports, number by number.
+
+#[path = "../../sinew-creep/tests/known/flat.rs"]
+mod flat;
+
+use crate::answers::Answers;
+use crate::support::{
+    biorob_like, biorob_like_folder, block_by_block, repository, session_record, utc, work_session,
+};
+use flat::document;
+use sinew_estimate::baseline::{MergeOptions, merge};
+use sinew_estimate::feeder::Injection;
+use sinew_estimate::init::Init;
+use sinew_estimate::robot_check::RobotCheck;
+use sinew_estimate::robot_dir;
+use sinew_estimate::session::{self, Payload, SessionOptions, Window};
+use sinew_estimate::strand_duty::{self, Strand};
+use sinew_estimate::trend::survival::{EventColumns, LifePrior, analyze_lives, read_lives};
+use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions, sort};
+use sinew_estimate::{Method, Plan, Request, estimate};
+use sinew_log::OpenOptions;
+use sinew_model::Gaussian;
+use sinew_model::offset::{Comparison, TorqueSource};
+use sinew_rope::Catalogue;
+use std::path::PathBuf;
+
+fn stretched_arm() -> PathBuf {
+    repository().join("examples/01-stretched-arm/stretched-arm.mcap")
+}
+
+fn request() -> Request {
+    let mut request = Request::new(stretched_arm());
+    request.robot = Some(biorob_like_folder());
+    request
+}
+
+/// One recording by the paper's method and by the absolute one, in several ways.
+#[test]
+fn what_a_recording_says_is_what_it_said() {
+    let mut answers = Answers::default();
+    let absolute = Plan {
+        method: Method::Absolute,
+        window: Window::default(),
+        baseline: None,
+        options: SessionOptions::default(),
+        live: true,
+    };
+    let said = estimate(&request(), &absolute, &mut |_| {}).unwrap().0;
+    document(&mut answers, "absolute", &said);
+
+    let paper = Plan {
+        method: Method::Paper,
+        live: false,
+        ..absolute
+    };
+    let mut injected = request();
+    injected.reference = Some(stretched_arm());
+    injected.injections = vec![Injection {
+        joint: "shoulder_yaw".into(),
+        offset_rad: 0.01,
+        from_s: Some(15.0),
+    }];
+    let mut motor = request();
+    motor.source = TorqueSource::Motor;
+    motor.comparison = Comparison::Paper;
+    motor.gain_per_s = Some(25.0);
+    for (about, asked) in [("injected", injected), ("motor", motor)] {
+        let said = estimate(&asked, &paper, &mut |_| {}).unwrap().0;
+        document(&mut answers, about, &said);
+    }
+
+    let window = |from_s, to_s| Window { from_s, to_s };
+    let learning = session::Learning {
+        temperature_c: Some(Gaussian::new(22.0, 0.5)),
+        ..session::Learning::default()
+    };
+    let (baseline, mut learned) =
+        session::learn(&request(), window(0.0, 20.0), &learning, &mut |_| {}).unwrap();
+    learned.nuisance.clear();
+    document(&mut answers, "learned", &learned);
+    document(&mut answers, "baseline", &baseline);
+    let options = SessionOptions {
+        payload: Payload::Unknown,
+        temperature_c: Some(Gaussian::new(25.0, 0.5)),
+        external_force_n: Some([Gaussian::new(0.0, 2.0); 3]),
+        ..SessionOptions::default()
+    };
+    let later = Plan {
+        window: window(20.0, 40.0),
+        baseline: Some((&baseline, "first.baseline")),
+        options,
+        live: false,
+        ..absolute
+    };
+    let (mut said, next) = estimate(&request(), &later, &mut |_| {}).unwrap();
+    said.session.as_mut().unwrap().nuisance.clear();
+    document(&mut answers, "later", &said.session);
+    document(&mut answers, "next", &next);
+    answers.hold("known_recording.csv");
+}
+
+/// Three sessions of a simulated arm, one after the other, and what two of them learn together.
+#[test]
+fn what_sessions_say_is_what_they_said() {
+    let mut answers = Answers::default();
+    let robot = biorob_like();
+    let (recorded, _) = work_session(&robot, 5, |text| text, &[60.0, 120.0]);
+    let learning = session::Learning::default();
+    let (first, _) = session::learn_recorded(&robot, &recorded[0], "A", &learning).unwrap();
+    let options = SessionOptions {
+        payload: Payload::Unknown,
+        ..SessionOptions::default()
+    };
+    let mut before = first.clone();
+    for (name, part) in [("B", &recorded[1]), ("C", &recorded[2])] {
+        let with = Some((&before, "before"));
+        let (mut said, next) =
+            session::estimate_recorded(&robot, part, name, with, &options).unwrap();
+        if name == "B" {
+            said.nuisance.clear();
+        }
+        document(&mut answers, name, &said);
+        before = next;
+        let (filter, weights) = block_by_block(&robot, &first, &options, part);
+        answers.about(&format!("{name} block by block"));
+        answers.number("weights", weights);
+        for joint in 0..4 {
+            answers.gaussian(&format!("{joint}"), filter.offset(joint));
+        }
+    }
+    document(&mut answers, "saved", &before);
+    let (again, _) = session::learn_recorded(&robot, &recorded[1], "B", &learning).unwrap();
+    for fleet in [false, true] {
+        let merging = MergeOptions {
+            fleet,
+            scatter: 0.01,
+        };
+        let both = [(&first, "A"), (&again, "B")];
+        let (merged, mut summary) = merge(&robot, &both, None, &merging).unwrap();
+        document(&mut answers, &format!("merged {fleet}"), &merged);
+        if fleet {
+            summary.nuisance.clear();
+        }
+        document(&mut answers, &format!("merge {fleet}"), &summary);
+    }
+    answers.hold("known_sessions.csv");
+}
+
+#[test]
+fn what_months_say_is_what_they_said() {
+    let mut answers = Answers::default();
+    let (robot, catalogue) = (biorob_like(), Catalogue::shipped().unwrap());
+    let examples = repository().join("examples");
+    let events = examples.join("12-survival/events.csv");
+    let columns = EventColumns {
+        group: Some("robot_type".into()),
+        ..EventColumns::default()
+    };
+    let lives = read_lives(&events, &columns).unwrap();
+    document(&mut answers, "lives", &analyze_lives(&lives, "events"));
+    let asked = |robot, life| TrendRequest {
+        robot,
+        catalogue: &catalogue,
+        stated: vec![Stated {
+            joint: None,
+            time_utc_s: utc("2026-03-02"),
+            replaced: false,
+        }],
+        duty: None,
+        life,
+        horizon_days: 400.0,
+        seed: 1,
+    };
+    let files = [examples.join("10-trend/sessions.csv")];
+    let sorted = read_sessions(&files, Some(&robot), None).unwrap();
+    let said = analyze(sorted, &asked(Some(&robot), None)).unwrap();
+    document(&mut answers, "months", &said);
+    // A robot that nobody describes, days that are warmer, a jump, and a rope's life.
+    let records = (1..60).map(|day| {
+        let t = f64::from(day);
+        let jump = if day > 40 { 9.0 } else { 0.0 };
+        let mut record =
+            session_record(2.0 + t, 2.0 * (1.0 + t).ln() + 0.3 * (7.0 * t).sin() + jump);
+        record.temperature_c = Some(21.0 + 4.0 * (t / 9.0).sin());
+        record.duration_s = Some(60.0 + t);
+        record
+    });
+    let life = LifePrior::new(&lives, "events", 0.1, 3).unwrap();
+    let sorted = sort(records.collect(), None).unwrap();
+    let said = analyze(sorted, &asked(None, Some(life))).unwrap();
+    document(&mut answers, "days", &said);
+    answers.hold("known_months.csv");
+}
+
+#[test]
+fn what_is_said_of_robots_is_what_it_was() {
+    let mut answers = Answers::default();
+    let ropes = Catalogue::shipped().unwrap();
+    for place in [
+        "robots/biorob-like",
+        "robots/finger",
+        "robots/exosuit",
+        "examples/05-your-own-robot",
+    ] {
+        let (loaded, gaps) = robot_dir::draft(&repository().join(place), None).unwrap();
+        let check = RobotCheck::of(&loaded, &gaps, &ropes).unwrap();
+        document(&mut answers, place, &check);
+    }
+    // What a first robot.toml is made from.
+    let urdf = std::fs::read_to_string(biorob_like_folder().join("biorob-like.urdf")).unwrap();
+    let urdf = Some(("biorob-like.urdf", urdf.as_str()));
+    let mut recording = sinew_log::open(&stretched_arm(), &OpenOptions::default()).unwrap();
+    let init = Init::of("both", urdf, Some(&mut recording)).unwrap();
+    document(&mut answers, "init", &init);
+    document(
+        &mut answers,
+        "init of a URDF",
+        &Init::of("it", urdf, None).unwrap(),
+    );
+    // And what a recording says of a rope's duty.
+    let robot = biorob_like();
+    let tendon = robot.transmissions[2]
+        .as_ref()
+        .unwrap()
+        .tendon
+        .as_ref()
+        .unwrap();
+    for strand in [Strand::Positive, Strand::Negative] {
+        let duty = strand_duty::recorded(&request(), "elbow", tendon, 24.0, strand, &mut |_| {});
+        answers.about(&format!("duty {strand:?}"));
+        for (k, stretch) in duty.unwrap().stretches.iter().enumerate() {
+            answers.number(&format!("{k} lasts"), stretch.duration_s);
+            answers.number(&format!("{k} at"), stretch.from.tension_n);
+        }
+    }
+    answers.hold("known_robots.csv");
+}
