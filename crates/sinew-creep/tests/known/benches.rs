@@ -80,9 +80,38 @@ impl Bench {
     }
 }
 
-/// Four tests, and one that ends at once.
+/// Six tests, and three that are of no use.
 pub(crate) fn specimens() -> Vec<Specimen> {
     let mut all: Vec<Specimen> = BENCHES.iter().map(specimen).collect();
+    let mut without_force = Specimen::default();
+    without_force.name = "without force".into();
+    without_force.attributes.clone_from(&all[1].attributes);
+    without_force.lines.clone_from(&all[1].lines);
+    for quantity in [Q::Time, Q::Strain, Q::Temperature] {
+        let column = all[1].column(quantity).unwrap().to_vec();
+        without_force.set_column(quantity, column);
+    }
+    all.push(without_force);
+    let mut under_load = all[3].clone();
+    for quantity in [Q::Time, Q::Force, Q::Strain] {
+        let column = under_load.column(quantity).unwrap()[40..].to_vec();
+        under_load.set_column(quantity, column);
+    }
+    under_load.name = "under load".into();
+    all.push(under_load);
+    let mut swapped = all[3].clone();
+    let force = all[3].column(Q::Force).unwrap();
+    let force = force.iter().map(|n| 1e-3 * n).collect();
+    swapped.set_column(Q::Force, all[3].column(Q::Strain).unwrap().to_vec());
+    swapped.set_column(Q::Strain, force);
+    swapped.name = "swapped".into();
+    all.push(swapped);
+    let mut millimetres = all[3].clone();
+    let strain = millimetres.column(Q::Strain).unwrap();
+    let strain = strain.iter().map(|e| 350.0 * e).collect();
+    millimetres.set_column(Q::Strain, strain);
+    millimetres.name = "millimetres".into();
+    all.push(millimetres);
     let mut short = Specimen::default();
     short.name = "short".into();
     short.attributes = vec![("colour".into(), "blue".into())];
