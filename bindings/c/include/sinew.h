@@ -35,6 +35,8 @@ typedef enum {
     SINEW_STATUS_SHORT = 8,
     // The offsets are in doubt and can't be saved.
     SINEW_STATUS_IN_DOUBT = 9,
+    // It must be said before the first sample, and samples have come. Nothing has changed.
+    SINEW_STATUS_LATE = 11,
     // Sinew has a fault of its own. The handle must only be freed.
     SINEW_STATUS_PANIC = 10,
 } sinew_status;
@@ -286,7 +288,7 @@ sinew_status sinew_offsets_external_force(const sinew_offsets *offsets,
                                           double *deviation_n);
 
 // How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
-// this says otherwise, before the first sample; what comes later is left out.
+// this says otherwise, before the first sample.
 //
 // Realtime: no.
 //

@@ -373,7 +373,7 @@ pub unsafe extern "C" fn sinew_offsets_external_force(
 }
 
 /// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute unless
-/// this says otherwise, before the first sample; what comes later is left out.
+/// this says otherwise, before the first sample.
 ///
 /// Realtime: no.
 ///

@@ -29,6 +29,8 @@ pub enum Status {
     Short = 8,
     /// The offsets are in doubt and can't be saved.
     InDoubt = 9,
+    /// It must be said before the first sample, and samples have come. Nothing has changed.
+    Late = 11,
     /// Sinew has a fault of its own. The handle must only be freed.
     Panic = 10,
 }
@@ -61,7 +63,7 @@ pub extern "C" fn sinew_status_text(status: c_int) -> *const c_char {
 }
 
 impl Status {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Ok,
         Self::Null,
         Self::Length,
@@ -72,6 +74,7 @@ impl Status {
         Self::Encoding,
         Self::Short,
         Self::InDoubt,
+        Self::Late,
         Self::Panic,
     ];
 
@@ -90,6 +93,7 @@ impl Status {
             Self::Encoding => c"a text is not UTF-8",
             Self::Short => c"the buffer is too short",
             Self::InDoubt => c"the offsets are in doubt and can't be saved",
+            Self::Late => c"it must be said before the first sample",
             Self::Panic => c"Sinew has a fault of its own; the handle can only be freed",
         }
     }
@@ -100,6 +104,7 @@ impl From<sinew_model::StepError> for Status {
         match error {
             sinew_model::StepError::Length => Self::Length,
             sinew_model::StepError::TimeStep => Self::TimeStep,
+            sinew_model::StepError::Started => Self::Late,
             _ => Self::NotFinite,
         }
     }

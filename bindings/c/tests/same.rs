@@ -105,6 +105,9 @@ fn offsets_and_what_is_saved_are_those_of_the_libraries() {
         assert_eq!(became, as_c, "frame {i}");
     }
     assert!(updates > 100, "{updates}");
+    // SAFETY: a handle.
+    let late = unsafe { sinew_offsets_expect_creep(offsets, 1e-5) };
+    assert_eq!(late, Status::Late);
     for joint in 0..N {
         let (mut mean, mut deviation, mut in_doubt, mut changed) = (0.0, 0.0, false, 0.0);
         // SAFETY: handles and places.

@@ -81,7 +81,7 @@ fn what_is_saved_goes_on_in_the_next_session() {
 
         // The batch finds that nothing creeps; this one is told.
         let mut filter = session::live(&robot, (&baseline, "A"), &options).unwrap();
-        filter.expect_creep(0.0);
+        filter.expect_creep(0.0).unwrap();
         for block in &parts[1].blocks {
             filter.step(block).unwrap();
         }

@@ -34,7 +34,7 @@ fn the_recursive_form_says_what_the_batch_says() {
                 session::estimate_recorded(&plan.robot, &b, "B", with, &options).unwrap();
             let mut filter = session::live(&plan.robot, (&baseline, "A"), &options).unwrap();
             // The batch finds that nothing creeps; this one is told.
-            filter.expect_creep(0.0);
+            filter.expect_creep(0.0).unwrap();
             let first_s = b.blocks[0].time_s;
             for block in &b.blocks {
                 filter.step(block).unwrap();

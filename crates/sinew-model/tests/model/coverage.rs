@@ -67,7 +67,7 @@ impl Known {
         let filter = RecursiveOffsets::new(self.estimator.clone(), start);
         let mut filter = filter.expect("a filter");
         if !creeps {
-            filter.expect_creep(0.0);
+            filter.expect_creep(0.0).unwrap();
         }
         for block in blocks {
             filter.step(block).expect("taken");

@@ -55,7 +55,7 @@ fn the_more_is_lost_the_likelier_and_both_forms_agree() {
         } = map.offset(estimator.prior(), 0);
         let since = map.stiffness_changes[0].unwrap();
         let mut filter = RecursiveOffsets::new(estimator.clone(), belief.clone()).unwrap();
-        filter.expect_creep(0.0);
+        filter.expect_creep(0.0).unwrap();
         for block in &blocks {
             filter.step(block).unwrap();
         }
@@ -136,7 +136,7 @@ fn a_share_that_is_lost_is_found_alike_whatever_the_stiffness_was() {
                 .unwrap();
             let since = map.stiffness_changes[0].unwrap();
             let mut filter = RecursiveOffsets::new(estimator.clone(), belief.clone()).unwrap();
-            filter.expect_creep(0.0);
+            filter.expect_creep(0.0).unwrap();
             for block in &blocks {
                 filter.step(block).unwrap();
             }

@@ -1,7 +1,6 @@
 //! The state of the absolute estimate: a pendulum whose every number is known in closed form.
 
 use crate::pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
-use sinew_model::Gaussian;
 use sinew_model::offset::{
     Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,
     Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD, Termination,
@@ -9,6 +8,7 @@ use sinew_model::offset::{
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Friction;
+use sinew_model::{Gaussian, StepError};
 
 const JOINT_PARAMETERS: usize = JointParameter::Zero as usize + 1;
 
@@ -201,7 +201,7 @@ fn noise_is_that_of_the_blocks_that_count() {
         }
         let map = estimator.solve(&start, &[], Payload::Empty, &blocks);
         let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
-        filter.expect_creep(0.0);
+        filter.expect_creep(0.0).unwrap();
         for block in &blocks {
             filter.step(block).unwrap();
         }
@@ -439,7 +439,10 @@ fn a_bad_block_changes_nothing() {
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let good = blocks(&robot.arm, PLAIN);
     let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
-    filter.expect_creep(0.0);
+    for wrong in [-1e-6, f64::NAN, f64::INFINITY] {
+        assert_eq!(filter.expect_creep(wrong), Err(StepError::NotFinite));
+    }
+    filter.expect_creep(0.0).unwrap();
     for block in &good[..50] {
         filter.step(block).unwrap();
     }
@@ -456,6 +459,7 @@ fn a_bad_block_changes_nothing() {
     let mut short = good[50].clone();
     short.phi.pop();
     assert!(filter.step(&short).is_err());
+    assert_eq!(filter.expect_creep(1e-5), Err(StepError::Started));
     let after = filter.belief().unwrap();
     assert!(after.mean == before.mean && after.covariance == before.covariance);
     assert_eq!(
@@ -472,7 +476,7 @@ fn moved_by_push(calm: &[Block], pushed: core::ops::Range<usize>, pushed_rad: f6
     let start = estimator.prior().belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
     let offset = |pushed_rad: f64| {
         let mut filter = RecursiveOffsets::new(estimator.clone(), start.clone()).unwrap();
-        filter.expect_creep(0.0);
+        filter.expect_creep(0.0).unwrap();
         for (k, block) in calm.iter().enumerate() {
             let mut block = block.clone();
             if pushed.contains(&k) {

@@ -308,7 +308,7 @@ mod tests {
     fn filter(model: &EstimationModel) -> RecursiveOffsets {
         let belief = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
         let mut filter = RecursiveOffsets::of(model.clone(), belief).unwrap();
-        filter.expect_creep(0.0);
+        filter.expect_creep(0.0).unwrap();
         filter
     }
 

@@ -263,11 +263,16 @@ impl RecursiveOffsets {
     }
 
     /// How fast offsets may move, rad/s, a standard deviation: 0 of ropes that don't creep, such as steel. It is 1 mrad a minute
-    /// unless this says otherwise, before the first block; what is no deviation is left out, and so is what comes later.
-    pub fn expect_creep(&mut self, deviation_rad_per_s: f64) {
-        let known = deviation_rad_per_s >= 0.0 && deviation_rad_per_s.is_finite();
-        if !known || self.ring.taken() > 0 {
-            return;
+    /// unless this says otherwise, before the first block.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] where it is no deviation, [`StepError::Started`] after a block came; nothing has changed.
+    pub fn expect_creep(&mut self, deviation_rad_per_s: f64) -> Result<(), StepError> {
+        if !(deviation_rad_per_s >= 0.0 && deviation_rad_per_s.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        if self.ring.taken() > 0 {
+            return Err(StepError::Started);
         }
         let first = dimension(&self.model, 0);
         let filters = [&mut self.incumbent, &mut self.challenger];
@@ -280,6 +285,7 @@ impl RecursiveOffsets {
                 }
             }
         }
+        Ok(())
     }
 
     /// Adds to the deviation of every joint's offset, rad, what looks the same in every block
