@@ -6,6 +6,7 @@ use sinew_estimate::feeder::{Fed, Feeder, FeederOptions};
 use sinew_estimate::live::{LiveOffsets, Stepped};
 use sinew_estimate::session;
 use sinew_estimate::session::{Recorder, SessionOptions, Warning};
+use sinew_eval::scenarios::{End, EndScore, Form, Sessions, plan_named, record};
 use sinew_log::OpenOptions;
 use sinew_model::offset::{FeatureConfig, FeatureObserver};
 use sinew_model::{Gaussian, StepError, Z95};
@@ -189,17 +190,29 @@ fn a_slip_is_doubted_and_then_followed() {
         let none = truth.len();
         let offset = filter.offset(none);
         assert!(offset.mean.is_nan() && offset.deviation.is_nan());
-        for (seen_s, (i, _, size)) in seen_s.into_iter().zip(SLIPS) {
-            // Of many recordings there are some whose interval has room for a slip: it goes in without a word.
-            let has_room = 1e3 * filter.offset(i).half_width_95() > size;
-            let may_pass = asked_seeds().is_some() && has_room;
-            assert!(seen_s < SEEN_S || may_pass, "joint {i}: {seen_s}");
-        }
+        assert!(seen_s.iter().all(|s| *s < SEEN_S), "{seen_s:?}");
     }
     println!("{all:?} inside, {ends:?} in the end, {doubts} then in doubt");
     assert!(10 * all[0] > 9 * all[1], "{all:?}");
     assert!(6 * ends[0] >= 5 * ends[1], "{ends:?}");
     assert!(3 * doubts <= seeds(3), "{doubts}");
+}
+
+/// In four poses a second slip, ten seconds after the first, looks like lost stiffness: taken for that, the elbow was 42 to 46 mrad off without
+/// doubt.
+#[test]
+fn a_second_slip_in_four_poses_is_not_taken_for_lost_stiffness() {
+    let plan = plan_named("S9").unwrap();
+    for seed in [5008, 5045] {
+        let recording = record(&plan, seed, Sessions::Chain).unwrap();
+        let at_end = |end: &&EndScore| (end.form, end.end) == (Form::Recursive, End::Chain);
+        let end = recording.ends.iter().find(at_end).unwrap();
+        for (i, error) in end.errors_rad.iter().enumerate() {
+            let off = error.mean.abs() / error.deviation;
+            println!("{seed}, {i}: {off:.1} deviations, {}", end.is_warned);
+            assert!(off < 3.0 || end.is_warned, "{seed}, {i}: {error:?}");
+        }
+    }
 }
 
 /// With the work of a call bounded the offsets are those of a loop that does it at once, a block later; nothing is left out, and
@@ -254,7 +267,7 @@ fn bounded_work_says_the_same_a_block_later() {
             before = told(&whole);
         }
         updates[1] += step(&mut bounded);
-        if now == 1 && updates[0] % 50 == 0 {
+        if now == 1 && updates[0] % 10 == 0 {
             let texts = [&whole, &bounded].map(|live| live.save("run", last_ns));
             let [one, other] = texts.map(|saved| saved.map(|next| next.to_text()).ok());
             assert_eq!(one, other);

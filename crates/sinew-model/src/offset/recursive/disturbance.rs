@@ -14,22 +14,47 @@ const JUMP_RAD: f64 = 10e-3;
 const FROM_THE_START: usize = 3;
 /// What doesn't jump can't move further from what was known, standard deviations.
 const FAR: f64 = 5.0;
+/// For so many blocks after something was settled what goes in is held against its mean, a minute. With contacts about, it is off by as much
+/// now and then: so not for ever.
+const WATCHED: usize = 300;
 
 impl RecursiveOffsets {
     /// Whether the incumbent no longer agrees with the blocks, or only because it has moved what doesn't jump.
     pub(super) fn is_disturbed(&self) -> bool {
         let before = (self.checkpoints.older().belief(), 0.0);
-        self.incumbent.is_inconsistent() || self.contradicts(&self.incumbent, before)
+        self.incumbent.is_inconsistent()
+            || (self.is_watched() && self.incumbent.is_biased())
+            || self.contradicts(&self.incumbent, before)
+    }
+
+    /// Whether the incumbent agrees with most blocks of late.
+    pub(super) fn agrees(&self) -> bool {
+        self.incumbent.is_consistent() && (!self.is_watched() || self.incumbent.is_unbiased())
+    }
+
+    /// Whether something was settled within the last minute: offsets, stiffness and payload are open since then, and what comes next
+    /// would go in as any of these.
+    fn is_watched(&self) -> bool {
+        self.ring.taken() < self.watched
+    }
+
+    /// What is known now explains what disturbed what was known before.
+    pub(super) fn settle(&mut self) {
+        self.watched = self.ring.taken() + WATCHED;
     }
 
     /// Whether the challenger doesn't agree with its blocks, or only because it has moved what doesn't jump.
     pub(super) fn challenger_fails(&self) -> bool {
-        self.challenger.is_inconsistent() || self.contradicts(&self.challenger, self.basis())
+        self.challenger.is_inconsistent()
+            || self.challenger.is_biased()
+            || self.contradicts(&self.challenger, self.basis())
     }
 
     /// Whether the challenger agrees with its blocks, and has moved nothing that doesn't jump.
     pub(super) fn challenger_fits(&self) -> bool {
-        self.challenger.is_consistent() && !self.contradicts(&self.challenger, self.basis())
+        self.challenger.is_consistent()
+            && self.challenger.is_unbiased()
+            && !self.contradicts(&self.challenger, self.basis())
     }
 
     /// Whether stiffness or how fast ropes creep has moved further from what was known `before` than it can have: a filter that takes in
@@ -66,7 +91,7 @@ impl RecursiveOffsets {
 
     /// Whether what is known is to be kept after this block.
     pub(super) fn is_to_be_kept(&self) -> bool {
-        self.opened && Checkpoints::is_due(self.ring.taken()) && self.incumbent.is_consistent()
+        self.opened && Checkpoints::is_due(self.ring.taken()) && self.agrees()
     }
 
     /// Whatever was amiss is settled.

@@ -79,7 +79,9 @@ use workspace::{Workspace, dimension};
 /// payload by as much as it was unknown before the first block. What else was learned stays. Every third attempt begins from the prior
 /// instead, over the last 75 blocks. The challenger replaces the incumbent once it is consistent, has moved neither stiffness nor
 /// rates by five deviations, and explains its blocks better by 60, half chi-square, or at all after 45 s: a rope has slipped, a strand
-/// failed, a load changed. The offsets are provisional no longer once the blocks agree again.
+/// failed, a load changed. The offsets are provisional no longer once the blocks agree again. For a minute after that, and in the challenger,
+/// a joint's mean normalised innovation by the blocks' weights, in which contacts hardly count, must stay below 0.8, too: a second slip
+/// would go in as stiffness, which is open.
 ///
 /// **Lost stiffness.** Strands may have failed since the prior was learned: the filter starts with every
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
@@ -130,6 +132,8 @@ pub struct RecursiveOffsets {
     attempts: usize,
     /// Blocks taken when it was seen.
     seen: usize,
+    /// Blocks until which what goes in is held against its mean.
+    watched: usize,
     stage: Stage,
     work: Workspace,
     ring: BlockRing,
@@ -223,6 +227,7 @@ impl RecursiveOffsets {
             checkpoints: Checkpoints::new(&filter),
             attempts: 0,
             seen: 0,
+            watched: 0,
             incumbent: filter,
             stage: Stage::Idle,
             start,

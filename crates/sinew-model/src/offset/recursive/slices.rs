@@ -241,9 +241,7 @@ impl RecursiveOffsets {
                 }
             }
             // What disturbed it is over.
-            Stage::Waiting { .. } | Stage::Replaying { .. }
-                if self.opened && self.incumbent.is_consistent() =>
-            {
+            Stage::Waiting { .. } | Stage::Replaying { .. } if self.opened && self.agrees() => {
                 self.rest();
             }
             Stage::Waiting { until } => {
@@ -386,9 +384,12 @@ impl RecursiveOffsets {
         let better = (opening || fits) && challenger + margin < incumbent;
         if better {
             core::mem::swap(&mut self.challenger, &mut self.incumbent);
+            if !opening {
+                self.settle();
+            }
         }
         self.opened |= opening;
-        if better || opening || self.incumbent.is_consistent() {
+        if better || opening || self.agrees() {
             self.rest();
         }
         better || opening
