@@ -523,7 +523,8 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
                     error["mean"] = 0.001.into();
                     error["deviation"] = 0.01.into();
                 }
-                // 30 mrad off, where the interval is ± 2.
+                // Two and a half deviations, and 30 mrad off, where the interval is ± 2.
+                chain["errors_rad"][1]["mean"] = 0.025.into();
                 chain["errors_rad"][2]["mean"] = 0.03.into();
                 chain["errors_rad"][2]["deviation"] = 0.001.into();
             }
@@ -537,13 +538,14 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
     };
     let unsaid = planted(false);
     let chain = &unsaid.scenarios[0].ends[1];
-    assert_eq!((chain.coverage_share, chain.silent_share), (0.75, 0.25));
+    assert_eq!((chain.coverage_share, chain.silent_share), (0.5, 0.5));
+    assert_eq!(chain.far_share, 0.25);
     assert_eq!(chain.warned_share, 0.0);
-    assert!((1e3 * chain.rmse_rad - 15.024).abs() < 1e-3, "{chain:?}");
+    assert!((1e3 * chain.rmse_rad - 19.538).abs() < 1e-3, "{chain:?}");
     assert!((1e3 * chain.half_width_95_rad - Z95 * 7.75).abs() < 1e-9);
     assert_eq!(unsaid.scenarios[0].ends[0], first.scenarios[0].ends[0]);
     assert!(
-        render_ends(&unsaid).contains("75.0"),
+        render_ends(&unsaid).contains("50.0"),
         "{}",
         render_ends(&unsaid)
     );
@@ -551,8 +553,9 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
     let chain = &said.scenarios[0].ends[1];
     assert_eq!(
         (chain.coverage_share, chain.warned_share, chain.silent_share),
-        (0.75, 1.0, 0.0)
+        (0.5, 1.0, 0.0)
     );
+    assert_eq!(chain.far_share, 0.0);
 }
 
 #[test]

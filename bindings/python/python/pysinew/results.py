@@ -1236,6 +1236,10 @@ class EndSummary(Record):
     """Share of truths inside the 95 % interval."""
     end: End
     """Which end."""
+    far_share: float
+    """Share of offsets more than three standard deviations off in such a session; chance leaves 0.0027 of those
+    that are told without a warning.
+    """
     form: Form
     """Whose estimates."""
     half_width_95_rad: float
@@ -1252,6 +1256,7 @@ class EndSummary(Record):
     _fields = {
         "coverage_share": "",
         "end": "",
+        "far_share": "",
         "form": "",
         "half_width_95_rad": "",
         "offsets": "",

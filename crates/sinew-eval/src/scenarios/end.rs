@@ -37,6 +37,7 @@ fn one((end, form): (End, Form), scores: &[&EndScore]) -> Option<EndSummary> {
         half_width_95_rad: mean(&halves),
         warned_share: warned as f64 / scores.len() as f64,
         silent_share: sum(EndScore::silent) / count,
+        far_share: sum(EndScore::far) / count,
     })
 }
 
@@ -48,7 +49,7 @@ pub fn render_ends(report: &ScenarioReport) -> String {
     text.push_str(&paragraph(
         "B: with A's baseline; chain: C with what was known after B; ±: mean half-width of the 95 % interval; \
          warned: recordings whose session warned of anything; silent: offsets outside their interval though \
-         their session warned of nothing",
+         their session warned of nothing; far: those more than three standard deviations off, of which chance leaves 0.27 %",
         0,
     ));
     text.push_str("\nBlock by block, as beside a running robot\n");
@@ -94,6 +95,7 @@ fn ends_of(report: &ScenarioReport, form: Form, warned: &str) -> String {
         "±\nmrad",
         warned,
         "silent\n%",
+        "far\n%",
     ];
     table(&head, rows, 2)
 }
@@ -112,6 +114,7 @@ fn row(name: String, end: &EndSummary) -> Vec<String> {
         format!("{:.2}", 1e3 * end.half_width_95_rad),
         format!("{:.0}", 100.0 * end.warned_share),
         format!("{:.1}", 100.0 * end.silent_share),
+        format!("{:.2}", 100.0 * end.far_share),
     ]
 }
 
@@ -140,5 +143,6 @@ fn together((end, form): (End, Form), scenarios: &[ScenarioSummary]) -> Option<E
         half_width_95_rad: each(|e| e.half_width_95_rad),
         warned_share: warned / recordings,
         silent_share: each(|e| e.silent_share),
+        far_share: each(|e| e.far_share),
     })
 }

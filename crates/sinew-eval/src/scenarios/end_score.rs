@@ -118,4 +118,14 @@ impl EndScore {
     pub(super) fn silent(&self) -> usize {
         if self.is_warned { 0 } else { self.outside() }
     }
+
+    /// More than three standard deviations off, or no number, and nothing was said.
+    pub(super) fn far(&self) -> usize {
+        const FAR: f64 = 3.0;
+        let is_near = |e: &&Gaussian| e.mean.abs() <= FAR * e.deviation;
+        match self.is_warned {
+            true => 0,
+            false => self.errors_rad.len() - self.errors_rad.iter().filter(is_near).count(),
+        }
+    }
 }

@@ -146,4 +146,7 @@ pub struct EndSummary {
     pub warned_share: f64,
     /// Share of offsets outside their interval in a session that warned of nothing.
     pub silent_share: f64,
+    /// Share of offsets more than three standard deviations off in such a session; chance leaves 0.0027 of those that are told without a
+    /// warning.
+    pub far_share: f64,
 }
