@@ -35,10 +35,10 @@ typedef enum {
     SINEW_STATUS_SHORT = 8,
     // The offsets are in doubt and can't be saved.
     SINEW_STATUS_IN_DOUBT = 9,
-    // It must be said before the first sample, and samples have come. Nothing has changed.
-    SINEW_STATUS_LATE = 11,
     // Sinew has a fault of its own. The handle must only be freed.
     SINEW_STATUS_PANIC = 10,
+    // It must be said before the first sample, and samples have come. Nothing has changed.
+    SINEW_STATUS_LATE = 11,
 } sinew_status;
 
 // What became of a sample.

@@ -29,10 +29,10 @@ pub enum Status {
     Short = 8,
     /// The offsets are in doubt and can't be saved.
     InDoubt = 9,
-    /// It must be said before the first sample, and samples have come. Nothing has changed.
-    Late = 11,
     /// Sinew has a fault of its own. The handle must only be freed.
     Panic = 10,
+    /// It must be said before the first sample, and samples have come. Nothing has changed.
+    Late = 11,
 }
 
 /// Version of the interface that the library was built with: compare with `SINEW_ABI_VERSION`.
@@ -74,8 +74,8 @@ impl Status {
         Self::Encoding,
         Self::Short,
         Self::InDoubt,
-        Self::Late,
         Self::Panic,
+        Self::Late,
     ];
 
     /// In words.
