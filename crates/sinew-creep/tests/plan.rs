@@ -6,7 +6,7 @@ use sinew_rope::Duty;
 use sinew_rope::predict::{DAY_S, Request, Route};
 use std::sync::Arc;
 
-fn test(load_n: f64, temperature_c: f64, loaded_s: f64) -> BenchTest {
+pub(crate) fn test(load_n: f64, temperature_c: f64, loaded_s: f64) -> BenchTest {
     BenchTest {
         preload_n: 2.0,
         preloaded_s: 60.0,
@@ -17,7 +17,11 @@ fn test(load_n: f64, temperature_c: f64, loaded_s: f64) -> BenchTest {
     }
 }
 
-fn request(tension_n: f64, temperature_c: f64, candidates: Vec<BenchTest>) -> PlanRequest {
+pub(crate) fn request(
+    tension_n: f64,
+    temperature_c: f64,
+    candidates: Vec<BenchTest>,
+) -> PlanRequest {
     PlanRequest {
         base: Arc::new(base()),
         duty: Request {

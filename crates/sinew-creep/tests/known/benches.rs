@@ -80,7 +80,7 @@ impl Bench {
     }
 }
 
-/// Six tests, and three that are of no use.
+/// Seven tests, one of them in millimetres, and two that are of no use.
 pub(crate) fn specimens() -> Vec<Specimen> {
     let mut all: Vec<Specimen> = BENCHES.iter().map(specimen).collect();
     let mut without_force = Specimen::default();

@@ -4,13 +4,11 @@ mod benches;
 mod flat;
 
 use crate::answers::Answers;
+use crate::plan::{request, test};
 use crate::support::bench::{COLD, SIGMA, base, options, records};
 use crate::support::laws::times;
 use flat::document;
 use sinew_creep::*;
-use sinew_rope::Duty;
-use sinew_rope::predict::{DAY_S, Request, Route};
-use std::sync::Arc;
 
 /// What a bench recorded, analysed.
 fn analysed(keep_faults: bool, analyze: AnalyzeOptions) -> Tests {
@@ -34,7 +32,7 @@ fn analysed(keep_faults: bool, analyze: AnalyzeOptions) -> Tests {
     analyze_tests(vec![source], &specimens, &request, |_, _| {}).unwrap()
 }
 
-/// The same with fewer readings, for what takes long.
+/// Some of them, by their names.
 fn few(tests: &Tests, names: &[&str]) -> Tests {
     let mut few = tests.clone();
     few.prepared.retain(|p| names.contains(&p.name.as_str()));
@@ -211,35 +209,16 @@ fn what_the_rope_law_says_is_what_it_said() {
 #[test]
 fn what_is_planned_is_what_it_was() {
     let mut answers = Answers::default();
-    let test = |load_n: f64, temperature_c: f64, loaded_s: f64| BenchTest {
-        preload_n: 2.0,
-        preloaded_s: 60.0,
-        load_n,
-        temperature_c,
-        loaded_s,
-        recovery_s: 0.5 * loaded_s,
-    };
+    let candidates = vec![
+        test(100.0, 23.0, 5100.0),
+        test(100.0, 45.0, 20_000.0),
+        test(250.0, 23.0, 5100.0),
+    ];
     let asked = PlanRequest {
-        base: Arc::new(base()),
-        duty: Request {
-            duty: Duty::constant(80.0, 30.0),
-            route: Route::straight(0.7),
-            times_s: vec![30.0 * DAY_S],
-            read_at: None,
-            draws: 0,
-            seed: 1,
-        },
-        candidates: vec![
-            test(100.0, 23.0, 5100.0),
-            test(100.0, 45.0, 20_000.0),
-            test(250.0, 23.0, 5100.0),
-        ],
         tests: 2,
-        bench_s: 2.0 * DAY_S,
         known: records(&COLD[..1], SIGMA, 3),
-        reading_ratio: SIGMA,
         truths: 3,
-        seed: 3,
+        ..request(80.0, 30.0, candidates)
     };
     let planned = plan(&asked, |_, _| {}).unwrap();
     document(&mut answers, "plan", &planned);

@@ -77,8 +77,8 @@ const INNOVATION_MEMORY: f64 = 40.0;
 /// The same while nothing goes in: what is asked is whether it agrees again.
 const HELD_MEMORY: f64 = 15.0;
 
-/// What goes in is off by more in the mean, standard deviations: in 0.2 % of the time where nothing slips (S5 to S9). Filters that had taken a
-/// second slip in four poses for lost stiffness were off by 0.7 to 1.1.
+/// What goes in is off by more in the mean, standard deviations. Where nothing slips it is off by more than 0.7 in 0.2 % of the time at most
+/// (S5, S7, S8, S9). Filters that had taken a second slip in four poses for lost stiffness were off by 0.7 to 1.1.
 const BIASED: f64 = 0.8;
 /// It agrees again below this.
 const UNBIASED: f64 = 0.7;
