@@ -14,10 +14,10 @@ use sinew_sim::{Scenario, Simulation};
 use support::{biorob_like, least, repository, seeds};
 
 /// Where the elbow's stop is, rad.
-const STOP_RAD: f64 = 1.9;
+pub(crate) const STOP_RAD: f64 = 1.9;
 /// Each session is so long, s.
 const SESSION_S: f64 = 60.0;
-const ELBOW: usize = 2;
+pub(crate) const ELBOW: usize = 2;
 
 /// Poses over the arm's range, then three slow pushes of the elbow against its stop, in and out.
 fn motion(seed: u64) -> String {
@@ -50,7 +50,12 @@ fn motion(seed: u64) -> String {
 }
 
 /// Two sessions in one simulation: right after tensioning, and later with what `offsets` says.
-fn simulate(robot: &Robot, seed: u64, offsets: &str, touches: [&[Touch]; 2]) -> [Recorded; 2] {
+pub(crate) fn simulate(
+    robot: &Robot,
+    seed: u64,
+    offsets: &str,
+    touches: [&[Touch]; 2],
+) -> [Recorded; 2] {
     let text = std::fs::read_to_string(repository().join("examples/scenarios/work-session.toml"));
     let text = text.unwrap();
     // The robot's truth and sensors of the shipped scenario; its motion and what happens are ours.
@@ -81,7 +86,7 @@ fn simulate(robot: &Robot, seed: u64, offsets: &str, touches: [&[Touch]; 2]) -> 
     parts.map(Recorder::finish)
 }
 
-fn with_anchor(kind: AnchorKind, position_rad: f64) -> Robot {
+pub(crate) fn with_anchor(kind: AnchorKind, position_rad: f64) -> Robot {
     let mut robot = biorob_like();
     let anchor = Anchor {
         kind,

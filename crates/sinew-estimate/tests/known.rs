@@ -3,7 +3,9 @@
 #[path = "../../sinew-creep/tests/known/flat.rs"]
 mod flat;
 
+use crate::anchor::{ELBOW, STOP_RAD, simulate, with_anchor};
 use crate::answers::Answers;
+use crate::stands;
 use crate::support::{
     biorob_like, biorob_like_folder, block_by_block, repository, session_record, utc, work_session,
 };
@@ -13,7 +15,7 @@ use sinew_estimate::feeder::Injection;
 use sinew_estimate::init::Init;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
-use sinew_estimate::session::{self, Payload, SessionOptions, Window};
+use sinew_estimate::session::{self, Payload, SessionOptions, Touch, Window};
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::trend::survival::{EventColumns, LifePrior, analyze_lives, read_lives};
 use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions, sort};
@@ -21,6 +23,7 @@ use sinew_estimate::{Method, Plan, Request, estimate};
 use sinew_log::OpenOptions;
 use sinew_model::Gaussian;
 use sinew_model::offset::{Comparison, TorqueSource};
+use sinew_model::transmission::AnchorKind;
 use sinew_rope::Catalogue;
 use std::path::PathBuf;
 
@@ -144,6 +147,63 @@ fn what_sessions_say_is_what_they_said() {
         document(&mut answers, &format!("merge {fleet}"), &summary);
     }
     answers.hold("known_sessions.csv");
+}
+
+/// A stop that is pushed against and marks that are passed, an arm that slips and then stands, one that works for minutes; and what
+/// the form that goes on block by block says of each on the way.
+#[test]
+fn what_touches_and_stands_say_is_what_they_said() {
+    let mut answers = Answers::default();
+    let plain = biorob_like();
+    let slipped = "[[offsets]]\njoint = \"elbow\"\nkind = \"joint-encoder\"\nshape = \"step\"\nat_s = 60.0\nrad = 0.008\n\
+        [[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = 90.0\nrad = 0.005\n";
+    let touches = [20.0, 80.0].map(|time_s| {
+        let (joint, kind) = ("elbow".into(), None);
+        [Touch {
+            joint,
+            kind,
+            time_s,
+        }]
+    });
+    let [a, mut b] = simulate(&plain, 40, slipped, [&touches[0], &touches[1]]);
+    b.touches[0].theta_measured = a.touches[0].theta_measured + 6e-3;
+    let mark_rad = a.touches[0].theta_measured;
+    let learning = session::Learning::default();
+    let options = SessionOptions::default();
+    for (kind, at_rad) in [
+        (AnchorKind::Stop, STOP_RAD),
+        (AnchorKind::MotorMark, mark_rad),
+        (AnchorKind::JointMark, a.touches[0].q),
+    ] {
+        let robot = with_anchor(kind, at_rad);
+        let (first, _) = session::learn_recorded(&robot, &a, "A", &learning).unwrap();
+        let with = Some((&first, "A"));
+        let (mut said, next) = session::estimate_recorded(&robot, &b, "B", with, &options).unwrap();
+        assert!(said.joints[ELBOW].anchored.is_some());
+        said.nuisance.clear();
+        document(&mut answers, &format!("{kind:?}"), &said);
+        if kind == AnchorKind::Stop {
+            document(&mut answers, "saved", &next.anchors);
+        }
+    }
+    let first = stands::baseline(&plain);
+    let with = Some((&first, "A"));
+    for (name, rounds, to_s, more) in [
+        ("stands", 2, 70.0, stands::elbow_slips(0.012, 55.0)),
+        ("works", 9, 190.0, stands::elbow_slips(0.006, 60.0)),
+    ] {
+        let recorded = stands::recording(&plain, rounds, to_s, 11, &more);
+        let (mut said, _) =
+            session::estimate_recorded(&plain, &recorded, name, with, &options).unwrap();
+        said.nuisance.clear();
+        document(&mut answers, name, &said);
+        let mut live = session::replay_live(&plain, &recorded.blocks, with, &options).unwrap();
+        let mut at = 0..;
+        live.blocks
+            .retain(|_| at.next().is_some_and(|k| k % 60 == 59));
+        document(&mut answers, &format!("{name} live"), &live);
+    }
+    answers.hold("known_touches.csv");
 }
 
 #[test]

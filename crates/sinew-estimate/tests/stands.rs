@@ -17,7 +17,13 @@ const ELBOW: usize = 2;
 
 /// The monitor's demonstration: `rounds` of its motion from home to home, then a stand until `to_s`. `more` goes to the
 /// end of the scenario.
-fn recording(robot: &Robot, rounds: usize, to_s: f64, seed: u64, more: &str) -> Recorded {
+pub(crate) fn recording(
+    robot: &Robot,
+    rounds: usize,
+    to_s: f64,
+    seed: u64,
+    more: &str,
+) -> Recorded {
     let place = repository().join("crates/sinew-watch/demo/arm.toml");
     let text = std::fs::read_to_string(place).unwrap();
     let (before, motion) = text.split_once("waypoints = [\n").unwrap();
@@ -37,14 +43,14 @@ fn recording(robot: &Robot, rounds: usize, to_s: f64, seed: u64, more: &str) -> 
     recorder.finish()
 }
 
-fn baseline(robot: &Robot) -> sinew_estimate::baseline::Baseline {
+pub(crate) fn baseline(robot: &Robot) -> sinew_estimate::baseline::Baseline {
     let a = recording(robot, 6, 6.0 * ROUND_S, 21, "");
     session::learn_recorded(robot, &a, "A", &Learning::default())
         .unwrap()
         .0
 }
 
-fn elbow_slips(rad: f64, at_s: f64) -> String {
+pub(crate) fn elbow_slips(rad: f64, at_s: f64) -> String {
     format!(
         "[[offsets]]\njoint = \"elbow\"\nkind = \"physical\"\nshape = \"step\"\nat_s = {at_s}\nrad = {rad}\n"
     )
