@@ -315,4 +315,38 @@ mod tests {
             (Some(40.0), "a")
         );
     }
+
+    /// `b ln t` and an error that changes its sign at every reading, evenly in the logarithm of time: by hand.
+    #[test]
+    fn an_unknown_moment_of_a_step_moves_readings_by_so_many_deviations() {
+        const CREEP: f64 = 2e-4;
+        const ERROR: f64 = 1e-6;
+        const READINGS: f64 = 4.0;
+        let ages: Vec<f64> = (0..9).map(|k| 6.0 * 1.5_f64.powi(k)).collect();
+        let read =
+            |(k, age): (usize, &f64)| CREEP * age.ln() + if k % 2 == 0 { ERROR } else { -ERROR };
+        let mut curve = Curve::constant_load(
+            "by hand",
+            ages.iter().map(|age| 10.0 + age).collect(),
+            ages.iter().enumerate().map(read).collect(),
+        );
+        curve.count.fill(READINGS);
+        let window = StepWindow {
+            step: 0,
+            from_s: 5.0,
+            to_s: 15.0,
+        };
+        // Each reading is two errors off its neighbours' mean; means of four have half a reading's.
+        let deviation = 1.482_6 * 2.0 * ERROR / 1.5_f64.sqrt();
+        let squares: f64 = ages
+            .iter()
+            .map(|age| (CREEP / age * 10.0 / 12.0_f64.sqrt()).powi(2))
+            .sum();
+        let by_hand = squares.sqrt() / deviation;
+        let found = curve.moved_by(&window);
+        assert!((found / by_hand - 1.0).abs() < 1e-9, "{found} {by_hand}");
+        // What comes after the next step is none of it.
+        curve.steps = vec![(10.0, 1.0), (10.0 + 6.0 * 1.5_f64.powi(7), 2.0)];
+        assert!(curve.moved_by(&window) < found);
+    }
 }

@@ -305,4 +305,19 @@ mod tests {
         // A rehearsal that came out exact never narrows by more than a hundredth.
         assert!(factor(&[0.0, 0.0], 0.95) > 0.99);
     }
+
+    /// A single reading that is hidden says nothing of how wrong a law is; two do.
+    #[test]
+    fn a_rehearsal_has_two_readings_to_foretell() {
+        let rehearsals = |ends: &[f64]| {
+            let seen = (1..=12).map(|k| 2.5 * f64::from(k));
+            let time_s: Vec<f64> = seen.chain(ends.iter().copied()).collect();
+            let strain = time_s.iter().map(|t| 1e-3 * (1.0 + t / 5.0).ln()).collect();
+            let curve = Curve::constant_load("short", time_s, strain);
+            let options = FitOptions::default();
+            Outlook::new(&[Law::LogTime], &[curve], 0, &options, &[300.0]).rehearsals
+        };
+        assert_eq!(rehearsals(&[100.0]), 0);
+        assert_eq!(rehearsals(&[98.0, 100.0]), 1);
+    }
 }
