@@ -7,7 +7,8 @@ use crate::anchor::{ELBOW, STOP_RAD, simulate, with_anchor};
 use crate::answers::Answers;
 use crate::stands;
 use crate::support::{
-    biorob_like, biorob_like_folder, block_by_block, repository, session_record, utc, work_session,
+    DAY_S, biorob_like, biorob_like_folder, block_by_block, repository, session_record, utc,
+    work_session,
 };
 use flat::document;
 use sinew_estimate::baseline::{MergeOptions, merge};
@@ -17,14 +18,17 @@ use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::{self, Payload, SessionOptions, Touch, Window};
 use sinew_estimate::strand_duty::{self, Strand};
+use sinew_estimate::trend::prior::rope_prior;
 use sinew_estimate::trend::survival::{EventColumns, LifePrior, analyze_lives, read_lives};
-use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions, sort};
+use sinew_estimate::trend::{
+    Stated, TrendRequest, analyze, analyze_joint, go_on, mean_temperature_c, read_sessions, sort,
+};
 use sinew_estimate::{Method, Plan, Request, estimate};
 use sinew_log::OpenOptions;
 use sinew_model::Gaussian;
 use sinew_model::offset::{Comparison, TorqueSource};
 use sinew_model::transmission::AnchorKind;
-use sinew_rope::Catalogue;
+use sinew_rope::{Catalogue, Duty};
 use std::path::PathBuf;
 
 fn stretched_arm() -> PathBuf {
@@ -206,6 +210,12 @@ fn what_touches_and_stands_say_is_what_they_said() {
     answers.hold("known_touches.csv");
 }
 
+const LOG: &str = "date,unit,kind,hall,event\n\
+    2024-01-01,a,lift,1,installed\n2024-09-03,a,lift,1,broken\n2024-09-05,a,lift,1,replaced\n\
+    2024-01-08,b,lift,1,installed\n2025-02-01,b,lift,1,broken\n2025-02-01,b,lift,1,replaced\n2025-11-11,b,lift,1,broken\n\
+    2024-03-01,c,turn,2,installed\n2024-05-01,c,turn,2,oiled\n2025-01-01,c,turn,2,tensioned\n2025-03-01,c,turn,2,broken\n\
+    2024-03-01,d,turn,2,painted\n2025-06-01,,turn,2,broken\n2025-06-02,d,turn,2,broken\n2025-08-01,d,turn,2,removed\n";
+
 #[test]
 fn what_months_say_is_what_they_said() {
     let mut answers = Answers::default();
@@ -249,6 +259,45 @@ fn what_months_say_is_what_they_said() {
     let sorted = sort(records.collect(), None).unwrap();
     let said = analyze(sorted, &asked(None, Some(life))).unwrap();
     document(&mut answers, "days", &said);
+    // The same tendon under a duty that is known, where it will be, and when it passes its limits.
+    let sorted = read_sessions(&files, Some(&robot), None).unwrap();
+    let (name, records) = sorted.joints.iter().next().unwrap();
+    let mut request = asked(Some(&robot), None);
+    request.duty = Some(Duty::constant(75.0, 31.0));
+    let (said, times) = analyze_joint(name, records, &request).unwrap();
+    document(&mut answers, "duty", &said);
+    for (k, times) in times.iter().enumerate() {
+        for days in [3.0, 40.0, 200.0] {
+            let by = times.probability_by(days * DAY_S).unwrap_or(-1.0);
+            answers.probability(&format!("limit {k} passed after {days} days"), by);
+        }
+    }
+    let tendon = robot.transmissions[2].as_ref().unwrap().tendon.as_ref();
+    let duty = request.duty.as_ref();
+    let rope = rope_prior(tendon, &catalogue, duty, mean_temperature_c(records), 1).unwrap();
+    let gone_on = go_on(name, records, &rope, &request, None).unwrap();
+    for days in [0.3, 11.0, 77.7, 399.0, 500.0] {
+        document(
+            &mut answers,
+            &format!("after {days} days"),
+            &gone_on.offset_after(days * DAY_S),
+        );
+    }
+    // Lives from a log with words nobody knows, rows without a place, and places that were watched apart.
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    std::fs::write(&log, LOG).unwrap();
+    for (repaired, until) in [(false, None), (true, Some(utc("2026-01-01")))] {
+        let columns = EventColumns {
+            group: Some("kind".into()),
+            watched: Some("hall".into()),
+            until_utc_s: until,
+            repaired,
+            ..EventColumns::default()
+        };
+        let lives = read_lives(&log, &columns).unwrap();
+        document(&mut answers, "log", &analyze_lives(&lives, "log"));
+    }
     answers.hold("known_months.csv");
 }
 
@@ -294,4 +343,68 @@ fn what_is_said_of_robots_is_what_it_was() {
         }
     }
     answers.hold("known_robots.csv");
+}
+
+/// Every number of a robot's files, wrong by so much: what is refused, and what looks odd.
+#[test]
+fn what_is_said_of_wrong_numbers_is_what_it_was() {
+    const FACTORS: [f64; 7] = [-1.0, 0.0, 1e-3, 0.03, 4.0, 30.0, 1e3];
+    let mut answers = Answers::default();
+    let ropes = Catalogue::shipped().unwrap();
+    let names = ["biorob-like.urdf", "robot.toml"];
+    let texts = names.map(|name| std::fs::read_to_string(biorob_like_folder().join(name)).unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let said = |texts: [&str; 2]| {
+        for (name, text) in names.iter().zip(texts) {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let (loaded, gaps) = match robot_dir::draft(folder.path(), None) {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                let error = error.to_string();
+                let place = folder.path().display().to_string();
+                return (format!("refused: {}", error.replace(&place, "")), 1.0);
+            }
+        };
+        let check = RobotCheck::of(&loaded, &gaps, &ropes).unwrap();
+        let compared = check.findings.iter().flat_map(|f| &f.judged);
+        let size: f64 = compared.map(|j| (1.0 + j.value.abs()).ln()).sum();
+        let odd = check.findings.iter();
+        let odd: Vec<String> = odd
+            .map(|f| format!("{:?} {:?}", f.kind, f.severity))
+            .collect();
+        (odd.join(" "), size)
+    };
+    let as_it_is = said([&texts[0], &texts[1]]);
+    for (file, text) in texts.iter().enumerate() {
+        for (k, (from, to)) in numbers_of(text).into_iter().enumerate() {
+            for factor in FACTORS {
+                let value: f64 = text[from..to].parse().unwrap();
+                let wrong = format!("{}{}{}", &text[..from], value * factor, &text[to..]);
+                let mut both = [texts[0].as_str(), texts[1].as_str()];
+                both[file] = &wrong;
+                let (words, size) = said(both);
+                if value != 0.0 && (&words, size) != (&as_it_is.0, as_it_is.1) {
+                    answers.about(&format!("{} {k} times {factor}", names[file]));
+                    answers.usually(&words.replace([',', '\n'], " "), size, 1.0);
+                }
+            }
+        }
+    }
+    answers.hold("known_oddities.csv");
+}
+
+/// Where numbers stand in a file that aren't part of a word.
+fn numbers_of(text: &str) -> Vec<(usize, usize)> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || ['.', '-', '_', '+'].contains(&c);
+    let mut found = Vec::new();
+    let mut from = 0;
+    for word in text.split_inclusive(|c: char| !is_part(c)) {
+        let number = word.trim_end_matches(|c: char| !is_part(c));
+        if number.parse::<f64>().is_ok() {
+            found.push((from, from + number.len()));
+        }
+        from += word.len();
+    }
+    found
 }

@@ -243,6 +243,7 @@ fn curves_of_a_rope_are_those_of_its_law() {
     let values = prior::work_curve(&law, tendon, 60.0, &work).unwrap();
     let duty = sinew_rope::Duty::constant(60.0, 23.0);
     let same = prior::duty_curve(&law, tendon, 60.0, &duty).unwrap();
+    assert_eq!(values.len(), same.len());
     for (a, b) in values.iter().zip(&same) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
