@@ -52,7 +52,9 @@ pub fn age_by(prior: &Prior, belief: &mut Belief, days: f64) {
 
 /// What `a` and `b` learned apart from `common`, which both started from, put together.
 ///
-/// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once.
+/// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once. Where both know less of something than
+/// they started with, as of a stiffness after a strand failed, that is no information. The result is then `Λ = (Λ_a + Λ_b)/2`, which
+/// is never surer than they are, whatever they share (covariance intersection: Julier and Uhlmann, 1997).
 /// Offsets and payload belong to a recording, the encoders' zero to a tensioning, not to the
 /// robot: they are opened in the result, as in `common`.
 ///
@@ -67,17 +69,25 @@ pub fn merge(prior: &Prior, common: &Belief, a: &Belief, b: &Belief) -> Result<B
         prior.open_zero(belief);
         prior.open_payload(belief, Payload::Unknown);
     }
-    let (mut information, mut vector) = (alloc::vec![0.0; d * d], alloc::vec![0.0; d]);
-    for (belief, sign) in inputs.iter().zip([-1.0, 1.0, 1.0]) {
-        let part = cholesky::inverse(&belief.covariance, d).map_err(MapError::Prior)?;
-        for i in 0..d {
-            for k in 0..d {
-                information[i * d + k] += sign * part[i * d + k];
-                vector[i] += sign * part[i * d + k] * (belief.mean[k] - inputs[0].mean[k]);
+    let mut parts = Vec::with_capacity(inputs.len());
+    for belief in &inputs {
+        parts.push(cholesky::inverse(&belief.covariance, d).map_err(MapError::Prior)?);
+    }
+    let added = |weights: [f64; 3]| {
+        let (mut information, mut vector) = (alloc::vec![0.0; d * d], alloc::vec![0.0; d]);
+        for ((belief, part), weight) in inputs.iter().zip(&parts).zip(weights) {
+            for i in 0..d {
+                for k in 0..d {
+                    information[i * d + k] += weight * part[i * d + k];
+                    vector[i] += weight * part[i * d + k] * (belief.mean[k] - inputs[0].mean[k]);
+                }
             }
         }
-    }
-    let covariance = cholesky::inverse(&information, d).map_err(MapError::Prior)?;
+        cholesky::inverse(&information, d).map(|covariance| (covariance, vector))
+    };
+    let (covariance, vector) = added([-1.0, 1.0, 1.0])
+        .or_else(|_| added([0.0, 0.5, 0.5]))
+        .map_err(MapError::Prior)?;
     let mut mean = inputs[0].mean.clone();
     for i in 0..d {
         for k in 0..d {

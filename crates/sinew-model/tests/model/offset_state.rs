@@ -2,9 +2,9 @@
 
 use crate::pendulum::{G, K, LENGTH_M, MASS_KG, PLAIN, Truth, blocks, pendulum, prior};
 use sinew_model::offset::{
-    Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError, MapEstimator,
-    Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD, Termination,
-    UNKNOWN_OFFSET_RAD, beliefs,
+    Belief, Block, Executor, FeatureConfig, FeatureObserver, JointParameter, MapError,
+    MapEstimator, Payload, Prior, RecursiveOffsets, SearchScope, Sequential, TENSIONED_OFFSET_RAD,
+    Termination, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Friction;
@@ -326,13 +326,32 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
             prior,
             &common,
             &a,
-            &sinew_model::offset::Belief {
+            &Belief {
                 mean: vec![],
                 ..b.clone()
             }
         ),
         Err(MapError::Dimension { found: 0, .. })
     ));
+
+    // Both know less of the stiffness than they started with: as much as they know, and no more.
+    let d = prior.dimension();
+    let loosened = |of: &Belief, change: f64| {
+        let mut of = of.clone();
+        of.mean[place] += change;
+        of.covariance[place * (d + 1)] *= 9.0;
+        of
+    };
+    let lost = [-0.06, -0.02].map(|change| loosened(&a, change));
+    let both = beliefs::merge(prior, &a, &lost[0], &lost[1]).unwrap();
+    let Gaussian { mean, deviation } = both.entry(place);
+    let Gaussian {
+        mean: before,
+        deviation: each,
+    } = lost[0].entry(place);
+    assert!((deviation - each).abs() < 1e-9 * each, "{deviation} {each}");
+    let expected = before + 0.02;
+    assert!((mean - expected).abs() < 1e-9, "{mean} {expected}");
 
     let mut aged = a.clone();
     for _ in 0..20_000 {
