@@ -52,9 +52,10 @@ pub fn age_by(prior: &Prior, belief: &mut Belief, days: f64) {
 
 /// What `a` and `b` learned apart from `common`, which both started from, put together.
 ///
-/// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once. Where both know less of something than
-/// they started with, as of a stiffness after a strand failed, that is no information. The result is then `Λ = (Λ_a + Λ_b)/2`, which
-/// is never surer than they are, whatever they share (covariance intersection: Julier and Uhlmann, 1997).
+/// In information form, `Λ = Λ_a + Λ_b − Λ_common`, so what both already knew counts once. Where each knows at least what they
+/// started with, no variance comes out above that of either. One that does shows that something was forgotten, as of a stiffness after
+/// a strand failed: then the sum throws means far beyond what either says. The result is `Λ = (Λ_a + Λ_b)/2` instead, which is never
+/// surer than they are, whatever they share (covariance intersection: Julier and Uhlmann, 1997).
 /// Offsets and payload belong to a recording, the encoders' zero to a tensioning, not to the
 /// robot: they are opened in the result, as in `common`.
 ///
@@ -85,9 +86,19 @@ pub fn merge(prior: &Prior, common: &Belief, a: &Belief, b: &Belief) -> Result<B
         }
         cholesky::inverse(&information, d).map(|covariance| (covariance, vector))
     };
-    let (covariance, vector) = added([-1.0, 1.0, 1.0])
-        .or_else(|_| added([0.0, 0.5, 0.5]))
-        .map_err(MapError::Prior)?;
+    let [_, a, b] = &inputs;
+    /// Of rounding.
+    const ROUNDED: f64 = 1e-6;
+    let only_learned = |covariance: &[f64]| {
+        (0..d).map(|i| i * (d + 1)).all(|k| {
+            let larger = a.covariance[k].max(b.covariance[k]);
+            covariance[k] <= (1.0 + ROUNDED) * larger
+        })
+    };
+    let (covariance, vector) = match added([-1.0, 1.0, 1.0]) {
+        Ok(sum) if only_learned(&sum.0) => sum,
+        _ => added([0.0, 0.5, 0.5]).map_err(MapError::Prior)?,
+    };
     let mut mean = inputs[0].mean.clone();
     for i in 0..d {
         for k in 0..d {

@@ -336,22 +336,23 @@ fn beliefs_are_put_together_once_and_age_towards_the_prior() {
 
     // Both know less of the stiffness than they started with: as much as they know, and no more.
     let d = prior.dimension();
-    let loosened = |of: &Belief, change: f64| {
-        let mut of = of.clone();
-        of.mean[place] += change;
-        of.covariance[place * (d + 1)] *= 9.0;
-        of
-    };
-    let lost = [-0.06, -0.02].map(|change| loosened(&a, change));
-    let both = beliefs::merge(prior, &a, &lost[0], &lost[1]).unwrap();
-    let Gaussian { mean, deviation } = both.entry(place);
-    let Gaussian {
-        mean: before,
-        deviation: each,
-    } = lost[0].entry(place);
-    assert!((deviation - each).abs() < 1e-9 * each, "{deviation} {each}");
-    let expected = before + 0.02;
-    assert!((mean - expected).abs() < 1e-9, "{mean} {expected}");
+    for looser in [1.2, 1.9, 9.0] {
+        let lost = [-0.06, -0.02].map(|change| {
+            let mut of = a.clone();
+            of.mean[place] += change;
+            of.covariance[place * (d + 1)] *= looser;
+            of
+        });
+        let both = beliefs::merge(prior, &a, &lost[0], &lost[1]).unwrap();
+        let Gaussian { mean, deviation } = both.entry(place);
+        let Gaussian {
+            mean: before,
+            deviation: each,
+        } = lost[0].entry(place);
+        assert!((deviation - each).abs() < 1e-9 * each, "{deviation} {each}");
+        let expected = before + 0.02;
+        assert!((mean - expected).abs() < 1e-9, "{mean} {expected}");
+    }
 
     let mut aged = a.clone();
     for _ in 0..20_000 {
