@@ -350,7 +350,7 @@ fn two_recordings_of_one_robot_agree_with_one_after_the_other() {
 fn robots_of_a_type_teach_each_other_their_masses_and_nothing_else() {
     let robot = biorob_like();
     let prior = prior(&robot);
-    let files: Vec<(Baseline, String)> = (0..3)
+    let files: Vec<(Baseline, String)> = (0..6)
         .map(|k| {
             let ([a, _], _) = sessions(&robot, 60 + k, 160 + k);
             let (learned, _) = session::learn_recorded(

@@ -379,7 +379,7 @@ fn arms_of_other_sizes_are_no_worse() {
         let options = Options {
             scenarios: names.iter().map(ToString::to_string).collect(),
             robot: Some(folder.path().to_path_buf()),
-            n: asked.unwrap_or(4),
+            n: asked.unwrap_or(6),
             first_seed: 3000,
             ..options(None, 0)
         };

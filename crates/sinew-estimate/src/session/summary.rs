@@ -25,8 +25,8 @@ use sinew_model::offset::{
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
-/// A block of less weight counts as left out.
-const HALF: f64 = 0.5;
+/// A block of less weight, three standard deviations off in the mean, counts as left out.
+const OUTLIER: f64 = 0.25;
 
 /// The result of a recording.
 pub(super) fn summarise(
@@ -54,7 +54,7 @@ pub(super) fn summarise(
     let mut at_ends = segment_estimates(prior, recorded, segments, &elastic);
     let mut blocks = block_estimates(estimator, recorded, segments, &elastic);
     inflation::inflate_all(&inflations, &mut at_ends, &mut blocks);
-    let out = weights.iter().filter(|w| **w < HALF).count() as f64;
+    let out = weights.iter().filter(|w| **w < OUTLIER).count() as f64;
     let temperature = mean_temperature(&recorded.blocks);
     let reference = segments.before.temperature_c;
     let mut estimate = SessionEstimate {
@@ -344,7 +344,7 @@ fn entries<'a>(
 /// Times of at least a second that were mostly left out, the longest first, at most 20.
 fn left_out(blocks: &[Block], weights: &[f64]) -> Vec<LeftOut> {
     let mut found: Vec<LeftOut> = Vec::new();
-    for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < HALF) {
+    for (block, _) in blocks.iter().zip(weights).filter(|(_, w)| **w < OUTLIER) {
         match found.last_mut() {
             Some(last) if block.time_s - last.to_s < 0.5 => last.to_s = block.time_s + 0.1,
             _ => found.push(LeftOut {

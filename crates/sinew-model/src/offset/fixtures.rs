@@ -80,6 +80,11 @@ pub(crate) fn turntables(count: usize, coulomb_nm: f64) -> EstimationModel {
     EstimationModel::new(prior, &FeatureConfig::default())
 }
 
+/// Speed at which a block is passed through, to and fro, rad/s: each counts whole.
+pub(crate) fn passing(b: usize) -> f64 {
+    if b.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
 /// Poses without a load, of a joint that slips by `slip_rad`.
 pub(crate) fn slipping(model: &EstimationModel, slip_rad: f64, mut seed: u64) -> Vec<Block> {
     let columns = model.reduced.layout.bodies;
@@ -88,6 +93,7 @@ pub(crate) fn slipping(model: &EstimationModel, slip_rad: f64, mut seed: u64) ->
             let mut block = Block::zero(1, columns);
             block.time_s = 0.1 + 0.2 * b as f64;
             block.q[0] = random(&mut seed);
+            block.dq[0] = passing(b);
             let slipped = if b >= SLIPS_AT { slip_rad } else { 0.0 };
             let y = 1e-3 + slipped + 0.2e-3 * random(&mut seed);
             (block.y[0], block.y_square[0], block.y_cube[0]) = (y, y * y, y * y * y);
@@ -125,6 +131,7 @@ pub(crate) fn pushed(model: &EstimationModel, [x, y, _]: [f64; 3], mut seed: u64
                 (block.y[i], block.y_square[i], block.y_cube[i]) = (y, y * y, y * y * y);
             }
             block.q.copy_from_slice(&q);
+            block.dq.fill(passing(b));
             block.turned.copy_from_slice(&q);
             block.motor_torque.fill(f64::NAN);
             block

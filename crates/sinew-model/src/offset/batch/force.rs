@@ -6,7 +6,7 @@
 
 use super::gauss_newton::solve_from;
 use super::problem::Problem;
-use super::schedule::{ROUGH_START, SCREENING};
+use super::schedule::{OUTLIER_WEIGHT, ROUGH_START, SCREENING};
 use super::solution::Solution;
 use crate::Gaussian;
 use crate::cholesky::dot;
@@ -32,7 +32,7 @@ pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution,
     let Some(force) = &problem.model.force else {
         return Ok(found);
     };
-    if !force.is_asked_for(in_its_place(problem.blocks)) {
+    if !force.is_asked_for(in_its_place(problem.blocks.iter())) {
         return Ok(found);
     }
     let known = &found.estimate;
@@ -57,11 +57,11 @@ pub(super) fn opened(problem: &Problem<'_>, found: Solution) -> Result<Solution,
     }
 }
 
-/// Share of the time in which the arm is in its place, 0 to 1.
-fn in_its_place(blocks: &[Block]) -> f64 {
-    let joints = blocks.first().map_or(0, |b| b.q.len());
+/// Share of blocks in which the arm is in its place, 0 to 1.
+fn in_its_place<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
+    let joints = blocks.clone().next().map_or(0, |b| b.q.len());
     let median = |i: usize| {
-        let mut places: Vec<f64> = blocks.iter().filter_map(|b| b.q.get(i)).copied().collect();
+        let mut places: Vec<f64> = blocks.clone().filter_map(|b| b.q.get(i)).copied().collect();
         upper_median(&mut places).unwrap_or(f64::NAN)
     };
     let place: Vec<f64> = (0..joints).map(median).collect();
@@ -69,8 +69,8 @@ fn in_its_place(blocks: &[Block]) -> f64 {
         let mut pairs = b.q.iter().zip(&place);
         pairs.all(|(q, at)| (q - at).abs() <= PLACE_RAD)
     };
-    let there = blocks.iter().filter(is_there).count();
-    there as f64 / blocks.len().max(1) as f64
+    let there = blocks.clone().filter(is_there).count();
+    there as f64 / blocks.count().max(1) as f64
 }
 
 /// Whether an estimate has a force open that is too unlikely to be one.
@@ -92,7 +92,10 @@ fn probability(problem: &Problem<'_>, with: &Solution) -> f64 {
         return 0.0;
     };
     let [x, y, z] = [0, 1, 2].map(|k| known.state[first + k]);
-    if !force.is_credible([x, y, z], in_its_place(problem.blocks)) {
+    // Where nothing fits but what the arm does in its place, contacts speak for it that took the arm elsewhere.
+    let fitting = problem.blocks.iter().zip(&known.weights);
+    let fitting = fitting.filter(|(_, weight)| **weight > OUTLIER_WEIGHT);
+    if !force.is_credible([x, y, z], in_its_place(fitting.map(|(block, _)| block))) {
         return 0.0;
     }
     let through = [0, 1, 2].map(|k| {

@@ -74,7 +74,7 @@ impl<'a> Problem<'a> {
                 force.torques(blocks, model.gain_per_s, model.block_s)
             }),
             inflation: (pose_runs(blocks).iter().zip(blocks))
-                .map(|(run, block)| run.max(model.inflation) * same_again(block))
+                .map(|(run, block)| run.max(1.0 / model.share(block)) * same_again(block))
                 .collect(),
         })
     }
@@ -281,6 +281,29 @@ mod tests {
     use crate::offset::batch::gauss_newton::solve;
     use crate::offset::executor::Sequential;
     use crate::offset::fixtures::{SLIPS_AT, random, slipping, turntable};
+
+    /// Three blocks where the fast arm has one, a third as fast.
+    #[test]
+    fn an_arm_that_is_slower_says_no_more_on_the_same_way() {
+        const FAST_RAD_PER_S: f64 = 0.3;
+        let model = turntable();
+        let believed = model.prior.belief(Payload::Empty, UNKNOWN_OFFSET_RAD);
+        let deviation = |times: usize| {
+            let passed = slipping(&model, 0.0, 4).into_iter();
+            let blocks: Vec<Block> = passed
+                .flat_map(|mut block| {
+                    block.dq[0] *= FAST_RAD_PER_S / times as f64;
+                    core::iter::repeat_n(block, times)
+                })
+                .collect();
+            let problem =
+                Problem::new(&model, &Sequential, &believed, Payload::Empty, &blocks).unwrap();
+            let map = problem.complete(solve(&problem, &[]).unwrap()).unwrap();
+            map.offset(&model.prior, 0).deviation
+        };
+        let [fast, slow] = [1, 3].map(deviation);
+        assert!((slow / fast - 1.0).abs() < 0.05, "{slow} {fast}");
+    }
 
     /// From anywhere, changes included: before anything is measured the first step leads there.
     #[test]

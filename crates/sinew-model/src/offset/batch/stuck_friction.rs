@@ -130,6 +130,7 @@ mod tests {
                     } else {
                         -1.0
                     };
+                    block.dq[i] = if moves { block.z[i] } else { 0.0 };
                     let own = if i == 0 { slipped + off } else { 0.0 };
                     let friction = COULOMB_NM / 40.0 * block.z[i];
                     let y = friction + own + 0.2e-3 * random(&mut seed);

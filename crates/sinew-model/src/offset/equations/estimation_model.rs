@@ -32,6 +32,11 @@ pub(crate) struct EstimationModel {
     pub(crate) force: Option<ForceModel>,
 }
 
+/// What the model gets wrong goes with the pose: an arm that has travelled so far says something new, rad.
+const NEWS_RAD: f64 = 0.3;
+/// It goes with time too, be it slowly, s.
+const NEWS_S: f64 = 10.0;
+
 impl EstimationModel {
     pub(crate) fn new(prior: Prior, features: &FeatureConfig) -> Self {
         /// Friction stays for a stroke.
@@ -82,5 +87,45 @@ impl EstimationModel {
         joint.map_or(1.0, |j| {
             (PART * j.drive_coulomb_nm()).max(1e-4 * j.stiffness_nm_per_rad)
         })
+    }
+
+    /// How much of a block's information counts: `max|q̇| t / 0.3 rad` of a block of the length `t`, but at least `t / 10 s`, and
+    /// at most what noise that lasts leaves of it.
+    ///
+    /// What the model gets wrong goes with the pose. An arm that is slower says no more on the same way.
+    pub(crate) fn share(&self, block: &Block) -> f64 {
+        let speeds = block.dq.iter().map(|v| v.abs());
+        let travelled = speeds.fold(0.0, f64::max) * self.block_s / NEWS_RAD;
+        let passed = self.block_s / NEWS_S;
+        travelled.max(passed).min(1.0 / self.inflation)
+    }
+
+    /// So many blocks of a stand count, each for the least share there is.
+    pub(crate) fn blocks_of_a_stand(&self) -> f64 {
+        NEWS_S / self.block_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::offset::block::Block;
+    use crate::offset::fixtures::turntables;
+
+    #[test]
+    fn a_block_counts_by_how_far_the_fastest_joint_travels() {
+        let model = turntables(2, 0.0);
+        let most = 1.0 / model.inflation;
+        for (dq, share) in [
+            ([0.15, -0.3], 0.2),
+            ([-0.15, 0.0], 0.1),
+            ([0.0, 0.0], 0.02),
+            ([0.01, 0.02], 0.02),
+            ([9.0, 0.0], most),
+        ] {
+            let mut block = Block::zero(2, 1);
+            block.dq.copy_from_slice(&dq);
+            assert!((model.share(&block) - share).abs() < 1e-12, "{dq:?}");
+        }
+        assert!((model.blocks_of_a_stand() - 50.0).abs() < 1e-9);
     }
 }

@@ -183,9 +183,9 @@ const CREEP_RAD_PER_S: f64 = 1e-3 / 60.0;
 const AGAIN: [usize; 2] = [SEGMENT, KEPT - 1];
 /// Scales of the weight, in standard deviations, with which the challenger goes over its
 /// blocks.
-const SCALES: [f64; 7] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0];
+const SCALES: [f64; 8] = [40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 3.0, 3.0];
 /// Passes over every other block only.
-const COARSE: usize = 5;
+const COARSE: usize = 6;
 /// Passes after which the residuals show the noise.
 const NOISE_SEEN: usize = 2;
 

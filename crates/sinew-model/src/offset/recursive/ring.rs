@@ -82,7 +82,7 @@ impl BlockRing {
         if !block.is_finite() {
             return Err(StepError::NotFinite);
         }
-        let share = self.share_of_pose(block, model.inflation);
+        let share = self.share_of(model, block);
         if let Some(kept) = self.blocks.get_mut(slot) {
             kept.block.copy_from(block);
             kept.share = share;
@@ -107,8 +107,8 @@ impl BlockRing {
         }
     }
 
-    /// How much of a block's information counts: the blocks of a stand share that of one.
-    fn share_of_pose(&mut self, block: &Block, inflation: f64) -> f64 {
+    /// How much of a block's information counts: by how far the arm travels, and of a stand that of one block at most.
+    fn share_of(&mut self, model: &EstimationModel, block: &Block) -> f64 {
         let moved = self
             .pose
             .iter()
@@ -121,10 +121,34 @@ impl BlockRing {
             self.stood = 0.0;
         }
         self.stood += 1.0;
-        if self.stood <= inflation {
-            1.0 / inflation
+        if self.stood <= model.blocks_of_a_stand() {
+            model.share(block)
         } else {
             0.0
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::offset::fixtures::turntable;
+
+    /// Of a stand, ten seconds count as one block does; then nothing, until it has moved.
+    #[test]
+    fn a_stand_counts_as_one_block() {
+        let model = turntable();
+        let mut ring = BlockRing::new(&model);
+        let mut block = Block::zero(1, model.reduced.layout.bodies);
+        block.motor_torque[0] = f64::NAN;
+        let mut share = |q: f64| {
+            block.q[0] = q;
+            let number = ring.push(&model, &block).unwrap();
+            ring.get(number).unwrap().1.share
+        };
+        let stand: Vec<f64> = (0..80).map(|_| share(0.3)).collect();
+        assert!(stand[..50].iter().all(|share| (share - 0.02).abs() < 1e-12));
+        assert!(stand[50..].iter().all(|share| *share == 0.0));
+        assert!(share(0.32) > 0.0);
     }
 }
