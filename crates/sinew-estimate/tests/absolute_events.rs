@@ -82,6 +82,40 @@ fn a_load_picked_up_in_mid_session_is_found_and_not_read_as_stretch() {
 }
 
 /// What the baseline took for the gripper is gone.
+/// As far from the gripper as a tool that is held by its end. Its second moments were once those of a load at 10 cm: of twenty robots 15 %
+/// were outside, RMSE 1.9 mrad.
+#[test]
+fn a_load_held_far_out_is_no_stretch() {
+    let robot = biorob_like();
+    let far = |text: String| {
+        no_contact(text)
+            .replace("mass_kg = { min = 0.0, max = 0.5 }", "mass_kg = 0.4")
+            .replace(
+                "attach_s = 60.0",
+                "attach_s = 60.0\ncom_m = [0.0, 0.0, 0.25]",
+            )
+    };
+    for seed in [11, 12, 13] {
+        let (parts, truth) = work_session(&robot, seed, far, &[60.0, 120.0]);
+        let (baseline, _) =
+            session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();
+        let known = Some((&baseline, "A"));
+        let options = SessionOptions::default();
+        let (said, _) =
+            session::estimate_recorded(&robot, &parts[1], "B", known, &options).unwrap();
+        for (joint, truth) in said.joints.iter().zip(&truth) {
+            let error = 1e3 * joint.offset_rad.mean - truth;
+            let half = 1e3 * joint.offset_rad.half_width_95();
+            println!("{seed} {} {error:+.2} ± {half:.2}", joint.name);
+            assert!(
+                error.abs() < half.min(0.8),
+                "{seed}, {}: {error} ± {half}",
+                joint.name
+            );
+        }
+    }
+}
+
 #[test]
 fn a_load_below_nothing_is_no_load() {
     let robot = biorob_like();

@@ -3,8 +3,8 @@
 use crate::arm::PARAMETERS_PER_BODY;
 use crate::offset::parameter::PAYLOAD;
 
-/// Nothing is held further from where it is expected, m.
-const FAR_M: f64 = 0.1;
+/// Nothing is held further from where it is expected, m: a tool by its end.
+const FAR_M: f64 = 0.3;
 
 /// Inertial parameters of a kilogram at a point, in the order of the regressor.
 pub(crate) fn point_mass([x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {
@@ -119,6 +119,7 @@ mod tests {
             (0.4, [0.01, -0.05, 0.03]),
             (0.02, [0.0, 0.05, 0.0]),
             (0.3, [0.0; 3]),
+            (0.25, [0.05, 0.0, 0.25]),
             (0.0, [0.0; 3]),
         ] {
             let state = [m, m * e[0], m * e[1], m * e[2]];
@@ -150,8 +151,8 @@ mod tests {
     fn moments_without_a_mass_stay_within_reach() {
         let body = [1.0; PARAMETERS_PER_BODY];
         let (torque, slope) = payload_torque(&body, [0.0; 3], [-0.01, 0.004, 0.0, 0.0]);
-        // 4 mm·kg at 10 cm at most: a mass of 40 g, and second moments of 0.4 g·m².
-        let expected = -0.01 + 0.004 + 2.0 * 0.04 * 0.01;
+        // 4 mm·kg at 30 cm at most: a mass of 13 g, and second moments of 1.2 g·m².
+        let expected = -0.01 + 0.004 + 2.0 * (0.004 / 0.3) * 0.09;
         assert!((torque - expected).abs() < 1e-14, "{torque} {expected}");
         assert!(slope.iter().all(|s| s.is_finite()));
     }
