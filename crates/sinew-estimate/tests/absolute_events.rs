@@ -103,6 +103,8 @@ fn a_load_held_far_out_is_no_stretch() {
         let options = SessionOptions::default();
         let (said, _) =
             session::estimate_recorded(&robot, &parts[1], "B", known, &options).unwrap();
+        let out = said.blocks.iter().filter(|b| b.is_left_out()).count();
+        assert_eq!(said.left_out_share, out as f64 / said.blocks.len() as f64);
         for (joint, truth) in said.joints.iter().zip(&truth) {
             let error = 1e3 * joint.offset_rad.mean - truth;
             let half = 1e3 * joint.offset_rad.half_width_95();

@@ -164,9 +164,9 @@ fn course(session: &SessionEstimate, i: usize) -> Figure {
     let of_blocks = |f: &dyn Fn(&BlockEstimate) -> f64| -> Vec<f64> {
         blocks.iter().map(|b| 1e3 * f(b)).collect()
     };
-    let seen = of_blocks(&|b| match b.weight > 0.5 {
-        true => b.block_rad[i],
-        false => f64::NAN,
+    let seen = of_blocks(&|b| match b.is_left_out() {
+        true => f64::NAN,
+        false => b.block_rad[i],
     });
     let estimate = of_blocks(&|b| b.offset_rad[i].mean);
     let low = of_blocks(&|b| b.offset_rad[i].interval_95().low);

@@ -287,12 +287,22 @@ pub struct SegmentEstimate {
 pub struct BlockEstimate {
     /// Middle of the block, s.
     pub time_s: f64,
-    /// Weight, 0 (left out) to 1.
+    /// Weight, 0 to 1; [small](BlockEstimate::is_left_out): left out.
     pub weight: f64,
     /// What the block says of the offset once everything else is taken off, rad.
     pub block_rad: Vec<f64>,
     /// Estimated offset then, rad.
     pub offset_rad: Vec<Gaussian>,
+}
+
+/// A block of less weight, three standard deviations off in the mean, counts as left out.
+pub(super) const OUTLIER: f64 = 0.25;
+
+impl BlockEstimate {
+    /// Whether it was left out as contact or disturbance: it is three standard deviations off in the mean.
+    pub fn is_left_out(&self) -> bool {
+        self.weight < OUTLIER
+    }
 }
 
 /// What the form that goes on block by block says of a recording, as beside a running robot.

@@ -7,7 +7,7 @@ use super::inflation::{self, Inflation};
 use super::poses::Poses;
 use super::recorder::Recorded;
 use super::result::{
-    BlockEstimate, LeftOut, LimitState, MotorTorque, PayloadChange, RetensionLimit,
+    BlockEstimate, LeftOut, LimitState, MotorTorque, OUTLIER, PayloadChange, RetensionLimit,
     SegmentEstimate, SessionEstimate, TemperatureSource, TendonEstimate, Verdict,
 };
 use super::segments::Segments;
@@ -24,9 +24,6 @@ use sinew_model::offset::{
 };
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
-
-/// A block of less weight, three standard deviations off in the mean, counts as left out.
-const OUTLIER: f64 = 0.25;
 
 /// The result of a recording.
 pub(super) fn summarise(
