@@ -250,7 +250,7 @@ fn bounded_work_says_the_same_a_block_later() {
     };
     let mut last_ns = frames[0].time_ns;
     let (mut before, mut updates) = (told(&whole), [0, 0]);
-    let mut saved = 0;
+    let (mut saved, mut in_doubt) = (0, 0);
     for frame in &frames {
         let dt_s = (frame.time_ns - last_ns) as f64 * 1e-9;
         last_ns = frame.time_ns;
@@ -271,11 +271,17 @@ fn bounded_work_says_the_same_a_block_later() {
             let texts = [&whole, &bounded].map(|live| live.save("run", last_ns));
             let [one, other] = texts.map(|saved| saved.map(|next| next.to_text()).ok());
             assert_eq!(one, other);
+            // What is in doubt isn't handed on.
+            assert_eq!(one.is_none(), whole.is_provisional());
+            in_doubt += usize::from(one.is_none());
             saved += usize::from(one.is_some());
         }
     }
     assert_eq!(bounded.blocks_left_out(), 0);
-    assert!(updates[0] > 100 && saved > 0, "{updates:?}, {saved} saved");
+    assert!(
+        updates[0] > 100 && saved > 0 && in_doubt > 0,
+        "{updates:?}, {saved} saved"
+    );
 }
 
 /// Samples one by one are what frames of a recording are.
