@@ -46,6 +46,10 @@ fn which_reading_jumped_is_seen_in_the_samples() {
         at(&swing(250.0, none, |t| -slip(1e-6)(t))),
         Cause::JointEncoder
     );
+    // The arm rests for ten minutes: that is no slower sampling.
+    let mut rested = swing(250.0, slip(1e-6), none);
+    (0..500).for_each(|k| rested.push(660.0 + f64::from(k) / 250.0, &[0.0], &[0.0]));
+    assert_eq!(at(&rested), Cause::MotorEncoder);
     // The other way round would make the offset smaller: that is no explanation.
     assert_eq!(at(&swing(250.0, none, slip(1e-6))), Cause::Rope);
     // Motor and joint share a rope's slip and take a tenth of a second.
