@@ -52,7 +52,7 @@ impl Default for Options {
 
 /// Interval of simulated robots over that of the nominal one: those of scenario S6, which differ
 /// from their description in stiffness, masses and friction, show 2.9 times the interval (seeds 700
-/// to 711, 48 offsets; `tests/excitation.rs` holds it against others). Residuals and the baseline
+/// to 711, 48 offsets; `tests/excitation.rs` holds 3 against others). Residuals and the baseline
 /// are worse than on a robot that is as described.
 const SEEN_OVER_NOMINAL: f64 = 3.0;
 /// Share of the range at each end that poses stay away from.

@@ -55,7 +55,7 @@ impl ChainRequest {
 /// Another simulation or estimator: what older files hold can't go on.
 const SESSIONS: journal::Kind = journal::Kind {
     format: "sinew-sessions",
-    version: 8,
+    version: 9,
     holds: "simulated sessions",
 };
 

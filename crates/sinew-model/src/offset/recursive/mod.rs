@@ -49,8 +49,9 @@ use workspace::{Workspace, dimension};
 /// deviations, `w = 0.02`, moved an arm that stands nine tenths of the way.
 ///
 /// The scale `c` of the redescending weight falls from wide to 3 with the data, as the batch form's
-/// does from iteration to iteration. `ι` spreads the information of correlated blocks, and a stand
-/// counts as one block. Noise `σ` follows the median of the innovations.
+/// does from iteration to iteration. `ι` is how many blocks say what one of independent errors does: noise
+/// lasts for a second, and what the model gets wrong for 0.3 rad of the fastest joint's way. Of a stand the first ten seconds
+/// count, as one block. Noise `σ` follows the median of the innovations.
 ///
 /// **Reweighting.** A block is weighed three times: when it comes, and a quarter and half of a minute
 /// later, with the posterior of then, `χ = mean e²/σ²`. The difference goes in as a measurement of the
@@ -62,7 +63,7 @@ use workspace::{Workspace, dimension};
 ///
 /// **Challenger.** The first blocks are weighed against the prior alone: an arm that is leant on while
 /// the filter starts would have every later block left out. So a second filter, the challenger,
-/// replays the first 75 blocks seven times from the prior, each time with weights from the time before
+/// replays the first 75 blocks eight times from the prior, each time with weights from the time before
 /// and a smaller `c`, as the batch form does. It then takes what came since, and replaces the first
 /// filter, the incumbent, where it explains all blocks better. Until then, some 24 s, the offsets [are
 /// provisional](RecursiveOffsets::is_provisional).
