@@ -1,7 +1,5 @@
 //! What a number may be, and the unit its key ends in.
 
-use std::borrow::Cow;
-
 /// What a number may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
@@ -31,8 +29,9 @@ impl Bound {
     }
 
     /// What a number that is refused must be: `above 0 N·m`.
+    #[cfg(any(feature = "toml", feature = "csv"))]
     pub(crate) fn must(self, unit: &str) -> String {
-        let text: Cow<'_, str> = match self {
+        let text: std::borrow::Cow<'_, str> = match self {
             Self::Any => "a finite number".into(),
             Self::Positive => "above 0".into(),
             Self::NotNegative => "at least 0".into(),

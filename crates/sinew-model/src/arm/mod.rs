@@ -295,7 +295,7 @@ mod tests {
         assert!(arm.is_whole());
         let pose = Pose::from_xyz_rpy([0.0; 3], [0.0; 3]);
         for (joint, is_whole) in [(Some(1), true), (Some(2), false), (None, true)] {
-            arm.links = vec![LinkFrame {
+            arm.links = alloc::vec![LinkFrame {
                 name: "hand".into(),
                 joint,
                 pose,
