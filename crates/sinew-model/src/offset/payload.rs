@@ -3,8 +3,13 @@
 use crate::arm::PARAMETERS_PER_BODY;
 use crate::offset::parameter::PAYLOAD;
 
-/// Nothing is held further from where it is expected, m: a tool by its end.
-const FAR_M: f64 = 0.3;
+/// Nothing is held further from where it is expected, m, a tool by its end, where it may be off by `reach_m`, a standard deviation
+/// (`payload_reach_mm`).
+pub(crate) fn furthest_m(reach_m: f64) -> f64 {
+    const TOOL_M: f64 = 0.3;
+    const TOOL_REACH_M: f64 = 0.05;
+    TOOL_M * (reach_m / TOOL_REACH_M).max(1.0)
+}
 
 /// Inertial parameters of a kilogram at a point, in the order of the regressor.
 pub(crate) fn point_mass([x, y, z]: [f64; 3]) -> [f64; PARAMETERS_PER_BODY] {
@@ -30,13 +35,14 @@ pub(crate) struct HeldPayload {
 }
 
 impl HeldPayload {
-    pub(crate) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD]) -> Self {
+    /// * `furthest_m`: [`furthest_m`] of the robot.
+    pub(crate) fn new([mass_kg, moments @ ..]: [f64; PAYLOAD], furthest_m: f64) -> Self {
         let [x, y, z] = moments;
         let size = libm::sqrt(x * x + y * y + z * z);
         Self {
             mass_kg,
             moments,
-            least_mass_kg: mass_kg.max(size / FAR_M),
+            least_mass_kg: mass_kg.max(size / furthest_m),
         }
     }
 }
@@ -107,7 +113,7 @@ mod tests {
         a: [f64; 3],
         held: [f64; PAYLOAD],
     ) -> (f64, [f64; PAYLOAD]) {
-        PayloadTorque::new(body, a).torque(&HeldPayload::new(held))
+        PayloadTorque::new(body, a).torque(&HeldPayload::new(held, furthest_m(0.05)))
     }
 
     #[test]
@@ -155,5 +161,22 @@ mod tests {
         let expected = -0.01 + 0.004 + 2.0 * (0.004 / 0.3) * 0.09;
         assert!((torque - expected).abs() < 1e-14, "{torque} {expected}");
         assert!(slope.iter().all(|s| s.is_finite()));
+    }
+
+    /// 0.2 kg at the end of half a meter of tool, where `payload_reach_mm` is 100.
+    #[test]
+    fn a_longer_reach_holds_a_load_further_out() {
+        let body = [1.0; PARAMETERS_PER_BODY];
+        let held = [0.2, 0.0, 0.0, 0.1];
+        let torque = |reach_m| {
+            let held = HeldPayload::new(held, furthest_m(reach_m));
+            PayloadTorque::new(&body, [0.0; 3]).torque(&held).0
+        };
+        let expected = 0.2 + 0.1 + 2.0 * 0.2 * 0.25;
+        assert!((torque(0.1) - expected).abs() < 1e-14);
+        let at_30_cm = 0.2 + 0.1 + 2.0 * 0.1 * 0.3;
+        for short in [0.0, 0.05] {
+            assert!((torque(short) - at_30_cm).abs() < 1e-14);
+        }
     }
 }

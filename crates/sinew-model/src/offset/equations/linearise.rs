@@ -67,7 +67,10 @@ pub(crate) fn linearise(
     let reference_c = how.reference_c;
     let common = Common {
         x,
-        payload: HeldPayload::new(core::array::from_fn(|k| out.sum(x, ChangeKind::Payload, k))),
+        payload: HeldPayload::new(
+            core::array::from_fn(|k| out.sum(x, ChangeKind::Payload, k)),
+            model.payload_furthest_m,
+        ),
         warmer: if block.temperature_c.is_finite() && reference_c.is_finite() {
             block.temperature_c - reference_c
         } else {

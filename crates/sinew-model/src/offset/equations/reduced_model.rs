@@ -20,6 +20,7 @@ use crate::offset::block::Block;
 use crate::offset::error::MapError;
 use crate::offset::layout::Layout;
 use crate::offset::parameter::JointParameter;
+use crate::offset::payload::furthest_m;
 use crate::offset::prior::{JointPrior, Prior};
 use alloc::vec::Vec;
 
@@ -32,6 +33,8 @@ pub(crate) struct ReducedModel {
     pub(crate) inertial: Vec<f64>,
     /// Where in the payload's frame it is expected, m.
     pub(crate) payload_at: [f64; 3],
+    /// Nothing is held further from there, m.
+    pub(crate) payload_furthest_m: f64,
     /// Columns of the body that carries the payload: those of `Φ_c` each is made of, and how much.
     payload_columns: Vec<(usize, usize, f64)>,
     base: BaseParameters,
@@ -58,6 +61,7 @@ impl ReducedModel {
             joints: prior.joints.clone(),
             inertial: base.of(&prior.inertial),
             payload_at: prior.payload_at,
+            payload_furthest_m: furthest_m(prior.reach_m()),
             payload_columns,
             base,
         }
