@@ -198,12 +198,12 @@ fn a_slip_is_doubted_and_then_followed() {
     assert!(3 * doubts <= seeds(3), "{doubts}");
 }
 
-/// In four poses a second slip, ten seconds after the first, looks like lost stiffness: taken for that, the elbow was 42 to 46 mrad off without
+/// In four poses a second slip, ten to twenty seconds after the first, looks like lost stiffness: taken for that, the elbow was 31 to 46 mrad off without
 /// doubt.
 #[test]
 fn a_second_slip_in_four_poses_is_not_taken_for_lost_stiffness() {
     let plan = plan_named("S9").unwrap();
-    for seed in [5008, 5045] {
+    for seed in [5008, 5045, 10012, 10022] {
         let recording = record(&plan, seed, Sessions::Chain).unwrap();
         let at_end = |end: &&EndScore| (end.form, end.end) == (Form::Recursive, End::Chain);
         let end = recording.ends.iter().find(at_end).unwrap();

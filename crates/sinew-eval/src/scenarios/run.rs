@@ -14,7 +14,7 @@ use std::path::Path;
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 16,
+    version: 17,
     holds: "scenario results",
 };
 

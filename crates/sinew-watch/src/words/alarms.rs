@@ -215,7 +215,9 @@ pub fn advice(alarm: &Alarm) -> Option<&'static str> {
         (_, Condition::Jump) => "Look at rope, clamps and encoder.",
         (_, Condition::RetensionLimit) => "Tension the rope, then press “tensioned”.",
         (AlarmCause::Jump { .. }, Condition::Suspicion) => "The next session tells.",
-        (AlarmCause::InDoubt { .. }, _) => "Is something in the gripper, or is the arm held?",
+        (AlarmCause::InDoubt { .. }, _) => {
+            "Is something in the gripper, or is the arm held? If not, more poses, or the next session, tell."
+        }
         (
             AlarmCause::Data {
                 trouble: Trouble::Qos { .. },

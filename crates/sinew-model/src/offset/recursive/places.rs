@@ -15,12 +15,14 @@ pub(super) struct Places {
     blocks: Vec<f64>,
     /// Blocks of this span.
     taken: f64,
-    /// The least share of a span's blocks that were in one pose, of all spans that are over.
-    least: f64,
+    /// The least share of a span's blocks that were in one pose, and in [`Places::FEW`], of all spans that are over.
+    least: [f64; 2],
 }
 
 impl Places {
     const MOST: usize = 16;
+    /// So few poses say little of which torque goes with which: an arm on one of two ways stops in four.
+    const FEW: usize = 4;
     /// Blocks of a span, five minutes: an arm that worked, and stands since, has said what it did of a force.
     const SPAN: f64 = 1500.0;
 
@@ -29,14 +31,17 @@ impl Places {
             poses: alloc::vec![0.0; joints * Self::MOST],
             blocks: alloc::vec![0.0; Self::MOST],
             taken: 0.0,
-            least: f64::INFINITY,
+            least: [f64::INFINITY; 2],
         }
     }
 
     /// A block has come.
     pub(super) fn note(&mut self, q: &[f64]) {
         if self.taken >= Self::SPAN {
-            self.least = self.least.min(self.share());
+            let shares = self.shares();
+            for (least, share) in self.least.iter_mut().zip(shares) {
+                *least = least.min(share);
+            }
             self.blocks.fill(0.0);
             self.taken = 0.0;
         }
@@ -68,17 +73,38 @@ impl Places {
         }
     }
 
-    /// Share of this span's blocks in the pose that has most.
-    fn share(&self) -> f64 {
-        self.blocks.iter().fold(0.0_f64, |most, b| most.max(*b)) / self.taken.max(1.0)
+    /// Share of this span's blocks in the pose that has most, and in the few that have.
+    fn shares(&self) -> [f64; 2] {
+        let mut most = [0.0; Self::FEW];
+        for &blocks in &self.blocks {
+            let mut left: f64 = blocks;
+            for place in &mut most {
+                (*place, left) = (left.max(*place), left.min(*place));
+            }
+        }
+        let [first, ..] = most;
+        let few: f64 = most.iter().sum();
+        [first, few].map(|blocks| blocks / self.taken.max(1.0))
+    }
+
+    /// Shares of the time in which the arm was in one pose, and in one of few, 0 to 1: of the spans in which these were least.
+    fn told(&self) -> [f64; 2] {
+        match self.least {
+            [one, _] if one.is_finite() => self.least,
+            _ => self.shares(),
+        }
     }
 
     /// Share of the time in which the arm was in one pose, 0 to 1: of the span in which that was least.
     pub(super) fn most_in_one(&self) -> f64 {
-        match self.least.is_finite() {
-            true => self.least,
-            false => self.share(),
-        }
+        let [one, _] = self.told();
+        one
+    }
+
+    /// The same of the four poses that have most.
+    pub(super) fn most_in_few(&self) -> f64 {
+        let [_, few] = self.told();
+        few
     }
 }
 
@@ -107,9 +133,20 @@ mod tests {
         for _ in 0..3000 {
             places.note(&[0, 1].map(|_| 2.0 * random(&mut seed)));
         }
-        let worked = places.most_in_one();
-        assert!(worked < 0.3, "{worked}");
+        let worked = (places.most_in_one(), places.most_in_few());
+        assert!(worked.0 < 0.3 && worked.1 < 0.5, "{worked:?}");
         stand(&mut places, 18_000, &mut seed);
-        assert_eq!(places.most_in_one(), worked);
+        assert_eq!((places.most_in_one(), places.most_in_few()), worked);
+    }
+
+    /// Half of the time in the first of five poses, an eighth in each of the others.
+    #[test]
+    fn the_few_poses_that_have_most_are_counted() {
+        let mut places = Places::new(2);
+        for pose in [0, 1, 0, 2, 0, 3, 0, 4].repeat(20) {
+            places.note(&[f64::from(pose), 0.0]);
+        }
+        assert!((places.most_in_one() - 0.5).abs() < 1e-12);
+        assert!((places.most_in_few() - 0.875).abs() < 1e-12);
     }
 }

@@ -100,6 +100,11 @@ impl BlockRing {
         self.places.most_in_one()
     }
 
+    /// The same of the four poses it was in most.
+    pub(super) fn in_few_poses(&self) -> f64 {
+        self.places.most_in_few()
+    }
+
     /// A block's temperature is another one, °C.
     pub(super) fn state_temperature(&mut self, number: usize, temperature_c: f64) {
         if let Some(kept) = self.blocks.get_mut(number % KEPT) {

@@ -5,7 +5,7 @@
 
 use super::force::{ForceAverage, ForceBelief};
 use super::{
-    AGAIN, COARSE, KEPT, Kind, NOISE_SEEN, RecursiveOffsets, SCALES, SEGMENT, Stage, Task,
+    AGAIN, COARSE, KEPT, Kind, NOISE_SEEN, RecursiveOffsets, SCALES, SEGMENT, SOFTER, Stage, Task,
 };
 use crate::StepError;
 use crate::offset::block::Block;
@@ -401,6 +401,14 @@ impl RecursiveOffsets {
             let offset = self.offset_now(joint);
             if let Some(told) = self.told.get_mut(joint) {
                 *told = offset;
+            }
+        }
+        if self.seen == 0 {
+            for (joint, softer) in self.softer_before.iter_mut().enumerate() {
+                *softer = self
+                    .stiffness
+                    .probability(joint)
+                    .is_some_and(|p| p > SOFTER);
             }
         }
         self.told_force = self.incumbent.force().map(ForceBelief::found);
