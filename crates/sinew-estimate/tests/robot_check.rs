@@ -102,6 +102,11 @@ fn each_slip_in_robot_toml_is_named_with_its_line_and_the_unit_it_looks_like() {
         ("urdf", "[joints.", "gravity_m_s2 = [0, 0, 9.81]\n[joints.", K::GravityUp, Odd, None),
         ("urdf", "[joints.", "base_rpy_rad = [180, 0, 0]\n[joints.", K::Range, Odd, Some("°")),
         ("[tolerances]", "drift_mrad_per_k", "stiffness_percent = 1200\ndrift_mrad_per_k", K::Range, Odd, None),
+        ("[tolerances]", "drift_mrad_per_k", "payload_reach_mm = 0.05\ndrift_mrad_per_k", K::Range, Odd, Some("m")),
+        ("[tolerances]", "drift_mrad_per_k", "payload_kg = 5000\ndrift_mrad_per_k", K::Range, Odd, Some("g")),
+        ("[tolerances]", "drift_mrad_per_k", "zero_mrad = 0.01\ndrift_mrad_per_k", K::Range, Odd, Some("rad")),
+        ("[tolerances]", "drift_mrad_per_k", "temperature_k = 295\ndrift_mrad_per_k", K::Range, Odd, None),
+        ("[tolerances]", "drift_mrad_per_k", "external_force_n = 5000\ndrift_mrad_per_k", K::Range, Odd, Some("mN")),
     ];
     for (after, from, to, kind, severity, unit) in cases {
         let text = slip(&toml, after, from, to);

@@ -157,8 +157,25 @@ fn bounds_of(path: &str) -> Option<Bounds> {
         // From tiny coreless motors to ring torque motors.
         "torque_constant_nm_per_a" => Bounds::usual(2e-4, 12.0),
         "counts_per_turn" => Bounds::usual(4.0, 1.4e8),
-        key if parent == "tolerances" && key.ends_with("_percent") => Bounds::usual(0.05, 100.0),
+        key if parent == "tolerances" => return tolerance(key),
         _ if last.starts_with("base_rpy_rad[") => Bounds::usual(0.0, TAU),
+        _ => return None,
+    })
+}
+
+/// What is usual of a tolerance: wide enough for a finger's and a crane's, narrow enough for a unit that is a thousand times another.
+fn tolerance(key: &str) -> Option<Bounds> {
+    Some(match key {
+        key if key.ends_with("_percent") => Bounds::usual(0.05, 100.0),
+        "payload_reach_mm" => Bounds::usual(1.0, 1_000.0),
+        "payload_kg" | "payload_mean_kg" => Bounds::usual(5e-4, 500.0),
+        // 20 bit to a potentiometer.
+        "encoder_mrad" => Bounds::usual(2e-3, 20.0),
+        "drift_mrad_per_k" => Bounds::usual(1e-3, 5.0),
+        "zero_mrad" => Bounds::usual(0.05, 1_000.0),
+        // 295 is a temperature, not how far one is off.
+        "temperature_k" => Bounds::usual(0.05, 100.0),
+        "external_force_n" => Bounds::usual(0.01, 500.0),
         _ => return None,
     })
 }
