@@ -16,7 +16,7 @@ use sinew_estimate::feeder::Injection;
 use sinew_estimate::init::Init;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
-use sinew_estimate::session::{self, Payload, SessionOptions, Touch, Window};
+use sinew_estimate::session::{self, BlockEstimate, Payload, SessionOptions, Touch, Window};
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::trend::prior::rope_prior;
 use sinew_estimate::trend::survival::{EventColumns, LifePrior, analyze_lives, read_lives};
@@ -127,6 +127,7 @@ fn what_sessions_say_is_what_they_said() {
             said.nuisance.clear();
         }
         document(&mut answers, name, &said);
+        blocks(&mut answers, name, &said.blocks);
         before = next;
         let (filter, weights) = block_by_block(&robot, &first, &options, part);
         answers.about(&format!("{name} block by block"));
@@ -201,13 +202,34 @@ fn what_touches_and_stands_say_is_what_they_said() {
             session::estimate_recorded(&plain, &recorded, name, with, &options).unwrap();
         said.nuisance.clear();
         document(&mut answers, name, &said);
-        let mut live = session::replay_live(&plain, &recorded.blocks, with, &options).unwrap();
-        let mut at = 0..;
-        live.blocks
-            .retain(|_| at.next().is_some_and(|k| k % 60 == 59));
+        blocks(&mut answers, name, &said.blocks);
+        let live = session::replay_live(&plain, &recorded.blocks, with, &options).unwrap();
         document(&mut answers, &format!("{name} live"), &live);
+        for (k, block) in live.blocks.iter().enumerate().skip(59).step_by(60) {
+            answers.about(&format!("{name} live over time, {k}"));
+            answers.number("time", block.time_s);
+            answers.number("weight", block.weight);
+            answers.number("in doubt", f64::from(u8::from(block.in_doubt)));
+            for (joint, offset) in block.offset_rad.iter().enumerate() {
+                answers.gaussian(&format!("{joint}"), *offset);
+            }
+        }
     }
     answers.hold("known_touches.csv");
+}
+
+/// What plots show over time, which no document has: of every twelve seconds a block.
+fn blocks(answers: &mut Answers, about: &str, blocks: &[BlockEstimate]) {
+    assert!(blocks.len() > 120, "{}", blocks.len());
+    for (k, block) in blocks.iter().enumerate().skip(59).step_by(60) {
+        answers.about(&format!("{about} over time, {k}"));
+        answers.number("time", block.time_s);
+        answers.number("weight", block.weight);
+        for (joint, (own, offset)) in block.block_rad.iter().zip(&block.offset_rad).enumerate() {
+            answers.number(&format!("{joint} of the block"), *own);
+            answers.gaussian(&format!("{joint}"), *offset);
+        }
+    }
 }
 
 const LOG: &str = "date,unit,kind,hall,event\n\
