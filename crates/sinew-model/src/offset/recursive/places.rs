@@ -15,8 +15,10 @@ pub(super) struct Places {
     blocks: Vec<f64>,
     /// Blocks of this span.
     taken: f64,
-    /// The least share of a span's blocks that were in one pose, and in [`Places::FEW`], of all spans that are over.
-    least: [f64; 2],
+    /// The least share of a span's blocks that were in one pose, of all spans that are over.
+    least: f64,
+    /// Share of the blocks of the last span that is over that were in [`Places::FEW`] poses.
+    in_few: Option<f64>,
 }
 
 impl Places {
@@ -25,23 +27,25 @@ impl Places {
     const FEW: usize = 4;
     /// Blocks of a span, five minutes: an arm that worked, and stands since, has said what it did of a force.
     const SPAN: f64 = 1500.0;
+    /// Blocks of a span that say something of it, a minute.
+    const ENOUGH: f64 = 300.0;
 
     pub(super) fn new(joints: usize) -> Self {
         Self {
             poses: alloc::vec![0.0; joints * Self::MOST],
             blocks: alloc::vec![0.0; Self::MOST],
             taken: 0.0,
-            least: [f64::INFINITY; 2],
+            least: f64::INFINITY,
+            in_few: None,
         }
     }
 
     /// A block has come.
     pub(super) fn note(&mut self, q: &[f64]) {
         if self.taken >= Self::SPAN {
-            let shares = self.shares();
-            for (least, share) in self.least.iter_mut().zip(shares) {
-                *least = least.min(share);
-            }
+            let [one, few] = self.shares();
+            self.least = self.least.min(one);
+            self.in_few = Some(few);
             self.blocks.fill(0.0);
             self.taken = 0.0;
         }
@@ -87,24 +91,21 @@ impl Places {
         [first, few].map(|blocks| blocks / self.taken.max(1.0))
     }
 
-    /// Shares of the time in which the arm was in one pose, and in one of few, 0 to 1: of the spans in which these were least.
-    fn told(&self) -> [f64; 2] {
-        match self.least {
-            [one, _] if one.is_finite() => self.least,
-            _ => self.shares(),
+    /// Share of the time in which the arm was in one pose, 0 to 1: of the span in which that was least.
+    pub(super) fn most_in_one(&self) -> f64 {
+        let [one, _] = self.shares();
+        match self.least.is_finite() {
+            true => self.least,
+            false => one,
         }
     }
 
-    /// Share of the time in which the arm was in one pose, 0 to 1: of the span in which that was least.
-    pub(super) fn most_in_one(&self) -> f64 {
-        let [one, _] = self.told();
-        one
-    }
-
-    /// The same of the four poses that have most.
+    /// Share of the time in which the arm was in the four poses that have most: of this span, or of the one before while this one is
+    /// shorter than a minute. What slips now is seen from where the arm is now.
     pub(super) fn most_in_few(&self) -> f64 {
-        let [_, few] = self.told();
-        few
+        let [_, few] = self.shares();
+        let before = self.in_few.filter(|_| self.taken < Self::ENOUGH);
+        before.unwrap_or(few)
     }
 }
 
@@ -135,8 +136,11 @@ mod tests {
         }
         let worked = (places.most_in_one(), places.most_in_few());
         assert!(worked.0 < 0.3 && worked.1 < 0.5, "{worked:?}");
-        stand(&mut places, 18_000, &mut seed);
+        stand(&mut places, 200, &mut seed);
         assert_eq!((places.most_in_one(), places.most_in_few()), worked);
+        stand(&mut places, 17_800, &mut seed);
+        assert_eq!(places.most_in_one(), worked.0);
+        assert!(places.most_in_few() > 0.99, "{}", places.most_in_few());
     }
 
     /// Half of the time in the first of five poses, an eighth in each of the others.
