@@ -40,6 +40,11 @@ fn look() -> Look {
     })
 }
 
+/// Columns that a text is laid out for.
+pub(crate) fn columns() -> usize {
+    look().columns
+}
+
 /// How a text is meant; words always say it too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {

@@ -171,7 +171,7 @@ pub fn selection_table(s: &Selection) -> String {
         .map(|c| {
             let mark = if c.pareto { " *" } else { "" };
             vec![
-                in_two(&(plain(&c.rope) + mark)),
+                in_two(&(plain(&c.rope) + mark), text::columns()),
                 bracketed(c.elongation_m.scaled(1e3), 2).replace(" to ", "–"),
                 format!("{:.0} %", 100.0 * c.least_share),
                 rounded(1e-3 * c.stiffness_n_per_m.value, 2),
@@ -224,17 +224,32 @@ pub fn selection_table(s: &Selection) -> String {
     out.0
 }
 
-/// A long name on two lines, cut at a hyphen.
-fn in_two(name: &str) -> String {
-    /// What the numbers leave of 80 columns.
-    const ROOM: usize = 19;
+/// A name that is longer than the numbers leave of so many columns on two lines, cut at a hyphen.
+fn in_two(name: &str, columns: usize) -> String {
+    /// What the numbers take.
+    const NUMBERS: usize = 61;
+    let room = columns.saturating_sub(NUMBERS).max(13);
     let cut = name
         .char_indices()
         .filter(|(_, c)| *c == '-')
         .map(|(at, _)| at + 1)
-        .rfind(|at| name[..*at].chars().count() <= ROOM);
+        .rfind(|at| name[..*at].chars().count() <= room);
     match cut {
-        Some(at) if name.chars().count() > ROOM => format!("{}\n{}", &name[..at], &name[at..]),
+        Some(at) if name.chars().count() > room => format!("{}\n{}", &name[..at], &name[at..]),
         _ => name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_two;
+
+    #[test]
+    fn a_name_is_cut_at_a_hyphen_where_there_is_no_room() {
+        let name = "teufelberger-fl-32-ng *";
+        assert_eq!(in_two(name, 100), name);
+        assert_eq!(in_two(name, 80), "teufelberger-fl-32-\nng *");
+        assert_eq!(in_two(name, 75), "teufelberger-\nfl-32-ng *");
+        assert_eq!(in_two("liros", 80), "liros");
     }
 }
