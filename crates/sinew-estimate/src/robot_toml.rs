@@ -167,3 +167,32 @@ pub fn quoted(text: &str) -> String {
     }
     out + "\""
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{key, quoted};
+    use sinew_files::TomlFile;
+
+    #[test]
+    fn any_name_is_read_as_it_was_written() {
+        for name in [
+            "elbow",
+            "",
+            "a b",
+            "größe",
+            "\"",
+            "back\\slash",
+            "a\tb\nc",
+            "a = [1]",
+            "\u{7f}",
+        ] {
+            let text = format!("{} = {}\n", key(name), quoted(name));
+            let file = TomlFile::parse(&text, "robot.toml").unwrap();
+            let entries = file.root().entries();
+            assert_eq!(entries.len(), 1, "{text}");
+            for (read, _, value) in entries {
+                assert_eq!((read, value.text().unwrap()), (name, name), "{text}");
+            }
+        }
+    }
+}
