@@ -216,7 +216,7 @@ pub fn advice(alarm: &Alarm) -> Option<&'static str> {
         (_, Condition::RetensionLimit) => "Tension the rope, then press “tensioned”.",
         (AlarmCause::Jump { .. }, Condition::Suspicion) => "The next session tells.",
         (AlarmCause::InDoubt { .. }, _) => {
-            "Is something in the gripper, or is the arm held? If not, more poses, or the next session, tell."
+            "Is something in the gripper, or is the arm held? If neither, let it work through more poses, or wait for the session's end."
         }
         (
             AlarmCause::Data {
