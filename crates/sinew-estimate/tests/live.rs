@@ -137,7 +137,8 @@ fn a_slip_is_doubted_and_then_followed() {
     let robot = biorob_like();
     let (mut all, mut ends, mut doubts) = ([0, 0], [0, 0], 0);
     let (mut slips, mut late) = (0, 0);
-    for seed in 0..seeds(3) {
+    // The second slip of the eleventh looked like lost stiffness: the elbow was 7 mrad off without doubt for 22 s.
+    for seed in (0..seeds(3)).chain((seeds(3) <= 10).then_some(10)) {
         let (parts, truth) = work_session(&robot, 60 + seed, |t| t, &[60.0]);
         let (baseline, _) =
             session::learn_recorded(&robot, &parts[0], "A", &session::Learning::default()).unwrap();

@@ -14,7 +14,7 @@ use std::path::Path;
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 17,
+    version: 18,
     holds: "scenario results",
 };
 

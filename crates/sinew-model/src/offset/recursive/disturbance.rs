@@ -34,7 +34,7 @@ impl RecursiveOffsets {
 
     /// Whether something was settled within the last minute: offsets, stiffness and payload are open since then, and what comes next
     /// would go in as any of these.
-    fn is_watched(&self) -> bool {
+    pub(super) fn is_watched(&self) -> bool {
         self.ring.taken() < self.watched
     }
 

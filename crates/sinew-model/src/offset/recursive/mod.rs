@@ -86,9 +86,9 @@ use workspace::{Workspace, dimension};
 ///
 /// **Lost stiffness.** Strands may have failed since the prior was learned: the filter starts with every
 /// stiffness opened by a tenth that was known better, and its offsets are averaged over which of them
-/// have changed, as [`MapEstimator::search`] does. A slip fits few poses as well as lost stiffness. So where an arm is in four poses
-/// for most of the time, and stiffness seems lost since something was amiss, with a probability above 0.8, and not before, the offsets
-/// stay provisional.
+/// have changed, as [`MapEstimator::search`] does. A slip fits few poses as well as lost stiffness. So where stiffness seems lost
+/// since something was amiss, with a probability above 0.8, and not before, the offsets stay provisional for a minute after that was
+/// settled, and for as long as the arm is in four poses for most of the time.
 ///
 /// **Creep.** Ropes stretch while they are looked at. So an offset moves evenly, by a rate each that is 0 ± 1 mrad a minute
 /// before the first block, and what is told is where it is now:
@@ -423,7 +423,7 @@ impl RecursiveOffsets {
         let disturbed = self.stage != Stage::Idle || self.is_disturbed();
         let force = self.incumbent.force();
         let begins = force.is_some_and(ForceBelief::is_in_doubt);
-        let softens = self.stands_and_softens() || self.softens_in_few_poses();
+        let softens = self.stands_and_softens() || self.softens_for_a_slip();
         !self.opened || disturbed || begins || softens
     }
 
@@ -433,16 +433,17 @@ impl RecursiveOffsets {
         hardly_moves(self.ring.in_one_pose()) && joints.any(|i| self.stiffness_changed(i) > SOFTER)
     }
 
-    /// Whether a joint of an arm that is in few poses most of the time seems to have lost stiffness since something was amiss. Few poses
-    /// fit a slip as well, or two.
-    fn softens_in_few_poses(&self) -> bool {
+    /// Whether a joint seems to have lost stiffness since something was amiss, and little says that it was no slip: something was settled
+    /// less than a minute ago, or the arm is in few poses most of the time.
+    fn softens_for_a_slip(&self) -> bool {
         /// Share of the time in four poses. Arms that go from one to the next have 0.69 to 0.91 (S9), those that move all the time 0.3.
         const FEW: f64 = 0.6;
         /// Of 77 recordings in four poses none came to more than 0.7; three whose elbow was 31 to 53 mrad off came to 1.00.
         const SURELY: f64 = 0.8;
         let mut joints = self.softer_before.iter().enumerate();
         let softens = |(i, before): (usize, &bool)| !before && self.stiffness_changed(i) > SURELY;
-        self.seen > 0 && self.ring.in_few_poses() > FEW && joints.any(softens)
+        let says_little = self.is_watched() || self.ring.in_few_poses() > FEW;
+        self.seen > 0 && says_little && joints.any(softens)
     }
 
     /// Probability that the stiffness of a joint has changed since the belief the filter started
