@@ -6,8 +6,8 @@ use crate::folder::sides::{self, Fitted, Tendon};
 use crate::known_creep::{self, CreepKind, KnownCreeps};
 use crate::sessions::Sessions;
 use sinew_estimate::robot_dir;
-use sinew_estimate::trend::prior::{RopePrior, rope_prior};
-use sinew_estimate::trend::{
+use sinew_trend::prior::{RopePrior, rope_prior};
+use sinew_trend::{
     AnalyzeError, GoneOn, KeptTrend, SessionRecord, Stated, TrendRequest, go_on, mean_temperature_c,
 };
 use sinew_model::robot::Robot;

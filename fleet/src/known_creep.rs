@@ -6,7 +6,7 @@ use sinew_files::csv::Table;
 use sinew_files::date::DAY_S;
 use sinew_files::{Bound, Fault, Fields as _, limits};
 use sinew_log::{Cell, CellKind, Column, TableWriter};
-use sinew_model::trend::{Curve, Prior};
+use sinew_trend::filter::{Curve, Prior};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -231,7 +231,7 @@ pub(crate) fn apply(prior: &mut Prior, known: &KnownCreep) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_model::trend::{generic_curves, node_times_s};
+    use sinew_trend::filter::{generic_curves, node_times_s};
 
     /// Straight lines over the logarithm of time, each as fast as it says per decade.
     fn law(per_decade_rad: &[f64]) -> Vec<Curve> {

@@ -5,7 +5,7 @@ use crate::folder::sides::Tendon;
 use datafusion::arrow::array::{Array as _, AsArray as _, RecordBatch};
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use sinew_estimate::trend::SessionRecord;
+use sinew_trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! Words of states in tables that other programs read.
 
-use sinew_estimate::trend::{Limit, LimitState, TrendVerdict};
+use sinew_trend::{Limit, LimitState, TrendVerdict};
 
 pub(crate) fn limit(limit: Limit) -> &'static str {
     match limit {

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use libfuzzer_sys::fuzz_target;
 use sinew_rope::bench::{Bench, simulate};
 use sinew_rope::{Catalogue, Draws};
-use sinew_model::rope::Law;
+use sinew_rope::law::Law;
 
 fn law() -> &'static Law {
     static LAW: OnceLock<Law> = OnceLock::new();

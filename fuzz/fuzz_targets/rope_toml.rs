@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_model::rope::entry::CatalogueEntry;
-use sinew_model::rope::{Law, RopeLoad, State};
+use sinew_rope::law::entry::CatalogueEntry;
+use sinew_rope::law::{Law, RopeLoad, State};
 
 fuzz_target!(|text: &str| {
     let Ok(entry) = CatalogueEntry::parse(text, "rope.toml") else {

@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_estimate::trend::{records_from_csv, records_from_json, sort};
-use sinew_model::trend::{Prior, Record, Trend, TrendConfig, generic_curves};
+use sinew_trend::{records_from_csv, records_from_json, sort};
+use sinew_trend::filter::{Prior, Record, Trend, TrendConfig, generic_curves};
 
 fuzz_target!(|text: &str| {
     let (kind, text) = text.split_at(text.chars().next().map_or(0, char::len_utf8));

@@ -7,7 +7,7 @@ use sinew_creep::CreepError;
 use sinew_estimate::EstimateError;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_estimate::session::SessionError;
-use sinew_estimate::trend::{AnalyzeError, RecordError};
+use sinew_trend::{AnalyzeError, RecordError};
 use sinew_eval::excitation::ExcitationError;
 use sinew_eval::scenarios::ScenarioError;
 use sinew_files::located::Place;
@@ -128,7 +128,7 @@ impl Blame for sinew_estimate::session::stated::StatedError {}
 impl Blame for sinew_creep::OutOfRange {}
 impl Blame for sinew_model::StepError {}
 impl Blame for sinew_model::offset::OffsetConfigError {}
-impl Blame for sinew_model::rope::LoadError {}
+impl Blame for sinew_rope::law::LoadError {}
 
 impl<E: Blame> From<E> for Failure {
     fn from(error: E) -> Self {

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::{Given, Progress, Request as EstimateRequest};
-use sinew_model::rope::{Law, RopeLoad, State};
+use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
 use sinew_report::rope::{
     catalogue_table, curve_times, plan_table, planned, predicted, prediction_series,

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::robot::RobotArg;
 use crate::work::work;
 use pyo3::prelude::*;
-use sinew_estimate::trend::{
+use sinew_trend::{
     Stated, TrendRequest, analyze, read_records, records_from_csv, records_from_json, sort_of,
 };
 use sinew_files::date::parse_utc_s;

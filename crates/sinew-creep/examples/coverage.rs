@@ -8,7 +8,7 @@
 mod support;
 
 use sinew_creep::*;
-use sinew_model::rope::Parameters;
+use sinew_rope::law::Parameters;
 use std::process::ExitCode;
 use support::bench::{
     COLD, SIGMA, by_name, options, records_of, sampled, scores, truth_of, truth_of_one_load,

@@ -25,7 +25,7 @@ pub enum Law {
     Stretched,
     /// `s t`: a straight line, as the paper's `m_E`.
     Line,
-    /// [`sinew_model::rope`]: bedding-in, delayed elasticity, flow and heat of a rope, under the
+    /// [`sinew_rope::law`]: bedding-in, delayed elasticity, flow and heat of a rope, under the
     /// tensions and temperatures of the record. Needs a catalogue rope ([`super::RopeBase`]) for
     /// its breaking load and for what the record can't tell.
     Rope,

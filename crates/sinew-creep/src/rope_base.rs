@@ -2,8 +2,8 @@
 
 use super::error::CreepError;
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::Parameters;
-use sinew_model::rope::entry::CatalogueEntry;
+use sinew_rope::law::Parameters;
+use sinew_rope::law::entry::CatalogueEntry;
 
 /// The catalogue rope a fit starts from: breaking load, material, and what the record can't tell.
 #[derive(Debug, Clone, PartialEq)]

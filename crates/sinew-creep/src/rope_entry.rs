@@ -1,8 +1,8 @@
 //! A fit of the rope law as a rope of the catalogue.
 
-use sinew_model::rope::Parameter;
-use sinew_model::rope::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
-use sinew_model::rope::holds::Holds;
+use sinew_rope::law::Parameter;
+use sinew_rope::law::entry::{CatalogueEntry, Correlation, Origin, Uncertainty, Value};
+use sinew_rope::law::holds::Holds;
 
 use super::curve::Curve;
 use super::error::{CreepError, NoEntry};

@@ -1,4 +1,4 @@
-//! The rope law ([`sinew_model::rope`]) as a law of creep fits.
+//! The rope law ([`sinew_rope::law`]) as a law of creep fits.
 //!
 //! For given times, exponents and energies the strain of a record is linear in `1/k`, `e_t`, `B`,
 //! `J`, `A₀` and `S`: bedding-in, delayed elasticity, flow and retraction don't act on each other,
@@ -7,8 +7,8 @@
 //! closed form), and only the rest is searched.
 
 use sinew_model::Z95;
-use sinew_model::rope::entry::{Uncertainty, Value};
-use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
+use sinew_rope::law::entry::{Uncertainty, Value};
+use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Parameters, State};
 
 use super::curve::Curve;
 use super::error::{CreepError, Unusable};
@@ -133,8 +133,8 @@ fn flow_share(curve: &Curve, base: &RopeBase, mbl: f64) -> f64 {
         .map_or(0.0, |value| value.at(Z95));
     let p = &base.parameters;
     let celsius = curve.temperature_c.unwrap_or(TEMPERATURE_C);
-    let heat = p.flow_energy_j_per_mol / sinew_model::rope::GAS_CONSTANT
-        * (1.0 / sinew_model::rope::REFERENCE_K - 1.0 / (celsius + CELSIUS_ZERO_K));
+    let heat = p.flow_energy_j_per_mol / sinew_rope::law::GAS_CONSTANT
+        * (1.0 / sinew_rope::law::REFERENCE_K - 1.0 / (celsius + CELSIUS_ZERO_K));
     let most = tensions(curve).fold(0.0, f64::max) / mbl;
     let stress = most * p.breaking_stress_mpa / p.flow_stress_mpa;
     let last = curve.time_s.last().copied().unwrap_or(0.0);

@@ -1,6 +1,6 @@
 //! A rope's way through the tensions of a record, part by part.
 
-use sinew_model::rope::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
+use sinew_rope::law::{CELSIUS_ZERO_K, Law as RopeLaw, Parameter, Rates, RopeLoad, State};
 
 use super::curve::{Curve, Tension};
 

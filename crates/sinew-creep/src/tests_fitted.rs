@@ -16,7 +16,7 @@ use super::tests_analyzed::Tests;
 use super::withhold::{Coverage, withhold_all};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
-use sinew_model::rope::entry::CatalogueEntry;
+use sinew_rope::law::entry::CatalogueEntry;
 
 /// What is fitted together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

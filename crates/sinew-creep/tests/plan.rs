@@ -97,7 +97,7 @@ fn a_test_is_chosen_where_the_duty_is() {
 fn a_test_that_was_made_already_is_worth_little() {
     let mut asked = request(100.0, 23.0, vec![test(100.0, 23.0, 5100.0)]);
     let fresh = planned(&asked);
-    let law = sinew_model::rope::Law::new(crate::support::bench::truth()).unwrap();
+    let law = sinew_rope::law::Law::new(crate::support::bench::truth()).unwrap();
     let mut random = rand::SeedableRng::seed_from_u64(5);
     asked.known = vec![crate::support::bench::record(
         *law.parameters(),

@@ -1,8 +1,7 @@
 //! From frames to tendon offsets: replay, session estimate, baseline, trend of records.
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
-//! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
-//! [`trend`] (sessions over months). Results are data in SI; their words are `sinew-report`'s.
+//! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder). Results are data in SI; their words are `sinew-report`'s.
 
 mod anchored;
 mod answer;
@@ -29,7 +28,6 @@ pub mod robot_toml;
 pub mod session;
 pub mod strand_duty;
 mod touch;
-pub mod trend;
 pub mod warmth;
 mod warning;
 

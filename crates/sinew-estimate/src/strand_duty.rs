@@ -2,8 +2,8 @@
 
 use crate::replay::{self, JointEstimate, Series};
 use crate::{EstimateError, Progress, Request};
-use sinew_model::rope::RopeLoad;
 use sinew_model::transmission::Tendon;
+use sinew_rope::law::RopeLoad;
 use sinew_rope::{Duty, Stretch};
 
 /// Which of the two strands between motor and joint pulley.

@@ -25,7 +25,4 @@ mod slip_cause;
 mod slips;
 mod stands;
 mod support;
-mod survival;
-mod trend;
-mod trend_records;
 mod warmth;

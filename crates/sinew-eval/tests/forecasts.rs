@@ -3,13 +3,13 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sinew_estimate::trend::prior;
 use sinew_eval::year::surrogate::{SessionErrors, records};
 use sinew_eval::year::truth;
 use sinew_files::date::DAY_S;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Paths, Prior, Trend, TrendConfig};
 use sinew_rope::{Catalogue, CatalogueRope, Draws};
+use sinew_trend::filter::{Paths, Prior, Trend, TrendConfig};
+use sinew_trend::prior;
 use std::path::Path;
 
 /// Days with a session.

@@ -2,8 +2,8 @@
 
 use crate::paper_figures::{catalogue, fig1, fig2, fig4, fig5};
 use sinew_eval::paper::{self, PaperFigure};
-use sinew_model::rope::Parameter;
 use sinew_rope::Catalogue;
+use sinew_rope::law::Parameter;
 
 fn all_hold(figure: &PaperFigure, sentences: usize) {
     assert_eq!(figure.sentences.len(), sentences);

@@ -1,5 +1,8 @@
 //! What a number may be, and the unit its key ends in.
 
+/// Temperatures that robots work at, °C: what is beyond is another unit or a fault of the sensor.
+pub const WORKS_AT_C: [f64; 2] = [-60.0, 150.0];
+
 /// What a number may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {

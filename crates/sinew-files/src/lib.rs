@@ -32,7 +32,7 @@ pub mod text;
 mod utf16;
 
 pub use atomic::{AtomicFile, OutputError, folder_of, is_stdout, take_replaced, write_file};
-pub use bound::Bound;
+pub use bound::{Bound, WORKS_AT_C};
 #[cfg(feature = "json")]
 pub use json::JsonDocument;
 pub use limits::Limit;

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Temperatures that robots work at, °C: what is beyond is another unit or a fault of the sensor.
-pub const WORKS_AT_C: [f64; 2] = [-60.0, 150.0];
-
 /// The quantities of a joint, in the order used inside the crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -120,7 +120,7 @@ pub use files::{
     McapOptions, McapWriter, Packing, ParquetWriter, Progress, ReadSeek, Recording, Table,
     TableWriter, Topic, TopicWriter, open, open_parts, recordings_of,
 };
-pub use frame::{Channels, Frame, Quantities, Quantity, WORKS_AT_C};
+pub use frame::{Channels, Frame, Quantities, Quantity};
 pub use health::{
     Damage, EVENT_LIMIT, Event, EventKind, Health, MUCH_LOST, SignalCount, StreamRole, StreamTiming,
 };

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 /// Factorises `A = L Lᵀ`, lower triangle to `l`; both `n × n`, row-major.
 ///
 /// Returns the row at which `a` stops being positive definite (NaN included).
-pub(crate) fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize> {
+pub fn factorise(a: &[f64], l: &mut [f64], n: usize) -> Result<(), usize> {
     for i in 0..n {
         for k in 0..=i {
             let sum = a[i * n + k] - dot(&l[i * n..i * n + k], &l[k * n..k * n + k]);
@@ -32,7 +32,7 @@ fn root(pivot: f64) -> Option<f64> {
 ///   of 0 the factor is 0.
 ///
 /// Returns the row that `pivot` refused.
-pub(crate) fn factorise_singular(
+pub fn factorise_singular(
     a: &[f64],
     l: &mut [f64],
     n: usize,
@@ -56,7 +56,7 @@ pub(crate) fn factorise_singular(
 
 /// A Cholesky factor by tiles: what a large matrix is worth room for.
 #[derive(Debug, Clone)]
-pub(crate) struct Factor {
+pub struct Factor {
     n: usize,
     /// Columns of four rows together, up to a multiple of four; then the next four.
     width: usize,
@@ -67,7 +67,7 @@ pub(crate) struct Factor {
 
 impl Factor {
     /// Room for the factor of a matrix `n × n`; allocates here only.
-    pub(crate) fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         let width = n.next_multiple_of(TILE);
         Self {
             n,
@@ -80,14 +80,14 @@ impl Factor {
     /// The factor of `a`, row-major, of which only the lower half is looked at.
     ///
     /// Returns the row at which `a` stops being positive definite (NaN included).
-    pub(crate) fn of(a: &[f64], n: usize) -> Result<Self, usize> {
+    pub fn of(a: &[f64], n: usize) -> Result<Self, usize> {
         let mut factor = Self::new(n);
         factor.factorise(a)?;
         Ok(factor)
     }
 
     /// [`Factor::of`] in place.
-    pub(crate) fn factorise(&mut self, a: &[f64]) -> Result<(), usize> {
+    pub fn factorise(&mut self, a: &[f64]) -> Result<(), usize> {
         let n = self.n;
         for from in (0..n).step_by(TILE) {
             let mut below = self.rows.chunks_exact_mut(self.width).skip(from / TILE);
@@ -140,7 +140,7 @@ impl Factor {
     }
 
     /// Solves `L x = b` in place; of a shorter `x` with the first rows of `L`.
-    pub(crate) fn forward(&self, x: &mut [f64]) {
+    pub fn forward(&self, x: &mut [f64]) {
         // Until the first entry that isn't zero nothing happens.
         let Some(first) = x.iter().position(|x| *x != 0.0) else {
             return;
@@ -175,7 +175,7 @@ impl Factor {
     }
 
     /// Solves `Lᵀ x = b` in place; of a shorter `x` with the first rows of `L`.
-    pub(crate) fn backward(&self, x: &mut [f64]) {
+    pub fn backward(&self, x: &mut [f64]) {
         let tiles = x.len().div_ceil(TILE);
         let rows = self.rows.chunks_exact(self.width).enumerate().take(tiles);
         for (tile, rows) in rows.rev() {
@@ -199,7 +199,7 @@ impl Factor {
     }
 
     /// Solves `L Lᵀ x = b` in place; of a shorter `x` with the first rows of `L`.
-    pub(crate) fn solve(&self, x: &mut [f64]) {
+    pub fn solve(&self, x: &mut [f64]) {
         self.forward(x);
         self.backward(x);
     }
@@ -221,7 +221,7 @@ fn lower_inverse(columns: &[[f64; TILE]]) -> Tile {
 }
 
 /// Scalar product in four partial sums, which a processor adds side by side.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a4
@@ -240,7 +240,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Solves `L x = b` in place.
-pub(crate) fn forward(l: &[f64], n: usize, x: &mut [f64]) {
+pub fn forward(l: &[f64], n: usize, x: &mut [f64]) {
     // Until the first entry that isn't zero nothing happens.
     let from = x.iter().position(|x| *x != 0.0).unwrap_or(n);
     for i in from..n {
@@ -251,13 +251,13 @@ pub(crate) fn forward(l: &[f64], n: usize, x: &mut [f64]) {
 }
 
 /// Solves `L Lᵀ x = b` in place.
-pub(crate) fn solve(l: &[f64], n: usize, x: &mut [f64]) {
+pub fn solve(l: &[f64], n: usize, x: &mut [f64]) {
     forward(l, n, x);
     backward(l, n, x);
 }
 
 /// Solves `Lᵀ x = b` in place.
-pub(crate) fn backward(l: &[f64], n: usize, x: &mut [f64]) {
+pub fn backward(l: &[f64], n: usize, x: &mut [f64]) {
     for i in (0..n).rev() {
         let (open, known) = x.split_at_mut(i);
         known[0] /= l[i * n + i];
@@ -269,7 +269,7 @@ pub(crate) fn backward(l: &[f64], n: usize, x: &mut [f64]) {
 
 /// Inverse of a symmetric positive definite matrix, scaled to unit diagonal first: the
 /// parameters' units span fifteen orders of magnitude.
-pub(crate) fn inverse(a: &[f64], n: usize) -> Result<Vec<f64>, usize> {
+pub fn inverse(a: &[f64], n: usize) -> Result<Vec<f64>, usize> {
     let mut scale = alloc::vec![0.0; n];
     for i in 0..n {
         let diagonal = a[i * n + i];

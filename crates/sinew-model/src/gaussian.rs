@@ -5,8 +5,7 @@
 pub const Z95: f64 = 1.96;
 /// The same to the last digit: the 97.5 % quantile. A catalogue's 95 % bounds become a deviation by
 /// it, so that a draw at the quantile is the bound itself.
-#[cfg(feature = "catalogue")]
-pub(crate) const QUANTILE_975: f64 = 1.959_963_984_540_054;
+pub const QUANTILE_975: f64 = 1.959_963_984_540_054;
 
 /// A normally distributed quantity, in the unit that the name of its field or function says.
 ///

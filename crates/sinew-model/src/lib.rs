@@ -10,8 +10,7 @@
 //! momentum observer of [`observer`], for the arms of [`mod@arm`].
 //!
 //! Modules in reading order: [`mod@arm`], [`transmission`], [`observer`], [`offset`], [`feeder`] (samples as they come),
-//! [`correction`] (what a controller does about it), [`robot`], [`rope`] for how a rope stretches,
-//! and [`trend`] for what months of offsets say.
+//! [`correction`] (what a controller does about it), [`robot`].
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -40,7 +39,6 @@
 //! # Features
 //! * `std`: nothing but `std::error::Error` being where std users look for it.
 //! * `urdf` (default, implies `std`): arms from URDF text, robots from `robot.toml` text.
-//! * `catalogue` (default, implies `std`): ropes from catalogue text.
 //! * `wire`: blocks and robots as bytes, for a microcontroller and its host.
 //! * `serde`: results as data; `schema`: their JSON Schema.
 //!
@@ -56,26 +54,23 @@
 extern crate alloc;
 
 pub mod arm;
+pub mod cholesky;
 pub mod correction;
 pub mod feeder;
 pub mod observer;
 pub mod offset;
 #[cfg(feature = "urdf")]
 pub mod robot;
-pub mod rope;
 pub mod sines;
 pub mod statistics;
-pub mod survival;
 pub mod tolerances;
 pub mod transmission;
-pub mod trend;
 pub mod vec3;
 #[cfg(feature = "wire")]
 pub mod wire;
 
-mod cholesky;
 mod error;
 mod gaussian;
 mod tile;
 pub use error::StepError;
-pub use gaussian::{Bounded, Gaussian, Interval95, Z95};
+pub use gaussian::{Bounded, Gaussian, Interval95, QUANTILE_975, Z95};

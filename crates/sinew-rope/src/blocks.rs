@@ -1,9 +1,9 @@
 //! Tables of blocks: TOML and CSV.
 
 use super::duty::{Duty, Stretch};
+use crate::law::RopeLoad;
 use sinew_files::csv::Table;
 use sinew_files::{Bound, Fault, Fields, Located, Section, TomlFile, limits, read_text};
-use sinew_model::rope::RopeLoad;
 use std::path::Path;
 
 impl Duty {

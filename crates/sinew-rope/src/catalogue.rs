@@ -1,8 +1,8 @@
 //! Ropes to choose from: those that ship with the program and those in the user's own folders.
 
+use crate::law::entry::CatalogueEntry;
+use crate::law::holds::Holds;
 use sinew_files::{Fault, Located, limits, read_text};
-use sinew_model::rope::entry::CatalogueEntry;
-use sinew_model::rope::holds::Holds;
 use std::path::{Path, PathBuf};
 
 /// Shipped ropes: file and text of each.

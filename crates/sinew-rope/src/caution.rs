@@ -1,8 +1,8 @@
 //! What to be careful about in a prediction.
 
+use crate::law::holds::Holds;
+use crate::law::validity::Outside;
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::holds::Holds;
-use sinew_model::rope::validity::Outside;
 
 /// Something to be careful about.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,10 @@
 //! Ropes of the catalogue as results: what is published, what is known of the law.
 
 use super::{Catalogue, CatalogueRope};
+use crate::law::entry::{Origin, Uncertainty, Value};
+use crate::law::holds::Holds;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
-use sinew_model::rope::entry::{Origin, Uncertainty, Value};
-use sinew_model::rope::holds::Holds;
 use std::collections::BTreeMap;
 
 /// A value of the catalogue with its origin.

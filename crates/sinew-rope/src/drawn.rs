@@ -14,12 +14,12 @@ use super::refusal::PredictError;
 use super::route::Request;
 use super::strand::{Mean, StrandError, strand};
 use super::times::TENSIONED_AFTER_S;
+use crate::law::endurance::Endurance;
+use crate::law::holds::Beyond;
+use crate::law::routing::{self, Pulley};
+use crate::law::{Law, RopeLoad, State, damage};
 use rayon::prelude::*;
 use sinew_model::Bounded;
-use sinew_model::rope::endurance::Endurance;
-use sinew_model::rope::holds::Beyond;
-use sinew_model::rope::routing::{self, Pulley};
-use sinew_model::rope::{Law, RopeLoad, State, damage};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One rope's strand at the catalogue's values and in every draw.
@@ -295,7 +295,7 @@ impl Drawn {
             summary: request.duty.summary(),
             length_m: request.route.length_m,
             read_at_n: self.read_at.tension_n,
-            read_at_c: self.read_at.temperature_k - sinew_model::rope::CELSIUS_ZERO_K,
+            read_at_c: self.read_at.temperature_k - crate::law::CELSIUS_ZERO_K,
             readings: times.enumerate().map(reading).collect(),
             strength_left_share: self.strength_left(rope, request),
             life: self.life.clone(),

@@ -1,12 +1,12 @@
 //! Ropes as they might be: seeded draws of the parameters within their stated intervals.
 
 use super::{CatalogueError, CatalogueRope};
+use crate::law::entry::CatalogueEntry;
+use crate::law::{Law, Parameter};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_model::Bounded;
-use sinew_model::rope::entry::CatalogueEntry;
-use sinew_model::rope::{Law, Parameter};
 use sinew_model::statistics::quantile;
 
 /// Draws made where nothing else is asked for: the 2.5 % quantile of 400 rests on ten of them.

@@ -1,9 +1,9 @@
 //! What a rope has to do: tension and temperature over time, usually over and over. As text it is
 //! a table of blocks ([`Duty::from_toml`], [`Duty::from_csv`]).
 
+use crate::law::RopeLoad;
 use serde::{Deserialize, Serialize};
 use sinew_files::{Fault, Located};
-use sinew_model::rope::RopeLoad;
 
 /// Stretches a duty may have: a week of seconds.
 const STRETCHES_MAX: usize = 604_800;
@@ -112,7 +112,7 @@ impl Duty {
             temperature_min_c: f64::INFINITY,
             temperature_max_c: f64::NEG_INFINITY,
         };
-        const ZERO_C_K: f64 = sinew_model::rope::CELSIUS_ZERO_K;
+        const ZERO_C_K: f64 = crate::law::CELSIUS_ZERO_K;
         for s in &self.stretches {
             out.duration_s += s.duration_s;
             for load in [s.from, s.to] {

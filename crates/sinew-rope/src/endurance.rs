@@ -2,13 +2,13 @@
 
 use super::draws::name_hash;
 use super::{CatalogueError, CatalogueRope};
+use crate::law::Polymer;
+use crate::law::endurance::{Endurance, EnduranceKey};
+use crate::law::entry::{FibreClass, Value};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::Polymer;
-use sinew_model::rope::endurance::{Endurance, EnduranceKey};
-use sinew_model::rope::entry::{FibreClass, Value};
 
 /// How a rope's ends are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -121,13 +121,13 @@ mod tests {
         let mut rope = Catalogue::shipped().expect("shipped").ropes()[0].clone();
         let text = rope.entry.to_toml()
             + "\n[endurance]\nknot_share = { value = 0.6, origin = \"measured\", source = \"table1\" }\n";
-        rope.entry = sinew_model::rope::entry::CatalogueEntry::parse(&text, "own").expect("parses");
+        rope.entry = crate::law::entry::CatalogueEntry::parse(&text, "own").expect("parses");
         let found = Endurances::new(&rope, 3, 1).expect("readable");
         assert_eq!(found.nominal.knot_share, 0.6);
         assert_eq!(found.nominal.rupture_percent, 10.0);
         assert!(rope.entry.to_toml().contains("[endurance]\nknot_share"));
         let text = text.replace("0.6", "1.6");
-        let error = sinew_model::rope::entry::CatalogueEntry::parse(&text, "own.toml");
+        let error = crate::law::entry::CatalogueEntry::parse(&text, "own.toml");
         assert!(
             error
                 .expect_err("above 1")

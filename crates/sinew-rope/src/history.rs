@@ -7,7 +7,7 @@
 
 use super::Duty;
 use super::duty::Stretch;
-use sinew_model::rope::{Law, LoadError, Rates, State, ramp};
+use crate::law::{Law, LoadError, Rates, State, ramp};
 
 /// Stretches run one by one before the slow equation takes over.
 const EXACT_STRETCHES: f64 = 1_000.0;
@@ -283,8 +283,8 @@ pub(crate) fn run_stretch(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::RopeLoad;
     use crate::{Catalogue, Draws};
-    use sinew_model::rope::RopeLoad;
 
     fn law() -> Law {
         let catalogue = Catalogue::shipped().expect("shipped");

@@ -4,8 +4,8 @@
 //! Every answer comes with a 95 % interval from seeded draws of the rope's parameters
 //! ([`draws`]); where those are starting guesses the interval is wide, and the result says so.
 //!
-//! Reading order: [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
-//! [`endurance`], [`life`], [`select`], [`pretension`], [`warmth`]; [`task`] puts requests together from what is stated.
+//! Reading order: [`law`] (strain of a rope under tension), [`catalogue`], [`draws`], [`duty`], [`history`], [`predict`],
+//! [`endurance`], [`life`], [`select`], [`pretension`], [`warmth`], [`survival`] (ages at which ropes broke); [`task`] puts requests together from what is stated.
 
 pub mod bench;
 mod blocks;
@@ -17,6 +17,7 @@ pub mod draws;
 pub mod duty;
 pub mod endurance;
 pub mod history;
+pub mod law;
 pub mod life;
 mod limits;
 pub mod predict;
@@ -29,6 +30,7 @@ mod schedule;
 pub mod select;
 pub mod stored;
 mod strand;
+pub mod survival;
 pub mod task;
 mod times;
 pub mod warmth;

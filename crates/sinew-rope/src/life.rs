@@ -6,11 +6,11 @@
 use super::duty::{Duty, Stretch};
 use super::endurance::Ends;
 use super::route::Request;
+use crate::law::endurance::Endurance;
+use crate::law::routing::{self, Portion, Pulley, RoutingError};
+use crate::law::{Law, RopeLoad, damage};
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
-use sinew_model::rope::endurance::Endurance;
-use sinew_model::rope::routing::{self, Portion, Pulley, RoutingError};
-use sinew_model::rope::{Law, RopeLoad, damage};
 
 /// A life beyond this is none that can be told, s: 300 years.
 pub(crate) const LIFE_MOST_S: f64 = 1e10;

@@ -3,7 +3,7 @@
 use super::CatalogueRope;
 use super::refusal::PredictError;
 use super::route::Request;
-use sinew_model::rope::Polymer;
+use crate::law::Polymer;
 
 /// HMPE melts from here on, °C: the lower end of what is reported for its fibres, 144 to 152 °C.
 pub(crate) const HMPE_MELTS_C: f64 = 144.0;

@@ -36,10 +36,10 @@ mod tests {
     use super::*;
     use crate::caution::Caution;
     use crate::draws::Draws;
+    use crate::law::holds::Beyond;
+    use crate::law::routing::Pulley;
+    use crate::law::{RopeLoad, State};
     use crate::{Catalogue, Duty};
-    use sinew_model::rope::holds::Beyond;
-    use sinew_model::rope::routing::Pulley;
-    use sinew_model::rope::{RopeLoad, State};
 
     fn request(duty: Duty, route: Route) -> Request {
         Request {

@@ -7,13 +7,13 @@ use super::endurance::Ends;
 use super::life::Life;
 use super::route::Request;
 use super::times::DAY_S;
+use crate::law::endurance::Endurance;
+use crate::law::holds::{Beyond, Holds};
+use crate::law::routing::Pulley;
+use crate::law::validity::Outside;
+use crate::law::{Law, damage};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
-use sinew_model::rope::endurance::Endurance;
-use sinew_model::rope::holds::{Beyond, Holds};
-use sinew_model::rope::routing::Pulley;
-use sinew_model::rope::validity::Outside;
-use sinew_model::rope::{Law, damage};
 use sinew_model::{Bounded, Z95};
 
 /// Elongation at one time.

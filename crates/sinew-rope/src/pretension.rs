@@ -14,12 +14,12 @@ use super::predict::{HOUR_S, PredictError, TENSIONED_AFTER_S};
 pub use super::procedure::{HeldJoint, Mount, Procedure, Request, give_beside_rope};
 use super::schedule::schedule;
 pub use super::schedule::{LeftAlone, Schedule};
+use crate::law::validity::{LOAD_RATIO_HIGH, Outside};
+use crate::law::{Law, LoadError, RopeLoad, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
-use sinew_model::rope::validity::{LOAD_RATIO_HIGH, Outside};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
 
 /// Bedding-in tensions tried, as multiples of the working tension.
 const TENSIONS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0];

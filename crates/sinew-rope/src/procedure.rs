@@ -1,10 +1,10 @@
 //! What is asked of a plan, and a way to bed a rope in.
 
+use crate::law::routing::{self, Pulley, RoutingError};
+use crate::law::strung::{Piece, Strand};
+use crate::law::{Law, LoadError, RopeLoad, State, damage};
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
-use sinew_model::rope::routing::{self, Pulley, RoutingError};
-use sinew_model::rope::strung::{Piece, Strand};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
 
 /// How a rope is mounted, besides its length.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -4,8 +4,8 @@ use super::CatalogueError;
 use super::endurance::Ends;
 use super::life::BreakCause;
 use super::times::{DAY_S, HOUR_S, YEAR_S};
-use sinew_model::rope::LoadError;
-use sinew_model::rope::routing::RoutingError;
+use crate::law::LoadError;
+use crate::law::routing::RoutingError;
 
 /// Why there is no prediction.
 #[derive(Debug, thiserror::Error)]

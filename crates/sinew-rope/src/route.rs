@@ -2,8 +2,8 @@
 
 use super::duty::Duty;
 use super::endurance::Ends;
-use sinew_model::rope::RopeLoad;
-use sinew_model::rope::routing::Pulley;
+use crate::law::RopeLoad;
+use crate::law::routing::Pulley;
 use sinew_model::transmission::Guide as TendonGuide;
 
 /// How a rope lies in the machine.

@@ -3,12 +3,12 @@
 use super::draws::{Draws, bounded};
 use super::predict::{PredictError, TENSIONED_AFTER_S};
 use super::procedure::{Mount, Procedure, Request};
+use crate::law::strung::{RELAXATION_TOLERANCE, Strand, Strung};
+use crate::law::validity::LOAD_RATIO_HIGH;
+use crate::law::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sinew_model::Bounded;
-use sinew_model::rope::strung::{RELAXATION_TOLERANCE, Strand, Strung};
-use sinew_model::rope::validity::LOAD_RATIO_HIGH;
-use sinew_model::rope::{CELSIUS_ZERO_K, Law, LoadError, RopeLoad};
 
 /// More re-tensionings than this are no schedule.
 const EVENTS_MAX: usize = 100;

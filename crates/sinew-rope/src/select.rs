@@ -7,10 +7,10 @@ pub use super::life::MAY_BREAK_SHARE;
 use super::life::{BreakCause, LIFE_MOST_S};
 use super::predict::{self, PredictError, Prediction};
 use super::{Catalogue, CatalogueRope};
+use crate::law::RopeLoad;
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_model::Bounded;
-use sinew_model::rope::RopeLoad;
 
 /// What a rope must be. `None`: it doesn't matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -294,7 +294,7 @@ fn judge(
     constraints: &Constraints,
 ) -> Result<(Candidate, Vec<f64>), Judged> {
     let entry = &rope.entry;
-    let value = |v: &Option<sinew_model::rope::entry::Value>| v.as_ref().map(|v| v.value);
+    let value = |v: &Option<crate::law::entry::Value>| v.as_ref().map(|v| v.value);
     let (diameter_mm, weight_g_per_m) = (value(&entry.diameter_mm), value(&entry.weight_g_per_m));
     let summary = request.duty.summary();
     let safety_factor = value(&entry.breaking_load_n).map(|n| n / summary.tension_max_n);

@@ -1,7 +1,7 @@
 //! A rope's state as a file keeps it: versioned, apart from the model's own type.
 
+use crate::law::State;
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::State;
 
 /// Version written.
 const VERSION: u32 = 1;

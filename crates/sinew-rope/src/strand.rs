@@ -3,8 +3,8 @@
 use super::history::History;
 use super::life::felt_by;
 use super::route::Request;
-use sinew_model::rope::routing::{self, RoutingError};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State, damage};
+use crate::law::routing::{self, RoutingError};
+use crate::law::{Law, LoadError, RopeLoad, State, damage};
 
 /// Strand averages at one time: strain, irreversible strain, %.
 #[derive(Debug, Clone, Copy, Default)]

@@ -5,7 +5,7 @@ use super::endurance::Ends;
 use super::predict::{Guide, PredictError, Request, Route, TIMES_DEFAULT_S, YEAR_S};
 use super::pretension::{self, HeldJoint, Mount, give_beside_rope};
 use super::{CatalogueRope, Draws, draws};
-use sinew_model::rope::{LoadError, RopeLoad};
+use crate::law::{LoadError, RopeLoad};
 use sinew_model::transmission::Tendon;
 
 /// Temperature where none is stated, °C.

@@ -11,9 +11,9 @@
 //! One thermometer stands for rope and frame; what is warmer than the other is not modelled.
 
 use super::CatalogueRope;
+use crate::law::Parameter;
+use crate::law::entry::Value;
 use sinew_model::Gaussian;
-use sinew_model::rope::Parameter;
-use sinew_model::rope::entry::Value;
 use sinew_model::tolerances::Tolerances;
 use sinew_model::transmission::{Tendon, TendonWarmth};
 

@@ -1,7 +1,7 @@
 //! When a rope breaks, of what, and which portion of it first.
 
-use sinew_model::rope::routing::Pulley;
-use sinew_model::rope::{Law, RopeLoad};
+use sinew_rope::law::routing::Pulley;
+use sinew_rope::law::{Law, RopeLoad};
 use sinew_rope::predict::{DAY_S, PredictError, Prediction, Request, Route, YEAR_S, predict};
 use sinew_rope::select::{Constraints, Rank, Rejection, select};
 use sinew_rope::{BreakCause, Catalogue, Caution, Duty, Ends, Place, Stretch};
@@ -156,7 +156,7 @@ fn a_rope_is_replaced_at_the_strain_its_maker_states() {
     let stated = |ratio: f64| {
         let mut rope = rope.clone();
         let value = rope.entry.breaking_load_n.clone().expect("published");
-        let value = sinew_model::rope::entry::Value {
+        let value = sinew_rope::law::entry::Value {
             value: 100.0 * ratio,
             ..value
         };

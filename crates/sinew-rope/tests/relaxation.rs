@@ -1,8 +1,8 @@
 //! Twenty strung tendons against SciPy's values; `benches/peers/relaxation.py --fixture` wrote them.
 
 use serde_json::Value;
-use sinew_model::rope::routing::Pulley;
 use sinew_rope::Catalogue;
+use sinew_rope::law::routing::Pulley;
 use sinew_rope::predict::YEAR_S;
 use sinew_rope::pretension::{HeldJoint, Mount, Request, plan};
 

@@ -4,9 +4,9 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_model::rope::entry::CatalogueEntry;
-use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::bench::{Bench, simulate};
+use sinew_rope::law::entry::CatalogueEntry;
+use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::{Catalogue, Draws, Duty};
 
 const DUTY: &str = include_str!("../../../fuzz/seeds/duty/toml");

@@ -87,7 +87,7 @@ fn a_plan_takes_what_the_joint_leaves_beside_its_rope() {
     assert_eq!((joint.radius_m, joint.torque_nm), (0.025, 0.0));
     // c = n r²/K − (dl/dT of the rope), two strands.
     let law = Draws::new(rope, 0, 0).unwrap().nominal;
-    let load = sinew_model::rope::RopeLoad::celsius(40.0, 23.0);
+    let load = sinew_rope::law::RopeLoad::celsius(40.0, 23.0);
     let own = 0.65 * 0.01 * law.compliance_percent_per_n(load).unwrap();
     let give = (2.0 * 0.025 * 0.025 / stiffness - own).max(0.0);
     assert!((asked.mount.give_m_per_n - give).abs() < 1e-18);

@@ -2,8 +2,8 @@
 
 use crate::snapshot::{RobotSnapshot, TendonSnapshot};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::trend::{JointTrend, Limit, LimitState, Passage, TrendVerdict};
 use sinew_model::Gaussian;
+use sinew_trend::{JointTrend, Limit, LimitState, Passage, TrendVerdict};
 
 /// What is due over all robots: a tendon is, when its limit is passed or when the lower end of its interval lies within the time asked for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

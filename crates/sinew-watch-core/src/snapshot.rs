@@ -3,9 +3,9 @@
 use crate::alarm::{Alarm, Level, LimitOrigin};
 use crate::record::{Clock, NoOffset, Record};
 use serde::{Deserialize, Serialize};
-use sinew_estimate::trend::{JointTrend, PassageTimes};
 use sinew_model::Gaussian;
 use sinew_model::offset::ForceEstimate;
+use sinew_trend::{JointTrend, PassageTimes};
 use std::sync::Arc;
 
 /// What is known of a robot now. Records, alarms and journal are those that are stored.

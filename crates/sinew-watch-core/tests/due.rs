@@ -2,8 +2,8 @@
 
 use crate::limits::record;
 use crate::support::{MONDAY_NS, Store, Watched, biorob_like, config};
-use sinew_estimate::trend::{LimitForecast, LimitState, TrendRequest, analyze, sort};
 use sinew_model::robot::Robot;
+use sinew_trend::{LimitForecast, LimitState, TrendRequest, analyze, sort};
 use sinew_watch_core::due::{DueList, DueTendon};
 use sinew_watch_core::{HORIZON_DAYS, History, Instant, RobotSnapshot};
 use std::sync::Arc;

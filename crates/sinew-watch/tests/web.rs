@@ -247,7 +247,7 @@ fn sessions_are_the_table_that_a_trend_is_made_of() {
     let at = running.at;
     let table = get(at, "/api/v1/robots/demo-1/sessions.csv");
     assert_eq!(table.status, 200, "{}", table.text());
-    let rows = sinew_estimate::trend::records_from_csv(&table.text(), "sessions.csv").unwrap();
+    let rows = sinew_trend::records_from_csv(&table.text(), "sessions.csv").unwrap();
     let records = get(at, "/api/v1/records?robot=demo-1&most=100000").json();
     let records = records["records"].as_array().unwrap();
     assert!(rows.len() > 100, "{}", rows.len());

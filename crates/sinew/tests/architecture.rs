@@ -42,7 +42,7 @@ fn every_crate_is_mentioned_and_every_path_exists() {
 
 #[test]
 fn crates_see_only_whom_they_may() {
-    const BELOW: [(&str, &[&str]); 16] = [
+    const BELOW: [(&str, &[&str]); 17] = [
         ("sinew-files", &[]),
         ("sinew-model", &["sinew-files"]),
         ("sinew-log", &["sinew-files"]),
@@ -50,6 +50,7 @@ fn crates_see_only_whom_they_may() {
         ("sinew-figure", &["sinew-files"]),
         ("sinew-camera", &["sinew-files", "sinew-figure"]),
         ("sinew-rope", &["sinew-files", "sinew-model"]),
+        ("sinew-trend", &["sinew-files", "sinew-model", "sinew-rope"]),
         (
             "sinew-creep",
             &[
@@ -79,6 +80,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-model",
                 "sinew-log",
                 "sinew-rope",
+                "sinew-trend",
                 "sinew-estimate",
             ],
         ),
@@ -89,6 +91,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-model",
                 "sinew-log",
                 "sinew-rope",
+                "sinew-trend",
                 "sinew-estimate",
                 "sinew-door",
                 "sinew-watch-core",
@@ -102,6 +105,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-log",
                 "sinew-figure",
                 "sinew-rope",
+                "sinew-trend",
                 "sinew-creep",
                 "sinew-camera",
                 "sinew-estimate",
@@ -115,6 +119,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-log",
                 "sinew-figure",
                 "sinew-rope",
+                "sinew-trend",
                 "sinew-creep",
                 "sinew-camera",
                 "sinew-estimate",
@@ -131,6 +136,7 @@ fn crates_see_only_whom_they_may() {
                 "sinew-figure",
                 "sinew-generate",
                 "sinew-rope",
+                "sinew-trend",
                 "sinew-creep",
                 "sinew-camera",
                 "sinew-estimate",

@@ -7,7 +7,7 @@ mod line;
 mod steps;
 
 use line::Bin;
-use sinew_estimate::trend::SessionRecord;
+use sinew_trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::statistics::quantile;
 

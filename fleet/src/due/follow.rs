@@ -4,7 +4,7 @@ use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
 use crate::sessions::{Sessions, thinned};
-use sinew_estimate::trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
+use sinew_trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
@@ -182,7 +182,7 @@ fn before_rad(rows: &[SessionRecord]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_estimate::trend::{Limit, LimitState};
+    use sinew_trend::{Limit, LimitState};
     use sinew_files::date::DAY_S;
 
     #[test]

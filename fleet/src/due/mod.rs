@@ -9,7 +9,7 @@ pub(crate) mod show;
 mod state;
 
 pub use follow::Followed;
-pub use sinew_estimate::trend::Passage;
+pub use sinew_trend::Passage;
 pub use state::StateUnused;
 
 use crate::FleetError;

@@ -6,7 +6,7 @@
 
 use crate::FleetError;
 use crate::folder::sides::Tendon;
-use sinew_estimate::trend::KeptTrend;
+use sinew_trend::KeptTrend;
 use sinew_files::AtomicFile;
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -2,7 +2,7 @@
 
 use super::side;
 use crate::FleetError;
-use sinew_estimate::trend::Stated;
+use sinew_trend::Stated;
 use sinew_files::csv::Table;
 use sinew_files::date::parse_utc_s;
 use sinew_files::{Fault, limits};

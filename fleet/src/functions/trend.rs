@@ -18,7 +18,7 @@ use datafusion::common::utils::SingleRowListArrayBuilder;
 use datafusion::error::DataFusionError;
 use datafusion::logical_expr::function::{AccumulatorArgs, StateFieldsArgs};
 use datafusion::logical_expr::{Accumulator, AggregateUDFImpl, Signature, Volatility};
-use sinew_estimate::trend::{JointTrend, Passage, TrendEvent};
+use sinew_trend::{JointTrend, Passage, TrendEvent};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use std::hash::{Hash, Hasher};

@@ -8,7 +8,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use sinew_eval::year::surrogate::{Failure, SessionErrors, records};
 use sinew_eval::year::truth;
 use sinew_files::date::{DAY_S, day_of};
-use sinew_model::trend::Record as Session;
+use sinew_trend::filter::Record as Session;
 use sinew_rope::Catalogue;
 use sinew_watch_core::Record;
 use sinew_watch_core::record::{Clock, NoOffset};

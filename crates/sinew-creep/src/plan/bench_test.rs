@@ -3,7 +3,7 @@
 use crate::curve::{Curve, Tension};
 use crate::rope_walk::{Parts, Walk};
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::{Law, Parameters};
+use sinew_rope::law::{Law, Parameters};
 
 /// Preload, load, and what comes after it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -14,7 +14,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
-use sinew_model::rope::Law as RopeLaw;
+use sinew_rope::law::Law as RopeLaw;
 use sinew_rope::predict::{Request, predict};
 use sinew_rope::{CatalogueRope, Draws};
 

@@ -1,8 +1,8 @@
 //! The coordinate in which parameters of a rope are moved.
 
 use crate::rope_base::RopeBase;
-use sinew_model::rope::entry::Uncertainty;
-use sinew_model::rope::{Parameter, Parameters};
+use sinew_rope::law::entry::Uncertainty;
+use sinew_rope::law::{Parameter, Parameters};
 
 /// Coordinate of a parameter: deviations of the base's interval, where it has one, else its logarithm.
 pub(super) fn moved(p: &Parameters, base: &RopeBase, parameter: Parameter, by: f64) -> Parameters {

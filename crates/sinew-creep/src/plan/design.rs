@@ -8,8 +8,8 @@ use crate::curve::Curve;
 use crate::rope_base::RopeBase;
 use crate::rope_entry;
 use crate::rope_law::RopePlan;
-use sinew_model::rope::holds::Holds;
-use sinew_model::rope::{Parameter, Parameters};
+use sinew_rope::law::holds::Holds;
+use sinew_rope::law::{Parameter, Parameters};
 
 /// Step of the differences, in what a parameter's interval calls a deviation, or of its logarithm.
 const STEP: f64 = 0.02;

@@ -4,10 +4,10 @@ use super::PlanRequest;
 use super::coordinate::moved;
 use crate::error::CreepError;
 use crate::rope_base::RopeBase;
-use sinew_model::rope::entry::Uncertainty;
-use sinew_model::rope::holds::Holds;
-use sinew_model::rope::{Parameter, Parameters};
 use sinew_rope::CatalogueRope;
+use sinew_rope::law::entry::Uncertainty;
+use sinew_rope::law::holds::Holds;
+use sinew_rope::law::{Parameter, Parameters};
 use sinew_rope::predict::{Request, predict};
 
 /// Step of the differences, in coordinates.

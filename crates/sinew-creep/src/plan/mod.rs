@@ -155,7 +155,7 @@ pub fn plan(
         .base
         .entry
         .holds
-        .unwrap_or(sinew_model::rope::holds::Holds::NOT_STATED);
+        .unwrap_or(sinew_rope::law::holds::Holds::NOT_STATED);
     let beyond_now = duty.beyond(&holds_now);
     let unknown = || {
         let left = truths.iter();
@@ -277,7 +277,7 @@ struct Truth {
 
 impl Truth {
     fn of(
-        parameters: &sinew_model::rope::Parameters,
+        parameters: &sinew_rope::law::Parameters,
         request: &PlanRequest,
         duty: &Duty,
     ) -> Option<Self> {

@@ -3,12 +3,12 @@
 use crate::support::bench::{COLD, SIGMA, base, options, records, truth};
 use crate::support::seeds;
 use sinew_creep::*;
-use sinew_model::rope::holds::Holds;
-use sinew_model::rope::{Law as RopeLaw, RopeLoad, State};
+use sinew_rope::law::holds::Holds;
+use sinew_rope::law::{Law as RopeLaw, RopeLoad, State};
 
 #[test]
 fn a_fitted_rope_becomes_a_catalogue_entry_whose_prediction_holds_the_truth() {
-    use sinew_model::rope::entry::{CatalogueEntry, Origin, Uncertainty};
+    use sinew_rope::law::entry::{CatalogueEntry, Origin, Uncertainty};
     use sinew_rope::predict::{Request, Route, predict};
     use sinew_rope::{CatalogueRope, Duty};
     let count = seeds(4);

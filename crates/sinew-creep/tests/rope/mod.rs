@@ -8,7 +8,7 @@ use crate::support::bench::{
 use crate::support::score::Scores;
 use crate::support::seeds;
 use sinew_creep::*;
-use sinew_model::rope::{Parameter as P, Parameters};
+use sinew_rope::law::{Parameter as P, Parameters};
 
 mod entry;
 

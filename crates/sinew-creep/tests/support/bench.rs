@@ -6,9 +6,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
 use sinew_log::{Specimen, TestQuantity};
-use sinew_model::rope::entry::Uncertainty;
-use sinew_model::rope::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};
 use sinew_rope::Catalogue;
+use sinew_rope::law::entry::Uncertainty;
+use sinew_rope::law::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};
 use std::sync::Arc;
 
 /// One bench test: preload 2 N for a minute, a load, then 2 N again.

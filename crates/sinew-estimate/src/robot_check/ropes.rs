@@ -77,7 +77,7 @@ impl Drive<'_> {
 
     fn rope(&self, tendon: &Tendon, rope: &CatalogueRope, effort_nm: Option<f64>) -> Vec<Finding> {
         let mut out = Vec::new();
-        let value = |v: &Option<sinew_model::rope::entry::Value>| v.as_ref().map(|v| v.value);
+        let value = |v: &Option<sinew_rope::law::entry::Value>| v.as_ref().map(|v| v.value);
         let radius_m = tendon.joint_pulley_radius_m;
         let law = rope.entry.parameters();
         let breaking_n = value(&rope.entry.breaking_load_n)

@@ -8,7 +8,7 @@ use crate::estimator::{SessionOptions, mean_temperature};
 use sinew_model::Z95;
 use sinew_model::offset::{Belief, JointParameter, Prior};
 use sinew_model::robot::Robot;
-use sinew_model::rope::{CELSIUS_ZERO_K, retraction_share};
+use sinew_rope::law::{CELSIUS_ZERO_K, retraction_share};
 
 /// Where a recording's temperature comes from.
 pub(super) fn source(recorded: &Recorded, options: &SessionOptions) -> TemperatureSource {

@@ -7,20 +7,15 @@ use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session;
 use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
-use sinew_estimate::trend::SessionRecord;
 use sinew_eval::scenarios::Plan;
-use sinew_files::date::parse_utc_s;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
-use sinew_model::{Gaussian, Z95};
 use sinew_sim::{Scenario, Simulation};
 use std::path::{Path, PathBuf};
 
 #[path = "../../../sinew-files/tests/support/skipped.rs"]
 mod skipped;
 pub(crate) use skipped::shared;
-
-pub(crate) const DAY_S: f64 = 86_400.0;
 
 /// The repository's folder.
 pub(crate) fn repository() -> PathBuf {
@@ -50,27 +45,6 @@ pub(crate) fn least(share: f64, count: f64) -> f64 {
 /// `SINEW_SEEDS`.
 pub(crate) fn asked_seeds() -> Option<u64> {
     std::env::var("SINEW_SEEDS").ok()?.parse().ok()
-}
-
-/// Seconds since 1970 of a date.
-pub(crate) fn utc(text: &str) -> f64 {
-    parse_utc_s(text).unwrap()
-}
-
-/// A session of the elbow, so many days after 2026-03-01.
-pub(crate) fn session_record(day: f64, offset_mrad: f64) -> SessionRecord {
-    SessionRecord {
-        source: format!("day {day}"),
-        robot: Some("biorob-like".into()),
-        recording: None,
-        baseline: Some("march".into()),
-        time_utc_s: utc("2026-03-01") + day * DAY_S,
-        duration_s: Some(60.0),
-        joint: "elbow".into(),
-        offset_rad: Some(Gaussian::new(1e-3 * offset_mrad, 0.6e-3 / Z95)),
-        temperature_c: Some(21.0),
-        ..SessionRecord::default()
-    }
 }
 
 /// The work session of the examples, changed by `edit`, cut at `cuts_s`; and its true offsets at

@@ -5,8 +5,8 @@ use super::data::{FigureName, PanelData, PaperFigure};
 use super::judge::{assumptions, curve};
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Figure, Panel};
-use sinew_model::rope::Law;
 use sinew_rope::bench::{Bench, Simulated, routings, simulate};
+use sinew_rope::law::Law;
 
 /// The rope of the paper's bending tests.
 pub(super) const ROPE: &str = "liros-dc000-0301";

@@ -7,9 +7,9 @@ use super::judge::{assumptions, claimed, curve, laws, slope};
 use super::sentence::Sentence;
 use rayon::prelude::*;
 use sinew_figure::plot::{Colour, Dash, Figure, Line, Panel};
-use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_rope::Catalogue;
 use sinew_rope::draws::bounded;
+use sinew_rope::law::{Law, RopeLoad, State};
 
 /// Load of the tests, N.
 pub(super) const LOAD_N: f64 = 60.0;

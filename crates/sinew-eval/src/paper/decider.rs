@@ -1,7 +1,7 @@
 //! What decides a sentence: the parameter on whose value its verdict hangs.
 
 use serde::Serialize;
-use sinew_model::rope::{Law, Parameter};
+use sinew_rope::law::{Law, Parameter};
 
 /// What a sentence hangs on.
 #[derive(Debug, Clone, PartialEq, Serialize)]

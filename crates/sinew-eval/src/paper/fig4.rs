@@ -7,10 +7,10 @@ use super::data::{FigureName, PaperFigure, given};
 use super::judge::{Drawn, claimed, judged, laws};
 use super::sentence::{Sentence, Verdict};
 use sinew_figure::Table;
-use sinew_model::rope::routing::portions;
-use sinew_model::rope::{Law, Parameter};
 use sinew_rope::Catalogue;
 use sinew_rope::bench::Simulated;
+use sinew_rope::law::routing::portions;
+use sinew_rope::law::{Law, Parameter};
 
 const NAMES: [&str; 4] = ["A", "B", "C", "D"];
 /// Readings of the curves drawn, s.

@@ -6,9 +6,9 @@ use super::claim::Claim;
 use super::data::{FigureName, PaperFigure, given};
 use super::judge::{claimed, laws};
 use rayon::prelude::*;
-use sinew_model::rope::Law;
 use sinew_rope::Catalogue;
 use sinew_rope::bench::{Simulated, simulate};
+use sinew_rope::law::Law;
 
 /// Readings, s.
 const INTERVAL_S: f64 = 60.0;

@@ -6,8 +6,8 @@ use super::data::{Curve, SeriesData};
 use super::decider::decide;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::plot::{Band, Colour, Line};
-use sinew_model::rope::Law;
 use sinew_model::statistics::quantile;
+use sinew_rope::law::Law;
 use sinew_rope::{Catalogue, Draws};
 
 /// Draws behind every share and band; [`Unit::ShareOfDraws`] names the number.

@@ -94,7 +94,7 @@ pub enum PaperError {
     Rope(String),
     /// A virtual rope refused its load.
     #[error("a virtual rope refused its load: {0}")]
-    Load(#[from] sinew_model::rope::LoadError),
+    Load(#[from] sinew_rope::law::LoadError),
     /// The simulation was refused.
     #[error(transparent)]
     Simulate(#[from] SimulateError),

@@ -8,8 +8,8 @@ use super::judge::assumptions;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::Table;
 use sinew_figure::plot::{Colour, Figure, Line, Panel};
-use sinew_model::rope::entry::CatalogueEntry;
 use sinew_rope::draws::bounded;
+use sinew_rope::law::entry::CatalogueEntry;
 use sinew_rope::{Catalogue, CatalogueRope};
 
 /// Table I with the simulated creep test of every rope.
@@ -78,7 +78,7 @@ const PUBLISHED: [&str; 6] = [
 
 fn published(rope: &CatalogueRope) -> Vec<String> {
     let e = &rope.entry;
-    let number = |v: &Option<sinew_model::rope::entry::Value>, digits: usize| {
+    let number = |v: &Option<sinew_rope::law::entry::Value>, digits: usize| {
         v.as_ref()
             .map_or_else(|| "–".into(), |v| format!("{:.digits$}", v.value))
     };

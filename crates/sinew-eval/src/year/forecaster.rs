@@ -5,12 +5,12 @@ use super::surrogate::{SessionErrors, mrad};
 use super::truth;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sinew_estimate::trend::prior;
 use sinew_files::date::DAY_S;
 use sinew_model::offset::SharedError;
 use sinew_model::transmission::Tendon;
-use sinew_model::trend::{Curve, Noise, Prior, Record, node_times_s};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope};
+use sinew_trend::filter::{Curve, Noise, Prior, Record, node_times_s};
+use sinew_trend::prior;
 
 impl Forecaster {
     /// Its prior for a tendon.

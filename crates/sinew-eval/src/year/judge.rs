@@ -12,8 +12,8 @@ use rand_distr::{Distribution as _, StandardNormal};
 use sinew_files::date::DAY_S;
 use sinew_model::robot::Robot;
 use sinew_model::statistics::quantile;
-use sinew_model::trend::{Paths, Prior, Record, Trend, TrendConfig, TrendNow, first_passage};
 use sinew_rope::Catalogue;
+use sinew_trend::filter::{Paths, Prior, Record, Trend, TrendConfig, TrendNow, first_passage};
 
 /// Days forecasts are made on.
 const FORECAST_DAYS: [usize; 3] = [60, 90, 120];

@@ -106,7 +106,7 @@ pub enum YearError {
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The trend refused its prior.
     #[error(transparent)]
-    Trend(#[from] sinew_model::trend::TrendError),
+    Trend(#[from] sinew_trend::filter::TrendError),
 }
 
 /// Lives through the years of `request`, sessions drawn. Up to `jobs` at a time, the same whatever their

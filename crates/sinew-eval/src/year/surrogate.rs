@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
 use sinew_model::offset::SharedError;
-use sinew_model::trend::Record;
+use sinew_trend::filter::Record;
 
 const MRAD: f64 = 1e-3;
 const PERCENT: f64 = 0.01;

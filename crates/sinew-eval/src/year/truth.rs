@@ -3,10 +3,10 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sinew_estimate::trend::prior::{Work, strand};
-use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
+use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::{CatalogueError, CatalogueRope, Draws};
+use sinew_trend::prior::{Work, strand};
 
 /// A tendon that grows by less than this from day 60 to day 180 has no day on which it passes a limit
 /// worth forecasting, rad.

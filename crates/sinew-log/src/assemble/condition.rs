@@ -7,8 +7,9 @@
 //! sides land on the same turn; at the start it is taken to the joint side's. A signal whose raw values span more than one
 //! period does not come from a wrapping encoder and is left as it is.
 
-use crate::frame::{Frame, Quantity, WORKS_AT_C, is_absent};
+use crate::frame::{Frame, Quantity, is_absent};
 use crate::health::{EventKind, Health, SignalCount};
+use sinew_files::WORKS_AT_C;
 
 /// At the start the motor side is taken to the joint's turn, unless its turn is so short that a
 /// spring's deflection could be half of it, rad.

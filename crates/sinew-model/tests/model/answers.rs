@@ -2,6 +2,8 @@
 //! goes unnoticed. Where a change is meant, `SINEW_WRITE=1 cargo test -p PACKAGE known` writes them anew; `git diff` says
 //! which moved, and by how much.
 
+#![allow(dead_code, reason = "each crate uses its own part")]
+
 use sinew_model::Gaussian;
 use std::fmt::Write as _;
 use std::path::PathBuf;

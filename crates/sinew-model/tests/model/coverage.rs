@@ -2,8 +2,8 @@
 //! docs/src/science/scenarios.md says. Intervals 0.7 or 1.4 times as wide are refused.
 
 use crate::pendulum::{PLAIN, Truth, blocks, pendulum, prior};
+use crate::random::Random;
 use crate::score::Scores;
-use crate::trend::Random;
 use sinew_model::Gaussian;
 use sinew_model::offset::{
     Block, ChangeKind, FeatureConfig, MapEstimator, Payload, RecursiveOffsets, SearchScope,

@@ -12,32 +12,22 @@ mod coverage;
 mod identities;
 mod known_observer;
 mod known_offsets;
-mod known_rope;
-mod known_trend;
 mod lost_stiffness;
 mod made_up_arm;
 mod observer;
 mod offset;
 mod offset_state;
 mod pendulum;
+mod random;
 mod random_tree;
 mod reference_values;
 mod regressor;
 mod robot;
-mod rope_entry;
-mod rope_law;
-mod rope_reference;
-mod rope_routing;
 #[path = "../../../sinew-creep/tests/support/score.rs"]
 mod score;
 #[path = "../../../sinew-files/tests/support/skipped.rs"]
 mod skipped;
 mod spring_arms;
-mod strung;
-mod survival;
-mod trend;
-mod trend_baseline;
-mod trend_jumps;
 mod urdf;
 #[cfg(feature = "wire")]
 mod wire;

@@ -4,7 +4,7 @@ use super::spoken;
 use super::words::range;
 use crate::text::{self, Told, paragraph, plain};
 use sinew_figure::rounded;
-use sinew_model::rope::entry::{Uncertainty, Value};
+use sinew_rope::law::entry::{Uncertainty, Value};
 use sinew_rope::{Catalogue, CatalogueRope};
 
 /// All ropes, a line each.

@@ -2,8 +2,8 @@
 
 use super::{life, spoken};
 use sinew_figure::rounded;
-use sinew_model::rope::CELSIUS_ZERO_K;
-use sinew_model::rope::validity::{HMPE_HOT_K, Outside};
+use sinew_rope::law::CELSIUS_ZERO_K;
+use sinew_rope::law::validity::{HMPE_HOT_K, Outside};
 use sinew_rope::select::Rejection;
 use sinew_rope::{Caution, Namesake};
 

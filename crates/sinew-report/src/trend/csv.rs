@@ -1,9 +1,9 @@
 //! Every session of every tendon as a table.
 
-use sinew_estimate::trend::TrendReport;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_log::{CellKind, Table};
 use sinew_model::Z95;
+use sinew_trend::TrendReport;
 
 /// Sessions as people read them, mrad: what was recorded, what the trend knew then. `days` count since the tensioning.
 pub fn trend_table(report: &TrendReport) -> Table {

@@ -7,11 +7,11 @@ use super::words::{
     sessions,
 };
 use crate::words::plus_minus;
-use sinew_estimate::trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel, Points};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::Z95;
+use sinew_trend::{JointTrend, Limit, TrendEventKind, TrendReport, TrendVerdict};
 
 /// Offset of one tendon over days since tensioning: sessions at the reference temperature, what the
 /// trend knew, the forecast, limits and events.

@@ -1,9 +1,9 @@
 //! What the trend knows at every session, and ahead, as one table in SI.
 
-use sinew_estimate::trend::{JointTrend, TrendReport};
 use sinew_files::date::day_of;
 use sinew_log::{Cell, CellKind, Table};
 use sinew_model::Gaussian;
+use sinew_trend::{JointTrend, TrendReport};
 
 /// Levels and forecast of every tendon: a row per joint and session, then per joint and time to come (`kind`).
 ///

@@ -7,9 +7,9 @@ use super::words::{
 };
 use crate::text::{indented, paragraph, plain, table};
 use crate::words::plus_minus;
-use sinew_estimate::trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
+use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState, TrendReport};
 
 /// What the last column counts in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

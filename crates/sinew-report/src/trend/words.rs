@@ -2,14 +2,14 @@
 
 use crate::text::capitalised;
 use crate::words::plus_minus;
-use sinew_estimate::trend::survival::LifeForecast;
-use sinew_estimate::trend::{
-    JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast, LimitState, MissingFromRobot,
-    PriorBasis, TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
-};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
 use sinew_model::{Gaussian, Z95};
+use sinew_trend::survival::LifeForecast;
+use sinew_trend::{
+    JointTrend, JumpCause, LifeNotUsed, Limit, LimitForecast, LimitState, MissingFromRobot,
+    PriorBasis, TrendEvent, TrendEventKind, TrendNote, TrendVerdict,
+};
 
 /// The same, or a dash.
 pub(super) fn plus_minus_or_dash(value: Option<Gaussian>, factor: f64) -> String {

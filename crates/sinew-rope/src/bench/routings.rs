@@ -7,7 +7,7 @@
 //! What is assumed stands in the constants below.
 
 use super::{Bench, Phase, Strand};
-use sinew_model::rope::routing::Pulley;
+use crate::law::routing::Pulley;
 
 /// Length of each strand, m: room for three pulleys further apart than the stroke.
 pub const STRAND_M: f64 = 0.600;
@@ -73,7 +73,7 @@ pub fn paper(name: &str) -> Option<Bench> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_model::rope::routing::portions;
+    use crate::law::routing::portions;
 
     /// Length of the guided strand that so many pulleys pass over, mm.
     fn passed_mm(name: &str) -> [f64; 4] {

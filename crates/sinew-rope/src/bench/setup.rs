@@ -1,7 +1,7 @@
 //! What stands where on the bench, and what is done to it.
 
+use crate::law::routing::{self, Pulley, RoutingError};
 use sinew_files::{Bound, Fields as _, Located, Section, TomlFile};
-use sinew_model::rope::routing::{self, Pulley, RoutingError};
 
 /// One of the two strands between drive pulley and joint pulley.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -8,8 +8,8 @@
 use super::{Bench, Strand};
 use crate::duty::{Duty, Stretch};
 use crate::history::History;
-use sinew_model::rope::routing::{self, Portion};
-use sinew_model::rope::{Law, LoadError, RopeLoad, State};
+use crate::law::routing::{self, Portion};
+use crate::law::{Law, LoadError, RopeLoad, State};
 
 /// Steps a half period is cut into: tension along a portion changes as it crosses a pulley. Eight times
 /// as many move the paper's B, C and D by at most 1.2e-4 % strain, of the 1e-2 % between them.

@@ -1,9 +1,9 @@
 //! The records a trend rests on: of each day the best.
 
 use crate::record::{Clock, Record};
-use sinew_estimate::trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
+use sinew_trend::SessionRecord;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -7,8 +7,8 @@ use crate::instant::Instant;
 use crate::journal::Event;
 use crate::journal::SessionEnd;
 use crate::transaction::Suspected;
-use sinew_estimate::trend::{JointTrend, Limit, LimitState};
 use sinew_model::Gaussian;
+use sinew_trend::{JointTrend, Limit, LimitState};
 use std::collections::BTreeMap;
 
 /// A limit that was near is no longer where it may be passed later than this share of the time.

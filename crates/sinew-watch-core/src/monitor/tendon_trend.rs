@@ -1,10 +1,8 @@
 //! The trend of one tendon: what it needs, and what it gives.
 
-use sinew_estimate::trend::{
-    JointTrend, PassageTimes, SessionRecord, Stated, TrendRequest, analyze_joint,
-};
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
+use sinew_trend::{JointTrend, PassageTimes, SessionRecord, Stated, TrendRequest, analyze_joint};
 use std::sync::Arc;
 
 /// What a tendon's trend needs.

@@ -3,7 +3,7 @@
 use super::Monitor;
 use super::tendon_trend::{Made, TrendWork};
 use crate::instant::Instant;
-use sinew_estimate::trend::Stated;
+use sinew_trend::Stated;
 use std::sync::Arc;
 
 /// The trends of a robot's tendons, and which of them are to be made anew.

@@ -3,8 +3,9 @@
 use super::alarms::{self, AlarmSettings};
 use super::door::{self, DoorSettings};
 use super::path;
+use sinew_files::WORKS_AT_C;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section};
-use sinew_log::{JointEffort, WORKS_AT_C};
+use sinew_log::JointEffort;
 use sinew_model::Gaussian;
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! How the demonstration's ropes creep: the rope law, under what they carry.
 
-use sinew_model::rope::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
 use sinew_rope::Catalogue;
+use sinew_rope::law::{Law, RopeLoad, State};
 
 /// What the ropes carry on average, over their pretension.
 const WORK: f64 = 2.0;

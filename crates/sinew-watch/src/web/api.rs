@@ -4,7 +4,7 @@ use crate::runtime::{DoorNow, Seen, Slot};
 use crate::store::JournalEntry;
 use crate::words;
 use serde::{Deserialize, Serialize};
-use sinew_estimate::trend::JointTrend;
+use sinew_trend::JointTrend;
 use sinew_watch_core::Record;
 use sinew_watch_core::alarm::{Alarm, Level};
 use sinew_watch_core::snapshot::{Freshness, RobotSnapshot, TendonSnapshot};

@@ -2,8 +2,8 @@
 
 use super::alarms::{is_over, title};
 use super::{plus_minus, span};
-use sinew_estimate::trend::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_files::date::day_of;
+use sinew_trend::{JointTrend, Limit, LimitForecast, LimitState};
 use sinew_watch_core::alarm::{Alarm, Level};
 use sinew_watch_core::record::NoOffset;
 use sinew_watch_core::snapshot::{Freshness, Learning, NotNow, RobotSnapshot, TendonSnapshot};

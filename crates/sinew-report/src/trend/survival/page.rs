@@ -4,9 +4,9 @@ use super::words::{
     format_age, format_law, format_misfit, format_note, format_quantile, format_wear, group_name,
     shown,
 };
-use sinew_estimate::trend::survival::{SurvivalGroup, SurvivalReport, Wear};
 use sinew_figure::plot::{Band, Colour, Dash, Figure, Line, Panel};
 use sinew_figure::{Block, Headline, Level, Page, Table, rounded};
+use sinew_trend::survival::{SurvivalGroup, SurvivalReport, Wear};
 
 /// Share of ropes that last longer than an age: the curve with its band, the law with its.
 pub fn figure(report: &SurvivalReport, group: &SurvivalGroup) -> Figure {

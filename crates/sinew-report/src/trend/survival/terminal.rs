@@ -2,7 +2,7 @@
 
 use super::words::{format_law, format_misfit, format_quantile, format_wear, group_name, shown};
 use crate::text::{indented, paragraph, plain, table};
-use sinew_estimate::trend::survival::{SurvivalGroup, SurvivalReport};
+use sinew_trend::survival::{SurvivalGroup, SurvivalReport};
 
 /// The report as text of at most 80 columns.
 pub fn render_table(report: &SurvivalReport) -> String {

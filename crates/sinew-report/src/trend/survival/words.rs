@@ -1,11 +1,11 @@
 //! How long ropes last, in words.
 
 use crate::trend::words::format_span;
-use sinew_estimate::trend::survival::{
-    AgeUnit, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalNote, Wear,
-};
 use sinew_figure::rounded;
 use sinew_files::date::{DAY_S, day_of};
+use sinew_trend::survival::{
+    AgeUnit, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalNote, Wear,
+};
 
 /// What ages are shown in, and how many of it make one of the document's.
 pub(super) fn shown(unit: AgeUnit) -> (&'static str, f64) {

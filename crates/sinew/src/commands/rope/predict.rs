@@ -6,8 +6,8 @@ use crate::args::not_negative;
 use crate::files::{check_outputs, write_table, write_text};
 use crate::terminal::{Bar, Failure, Finish, answer_as};
 use clap::Args;
-use sinew_model::rope::RopeLoad;
 use sinew_report::rope::{curve_times, predicted, prediction_series, prediction_table};
+use sinew_rope::law::RopeLoad;
 use sinew_rope::predict;
 use std::path::PathBuf;
 

@@ -8,13 +8,13 @@ use crate::files::{Named, check_outputs, write_table};
 use crate::terminal::{Failure, Finish, Word, answer, complain};
 use clap::{Args, Subcommand};
 use sinew_estimate::robot_dir;
-use sinew_estimate::trend::survival::LifePrior;
-use sinew_estimate::trend::{Stated, TrendRequest, analyze, read_sessions};
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
 use sinew_report::text::plain;
 use sinew_report::trend::{format_note, html, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
+use sinew_trend::survival::LifePrior;
+use sinew_trend::{Stated, TrendRequest, analyze, read_sessions};
 use std::path::PathBuf;
 
 /// Watch tendons over months: where they stand, what happened, when to tension or replace

@@ -3,11 +3,11 @@
 use crate::files::check_outputs;
 use crate::terminal::{Failure, Finish, Word, answer, complain};
 use clap::Args;
-use sinew_estimate::trend::survival::{EventColumns, Lives, analyze_lives, read_lives};
 use sinew_files::JsonDocument as _;
 use sinew_files::date::parse_utc_s;
 use sinew_report::text::plain;
 use sinew_report::trend::survival::{format_note, html, render_table};
+use sinew_trend::survival::{EventColumns, Lives, analyze_lives, read_lives};
 use std::path::{Path, PathBuf};
 
 /// How long ropes last: from a table of what broke and what was replaced, with what runs still

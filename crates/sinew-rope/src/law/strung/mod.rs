@@ -1,0 +1,370 @@
+//! Ropes strung in a machine and left at their length: how their tension falls.
+//!
+//! ```text
+//! each strand       ℓ(T) = Σ_k L_k ε_k/100 + c T           pieces of rope, and what gives in series
+//! one strand        ℓ(T) = u                               u: what it was when it was tied off
+//! joint with two    ℓ₊(T + τ/r) + ℓ₋(T) = u₊ + u₋          its motor held, its torque τ balanced:
+//!                   r δ = ℓ₊(T + τ/r) − u₊                 r (T₊ − T₋) = τ; δ is how far it sags
+//! slack             T = 0 where the ropes are longer than that
+//! ```
+//!
+//! The rope law adds its memory to this. A step solves for the tension at its end together with
+//! every element (`piece`); nothing is frozen, so the delayed compliance may be larger than the
+//! elastic one. The step is symmetric in time: two extrapolations over halved steps raise it to
+//! sixth order, and their distance to fourth order chooses the next step.
+//!
+//! Not modelled: friction of a rope at rest on its guides, temperatures that change, a motor that
+//! gives.
+
+mod piece;
+
+pub use piece::Piece;
+
+use super::{LoadError, RopeLoad, State};
+use piece::Lags;
+
+/// Share of the tension, and of the strain under it, that one step may be off: some hundred steps
+/// in a year leave the answer within 1e-6.
+pub const RELAXATION_TOLERANCE: f64 = 1e-8;
+
+/// First step, s.
+const FIRST_S: f64 = 0.1;
+/// Steps are not made shorter, s: nothing in the law is as quick.
+const SHORTEST_S: f64 = 1e-7;
+/// A bound on the work; a year across every kink takes some hundred.
+const STEPS_MAX: usize = 1_000_000;
+
+/// One strand from end to end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strand {
+    /// Its rope, piece by piece.
+    pub pieces: Vec<Piece>,
+    /// `c`: what gives in series with it (frame, spring, mounts), m/N.
+    pub give_m_per_n: f64,
+    /// What it pulls beyond the tendon's least tension, N: `τ/r` in the strand that holds a load.
+    pub extra_n: f64,
+}
+
+/// The strands that hold one joint, at one temperature.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strung {
+    strands: Vec<Strand>,
+    temperature_k: f64,
+    /// Tension of the strand that pulls least, N.
+    tension_n: f64,
+    /// `u` of each strand, m.
+    tied_m: Vec<f64>,
+}
+
+impl Strung {
+    /// Strings them up: each strand is held at `tension_n` and its own extra tension for a time, and
+    /// then tied off at the length it has.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn new(
+        strands: Vec<Strand>,
+        tension_n: f64,
+        temperature_k: f64,
+        duration_s: f64,
+    ) -> Result<Self, LoadError> {
+        let mut out = Self {
+            tied_m: Vec::new(),
+            strands,
+            temperature_k,
+            tension_n,
+        };
+        out.tension_again(tension_n, duration_s)?;
+        Ok(out)
+    }
+
+    /// Does [`Strung::new`] again with ropes that remember what they went through.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn tension_again(&mut self, tension_n: f64, duration_s: f64) -> Result<(), LoadError> {
+        for strand in &mut self.strands {
+            let load = RopeLoad {
+                tension_n: tension_n + strand.extra_n,
+                temperature_k: self.temperature_k,
+            };
+            for piece in &mut strand.pieces {
+                piece.law.hold(&mut piece.state, load, duration_s)?;
+            }
+        }
+        self.tension_n = tension_n;
+        self.tied_m = self.strands.iter().map(|s| self.length_m(s)).collect();
+        Ok(())
+    }
+
+    /// Tension of the strand that pulls least, N; 0 when it is slack.
+    #[must_use]
+    pub fn tension_n(&self) -> f64 {
+        self.tension_n
+    }
+
+    /// How much longer the first strand is than when it was tied off, m: a joint of radius `r` has
+    /// sagged by this over `r`.
+    #[must_use]
+    pub fn sag_m(&self) -> f64 {
+        match (self.strands.first(), self.tied_m.first()) {
+            (Some(strand), Some(tied)) => self.length_m(strand) - tied,
+            _ => 0.0,
+        }
+    }
+
+    /// The strands.
+    #[must_use]
+    pub fn strands(&self) -> &[Strand] {
+        &self.strands
+    }
+
+    /// Leaves them alone for a time, or until the least tension has fallen to `until_n`.
+    ///
+    /// * `tolerance`: share of tension and strain that one step may be off, such as
+    ///   [`RELAXATION_TOLERANCE`].
+    /// * `seen`: called after each step with the time since the call, s.
+    /// * Returns the time that has passed, s.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn leave(
+        &mut self,
+        duration_s: f64,
+        until_n: Option<f64>,
+        tolerance: f64,
+        mut seen: impl FnMut(f64, &Self),
+    ) -> Result<f64, LoadError> {
+        super::rope_law::check_duration(duration_s)?;
+        let (mut at, mut h) = (0.0, FIRST_S);
+        for _ in 0..STEPS_MAX {
+            if duration_s - at <= 1e-15 * duration_s {
+                break;
+            }
+            h = f64::min(h, duration_s - at);
+            let (next, error) = self.stepped(h)?;
+            let share = error / tolerance;
+            if share <= 1.0 || h <= SHORTEST_S {
+                if let Some(low) = until_n
+                    && next.tension_n < low
+                {
+                    let (h, next) = self.falls_to(low, h, next)?;
+                    *self = next;
+                    seen(at + h, self);
+                    return Ok(at + h);
+                }
+                *self = next;
+                at += h;
+                seen(at, self);
+            }
+            // Fourth order: the error of a step goes with h⁵.
+            let wish = 0.85 * libm::pow(share.max(1e-12), -0.2);
+            h = (h * wish.clamp(0.1, 4.0)).max(SHORTEST_S);
+        }
+        Ok(at)
+    }
+
+    /// Within a step of `h` the least tension falls to `low`: when, and how it is then.
+    fn falls_to(&self, low: f64, h: f64, end: Self) -> Result<(f64, Self), LoadError> {
+        let (mut a, mut b) = ((0.0, self.tension_n - low), (h, end.tension_n - low));
+        let mut found = (h, end);
+        // Regula falsi with the Illinois rule; tension is smooth within a step.
+        for _ in 0..40 {
+            let x = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+            let next = self.stepped(x)?.0;
+            let y = next.tension_n - low;
+            found = (x, next);
+            if y.abs() <= 1e-11 * low || b.0 - a.0 <= 1e-12 * h {
+                break;
+            }
+            if y > 0.0 {
+                a = (x, y);
+                b.1 *= 0.5;
+            } else {
+                b = (x, y);
+                a.1 *= 0.5;
+            }
+        }
+        Ok(found)
+    }
+
+    /// After a step of sixth order, and its error as a share of tension and strain.
+    fn stepped(&self, h: f64) -> Result<(Self, f64), LoadError> {
+        let coarse = self.in_steps(h, 1)?;
+        let middle = self.in_steps(h, 2)?;
+        let fine = self.in_steps(h, 4)?;
+        let mut out = fine.clone();
+        let mut error = 0.0f64;
+        for (i, strand) in out.strands.iter_mut().enumerate() {
+            for (j, piece) in strand.pieces.iter_mut().enumerate() {
+                let of = |s: &Self| s.strands[i].pieces[j].state;
+                let (state, percent) =
+                    super::ramp::extrapolate(&of(self), &of(&coarse), &of(&middle), &of(&fine));
+                piece.state = state;
+                let tension_n = self.tension_n + strand.extra_n;
+                let kink = piece.kink_percent(&of(self), tension_n, self.temperature_k, h);
+                if kink > 0.0 && piece.is_bedded(&of(&fine), fine.tension_n + strand.extra_n) {
+                    // Extrapolation is blind to where the bedding-in ends.
+                    piece.state.bedding_percent = of(&fine).bedding_percent;
+                    error = error.max(kink / piece.strain_scale_percent(tension_n));
+                }
+                error = error.max(percent / piece.strain_scale_percent(tension_n));
+            }
+        }
+        out.tension_n = out.balanced(|_, strand, tension_n| strand.length_m(tension_n))?;
+        let [ab, bc] = [
+            middle.tension_n + (middle.tension_n - coarse.tension_n) / 3.0,
+            fine.tension_n + (fine.tension_n - middle.tension_n) / 3.0,
+        ];
+        let abc = bc + (bc - ab) / 15.0;
+        error = error.max((abc - bc).abs() / self.largest_n());
+        Ok((out, error))
+    }
+
+    fn in_steps(&self, h: f64, steps: u32) -> Result<Self, LoadError> {
+        let dt = h / f64::from(steps);
+        let lags: Vec<Vec<Lags>> = self
+            .strands
+            .iter()
+            .map(|s| {
+                s.pieces
+                    .iter()
+                    .map(|p| p.lags(self.temperature_k, dt))
+                    .collect()
+            })
+            .collect();
+        let mut out = self.clone();
+        for _ in 0..steps {
+            let from_n = out.tension_n;
+            let after = |i: usize, strand: &Strand, tension_n: f64| {
+                let span = (from_n + strand.extra_n, tension_n);
+                let pieces = strand.pieces.iter().zip(&lags[i]);
+                let ropes: f64 = pieces
+                    .map(|(p, lags)| p.elongation_m(&p.after(lags, span), tension_n))
+                    .sum();
+                ropes + strand.give_m_per_n * tension_n
+            };
+            let to_n = out.balanced(after)?;
+            for (strand, lags) in out.strands.iter_mut().zip(&lags) {
+                let span = (from_n + strand.extra_n, to_n + strand.extra_n);
+                for (piece, lags) in strand.pieces.iter_mut().zip(lags) {
+                    piece.state = piece.after(lags, span);
+                }
+            }
+            out.tension_n = to_n;
+        }
+        Ok(out)
+    }
+
+    /// Least tension at which the strands are together as long as they were tied off, N; 0 when
+    /// they are longer even so. `length` of a strand rises with the tension it is given.
+    fn balanced(&self, length: impl Fn(usize, &Strand, f64) -> f64) -> Result<f64, LoadError> {
+        let tied: f64 = self.tied_m.iter().sum();
+        let excess = |tension_n: f64| {
+            let strands = self.strands.iter().enumerate();
+            let lengths = strands.map(|(i, s)| length(i, s, tension_n + s.extra_n));
+            lengths.sum::<f64>() - tied
+        };
+        let strongest = |s: &Strand| {
+            let weakest = s.pieces.iter().map(Piece::breaking_load_n);
+            weakest.fold(f64::INFINITY, f64::min) - s.extra_n
+        };
+        let top = self.strands.iter().map(strongest);
+        let top = top.fold(f64::INFINITY, f64::min);
+        // Newton from where it is, by a slope of two points, within what is known to hold it.
+        let (mut low, mut high) = (None, f64::INFINITY);
+        let mut x = self.tension_n;
+        let mut y = excess(x);
+        let mut slope = self.compliance_m_per_n();
+        for _ in 0..200 {
+            if y == 0.0 {
+                return Ok(x);
+            }
+            if y > 0.0 {
+                if x <= 0.0 {
+                    return Ok(0.0);
+                }
+                high = x;
+            } else {
+                if x >= top {
+                    return Err(LoadError::Broken {
+                        tension_n: x,
+                        breaking_load_n: top,
+                    });
+                }
+                low = Some(x);
+            }
+            let mut next = (x - y / slope).clamp(0.0, top);
+            if low.is_some_and(|low| next <= low) || next >= high {
+                next = if high.is_finite() {
+                    0.5 * (low.unwrap_or(0.0) + high)
+                } else {
+                    f64::min(2.0 * x + 1.0, top)
+                };
+            }
+            let moved = next - x;
+            // The last slope is good to some 1e-6 by then: what is left is rounding.
+            let done = moved.abs() <= 1e-9 * x.abs().max(1e-3);
+            let before = (x, y);
+            x = next;
+            if done {
+                return Ok(x);
+            }
+            y = excess(x);
+            let secant = (y - before.1) / (x - before.0);
+            if secant > 0.0 && secant.is_finite() {
+                slope = secant;
+            }
+        }
+        Ok(x)
+    }
+
+    fn length_m(&self, strand: &Strand) -> f64 {
+        strand.length_m(self.tension_n + strand.extra_n)
+    }
+
+    /// Of all strands together, for a small quick change, m/N.
+    fn compliance_m_per_n(&self) -> f64 {
+        let of = |s: &Strand| {
+            let n = self.tension_n + s.extra_n;
+            let ropes: f64 = s.pieces.iter().map(|p| p.compliance_m_per_n(n)).sum();
+            ropes + s.give_m_per_n
+        };
+        self.strands.iter().map(of).sum()
+    }
+
+    /// Largest tension of a strand, at least 1e-4 of the weakest rope's breaking load, N.
+    fn largest_n(&self) -> f64 {
+        let of = |s: &Strand| {
+            let least = s.pieces.iter().map(Piece::breaking_load_n);
+            let least = 1e-4 * least.fold(f64::INFINITY, f64::min);
+            f64::max(self.tension_n + s.extra_n, least)
+        };
+        self.strands.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+impl Strand {
+    /// Elongation of rope and of what gives, m.
+    fn length_m(&self, tension_n: f64) -> f64 {
+        let ropes = self
+            .pieces
+            .iter()
+            .map(|p| p.elongation_m(&p.state, tension_n));
+        ropes.sum::<f64>() + self.give_m_per_n * tension_n
+    }
+
+    /// A strand of one rope without guides or anything that gives.
+    #[must_use]
+    pub fn straight(law: super::Law, length_m: f64, state: State) -> Self {
+        Self {
+            pieces: vec![Piece {
+                law,
+                length_m,
+                state,
+            }],
+            give_m_per_n: 0.0,
+            extra_n: 0.0,
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Ropes that age by a power of their age.
+
+use super::{HALF_CHI2_95, Life};
+use sinew_model::Interval95;
+
+/// Shapes looked at: below the first almost all break at once, above the last all at one age.
+const SHAPES: [f64; 2] = [0.02, 50.0];
+/// Halvings of an interval: to a part in 1e15 of it.
+const HALVINGS: usize = 60;
+
+/// Share of ropes that last longer than an age `t`: `S(t) = exp(−(t/λ)^k)`.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Weibull {
+    /// `k`: above 1 ropes wear, below 1 the weak break first, at 1 age says nothing.
+    pub shape: f64,
+    /// `λ`: the age that 1/e, 37 %, outlast.
+    pub scale: f64,
+}
+
+impl Weibull {
+    /// Share of ropes that last longer than `age`.
+    #[must_use]
+    pub fn survival(&self, age: f64) -> f64 {
+        libm::exp(-libm::pow(age.max(0.0) / self.scale, self.shape))
+    }
+
+    /// Age that a share of the ropes doesn't outlast.
+    #[must_use]
+    pub fn quantile(&self, share: f64) -> f64 {
+        self.quantile_beyond(0.0, share)
+    }
+
+    /// Age by which a share of those that have reached `age` has broken:
+    /// `λ ((age/λ)^k − ln(1 − share))^(1/k)`.
+    #[must_use]
+    pub fn quantile_beyond(&self, age: f64, share: f64) -> f64 {
+        let reached = libm::pow(age.max(0.0) / self.scale, self.shape);
+        self.scale * libm::pow(reached - libm::log1p(-share), 1.0 / self.shape)
+    }
+}
+
+/// A law fitted by maximum likelihood, and what the likelihood says of its numbers.
+///
+/// ```text
+/// ln L = Σ_broke [ln k − k ln λ + (k − 1) ln t] − Σ_all (t/λ)^k
+/// ```
+///
+/// An interval holds what, with the other number free, costs at most 1.92 of ln L (Wilks). Of few broken ropes it is
+/// lopsided, as it should be; below ten it is a little narrow.
+///
+/// # Source
+/// W. Q. Meeker, L. A. Escobar, *Statistical Methods for Reliability Data*, 1998, chapter 8.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeibullFit {
+    /// The likeliest law.
+    pub law: Weibull,
+    /// Logarithm of its likelihood.
+    pub log_likelihood: f64,
+    /// 95 % interval of the shape; `None` at an end: open there.
+    pub shape_interval_95: [Option<f64>; 2],
+    sums: Sums,
+}
+
+/// What a likelihood needs of the lives, ages over their geometric mean.
+#[derive(Debug, Clone, PartialEq)]
+struct Sums {
+    /// Logarithms of all ages.
+    logs: Vec<f64>,
+    /// Logarithm of the unit they are in.
+    unit: f64,
+    /// Ropes that broke.
+    broke: f64,
+    /// Sum of the logarithms of their ages.
+    log_broke: f64,
+}
+
+impl WeibullFit {
+    /// The fit; `None` where fewer than two ropes broke, or all at one age, so that no shape is likeliest.
+    #[must_use]
+    pub fn new(lives: &[Life]) -> Option<Self> {
+        let sums = Sums::new(lives)?;
+        let shape = root(SHAPES, |k| sums.slope(k))?;
+        let scale = sums.scale(shape);
+        let log_likelihood = sums.log_likelihood(shape, scale);
+        let floor = log_likelihood - HALF_CHI2_95;
+        let profile = |k: f64| sums.log_likelihood(k, sums.scale(k)) - floor;
+        let shape_interval_95 = [
+            root([SHAPES[0], shape], profile),
+            root([shape, SHAPES[1]], profile),
+        ];
+        Some(Self {
+            law: Weibull {
+                shape,
+                scale: libm::exp(scale + sums.unit),
+            },
+            log_likelihood: log_likelihood - sums.broke * sums.unit,
+            shape_interval_95,
+            sums,
+        })
+    }
+
+    /// 95 % interval of the age that a share of the ropes doesn't outlast; of the scale for `1 − 1/e`. `None` at an end:
+    /// open there.
+    #[must_use]
+    pub fn quantile_interval_95(&self, share: f64) -> [Option<f64>; 2] {
+        let hazard = -libm::log1p(-share);
+        let best = libm::log(self.law.quantile(share)) - self.sums.unit;
+        let profile = |log_age: f64| self.profile(log_age, hazard);
+        let inner = |outer: f64| {
+            let end = root_of([best, outer], profile)?;
+            Some(libm::exp(end + self.sums.unit))
+        };
+        [inner(best - REACH), inner(best + REACH)]
+    }
+
+    /// 95 % interval of the share that lasts longer than an age.
+    #[must_use]
+    pub fn survival_interval_95(&self, age: f64) -> Interval95 {
+        let log_age = libm::log(age) - self.sums.unit;
+        let best = libm::log(-libm::log(
+            self.law.survival(age).clamp(1e-300, 1.0 - 1e-16),
+        ));
+        let profile = |log_hazard: f64| self.profile(log_age, libm::exp(log_hazard));
+        let at = |outer: f64, open: f64| {
+            root_of([best, outer], profile).map_or(open, |h| libm::exp(-libm::exp(h)))
+        };
+        Interval95::new(at(best + REACH, 0.0), at(best - REACH, 1.0))
+    }
+
+    /// How much of 1.92 is left of ln L where the hazard reaches `hazard` at an age, the shape free.
+    fn profile(&self, log_age: f64, hazard: f64) -> f64 {
+        // λ = age / hazard^(1/k)
+        let scale = |k: f64| log_age - libm::log(hazard) / k;
+        let slope = |k: f64| self.sums.slope_through(k, log_age, hazard);
+        let shape = root(SHAPES, slope).unwrap_or(match slope(SHAPES[0]) > 0.0 {
+            true => SHAPES[1],
+            false => SHAPES[0],
+        });
+        let best = self.log_likelihood + self.sums.broke * self.sums.unit;
+        self.sums.log_likelihood(shape, scale(shape)) - best + HALF_CHI2_95
+    }
+
+    /// Logarithm of the posterior density of the shape, the scale free, up to a constant: every order of size of both
+    /// numbers as likely before.
+    ///
+    /// `λ^−k` given `k` has a gamma distribution of shape `d` (ropes that broke) and rate `Σ t^k`
+    /// ([`WeibullFit::rate`]); what is left is `k^(d−1) Π_broke t^(k−1) / (Σ t^k)^d`, per logarithm of `k`.
+    #[must_use]
+    pub fn log_shape_density(&self, shape: f64) -> f64 {
+        let Sums {
+            broke, log_broke, ..
+        } = self.sums;
+        (broke - 1.0) * libm::log(shape) + shape * log_broke - broke * self.sums.log_powers(shape)
+    }
+
+    /// Logarithm of `Σ t^k`, and how many ropes broke: the distribution of `λ^−k` given `k`.
+    #[must_use]
+    pub fn rate(&self, shape: f64) -> (f64, f64) {
+        let log = self.sums.log_powers(shape) + shape * self.sums.unit;
+        (log, self.sums.broke)
+    }
+}
+
+/// How far from the best an age or a hazard is looked for, e-folds.
+const REACH: f64 = 60.0;
+
+impl Sums {
+    fn new(lives: &[Life]) -> Option<Self> {
+        let lives = lives.iter().filter(|l| l.is_possible());
+        let mut logs: Vec<f64> = lives.clone().map(|l| libm::log(l.age)).collect();
+        let unit = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
+        logs.iter_mut().for_each(|x| *x -= unit);
+        let broken = lives.filter(|l| l.broke).map(|l| libm::log(l.age) - unit);
+        let broke = broken.clone().count();
+        // One that broke, or all at once: the likelihood grows without end with the shape.
+        (broke >= 2).then(|| Self {
+            logs,
+            unit,
+            broke: broke as f64,
+            log_broke: broken.sum(),
+        })
+    }
+
+    /// `ln Σ t^k`, without overflow.
+    fn log_powers(&self, k: f64) -> f64 {
+        let most = self.logs.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
+        let sum: f64 = self.logs.iter().map(|x| libm::exp(k * (x - most))).sum();
+        k * most + libm::log(sum)
+    }
+
+    /// Logarithm of the likeliest scale of a shape: `λ^k = Σ t^k / d`.
+    fn scale(&self, k: f64) -> f64 {
+        (self.log_powers(k) - libm::log(self.broke)) / k
+    }
+
+    fn log_likelihood(&self, k: f64, log_scale: f64) -> f64 {
+        let hazard: f64 = (self.logs.iter())
+            .map(|x| libm::exp(k * (x - log_scale)))
+            .sum();
+        self.broke * (libm::log(k) - k * log_scale) + (k - 1.0) * self.log_broke - hazard
+    }
+
+    /// Slope of the likelihood over the shape, the scale at its best: falls with `k`.
+    fn slope(&self, k: f64) -> f64 {
+        let most = self.logs.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
+        let (mut sum, mut weighted) = (0.0, 0.0);
+        for x in &self.logs {
+            let power = libm::exp(k * (x - most));
+            sum += power;
+            weighted += power * x;
+        }
+        self.broke / k + self.log_broke - self.broke * weighted / sum
+    }
+
+    /// The same with the hazard held at an age: `d/k + Σ_broke ln(t/t₀) − h Σ (t/t₀)^k ln(t/t₀)`.
+    fn slope_through(&self, k: f64, log_age: f64, hazard: f64) -> f64 {
+        let sum: f64 = (self.logs.iter())
+            .map(|x| libm::exp(k * (x - log_age)) * (x - log_age))
+            .sum();
+        self.broke / k + self.log_broke - self.broke * log_age - hazard * sum
+    }
+}
+
+/// Where a function of a logarithmic scale passes zero between two ends above 0; `None`: it has one sign at both.
+fn root(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    let logs = ends.map(libm::log);
+    root_of(logs, |x| f(libm::exp(x))).map(libm::exp)
+}
+
+/// Where a function passes zero between two ends, by halving; `None`: it has one sign at both.
+fn root_of(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    let [mut a, mut b] = ends;
+    let at_a = f(a);
+    // An infinite slope has a sign, too.
+    if at_a.is_nan() || (at_a > 0.0) == (f(b) > 0.0) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (a + b);
+        if (f(middle) > 0.0) == (at_a > 0.0) {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    Some(0.5 * (a + b))
+}

@@ -1,0 +1,277 @@
+//! Lifetimes against published data, SciPy's likelihoods and their own coverage.
+
+use sinew_rope::survival::{Life, Weibull, WeibullFit, kaplan_meier, survival_quantile};
+
+/// Weeks in remission under 6-mercaptopurine (Freireich et al. 1963), the usual example of censored lifetimes.
+fn remissions() -> Vec<Life> {
+    let broke = [6, 6, 6, 7, 10, 13, 16, 22, 23];
+    let censored = [6, 9, 10, 11, 17, 19, 20, 25, 32, 32, 34, 35];
+    let life = |broke: bool| {
+        move |age: i32| Life {
+            age: f64::from(age),
+            broke,
+        }
+    };
+    let broken = broke.into_iter().map(life(true));
+    broken
+        .chain(censored.into_iter().map(life(false)))
+        .collect()
+}
+
+#[test]
+fn the_curve_of_a_known_example_and_its_band() {
+    // lifelines 0.30 and R's survfit(conf.type = "log-log").
+    let expected = [
+        (6.0, 21, 3, 0.857_143, 0.619_718, 0.951_552),
+        (7.0, 17, 1, 0.806_723, 0.563_147, 0.922_809),
+        (10.0, 15, 1, 0.752_941, 0.503_200, 0.889_362),
+        (13.0, 12, 1, 0.690_196, 0.431_610, 0.849_066),
+        (16.0, 11, 1, 0.627_451, 0.367_511, 0.804_912),
+        (22.0, 7, 1, 0.537_815, 0.267_779, 0.746_791),
+        (23.0, 6, 1, 0.448_179, 0.188_052, 0.680_143),
+    ];
+    let found = kaplan_meier(&remissions());
+    assert_eq!(found.len(), expected.len());
+    for (p, (age, at_risk, broke, survival, low, high)) in found.iter().zip(expected) {
+        assert_eq!((p.age, p.at_risk, p.broke), (age, at_risk, broke));
+        assert!((p.survival - survival).abs() < 1e-6, "{p:?}");
+        // 1.96 here, 1.95996 there.
+        assert!((p.interval_95.low - low).abs() < 2e-5, "{p:?} {low}");
+        assert!((p.interval_95.high - high).abs() < 2e-5, "{p:?} {high}");
+    }
+    assert_eq!(
+        survival_quantile(&found, 0.5),
+        [Some(13.0), Some(23.0), None]
+    );
+    assert_eq!(survival_quantile(&found, 0.9), [None, None, None]);
+}
+
+#[test]
+fn an_order_of_lives_is_no_matter_and_all_broken_ends_at_zero() {
+    let mut reversed = remissions();
+    reversed.reverse();
+    assert_eq!(kaplan_meier(&reversed), kaplan_meier(&remissions()));
+    let all = |broke| [2.0, 3.0, 3.0].map(|age| Life { age, broke });
+    let points = kaplan_meier(&all(true));
+    let last = points.last().unwrap();
+    assert_eq!((last.survival, last.interval_95.low), (0.0, 0.0));
+    assert_eq!(last.interval_95.high, points[0].interval_95.high);
+    assert!(kaplan_meier(&all(false)).is_empty());
+    let nonsense = [0.0, -1.0, f64::NAN, f64::INFINITY].map(|age| Life { age, broke: true });
+    assert!(kaplan_meier(&nonsense).is_empty() && WeibullFit::new(&nonsense).is_none());
+}
+
+#[test]
+fn the_likeliest_weibull_and_its_intervals_are_scipys() {
+    // benches/peers/survival.py prints these.
+    let fit = WeibullFit::new(&remissions()).unwrap();
+    let close = |found: f64, expected: f64| {
+        assert!((found / expected - 1.0).abs() < 2e-6, "{found} {expected}");
+    };
+    close(fit.law.shape, 1.353_734_5);
+    close(fit.law.scale, 33.765_151);
+    close(fit.log_likelihood, -41.658_678_477);
+    let both = |found: [Option<f64>; 2], expected: [f64; 2]| {
+        for (found, expected) in found.into_iter().zip(expected) {
+            close(found.unwrap(), expected);
+        }
+    };
+    both(fit.shape_interval_95, [0.723_665_422, 2.203_694_205]);
+    both(
+        fit.quantile_interval_95(0.1),
+        [1.907_334_533, 12.273_337_936],
+    );
+    both(fit.quantile_interval_95(0.5), [16.246_950_037, 51.403_391]);
+    let scale = 1.0 - (-1.0_f64).exp();
+    both(
+        fit.quantile_interval_95(scale),
+        [21.847_682_947, 76.865_529_143],
+    );
+    for (age, low, high) in [
+        (5.0, 0.796_308_916, 0.982_945_571),
+        (20.0, 0.410_413_904, 0.790_112_065),
+        (60.0, 0.002_930_530_7, 0.448_897_854),
+    ] {
+        let interval = fit.survival_interval_95(age);
+        close(interval.low, low);
+        close(interval.high, high);
+    }
+}
+
+#[test]
+fn the_unit_of_ages_is_no_matter() {
+    let lives = remissions();
+    let seconds: Vec<Life> = (lives.iter())
+        .map(|l| Life {
+            age: 604_800.0 * l.age,
+            ..*l
+        })
+        .collect();
+    let (weeks, seconds) = (
+        WeibullFit::new(&lives).unwrap(),
+        WeibullFit::new(&seconds).unwrap(),
+    );
+    let same = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    same(weeks.law.shape, seconds.law.shape);
+    same(604_800.0 * weeks.law.scale, seconds.law.scale);
+    let [a, b] = [
+        weeks.quantile_interval_95(0.1),
+        seconds.quantile_interval_95(0.1),
+    ];
+    same(604_800.0 * a[0].unwrap(), b[0].unwrap());
+    let [a, b] = [&weeks, &seconds].map(|fit| {
+        let of = |k: f64| fit.log_shape_density(k);
+        of(1.2) - of(0.8)
+    });
+    assert!((a - b).abs() < 1e-9, "{a} {b}");
+}
+
+#[test]
+fn what_lives_cannot_tell_is_open() {
+    let life = |age: f64, broke: bool| Life { age, broke };
+    assert!(WeibullFit::new(&[]).is_none());
+    assert!(WeibullFit::new(&[life(5.0, true), life(7.0, false)]).is_none());
+    // All at one age: the likelihood grows with the shape without end.
+    assert!(WeibullFit::new(&[life(5.0, true); 4]).is_none());
+    // Two that broke, many that didn't: the half-life may be anything beyond.
+    let mut lives = vec![life(10.0, true), life(11.0, true)];
+    lives.extend([life(12.0, false); 30]);
+    let fit = WeibullFit::new(&lives).unwrap();
+    let [low, _] = fit.quantile_interval_95(0.5);
+    assert!(low.unwrap() > 12.0);
+    assert!(fit.quantile_interval_95(0.5)[1].is_none_or(|high| high > 50.0));
+}
+
+#[test]
+fn those_that_have_reached_an_age_break_later() {
+    let law = Weibull {
+        shape: 2.0,
+        scale: 100.0,
+    };
+    for share in [0.1, 0.5, 0.9] {
+        let fresh = law.quantile(share);
+        assert!((law.survival(fresh) - (1.0 - share)).abs() < 1e-12);
+        let old = law.quantile_beyond(80.0, share);
+        let left = law.survival(old) / law.survival(80.0);
+        assert!(
+            old > 80.0 && (left - (1.0 - share)).abs() < 1e-12,
+            "{old} {left}"
+        );
+    }
+    // Without wear an age says nothing.
+    let ageless = Weibull { shape: 1.0, ..law };
+    let apart = ageless.quantile_beyond(80.0, 0.5) - 80.0;
+    assert!((apart - ageless.quantile(0.5)).abs() < 1e-9);
+}
+
+/// Uniform numbers in 0..1, the same on every machine (splitmix64).
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+}
+
+/// Intervals stretched about their value on a logarithmic scale, and how many of `of` hold the truth.
+fn inside(of: &[([Option<f64>; 2], f64)], truth: f64, factor: f64) -> usize {
+    let stretched = |([low, high], best): &([Option<f64>; 2], f64)| {
+        let end = |end: &Option<f64>| end.map(|x| best * (x / best).powf(factor));
+        end(low).is_none_or(|x| x <= truth) && end(high).is_none_or(|x| truth <= x)
+    };
+    of.iter().filter(|x| stretched(x)).count()
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    const DRAWS: usize = 1200;
+    let law = Weibull {
+        shape: 1.6,
+        scale: 300.0,
+    };
+    let mut seed = 7;
+    let (mut shapes, mut lifetimes) = (Vec::new(), Vec::new());
+    let mut curves = [0, 0, 0];
+    for _ in 0..DRAWS {
+        // 30 ropes watched for a time of their own: about a third is censored.
+        let lives: Vec<Life> = (0..30)
+            .map(|_| {
+                let age = law.quantile(uniform(&mut seed));
+                let watched = 900.0 * uniform(&mut seed);
+                Life {
+                    age: age.min(watched).max(0.5),
+                    broke: age <= watched,
+                }
+            })
+            .collect();
+        let fit = WeibullFit::new(&lives).unwrap();
+        shapes.push((fit.shape_interval_95, fit.law.shape));
+        lifetimes.push((fit.quantile_interval_95(0.1), fit.law.quantile(0.1)));
+        // The curve's band at an age, with the deviation stretched on its own scale.
+        let at = 250.0;
+        let points = kaplan_meier(&lives);
+        let Some(p) = points.iter().rev().find(|p| p.age <= at) else {
+            continue;
+        };
+        let scale = |s: f64| (-s.ln()).ln();
+        let (best, truth) = (scale(p.survival), scale(law.survival(at)));
+        for (count, factor) in curves.iter_mut().zip([1.0, 0.7, 1.4]) {
+            let [low, high] = [p.interval_95.high, p.interval_95.low].map(scale);
+            let holds =
+                best + factor * (low - best) <= truth && truth <= best + factor * (high - best);
+            *count += usize::from(holds);
+        }
+    }
+    // Three standard deviations of a share of 0.95 among so many, and what a likelihood of 20 broken ropes is off by.
+    let most = 3.0 * (0.95 * 0.05 / DRAWS as f64).sqrt() + 0.01;
+    let right = |count: usize| (count as f64 / DRAWS as f64 - 0.95).abs() < most;
+    for (what, of, truth) in [
+        ("shape", &shapes, law.shape),
+        ("age of 10 %", &lifetimes, law.quantile(0.1)),
+    ] {
+        let counts = [1.0, 0.7, 1.4].map(|factor| inside(of, truth, factor));
+        println!("{what}: {counts:?} of {DRAWS} inside at 1, 0.7, 1.4 times the interval");
+        assert!(right(counts[0]), "{what}: {counts:?}");
+        assert!(!right(counts[1]) && !right(counts[2]), "{what}: {counts:?}");
+    }
+    println!("curve: {curves:?} of {DRAWS} inside at 1, 0.7, 1.4 times the band");
+    assert!(
+        right(curves[0]) && !right(curves[1]) && !right(curves[2]),
+        "{curves:?}"
+    );
+}
+
+/// Ages of 1, 2, 3 and 4 of which two broke: Σ t² is 30, whatever the unit of the sums.
+#[test]
+fn the_scale_has_a_gamma_distribution_whose_rate_is_the_sum_of_powers() {
+    let lives = [(1.0, true), (2.0, false), (3.0, true), (4.0, false)];
+    let fit = WeibullFit::new(&lives.map(|(age, broke)| Life { age, broke })).unwrap();
+    for (shape, sum) in [(1.0, 10.0_f64), (2.0, 30.0), (3.0, 100.0)] {
+        let (log, broke) = fit.rate(shape);
+        assert!(
+            (log - sum.ln()).abs() < 1e-12 && broke == 2.0,
+            "{log} {broke}"
+        );
+    }
+}
+
+#[test]
+fn the_density_of_the_shape_is_that_of_the_lives() {
+    let lives = remissions();
+    let fit = WeibullFit::new(&lives).unwrap();
+    // Straight from the lives, per logarithm of the shape, the scale integrated out.
+    let of = |k: f64| {
+        let broken = lives.iter().filter(|life| life.broke);
+        let d = broken.clone().count() as f64;
+        let ages: f64 = broken.map(|life| (k - 1.0) * life.age.ln()).sum();
+        let powers: f64 = lives.iter().map(|life| life.age.powf(k)).sum();
+        (d - 1.0) * k.ln() + ages - d * powers.ln()
+    };
+    for k in [0.3, 0.8, 1.35, 2.5, 5.0] {
+        let (is, should) = (
+            fit.log_shape_density(k) - fit.log_shape_density(1.0),
+            of(k) - of(1.0),
+        );
+        assert!((is - should).abs() < 1e-10, "{k}: {is} {should}");
+    }
+}

@@ -1,0 +1,189 @@
+//! Creep curves on a common logarithmic clock.
+
+/// First node, s.
+const FIRST_S: f64 = 100.0;
+/// Nodes per decade of time: a straight line over time is off by 0.5 % between two of them, a
+/// straight line over its logarithm not at all.
+const PER_DECADE: usize = 12;
+/// Decades from the first node: to 100 years.
+const DECADES: usize = 8;
+/// Nodes of every curve.
+pub const NODES: usize = PER_DECADE * DECADES + 1;
+/// 365.25 days, s.
+const YEAR_S: f64 = 31_557_600.0;
+
+/// One way a rope may creep after tensioning, and how likely it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Offset at [`node_times_s`] for an amplitude of 1, rad; rising.
+    pub values: Vec<f64>,
+    /// Mean of the amplitude's prior (a normal distribution cut at 0).
+    pub amplitude: f64,
+    /// Its standard deviation before it is cut.
+    pub amplitude_deviation: f64,
+    /// Logarithm of the prior probability, up to a constant.
+    pub log_weight: f64,
+}
+
+/// Times the curves are tabulated at, s after tensioning.
+#[must_use]
+pub fn node_times_s() -> Vec<f64> {
+    (0..NODES)
+        .map(|i| FIRST_S * libm::pow(10.0, i as f64 / PER_DECADE as f64))
+        .collect()
+}
+
+/// A time among the nodes, which all curves share: its logarithm is taken once.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Place {
+    /// At or before tensioning.
+    NotYet,
+    /// Before the first node.
+    BeforeFirst { time_s: f64 },
+    /// After node `below`, by this share of the way to the next.
+    After { below: usize, share: f64 },
+}
+
+impl Place {
+    pub(super) fn of(time_s: f64) -> Self {
+        if !(time_s > 0.0) {
+            return Self::NotYet;
+        }
+        if time_s <= FIRST_S {
+            return Self::BeforeFirst { time_s };
+        }
+        let at = libm::log10(time_s / FIRST_S) * PER_DECADE as f64;
+        let below = at as usize;
+        Self::After {
+            below,
+            share: at - below as f64,
+        }
+    }
+}
+
+impl Curve {
+    /// Value at `time_s` after tensioning: linear over the logarithm of time between nodes, linear
+    /// over time before the first, constant after the last; 0 at and before tensioning.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> f64 {
+        self.between(Place::of(time_s))
+    }
+
+    /// Value at a place among the nodes.
+    pub(super) fn between(&self, place: Place) -> f64 {
+        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else {
+            return 0.0;
+        };
+        match place {
+            Place::NotYet => 0.0,
+            Place::BeforeFirst { time_s } => first * time_s / FIRST_S,
+            Place::After { below, share } => {
+                match (self.values.get(below), self.values.get(below + 1)) {
+                    (Some(a), Some(b)) => a + (b - a) * share,
+                    _ => *last,
+                }
+            }
+        }
+    }
+
+    /// Whether it is a curve at all: as many finite, rising values as nodes, a prior that is one.
+    #[must_use]
+    pub fn is_possible(&self) -> bool {
+        let finite = self.values.iter().all(|v| v.is_finite());
+        // A rope that retracts while warming up falls a little; by more it isn't a creep curve.
+        let range = self.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let rising = self.values.windows(2).all(|w| w[1] >= w[0] - 0.05 * range);
+        self.values.len() == NODES
+            && finite
+            && rising
+            && self.amplitude.is_finite()
+            && self.amplitude_deviation > 0.0
+            && self.amplitude_deviation.is_finite()
+            && self.log_weight.is_finite()
+    }
+}
+
+/// Curves for a rope nobody knows: retardation times from a minute to a cut-off,
+/// `c(t) ∝ ∫ τ^n (1 − exp(−t/τ)) d ln τ`, for `n` of −0.3, 0 (a straight line over the logarithm of
+/// time) and 0.3 and cut-offs from three days to twenty years, and a straight line over time. Each is 1
+/// after a year.
+///
+/// * `amplitude_deviation_rad`: standard deviation of the half-normal prior of the creep of the first
+///   year, rad.
+#[must_use]
+pub fn generic_curves(amplitude_deviation_rad: f64) -> Vec<Curve> {
+    const DAY_S: f64 = 86_400.0;
+    const POWERS: [f64; 3] = [-0.3, 0.0, 0.3];
+    const CUT_OFFS_D: [f64; 7] = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 7000.0];
+    let times = node_times_s();
+    let mut out = Vec::with_capacity(POWERS.len() * CUT_OFFS_D.len() + 1);
+    let mut push = |values: Vec<f64>| {
+        let mut curve = Curve {
+            values,
+            amplitude: 0.0,
+            amplitude_deviation: amplitude_deviation_rad,
+            log_weight: 0.0,
+        };
+        let year = curve.at(YEAR_S);
+        curve.values.iter_mut().for_each(|v| *v /= year);
+        out.push(curve);
+    };
+    for n in POWERS {
+        for cut_off_d in CUT_OFFS_D {
+            push(
+                times
+                    .iter()
+                    .map(|&t| spread(t, n, cut_off_d * DAY_S))
+                    .collect(),
+            );
+        }
+    }
+    push(times);
+    out
+}
+
+/// `∫ τ^n (1 − exp(−t/τ)) d ln τ` from a minute to `cut_off_s`, by the trapezoidal rule over ln τ.
+fn spread(t: f64, n: f64, cut_off_s: f64) -> f64 {
+    const SHORTEST_S: f64 = 60.0;
+    const STEP: f64 = 0.1;
+    let length = libm::log(cut_off_s / SHORTEST_S);
+    let steps = libm::ceil(length / STEP).max(1.0);
+    let h = length / steps;
+    let mut sum = 0.0;
+    for i in 0..=steps as usize {
+        let tau = SHORTEST_S * libm::exp(h * i as f64);
+        let weight = if i == 0 || i == steps as usize {
+            0.5
+        } else {
+            1.0
+        };
+        sum += weight * h * libm::pow(tau, n) * -libm::expm1(-t / tau);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rope may retract by a twentieth of what it creeps in all, whatever the unit.
+    #[test]
+    fn a_curve_may_fall_a_little_and_no_more() {
+        for whole in [1e-3, 1.0, 1e3] {
+            let falls_by = |share: f64| {
+                let mut values: Vec<f64> = (0..NODES)
+                    .map(|i| whole * i as f64 / (NODES - 1) as f64)
+                    .collect();
+                values[NODES / 2] = values[NODES / 2 - 1] - share * whole;
+                Curve {
+                    values,
+                    amplitude: 1.0,
+                    amplitude_deviation: 0.5,
+                    log_weight: 0.0,
+                }
+            };
+            assert!(falls_by(0.04).is_possible(), "{whole}");
+            assert!(!falls_by(0.06).is_possible(), "{whole}");
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Paths drawn from the posterior, and when they pass a limit.
+
+use super::bank::{creep, folds};
+use super::component::{AMPLITUDE, Component, LEVEL, TAKEN_OUT, entry};
+use super::gauss::LogSum;
+use super::prior::Prior;
+use super::tracker::Trend;
+use sinew_model::cholesky;
+
+/// Ways the tendon may go, all equally likely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Paths {
+    /// Times, s since tensioning, rising.
+    pub times_s: Vec<f64>,
+    /// True offset at the reference temperature since the last tensioning, rad: one row per path,
+    /// one column per time.
+    pub offset_rad: Vec<Vec<f64>>,
+    /// The same with what re-tensionings have taken out added again: since the first tensioning, rad.
+    pub whole_rad: Vec<Vec<f64>>,
+}
+
+impl Paths {
+    /// Draws `count` paths of a trend over `times_s`, which rise from the time of the last entry on.
+    ///
+    /// Filters are drawn by their probability, systematically; within each the state is drawn from its
+    /// normal distribution with `a > 0`; the amplitude walks on by factors, so that it stays above 0.
+    ///
+    /// * `normal`: standard normal numbers, one per call.
+    #[must_use]
+    pub fn draw(
+        trend: &Trend,
+        times_s: &[f64],
+        count: usize,
+        normal: &mut dyn FnMut() -> f64,
+    ) -> Self {
+        let prior = trend.prior();
+        let components = trend.components();
+        let weights: Vec<f64> = components
+            .iter()
+            .map(Component::weight_above_zero)
+            .collect();
+        let mut all = LogSum::new();
+        weights.iter().for_each(|w| all.add(*w));
+        let total = all.value();
+        let mut times = Vec::with_capacity(times_s.len());
+        for &t in times_s {
+            let last = times.last().copied().unwrap_or(trend.time_s());
+            times.push(if t > last { t } else { last });
+        }
+        // Creep of every curve from time to time, and the e-folds between.
+        let mut steps: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len());
+        let mut from = trend.time_s();
+        for &t in &times {
+            steps.push((folds(prior, from, t), creep(prior, from, t)));
+            from = t;
+        }
+        let mut out = Self {
+            times_s: times,
+            offset_rad: Vec::with_capacity(count),
+            whole_rad: Vec::with_capacity(count),
+        };
+        let mut reached = 0.0;
+        for (component, weight) in components.iter().zip(&weights) {
+            reached += libm::exp(weight - total);
+            while out.offset_rad.len() < count
+                && (out.offset_rad.len() as f64 + 0.5) / (count as f64) < reached
+            {
+                let (offset, whole) = path(prior, component, &steps, normal);
+                out.offset_rad.push(offset);
+                out.whole_rad.push(whole);
+            }
+        }
+        out
+    }
+}
+
+/// One path of one filter.
+fn path(
+    prior: &Prior,
+    component: &Component,
+    steps: &[(f64, Vec<f64>)],
+    normal: &mut dyn FnMut() -> f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let state = draw(component, normal);
+    let mut offset = vec![0.0; steps.len()];
+    let mut whole = vec![0.0; steps.len()];
+    let pace_error = prior
+        .noises
+        .get(component.noise as usize)
+        .map_or(0.0, |n| n.pace_error);
+    let (mut level, mut amplitude) = (state[LEVEL], state[AMPLITUDE]);
+    for (i, (folds, creep)) in steps.iter().enumerate() {
+        let step = creep.get(component.curve as usize).copied().unwrap_or(0.0);
+        // A factor of mean 1; the level takes the mean of both ends.
+        let variance = pace_error * pace_error * folds;
+        let factor = libm::exp(libm::sqrt(variance) * normal() - 0.5 * variance);
+        let crept = 0.5 * (1.0 + factor) * amplitude * step;
+        let jerk = libm::sqrt(prior.step_rad * crept.max(0.0));
+        level += crept + if jerk > 0.0 { jerk * normal() } else { 0.0 };
+        amplitude *= factor;
+        whole[i] = level;
+        offset[i] = level + state[TAKEN_OUT];
+    }
+    (offset, whole)
+}
+
+/// States that a path is made of: not what only sessions see.
+const DRAWN: usize = 5;
+
+/// A state of a filter with an amplitude above 0.
+fn draw(component: &Component, normal: &mut dyn FnMut() -> f64) -> [f64; DRAWN] {
+    let covariance: [f64; DRAWN * DRAWN] =
+        core::array::from_fn(|at| component.covariance[entry(at / DRAWN, at % DRAWN)]);
+    let mut l = [0.0; DRAWN * DRAWN];
+    // A state that is known exactly has a column of zeros: nothing is refused.
+    let pivot = |left: f64| Some(libm::sqrt(left.max(0.0)));
+    let _ = cholesky::factorise_singular(&covariance, &mut l, DRAWN, pivot);
+    // Of a filter whose amplitude is hardly ever above 0 few paths are drawn, if any.
+    const TRIES: usize = 64;
+    let mean: [f64; DRAWN] = core::array::from_fn(|i| component.mean[i]);
+    let mut x = mean;
+    for _ in 0..TRIES {
+        let z: [f64; DRAWN] = core::array::from_fn(|_| normal());
+        x = mean;
+        for i in 0..DRAWN {
+            x[i] += (0..=i).map(|k| l[i * DRAWN + k] * z[k]).sum::<f64>();
+        }
+        if x[AMPLITUDE] > 0.0 {
+            return x;
+        }
+    }
+    x[AMPLITUDE] = 0.0;
+    x
+}
+
+/// Times at which paths first reach `limit_rad`, s, one per path; infinite where one doesn't within
+/// its times, the first time where it is there from the start. Linear between times.
+#[must_use]
+pub fn first_passage(times_s: &[f64], paths_rad: &[Vec<f64>], limit_rad: f64) -> Vec<f64> {
+    paths_rad
+        .iter()
+        .map(|path| {
+            let Some(i) = path.iter().position(|v| *v >= limit_rad) else {
+                return f64::INFINITY;
+            };
+            let Some(&t) = times_s.get(i) else {
+                return f64::INFINITY;
+            };
+            if i == 0 {
+                return t;
+            }
+            let (t0, y0, y1) = (times_s[i - 1], path[i - 1], path[i]);
+            t0 + (t - t0) * (limit_rad - y0) / (y1 - y0)
+        })
+        .collect()
+}

@@ -1,0 +1,64 @@
+//! How large a jump was.
+
+use super::bank::Bank;
+use super::component::STATES;
+use super::gauss::LogSum;
+use super::prior::Prior;
+use super::record::{Record, TrendConfig, TrendEntry};
+use sinew_model::Gaussian;
+
+/// Size of a jump just before the first of `entries`, rad, given
+/// that there was one of prior deviation `deviation_rad`.
+///
+/// Per filter the innovations answer a jump of 1 by `d_k`, found by letting a unit of level run
+/// through the same gains: precision `1/V + Σ d_k²/S_k`, mean `Σ d_k ν_k/S_k` over that.
+pub(super) fn jump_size(
+    bank: &Bank,
+    prior: &Prior,
+    entries: &[TrendEntry],
+    deviation_rad: f64,
+    config: &TrendConfig,
+) -> Gaussian {
+    let records: Vec<&Record> = entries
+        .iter()
+        .filter_map(|e| match e {
+            TrendEntry::Record(r) if r.offset_rad.is_some() => Some(r),
+            _ => None,
+        })
+        .collect();
+    let inverse = 1.0 / (deviation_rad * deviation_rad);
+    let mut bank = bank.clone();
+    bank.forget_stiffness();
+    let mut answers: Vec<[f64; STATES]> = bank.components.iter().map(|_| UNIT).collect();
+    let mut sums: Vec<[f64; 2]> = bank.components.iter().map(|_| [inverse, 0.0]).collect();
+    for record in records {
+        let passing = bank.passing(prior, record.time_s);
+        for (c, answer) in bank.components.iter().zip(&mut answers) {
+            passing.apply(c, answer);
+        }
+        bank.advance(prior, record.time_s);
+        bank.answer(prior, record, config, &mut answers, &mut sums);
+    }
+    let mut all = LogSum::new();
+    let weights: Vec<f64> = bank
+        .components
+        .iter()
+        .zip(&sums)
+        .map(|(c, [precision, dv])| {
+            // Evidence of the jump of this filter: its Gaussian integral over the size.
+            c.log_weight + 0.5 * (dv * dv / precision - libm::log(*precision))
+        })
+        .collect();
+    weights.iter().for_each(|w| all.add(*w));
+    let (mut mean, mut square) = (0.0, 0.0);
+    for (w, [precision, dv]) in weights.iter().zip(&sums) {
+        let share = libm::exp(w - all.value());
+        let size = dv / precision;
+        mean += share * size;
+        square += share * (size * size + 1.0 / precision);
+    }
+    Gaussian::new(mean, libm::sqrt((square - mean * mean).max(0.0)))
+}
+
+/// A unit of level and nothing else.
+const UNIT: [f64; STATES] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -1,0 +1,123 @@
+//! All jumps of a window at once: what one pass through it says of each.
+
+use super::bank::{Bank, Prediction};
+use super::component::{BASELINE, Component, EXCESS, LEVEL, STATES, TAKEN_OUT};
+use super::gauss::LogSum;
+use super::prior::Prior;
+use super::record::{TrendConfig, TrendEntry};
+
+/// Jumps that are looked for: before each of some records.
+///
+/// Given a filter, its innovations `ν` with variances `S` answer a jump of 1 by `d`. A jump of prior variance `V` explains
+/// them better than none by `½ (V q²/(1 + V p) − ln(1 + V p))` with `p = Σ d²/S`, `q = Σ d ν/S`: its Gaussian integral
+/// over the size.
+#[derive(Debug, Default)]
+pub(super) struct Screen {
+    candidates: Vec<Candidate>,
+}
+
+/// A jump before one record.
+#[derive(Debug)]
+struct Candidate {
+    /// Days in which it may have happened.
+    days: f64,
+    /// How much likelier the stiffness makes it.
+    support: f64,
+    /// Per filter: how its states answer a jump of 1, and `p` and `q`.
+    answers: Vec<([f64; STATES], f64, f64)>,
+}
+
+impl Screen {
+    /// A jump may have happened before the next record.
+    pub(super) fn candidate(&mut self, filters: usize, days: f64, support: f64) {
+        let mut unit = [0.0; STATES];
+        unit[LEVEL] = 1.0;
+        self.candidates.push(Candidate {
+            days,
+            support,
+            answers: vec![(unit, 0.0, 0.0); filters],
+        });
+    }
+
+    /// Odds of any of them against none; `rates`: per day, and standard deviations, rad.
+    pub(super) fn odds(&self, bank: &Bank, rates: [(f64, f64); 2]) -> f64 {
+        let mut none = LogSum::new();
+        bank.components.iter().for_each(|c| none.add(c.log_weight));
+        let none = none.value();
+        let mut odds = 0.0;
+        for candidate in &self.candidates {
+            for (k, (rate, deviation_rad)) in rates.into_iter().enumerate() {
+                let v = deviation_rad * deviation_rad;
+                let mut sum = LogSum::new();
+                for (c, (_, p, q)) in bank.components.iter().zip(&candidate.answers) {
+                    let free = 1.0 + v * p;
+                    sum.add(c.log_weight + 0.5 * (v * q * q / free - libm::log(free)));
+                }
+                // Large ones are no failed strands.
+                let support = if k == 0 { candidate.support } else { 1.0 };
+                odds += libm::exp(sum.value() - none) * rate * candidate.days * support;
+            }
+        }
+        odds
+    }
+
+    /// Every filter with its answer to every jump.
+    fn each(&mut self, filters: &[Component], mut f: impl FnMut(&Component, &mut [f64; STATES])) {
+        for candidate in &mut self.candidates {
+            for (c, (answer, _, _)) in filters.iter().zip(&mut candidate.answers) {
+                f(c, answer);
+            }
+        }
+    }
+}
+
+impl Bank {
+    /// Takes an entry in without letting filters go, and notes what it says of every jump.
+    pub(super) fn screen(
+        &mut self,
+        prior: &Prior,
+        config: &TrendConfig,
+        entry: &TrendEntry,
+        screen: &mut Screen,
+    ) {
+        let passing = self.passing(prior, entry.time_s());
+        screen.each(&self.components, |c, answer| passing.apply(c, answer));
+        self.advance(prior, entry.time_s());
+        match entry {
+            TrendEntry::Record(record) => {
+                let Some((h, predictions)) = self.predict(prior, record) else {
+                    return;
+                };
+                let offset = record.offset_rad.map_or(f64::NAN, |offset| offset.mean);
+                for candidate in &mut screen.candidates {
+                    for ((answer, p, q), prediction) in
+                        candidate.answers.iter_mut().zip(&predictions)
+                    {
+                        let Prediction { expected, s, .. } = prediction;
+                        let d: f64 = h.iter().zip(answer.iter()).map(|(a, b)| a * b).sum();
+                        *p += d * d / s;
+                        *q += d * (offset - expected.mean) / s;
+                        for (a, with) in answer.iter_mut().zip(&expected.with_states) {
+                            *a -= with / s * d;
+                        }
+                    }
+                }
+                for (c, prediction) in self.components.iter_mut().zip(&predictions) {
+                    c.log_weight += prediction.log_density;
+                    let error = offset - prediction.expected.mean;
+                    c.correct(&prediction.expected, error, prediction.s);
+                }
+                self.take_stiffness(record);
+            }
+            TrendEntry::Baseline { .. } => {
+                self.undergo(prior, config, entry);
+                screen.each(&self.components, |_, answer| {
+                    answer[TAKEN_OUT] = -answer[LEVEL];
+                    answer[BASELINE] = 0.0;
+                    answer[EXCESS] = 0.0;
+                });
+            }
+            other => self.undergo(prior, config, other),
+        }
+    }
+}

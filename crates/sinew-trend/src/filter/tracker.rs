@@ -1,0 +1,307 @@
+//! One tendon's trend: records in, posterior and events out.
+
+use super::bank::Bank;
+use super::component::Component;
+use super::detector::{Confirmed, JUDGES, Window};
+use super::prior::Prior;
+use super::record::{Added, Event, Record, TrendConfig, TrendEntry, TrendError};
+use super::state::TrendState;
+use super::stiffness::Stiffness;
+use sinew_model::Gaussian;
+
+/// The trend of one tendon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trend {
+    prior: Prior,
+    config: TrendConfig,
+    /// Before the window.
+    anchor: Bank,
+    /// The same of the stiffness.
+    stiffness: Stiffness,
+    entries: Vec<TrendEntry>,
+    /// After the last entry.
+    current: Bank,
+    events: Vec<Event>,
+    records: u64,
+}
+
+impl Trend {
+    /// A trend before its first record.
+    ///
+    /// # Errors
+    /// [`TrendError::Prior`].
+    pub fn new(prior: Prior, config: TrendConfig) -> Result<Self, TrendError> {
+        if !prior.is_possible() {
+            return Err(TrendError::Prior);
+        }
+        let anchor = Bank::new(&prior);
+        Ok(Self {
+            current: anchor.clone(),
+            prior,
+            config,
+            anchor,
+            stiffness: Stiffness::new(),
+            entries: Vec::new(),
+            events: Vec::new(),
+            records: 0,
+        })
+    }
+
+    /// Goes on from a state, bit for bit.
+    ///
+    /// # Errors
+    /// [`TrendError::State`] when it belongs to another prior or can't be.
+    pub fn resume(
+        prior: Prior,
+        config: TrendConfig,
+        state: TrendState,
+    ) -> Result<Self, TrendError> {
+        let mut out = Self::new(prior, config)?;
+        let possible = |c: &Component| {
+            (c.curve as usize) < out.prior.curves.len()
+                && (c.noise as usize) < out.prior.noises.len()
+                && c.log_weight.is_finite()
+                && c.mean.iter().chain(&c.covariance).all(|v| v.is_finite())
+        };
+        if state.fingerprint != out.prior.fingerprint()
+            || state.components.is_empty()
+            || !state.time_s.is_finite()
+            || !state.components.iter().all(possible)
+            || !state.stiffness.is_possible()
+            || !state.baseline.is_possible()
+            || state.softened.is_some_and(|s| !s.is_possible())
+        {
+            return Err(TrendError::State);
+        }
+        out.anchor = Bank {
+            time_s: state.time_s,
+            components: state.components,
+            softened: state.softened,
+            baseline: state.baseline,
+        };
+        out.stiffness = state.stiffness;
+        out.entries = state.entries;
+        out.events = state.events;
+        out.records = state.records;
+        out.replay();
+        Ok(out)
+    }
+
+    /// What to store to go on later.
+    #[must_use]
+    pub fn state(&self) -> TrendState {
+        TrendState {
+            fingerprint: self.prior.fingerprint(),
+            time_s: self.anchor.time_s,
+            components: self.anchor.components.clone(),
+            softened: self.anchor.softened,
+            baseline: self.anchor.baseline,
+            stiffness: self.stiffness,
+            entries: self.entries.clone(),
+            events: self.events.clone(),
+            records: self.records,
+        }
+    }
+
+    /// What was known before the first record.
+    #[must_use]
+    pub fn prior(&self) -> &Prior {
+        &self.prior
+    }
+
+    /// Changes confirmed and stated so far.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Records with an offset so far.
+    #[must_use]
+    pub fn records(&self) -> u64 {
+        self.records
+    }
+
+    /// Time of the last entry, s since tensioning; of the baseline before the first.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.current.time_s
+    }
+
+    /// The filters after the last entry, for who wants to look inside.
+    #[must_use]
+    pub fn components(&self) -> &[Component] {
+        &self.current.components
+    }
+
+    /// Takes a session in.
+    ///
+    /// # Errors
+    /// [`TrendError::NotFinite`], [`TrendError::OutOfOrder`]; the trend is unchanged.
+    pub fn add(&mut self, record: Record) -> Result<Added, TrendError> {
+        if !record.is_possible() {
+            return Err(TrendError::NotFinite);
+        }
+        self.in_order(record.time_s)?;
+        let mut added = Added {
+            jump_probability: 0.0,
+            suspected_s: None,
+            off: false,
+            confirmed: None,
+            withdrawn: None,
+        };
+        self.entries.push(TrendEntry::Record(record));
+        self.current.advance(&self.prior, record.time_s);
+        added.off = self.current.update(&self.prior, &record, &self.config).off;
+        if record.offset_rad.is_some() {
+            self.records += 1;
+            added.withdrawn = self.second();
+            self.judge(record.time_s, &mut added);
+        }
+        self.roll();
+        Ok(added)
+    }
+
+    /// States that the tendon was tensioned again. What the rope remembers stays: the creep goes on
+    /// along its curve, what was taken out is open.
+    ///
+    /// # Errors
+    /// [`TrendError::OutOfOrder`], [`TrendError::NotFinite`]; the trend is unchanged.
+    pub fn tensioned(&mut self, time_s: f64) -> Result<(), TrendError> {
+        if !time_s.is_finite() {
+            return Err(TrendError::NotFinite);
+        }
+        self.in_order(time_s)?;
+        self.stated(TrendEntry::Tensioned { time_s });
+        Ok(())
+    }
+
+    /// States that sessions count from a new baseline from `time_s` on: the offset was zero then, as a standard
+    /// deviation up to `deviation_rad` (large where that time isn't known). What the rope remembers stays; what sessions
+    /// get wrong together is another from here on. An event, unless the tendon was stated as tensioned since the last
+    /// session.
+    ///
+    /// # Errors
+    /// [`TrendError::OutOfOrder`], [`TrendError::NotFinite`]; the trend is unchanged.
+    pub fn rebased(&mut self, time_s: f64, deviation_rad: f64) -> Result<(), TrendError> {
+        if !(time_s.is_finite() && deviation_rad.is_finite() && deviation_rad >= 0.0) {
+            return Err(TrendError::NotFinite);
+        }
+        self.in_order(time_s)?;
+        let just_tensioned = matches!(self.entries.last(), Some(TrendEntry::Tensioned { .. }));
+        let entry = TrendEntry::Baseline {
+            time_s,
+            deviation_rad,
+        };
+        match just_tensioned {
+            true => self.enter(entry),
+            false => self.stated(entry),
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, entry: TrendEntry) {
+        self.entries.push(entry);
+        self.current.run(&self.prior, &self.config, &[entry]);
+    }
+
+    /// Enters what somebody said, and writes it down.
+    fn stated(&mut self, entry: TrendEntry) {
+        let (time_s, after_s) = (entry.time_s(), self.current.time_s);
+        self.enter(entry);
+        self.events.push(Event {
+            time_s,
+            after_s,
+            size_rad: Gaussian::new(f64::NAN, f64::NAN),
+            confirmed_s: time_s,
+            probability: 1.0,
+            sessions: 0,
+            tensioned: true,
+        });
+    }
+
+    fn in_order(&self, time_s: f64) -> Result<(), TrendError> {
+        if time_s < self.current.time_s {
+            return Err(TrendError::OutOfOrder {
+                time_s,
+                last_s: self.current.time_s,
+            });
+        }
+        Ok(())
+    }
+
+    /// Filters after the last entry, from those before the window.
+    fn replay(&mut self) {
+        self.current = self.anchor.clone();
+        self.current.run(&self.prior, &self.config, &self.entries);
+    }
+
+    /// Holds jumps within the window against none, and writes one that is sure down.
+    fn judge(&mut self, now_s: f64, added: &mut Added) {
+        let window = Window {
+            prior: &self.prior,
+            config: &self.config,
+            anchor: &self.anchor,
+            stiffness: self.stiffness,
+            entries: &self.entries,
+            records: self.records,
+        };
+        let (jump_probability, best) = window.judge();
+        added.jump_probability = jump_probability;
+        let (Some(best), true) = (best, jump_probability > 0.5) else {
+            return;
+        };
+        let agreed = best.is_agreed() && jump_probability > self.config.confirm;
+        if !(agreed || jump_probability >= self.config.confirm_at_once) {
+            added.suspected_s = Some(window.time_s(&best));
+            return;
+        }
+        let Confirmed { at, entry, event } = window.confirm(&best, now_s, jump_probability);
+        added.jump_probability = 0.0;
+        self.entries.insert(at, entry);
+        self.replay();
+        if event.size_rad.mean.abs() >= self.config.least_jump_rad {
+            self.events.push(event);
+            added.confirmed = Some(event);
+        }
+    }
+
+    /// A change for which one session spoke meets the next one: it stays, or it is taken back, whichever explains both
+    /// sessions better. Returns what was taken back.
+    fn second(&mut self) -> Option<Event> {
+        let event = self.events.iter().rposition(|e| e.sessions == 1)?;
+        let time_s = self.events[event].time_s;
+        let is_its = |e: &TrendEntry| match e {
+            TrendEntry::Jump { .. } | TrendEntry::Tensioned { .. } => e.time_s() == time_s,
+            _ => false,
+        };
+        let Some(at) = self.entries.iter().position(is_its) else {
+            // It has left the window, so a session agreed long ago.
+            self.events[event].sessions = 2;
+            return None;
+        };
+        let mut without = self.entries.clone();
+        without.remove(at);
+        let start = self.anchor.thinned(JUDGES);
+        let evidence =
+            |entries: &[TrendEntry]| start.clone().run(&self.prior, &self.config, entries).0;
+        let (kept, taken_back) = (evidence(&self.entries), evidence(&without));
+        if kept + libm::log(self.config.falls_per_day) >= taken_back {
+            self.events[event].sessions = 2;
+            return None;
+        }
+        self.entries = without;
+        self.replay();
+        Some(self.events.remove(event))
+    }
+
+    /// Lets the oldest entries go into the filters.
+    fn roll(&mut self) {
+        let window = self.config.window.max(1);
+        let sessions = |e: &&TrendEntry| matches!(e, TrendEntry::Record(_));
+        while self.entries.iter().filter(sessions).count() > window {
+            let first = self.entries.remove(0);
+            self.anchor.run(&self.prior, &self.config, &[first]);
+            self.stiffness.take(&first, self.prior.temperature_ref_c);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! From lives to curves, laws and what they mean.
+
+use super::lives::{LifeEnd, Lives, RopeLife};
+use super::result::{
+    FittedPoint, FittedWeibull, LifeQuantile, SurvivalGroup, SurvivalReport, Wear,
+};
+use sinew_rope::survival::{Life, WeibullFit, kaplan_meier, survival_quantile};
+use std::collections::BTreeSet;
+
+/// Shares that have broken, whose ages are told.
+const BROKEN: [f64; 3] = [0.05, 0.1, 0.5];
+/// Points of a law's curve.
+const POINTS: usize = 60;
+
+/// Analyses lives: all together, and each group where there are several.
+///
+/// * `source`: name of the table.
+pub fn analyze_lives(lives: &Lives, source: &str) -> SurvivalReport {
+    let names: BTreeSet<&str> = (lives.lives.iter())
+        .filter_map(|l| l.group.as_deref())
+        .collect();
+    let mut groups = vec![group(None, &lives.lives)];
+    if names.len() > 1 {
+        groups.extend(names.into_iter().map(|name| {
+            let own = lives
+                .lives
+                .iter()
+                .filter(|l| l.group.as_deref() == Some(name));
+            group(Some(name), &own.cloned().collect::<Vec<_>>())
+        }));
+    }
+    SurvivalReport {
+        sinew_version: env!("CARGO_PKG_VERSION").into(),
+        source: source.into(),
+        age_unit: lives.age_unit,
+        groups,
+        notes: lives.notes.clone(),
+    }
+}
+
+/// Ages and ends, for a fit.
+pub(super) fn ages(ropes: &[RopeLife]) -> Vec<Life> {
+    let life = |rope: &RopeLife| Life {
+        age: rope.age,
+        broke: rope.end == LifeEnd::Broke,
+    };
+    ropes.iter().map(life).collect()
+}
+
+fn group(name: Option<&str>, ropes: &[RopeLife]) -> SurvivalGroup {
+    let lives = ages(ropes);
+    let curve = kaplan_meier(&lives);
+    let [age_low, age, age_high] = survival_quantile(&curve, 0.5);
+    let fit = WeibullFit::new(&lives);
+    let oldest = lives.iter().map(|l| l.age).fold(0.0, f64::max);
+    let weibull = fit.as_ref().map(|fit| FittedWeibull {
+        shape: fit.law.shape,
+        shape_interval_95: fit.shape_interval_95,
+        scale: fit.law.scale,
+        scale_interval_95: fit.quantile_interval_95(1.0 - (-1.0_f64).exp()),
+        log_likelihood: fit.log_likelihood,
+        broken_by: BROKEN.map(|share| broken_by(fit, share)).to_vec(),
+        curve: (1..=POINTS)
+            .map(|i| fitted(fit, oldest * i as f64 / POINTS as f64))
+            .collect(),
+        outside_band: (curve.iter())
+            .filter(|p| !p.interval_95.contains(fit.law.survival(p.age)))
+            .count(),
+    });
+    SurvivalGroup {
+        name: name.map(str::to_string),
+        ropes: ropes.len(),
+        broke: lives.iter().filter(|l| l.broke).count(),
+        watched_age: lives.iter().map(|l| l.age).sum(),
+        curve,
+        median: LifeQuantile {
+            broken_ratio: 0.5,
+            age,
+            age_low,
+            age_high,
+        },
+        wear: wear(fit.as_ref()),
+        weibull,
+    }
+}
+
+fn broken_by(fit: &WeibullFit, share: f64) -> LifeQuantile {
+    let [age_low, age_high] = fit.quantile_interval_95(share);
+    LifeQuantile {
+        broken_ratio: share,
+        age: Some(fit.law.quantile(share)),
+        age_low,
+        age_high,
+    }
+}
+
+fn fitted(fit: &WeibullFit, age: f64) -> FittedPoint {
+    FittedPoint {
+        age,
+        survival: fit.law.survival(age),
+        interval_95: fit.survival_interval_95(age),
+    }
+}
+
+pub(super) fn wear(fit: Option<&WeibullFit>) -> Wear {
+    let Some(fit) = fit else {
+        return Wear::CannotTell;
+    };
+    match fit.shape_interval_95 {
+        [Some(low), _] if low > 1.0 => Wear::WearsOut,
+        [_, Some(high)] if high < 1.0 => Wear::BreaksEarly,
+        _ => Wear::AgeSaysNothing,
+    }
+}

@@ -1,0 +1,122 @@
+//! When a rope should be replaced before it breaks, where nothing is known of it but its age.
+
+use super::analyze::{ages, wear};
+use super::lives::Lives;
+use super::result::{AgeUnit, LifeForecast, Wear};
+use crate::AnalyzeError;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, Gamma};
+use sinew_model::statistics::quantile;
+use sinew_rope::survival::{Weibull, WeibullFit};
+
+/// Laws drawn from what the lives say.
+const DRAWS: usize = 2000;
+/// Shapes looked at.
+const SHAPES: usize = 400;
+/// The first and the last of them.
+const SHAPE_RANGE: [f64; 2] = [0.05, 20.0];
+
+/// What lives of other ropes say of one, before anything is known of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifePrior {
+    /// Laws, equally likely.
+    laws: Vec<Weibull>,
+    /// Share of broken ropes at which to replace.
+    broken_ratio: f64,
+    ropes: usize,
+    broke: usize,
+    source: String,
+}
+
+impl LifePrior {
+    /// From the lives of other ropes.
+    ///
+    /// Laws are drawn from the posterior of shape and scale, every order of size as likely before.
+    ///
+    /// # Errors
+    /// [`AnalyzeError::Lives`] where fewer than two broke, ages are cycles, or ropes break early.
+    pub fn new(
+        lives: &Lives,
+        source: &str,
+        broken_ratio: f64,
+        seed: u64,
+    ) -> Result<Self, AnalyzeError> {
+        let refuse = |why: &'static str| AnalyzeError::Lives {
+            source_name: source.into(),
+            why,
+        };
+        if lives.age_unit == AgeUnit::Cycles {
+            return Err(refuse("its ages are cycles, and a trend's clock is time"));
+        }
+        let own = ages(&lives.lives);
+        let fit = WeibullFit::new(&own).ok_or_else(|| {
+            refuse(
+                "fewer than two ropes broke in it, or all at nearly one age; no law is fitted to that",
+            )
+        })?;
+        if wear(Some(&fit)) == Wear::BreaksEarly {
+            return Err(refuse(
+                "those that break do so early, and one that has lasted is better than a new one: its age is no reason to replace it",
+            ));
+        }
+        Ok(Self {
+            laws: draw(&fit, seed),
+            broken_ratio,
+            ropes: own.len(),
+            broke: own.iter().filter(|l| l.broke).count(),
+            source: source.into(),
+        })
+    }
+
+    /// The forecast for a rope of an age, s.
+    pub fn forecast(&self, age_s: f64) -> LifeForecast {
+        let mut after: Vec<f64> = (self.laws.iter())
+            .map(|law| law.quantile(self.broken_ratio) - age_s)
+            .collect();
+        after.sort_unstable_by(f64::total_cmp);
+        let count = after.len().max(1) as f64;
+        let broken: f64 = self.laws.iter().map(|law| 1.0 - law.survival(age_s)).sum();
+        let [after_low_s, after_s, after_high_s] =
+            [0.025, 0.5, 0.975].map(|share| quantile(&after, share));
+        LifeForecast {
+            broken_ratio: self.broken_ratio,
+            age_s,
+            broken_by_now_ratio: broken / count,
+            passed_probability: after.iter().filter(|a| **a <= 0.0).count() as f64 / count,
+            after_s,
+            after_low_s,
+            after_high_s,
+            ropes: self.ropes,
+            broke: self.broke,
+            source: self.source.clone(),
+        }
+    }
+}
+
+/// Laws drawn by their posterior probability: shapes systematically, the scale of each from its gamma distribution.
+fn draw(fit: &WeibullFit, seed: u64) -> Vec<Weibull> {
+    let [first, last] = SHAPE_RANGE.map(f64::ln);
+    let shapes: Vec<f64> = (0..SHAPES)
+        .map(|i| (first + (last - first) * (i as f64 + 0.5) / SHAPES as f64).exp())
+        .collect();
+    let logs: Vec<f64> = shapes.iter().map(|k| fit.log_shape_density(*k)).collect();
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logs.iter().map(|l| (l - most).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut out, mut reached) = (Vec::with_capacity(DRAWS), 0.0);
+    for (&shape, weight) in shapes.iter().zip(&weights) {
+        reached += weight / total;
+        let (log_rate, broke) = fit.rate(shape);
+        let Ok(gamma) = Gamma::new(broke, 1.0) else {
+            continue;
+        };
+        while out.len() < DRAWS && (out.len() as f64 + 0.5) / (DRAWS as f64) < reached {
+            let log: f64 = gamma.sample(&mut rng);
+            let scale = ((log_rate - log.ln()) / shape).exp();
+            out.push(Weibull { shape, scale });
+        }
+    }
+    out
+}

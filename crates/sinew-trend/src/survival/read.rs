@@ -1,0 +1,84 @@
+//! Lifetimes, from a table of ages or of events.
+
+use super::events::{EventColumns, lives_of_events};
+use super::lives::{Lives, RopeLife, end_of, no_column};
+use super::result::AgeUnit;
+use crate::RecordError;
+use sinew_files::csv::{Row, Table};
+use sinew_files::date::DAY_S;
+use sinew_files::{Bound, Fault, Fields as _, limits};
+use std::path::Path;
+
+/// Reads the lives of a CSV: a row a rope with its age (`age_days`, `age_hours` or `age_cycles`) and how it ended, or a
+/// row an event with its date.
+///
+/// # Errors
+/// [`RecordError`] with file, line and what to do.
+pub fn read_lives(path: &Path, columns: &EventColumns) -> Result<Lives, RecordError> {
+    let table = Table::read(path, &limits::SESSIONS)?;
+    let ages = [
+        ("age_days", AgeUnit::Seconds, DAY_S),
+        ("age_hours", AgeUnit::Seconds, 3600.0),
+        ("age_cycles", AgeUnit::Cycles, 1.0),
+    ];
+    let named = [
+        (&columns.group, "--group names a column that is there"),
+        (&columns.watched, "--watched names a column that is there"),
+    ];
+    for (column, why) in named {
+        if let (Some(name), Some(row)) = (column, table.rows().next())
+            && table.column(name).is_none()
+        {
+            return Err(no_column(&row, name, why));
+        }
+    }
+    let aged = ages
+        .into_iter()
+        .find(|(name, ..)| table.column(name).is_some());
+    if let (Some((name, ..)), Some(row)) = (aged, table.rows().next())
+        && (columns.until_utc_s.is_some() || columns.watched.is_some())
+    {
+        let problem = format!(
+            "a table with '{name}' says how old every rope became; --until and --watched are for events"
+        );
+        return Err(row.here(Fault::Contradiction, problem).into());
+    }
+    let lives = match aged {
+        Some((column, age_unit, factor)) => Lives {
+            age_unit,
+            lives: (table.rows())
+                .map(|row| aged_rope(&row, columns, column, factor))
+                .collect::<Result<_, _>>()?,
+            notes: Vec::new(),
+        },
+        None => lives_of_events(&table, columns)?,
+    };
+    if lives.lives.is_empty() {
+        return Err(RecordError::NoLives {
+            file: path.display().to_string(),
+        });
+    }
+    Ok(lives)
+}
+
+/// A row of a table of ages.
+fn aged_rope(
+    row: &Row<'_>,
+    columns: &EventColumns,
+    column: &'static str,
+    factor: f64,
+) -> Result<RopeLife, RecordError> {
+    let age = row.need(
+        column,
+        Bound::Positive,
+        "every rope has an age; leave the row out",
+    )?;
+    let end = row.need_text("end")?;
+    Ok(RopeLife {
+        unit: columns.unit_of(row).unwrap_or_default(),
+        group: columns.group_of(row),
+        age: factor * age,
+        end: end_of(end)
+            .ok_or_else(|| row.refuse("end", "broken, replaced, retired or running"))?,
+    })
+}

@@ -1,0 +1,17 @@
+//! All tests of sinew-trend in one binary: one link, one start.
+
+#[path = "../../sinew-model/tests/model/answers.rs"]
+mod answers;
+mod filter;
+mod filter_baseline;
+mod filter_jumps;
+mod known;
+mod known_filter;
+#[path = "../../sinew-model/tests/model/random.rs"]
+mod random;
+#[path = "../../sinew-creep/tests/support/score.rs"]
+mod score;
+mod support;
+mod survival;
+mod trend;
+mod trend_records;
