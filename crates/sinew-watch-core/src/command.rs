@@ -16,6 +16,42 @@ pub struct Command {
     pub what: What,
 }
 
+/// Bytes of a name, and of a note, at most.
+const NAME_MOST: usize = 200;
+const NOTE_MOST: usize = 4000;
+
+impl Command {
+    /// Refuses a command that can't be, of a robot with tendons at these joints.
+    pub(crate) fn check(&self, names: &[String]) -> Result<(), CommandError> {
+        let Self { who, note, what } = self;
+        if who.trim().is_empty() {
+            return Err(CommandError::NoName);
+        }
+        for (field, text, most) in [("who", who, NAME_MOST), ("note", note, NOTE_MOST)] {
+            if text.len() > most {
+                let length = text.len();
+                return Err(CommandError::TooLong {
+                    field,
+                    length,
+                    most,
+                });
+            }
+        }
+        if *what == What::Note && note.trim().is_empty() {
+            return Err(CommandError::NoNote);
+        }
+        if let What::Tensioned { joints } | What::Replaced { joints } = what
+            && let Some(joint) = joints.iter().find(|joint| !names.contains(joint))
+        {
+            return Err(CommandError::Joint {
+                joint: joint.clone(),
+                known: names.join(", "),
+            });
+        }
+        Ok(())
+    }
+}
+
 /// What is told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

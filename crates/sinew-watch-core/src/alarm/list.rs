@@ -120,11 +120,6 @@ impl Alarms {
         std::mem::take(&mut self.transitions)
     }
 
-    /// Whether something happened that [`Alarms::take_transitions`] has not given yet.
-    pub fn has_transitions(&self) -> bool {
-        !self.transitions.is_empty()
-    }
-
     /// Says that a condition holds, `Some(true)`; is over, `Some(false)`; or is neither: between raising and
     /// clearing nothing changes.
     pub fn condition(

@@ -3,13 +3,13 @@
 //! ```text
 //!             raised                acknowledged             condition over
 //!   normal ───────────▶ active ────────────────▶ acknowledged ─────────────▶ normal
-//!     ▲                   │ condition over              │ condition over, 700 and more
+//!     ▲                   │ condition over              │ condition over, if it latches
 //!     │ acknowledged      ▼                             ▼
-//!     └──────────── cleared (below 700)             latched ── tensioned, replaced, reset ─▶ normal
-//!                   latched (700 and more)
+//!     └──────────── cleared                         latched ── tensioned, replaced, reset ─▶ normal
+//!                   latched, if it latches
 //! ```
 //!
-//! What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
+//! Which conditions latch: [`Condition::latches`]. What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
 
 mod list;
 

@@ -1,14 +1,13 @@
 //! Estimates, made away from the thread that takes frames.
 
+use super::online::Successor;
 use super::session::Session;
-use super::tendon_trend::{Made, TrendWork, analyze_tendon};
+use super::trend::{TrendMade, TrendWork};
 use crate::journal::SessionEnd;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
     Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
-    live,
 };
-use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -78,12 +77,7 @@ pub(super) enum Outcome {
         learned: bool,
         result: Result<Box<Estimated>, String>,
     },
-    Trend {
-        /// After how many tensionings it was begun.
-        of: u32,
-        tendon: usize,
-        made: Option<Made>,
-    },
+    Trend(TrendMade),
 }
 
 /// What a stretch gave.
@@ -91,8 +85,8 @@ pub(super) enum Outcome {
 pub(super) struct Estimated {
     pub(super) estimate: SessionEstimate,
     pub(super) next: Baseline,
-    /// A recursive filter that begins from there, after the last stretch of a session.
-    pub(super) live: Option<Box<RecursiveOffsets>>,
+    /// An estimate of now that begins from there, after the last stretch of a session.
+    pub(super) successor: Option<Successor>,
 }
 
 impl Job {
@@ -116,13 +110,8 @@ impl Job {
                 }
             }
             Work::Trend(work) => {
-                let (of, tendon) = (work.of, work.tendon);
-                let made = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
-                Outcome::Trend {
-                    of,
-                    tendon,
-                    made: made.unwrap_or_default(),
-                }
+                let made = catch_unwind(AssertUnwindSafe(|| work.run(&robot)));
+                Outcome::Trend(made.unwrap_or_else(|_| work.nothing()))
             }
         })
     }
@@ -164,18 +153,12 @@ impl StretchWork {
             }
             next.before.truncate(NAMES);
             estimate.blocks = Vec::new();
-            let live = match self.stretch.end.is_some() || self.learns.is_some() {
-                true => Some(Box::new(live(
-                    robot,
-                    (&next, "what was learned"),
-                    &self.options,
-                )?)),
-                false => None,
-            };
+            let ends = self.stretch.end.is_some() || self.learns.is_some();
+            let successor = ends.then(|| Successor::new(robot, &next, &self.options));
             Ok(Box::new(Estimated {
                 estimate,
+                successor: successor.transpose()?,
                 next,
-                live,
             }))
         });
         result.map_err(|error| error.to_string())
