@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Command {
-    /// Who.
+    /// Name of who says it.
     pub who: String,
     /// What they add, in their words.
     #[serde(default)]
     pub note: String,
-    /// What.
+    /// What is said.
     pub what: What,
 }
 
@@ -69,24 +69,24 @@ pub enum What {
     },
     /// An alarm was seen.
     Acknowledge {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// An alarm is silenced for a while.
     Shelve {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
         /// For so long, s; at most [`LONGEST_SHELF_S`].
         for_s: f64,
     },
     /// It is no longer.
     Unshelve {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// A latched alarm whose condition is over is cleared; the note says why.
     Reset {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// A note for the journal.
@@ -103,7 +103,7 @@ pub enum CommandError {
     /// A joint without a tendon.
     #[error("the robot has no tendon at '{joint}'; it has {known}")]
     Joint {
-        /// Joint named.
+        /// The joint that was named.
         joint: String,
         /// Those there are.
         known: String,
@@ -127,15 +127,15 @@ pub enum CommandError {
     /// A reset or a note without a word.
     #[error("say why, in the note")]
     NoNote,
-    /// Nobody.
+    /// A command without the name of who gives it.
     #[error("say who you are, in who")]
     NoName,
     /// Longer than a note is.
     #[error("{field} has {length} bytes; at most {most}")]
     TooLong {
-        /// Field.
+        /// Name of the field.
         field: &'static str,
-        /// Its length.
+        /// The length that it has, bytes.
         length: usize,
         /// The most there may be.
         most: usize,

@@ -90,7 +90,7 @@ pub enum Level {
     Ok,
     /// Look at it.
     Warn,
-    /// Do something.
+    /// Something has to be done.
     Error,
     /// Nothing is known now.
     Stale,
@@ -119,7 +119,7 @@ impl Level {
     }
 }
 
-/// Which alarm.
+/// What tells an alarm of a robot from the others.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AlarmKey {

@@ -6,8 +6,7 @@ use super::health::Health;
 use super::setup::Setup;
 use super::trend::Trends;
 use crate::alarm::{
-    AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, Delays, JumpKind, LimitOrigin,
-    StoreFault, Trouble,
+    AlarmCause, AlarmKey, Alarms, AlarmsStored, Condition, Delays, JumpKind, LimitOrigin, Trouble,
 };
 use crate::instant::Instant;
 use crate::transaction::Suspected;
@@ -64,8 +63,8 @@ impl AlarmJudge {
         }
     }
 
-    /// The same of a condition of the whole robot that holds, or is over.
-    fn set_robot(&mut self, condition: Condition, cause: Option<AlarmCause>) {
+    /// Takes a condition of the whole robot: what it rests on where it holds; `None`: it is over, if it was there.
+    pub(super) fn set_robot(&mut self, condition: Condition, cause: Option<AlarmCause>) {
         self.set(None, condition, cause.map(|cause| (Some(true), cause)));
     }
 
@@ -164,37 +163,6 @@ impl AlarmJudge {
             self.set_robot(Condition::Data, None);
         }
         true
-    }
-
-    /// Takes whether the robot's door is shut, and why.
-    pub(super) fn set_door(&mut self, shut: Option<(&str, &str)>) {
-        let cause = shut.map(|(door, why)| AlarmCause::Door {
-            door: door.into(),
-            why: why.into(),
-        });
-        self.set_robot(Condition::Door, cause);
-    }
-
-    /// Takes whether the store refuses what is learned, and why.
-    pub(super) fn set_store(&mut self, refused: Option<(StoreFault, &str)>) {
-        let cause = refused.map(|(fault, why)| AlarmCause::Store {
-            fault,
-            why: why.into(),
-        });
-        self.set_robot(Condition::Store, cause);
-    }
-
-    /// Takes that data stopped, the last of them at `since_utc_s`; or that they come.
-    pub(super) fn set_silence(&mut self, since_utc_s: Option<Option<f64>>) {
-        let cause = since_utc_s.map(|since_utc_s| AlarmCause::Silence { since_utc_s });
-        self.set_robot(Condition::NoData, cause);
-    }
-
-    /// Takes for how long of motion the estimate has been in doubt, s.
-    pub(super) fn set_doubt(&mut self, for_s: f64, options: &AlarmOptions) {
-        let cause = AlarmCause::InDoubt { for_s };
-        let cause = (for_s >= options.doubt_s).then_some(cause);
-        self.set_robot(Condition::Suspicion, cause);
     }
 
     /// Lets alarms follow conditions, after their delays.

@@ -1,6 +1,6 @@
 //! A baseline on its way, after a rope was tensioned.
 
-use super::job::Stretch;
+use super::session::Stretch;
 use crate::snapshot::Learning;
 use crate::transaction::{Belief, LearnsBaseline};
 use sinew_estimate::session::Poses;

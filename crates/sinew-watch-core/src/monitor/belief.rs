@@ -2,9 +2,9 @@
 
 use super::baseline::BaselineProgress;
 use super::config::MonitorError;
-use super::job::{Estimated, Job, Learns, Stretch, StretchWork, Work};
+use super::job::{Estimated, Job, Learns, StretchWork, Work};
 use super::online::Successor;
-use super::session::Sessions;
+use super::session::{Sessions, Stretch};
 use super::setup::Setup;
 use super::tendon::{Found, Pending, Said};
 use crate::instant::Instant;

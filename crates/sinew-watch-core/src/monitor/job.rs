@@ -1,33 +1,15 @@
 //! Estimates, made away from the thread that takes frames.
 
 use super::online::Successor;
-use super::session::Session;
+use super::session::Stretch;
 use super::trend::{TrendMade, TrendWork};
-use crate::journal::SessionEnd;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
-    Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
+    Learning, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
 };
 use sinew_model::robot::Robot;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-
-/// Some motion of a session that waits for its estimate.
-#[derive(Debug)]
-pub(super) struct Stretch {
-    pub(super) session: Session,
-    pub(super) recorded: Recorded,
-    /// Whether it is the session's last.
-    pub(super) end: Option<SessionEnd>,
-    /// Whether the recursive estimate was in doubt at its end.
-    pub(super) in_doubt: bool,
-    /// Whether there is motion enough in it to be estimated.
-    pub(super) worth_it: bool,
-    /// Motion in it, s.
-    pub(super) motion_s: f64,
-    /// Whether it is for a baseline: for that of the so-many-th tensioning.
-    pub(super) baseline_of: Option<u32>,
-}
 
 /// An estimate to make, away from the thread that takes frames. [`Job::run`] is the whole of it.
 #[derive(Debug)]

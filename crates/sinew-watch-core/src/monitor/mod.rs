@@ -33,7 +33,7 @@ pub use history::History;
 pub use job::{Done, Job};
 pub use trend::HORIZON_DAYS;
 
-use crate::alarm::{StoreFault, Trouble};
+use crate::alarm::{AlarmCause, Condition, StoreFault, Trouble};
 use crate::command::{Command, CommandError, What};
 use crate::instant::Instant;
 use crate::journal::{Event, SessionEnd};
@@ -321,7 +321,11 @@ impl Monitor {
 
     /// Whether the robot's door is shut, and why: `dds:0` and what the system said.
     pub fn door(&mut self, shut: Option<(&str, &str)>, now: Instant) {
-        self.alarms.set_door(shut);
+        let cause = shut.map(|(door, why)| AlarmCause::Door {
+            door: door.into(),
+            why: why.into(),
+        });
+        self.alarms.set_robot(Condition::Door, cause);
         self.tick(now);
     }
 
@@ -377,19 +381,23 @@ impl Monitor {
                 if last.is_some() {
                     self.outbox.event(Event::Silent, now);
                 }
-                self.alarms.set_silence(Some(last.map(Instant::utc_s)));
+                let since_utc_s = last.map(Instant::utc_s);
+                let cause = AlarmCause::Silence { since_utc_s };
+                self.alarms.set_robot(Condition::NoData, Some(cause));
             }
             if silent_s >= times.session_pause_s {
                 self.end_session(SessionEnd::Lost, now);
             }
         } else if self.ingest.last.is_some() {
-            self.alarms.set_silence(None);
+            self.alarms.set_robot(Condition::NoData, None);
         }
         if self.ingest.health.verdict(&self.setup.names, now) {
             self.judge_data();
         }
-        if let Some(doubt_s) = self.online.doubt_s() {
-            self.alarms.set_doubt(doubt_s, &self.setup.config.alarms);
+        if let Some(for_s) = self.online.doubt_s() {
+            let cause = AlarmCause::InDoubt { for_s };
+            let cause = (for_s >= self.setup.config.alarms.doubt_s).then_some(cause);
+            self.alarms.set_robot(Condition::Suspicion, cause);
         }
         self.outbox.tell_losses(now);
     }
@@ -408,7 +416,7 @@ impl Monitor {
     /// A transaction is stored.
     pub fn committed(&mut self, id: u64, now: Instant) {
         if self.outbox.committed(id) {
-            self.alarms.set_store(None);
+            self.alarms.set_robot(Condition::Store, None);
             self.alarms.tick(&self.setup.config.alarms, now);
         }
     }
@@ -416,7 +424,9 @@ impl Monitor {
     /// A transaction could not be stored; it is handed out again with the next one.
     pub fn refused(&mut self, id: u64, fault: StoreFault, why: &str, now: Instant) {
         if self.outbox.refused(id) {
-            self.alarms.set_store(Some((fault, why)));
+            let why = why.into();
+            let cause = AlarmCause::Store { fault, why };
+            self.alarms.set_robot(Condition::Store, Some(cause));
             self.alarms.tick(&self.setup.config.alarms, now);
         }
     }

@@ -2,7 +2,6 @@
 
 use super::clock::Clocks;
 use super::config::Times;
-use super::job::Stretch;
 use crate::instant::Instant;
 use crate::journal::SessionEnd;
 use crate::record::Clock;
@@ -33,7 +32,7 @@ pub(super) struct Session {
     stands_s: f64,
     pub(super) frames: u64,
     pub(super) frames_lost: u64,
-    /// Distinct poses.
+    /// Number of distinct poses.
     pub(super) poses: usize,
     /// Sum and number of the blocks' temperatures, °C.
     celsius: [f64; 2],
@@ -47,6 +46,23 @@ impl Session {
         let [sum, count] = self.celsius;
         (count > 0.0).then(|| sum / count)
     }
+}
+
+/// Some motion of a session that waits for its estimate.
+#[derive(Debug)]
+pub(super) struct Stretch {
+    pub(super) session: Session,
+    pub(super) recorded: Recorded,
+    /// Whether it is the session's last.
+    pub(super) end: Option<SessionEnd>,
+    /// Whether the recursive estimate was in doubt at its end.
+    pub(super) in_doubt: bool,
+    /// Whether there is motion enough in it to be estimated.
+    pub(super) worth_it: bool,
+    /// Motion in it, s.
+    pub(super) motion_s: f64,
+    /// Whether it is for a baseline: for that of the so-many-th tensioning.
+    pub(super) baseline_of: Option<u32>,
 }
 
 /// How a stretch ends.

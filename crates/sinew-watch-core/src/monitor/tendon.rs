@@ -62,7 +62,7 @@ pub(super) struct Said {
     pub(super) session: u64,
     /// Its start, s since 1970 UTC.
     pub(super) start_utc_s: f64,
-    /// Its end.
+    /// Its end, s since 1970 UTC.
     pub(super) end_utc_s: f64,
     /// Offset at the end, rad; `None`: it couldn't tell.
     pub(super) offset_rad: Option<Gaussian>,
