@@ -12,8 +12,8 @@
 use sinew_door::dds::{self, DdsOptions};
 use sinew_door::tail::{self, From, TailOptions};
 use sinew_door::{
-    Batch, Clock, Door, Inbox, Intake, Outgoing, Publisher, Publishing, QueueLimits, Route, Routes,
-    Silent, Taken,
+    Batch, Clock, Door, Inbox, Intake, Outgoing, PublishError, Publisher, Publishing, QueueLimits,
+    Route, Routes, Taken,
 };
 use sinew_log::encode::{
     DiagnosticArray, DiagnosticStatus, DynamicJointState, Header, InterfaceValue, KeyValue, Level,
@@ -153,6 +153,15 @@ fn open(
         }
         _ => return Err(format!("{door}: dds:DOMAIN or mcap:PATH").into()),
     })
+}
+
+/// The way out of a recording: none.
+struct Silent;
+
+impl Publisher for Silent {
+    fn publish(&mut self, _: &Outgoing<'_>) -> Result<(), PublishError> {
+        Ok(())
+    }
 }
 
 fn dds_options(domain: &str, publishes: bool) -> Result<DdsOptions, Box<dyn Error>> {

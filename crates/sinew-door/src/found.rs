@@ -7,7 +7,6 @@ use sinew_log::live::RobotFound;
 
 /// Who publishes a topic.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PublisherFound {
     /// Its identity on the network.
     pub id: String,
@@ -21,7 +20,6 @@ pub struct PublisherFound {
 
 /// A topic of a network.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TopicFound {
     /// Name, type, rate and use. Messages are counted of topics that are read only.
     #[serde(flatten)]
@@ -32,7 +30,6 @@ pub struct TopicFound {
 
 /// What was found behind one door, such as a domain of DDS.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DomainFound {
     /// Which, such as `dds:0`.
     pub door: String,

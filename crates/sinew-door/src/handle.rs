@@ -1,7 +1,7 @@
 //! A door that stands open: its threads, and what it says of itself.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 /// Why a door can't be opened.
@@ -11,9 +11,9 @@ pub enum DoorError {
     /// The options ask for what can't be.
     #[error("{what} = {value}: {why}")]
     Option {
-        /// Option.
+        /// Name of the option.
         what: &'static str,
-        /// Its value.
+        /// The value that was given.
         value: String,
         /// What it may be.
         why: String,
@@ -21,25 +21,25 @@ pub enum DoorError {
     /// The network's library refused.
     #[error("{door}: can't be opened: {why}")]
     Refused {
-        /// Which.
+        /// The door's name, such as `dds:0`.
         door: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// The operating system refused.
     #[error("{door}: can't be opened: {source}")]
     Io {
-        /// Which.
+        /// The door's name, such as `dds:0`.
         door: String,
-        /// Why.
+        /// What the operating system said.
         source: std::io::Error,
     },
     /// What is there isn't what is looked for.
     #[error("{door}: can't be read: {why}")]
     Content {
-        /// Which.
+        /// The door's name, such as `dds:0`.
         door: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
@@ -109,8 +109,9 @@ impl Shared {
     }
 }
 
-fn lock(text: &Mutex<Option<String>>) -> std::sync::MutexGuard<'_, Option<String>> {
-    text.lock().unwrap_or_else(PoisonError::into_inner)
+/// A thread that panicked left whole values behind: every change is complete in itself.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A door that stands open; dropping it shuts it and waits for its threads.

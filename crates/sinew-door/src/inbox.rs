@@ -8,6 +8,7 @@
 //! A queue is two flat buffers. The taker swaps them with its own, emptied ones: after warm-up a message
 //! costs a copy and no allocation, and a lock is held for no longer than that.
 
+use crate::handle::lock;
 use crate::received::Received;
 use crate::trouble::Trouble;
 use std::collections::VecDeque;
@@ -17,7 +18,7 @@ use std::time::{Duration, Instant};
 /// How much a robot's queue holds before it drops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueLimits {
-    /// Messages.
+    /// Messages at most.
     pub messages: usize,
     /// Bytes of them.
     pub bytes: usize,
@@ -92,14 +93,14 @@ pub enum Item<'a> {
     Topic {
         /// What its messages are marked with.
         topic: TopicKey,
-        /// Its name.
+        /// The topic's name.
         name: &'a str,
         /// Its type, such as `sensor_msgs/msg/JointState`.
         schema: &'a str,
     },
     /// A message.
     Message {
-        /// Its topic.
+        /// The topic's key, as it was announced.
         topic: TopicKey,
         /// When it was received.
         received: Received,
@@ -110,9 +111,9 @@ pub enum Item<'a> {
     },
     /// Something is wrong, or is right again.
     Trouble {
-        /// When.
+        /// When it was received, by both clocks.
         received: Received,
-        /// What.
+        /// What is wrong, or is right again.
         trouble: &'a Trouble,
     },
 }
@@ -197,11 +198,6 @@ struct Shared {
     lanes: Mutex<Vec<Arc<Lane>>>,
     ready: Mutex<VecDeque<RobotId>>,
     wake: Condvar,
-}
-
-/// A thread that panicked left whole values behind: every change below is complete in itself.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Where a thread of the monitor waits for the messages of its robots.

@@ -20,21 +20,21 @@ pub struct Intake {
 pub enum Taken<'a> {
     /// A frame that may leave, and when the message came that let it.
     Frame {
-        /// When.
+        /// When it was received, by both clocks.
         received: Received,
-        /// The frame.
+        /// The frame of all joints.
         frame: &'a Frame,
     },
     /// Something is wrong, or is right again.
     Trouble {
-        /// When.
+        /// When it was received, by both clocks.
         received: Received,
-        /// What.
+        /// What is wrong, or is right again.
         trouble: &'a Trouble,
     },
     /// The queue was full: so many messages are missing here, and a new segment begins.
     Dropped {
-        /// How many.
+        /// Messages that are missing.
         messages: u64,
     },
 }

@@ -65,7 +65,7 @@ pub use found::{DomainFound, PublisherFound, TopicFound};
 pub use handle::{Door, DoorError, DoorStatus};
 pub use inbox::{Batch, Inbox, Item, QueueLimits, RobotId, Sender, TopicKey};
 pub use intake::{Intake, Taken};
-pub use publish::{Outgoing, PublishError, Publisher, Publishing, Silent};
+pub use publish::{Outgoing, PublishError, Publisher, Publishing};
 pub use received::{Clock, Received};
 pub use route::{Route, Routes};
 pub use trouble::{Durability, Lost, Policy, Reliability, Trouble};

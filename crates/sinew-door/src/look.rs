@@ -1,13 +1,13 @@
 //! A look at a network: everything that is announced, and what can be looked into.
 
 use crate::found::{DomainFound, PublisherFound, TopicFound};
-use crate::handle::Door;
+use crate::handle::{Door, lock};
 use crate::inbox::{Batch, Inbox, Item, QueueLimits, RobotId};
 use crate::route::{Route, Routes};
 use crate::trouble::Trouble;
 use sinew_log::TopicInfo;
 use sinew_log::live::{Census, TopicId};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A topic and one who publishes it, as a network announces them.
@@ -26,7 +26,7 @@ pub(crate) struct Directory {
 
 impl Directory {
     pub(crate) fn change<R>(&self, change: impl FnOnce(&mut Vec<Announced>) -> R) -> R {
-        change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner))
+        change(&mut lock(&self.shared))
     }
 }
 

@@ -1,8 +1,8 @@
 //! What doors to a network do alike: publishers come and go, and what some robot wants is read.
 
-use crate::found::PublisherFound;
+use crate::found::{DomainFound, PublisherFound};
 use crate::handle::{Door, DoorError, Shared};
-use crate::look::{Announced, Directory};
+use crate::look::{Announced, Directory, Look};
 use crate::outbox::{Outbox, Sealed};
 use crate::publish::{Publisher, Publishing};
 use crate::received::{Clock, Received};
@@ -53,9 +53,20 @@ pub(crate) enum End {
 }
 
 /// Which network, and how it is joined.
-pub(crate) trait Network: Send + 'static {
+pub(crate) trait Network: Clone + Send + 'static {
     /// The network while it is joined.
     type Joined<'a>;
+
+    /// Such as `dds:0`.
+    fn name(&self) -> String;
+
+    /// What may be published.
+    fn publishing(&mut self) -> &mut Publishing;
+
+    /// Refuses options that can't be.
+    fn refuse(&self) -> Result<(), DoorError> {
+        Ok(())
+    }
 
     fn join<'a>(
         &self,
@@ -67,33 +78,52 @@ pub(crate) trait Network: Send + 'static {
     fn listen(joined: Self::Joined<'_>) -> End;
 }
 
-/// What a door stands open with: its way out, and what the network announces.
-pub(crate) type Opened = (Door, Box<dyn Publisher>, Directory);
-
-/// Opens a door to a network.
+/// Opens a door to a network; its way out, and what the network announces.
 ///
 /// # Errors
-/// No thread can be started.
+/// Options that can't be; no thread can be started.
 pub(crate) fn open(
-    network: impl Network,
-    name: String,
-    publishing: Publishing,
+    network: &impl Network,
     routes: &Routes,
     clock: Clock,
-) -> Result<Opened, DoorError> {
-    let directory = Directory::default();
-    let (publisher, outgoing) = Outbox::new(publishing);
+) -> Result<(Door, Box<dyn Publisher>, Directory), DoorError> {
+    network.refuse()?;
+    let (mut network, directory) = (network.clone(), Directory::default());
+    let (publisher, outgoing) = Outbox::new(*network.publishing());
     let listening = Listening {
         routes: routes.clone(),
         clock,
         outgoing,
         directory: directory.clone(),
     };
-    let door = Door::run(Shared::new(name), move |shared| {
+    let door = Door::run(Shared::new(network.name()), move |shared| {
         keep_open(&network, &listening, shared);
     })?;
     publisher.wakes(&door);
     Ok((door, Box::new(publisher), directory))
+}
+
+/// Listens to a network for a while and finds what there is. Publishes nothing.
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn discover(
+    network: &impl Network,
+    clock: Clock,
+    length: Duration,
+) -> Result<DomainFound, DoorError> {
+    let (look, mut network) = (Look::new(), network.clone());
+    *network.publishing() = Publishing::NOTHING;
+    let (door, _publisher, directory) = open(&network, look.routes(), clock)?;
+    Ok(look.listen(&door, &directory, length))
+}
+
+/// What a network refused.
+pub(crate) fn refused(network: &impl Network, why: String) -> DoorError {
+    DoorError::Refused {
+        door: network.name(),
+        why,
+    }
 }
 
 /// Joins a network, listens, and joins again after it broke, until the door is shut.

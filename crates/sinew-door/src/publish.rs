@@ -17,7 +17,7 @@ pub enum Outgoing<'a> {
 }
 
 impl Outgoing<'_> {
-    /// The topic.
+    /// Returns the name of the topic.
     pub fn topic(&self) -> String {
         match self {
             Outgoing::Diagnostics(_) => "/diagnostics".to_owned(),
@@ -29,7 +29,7 @@ impl Outgoing<'_> {
         }
     }
 
-    /// Its type.
+    /// Returns the type of the message.
     pub fn schema(&self) -> Schema {
         match self {
             Outgoing::Diagnostics(_) => DiagnosticArray::SCHEMA,
@@ -52,9 +52,9 @@ impl Outgoing<'_> {
 /// Which of the two are published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Publishing {
-    /// `/diagnostics`.
+    /// Whether `/diagnostics` is published.
     pub diagnostics: bool,
-    /// `NAMESPACE/sinew/tendons`.
+    /// Whether `NAMESPACE/sinew/tendons` is published.
     pub tendons: bool,
 }
 
@@ -93,15 +93,15 @@ pub enum PublishError {
     /// The network's library refused it.
     #[error("{topic}: not published: {why}")]
     Refused {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// The door is shut.
     #[error("{topic}: not published: the door is shut")]
     Shut {
-        /// Topic.
+        /// The topic's name.
         topic: String,
     },
 }
@@ -113,14 +113,4 @@ pub trait Publisher: Send {
     /// # Errors
     /// [`PublishError`]; the next message may go through again.
     fn publish(&mut self, message: &Outgoing<'_>) -> Result<(), PublishError>;
-}
-
-/// No way out: of a recording, or where nothing shall be published.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Silent;
-
-impl Publisher for Silent {
-    fn publish(&mut self, _message: &Outgoing<'_>) -> Result<(), PublishError> {
-        Ok(())
-    }
 }

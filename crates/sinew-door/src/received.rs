@@ -27,7 +27,7 @@ impl Clock {
         }
     }
 
-    /// Now.
+    /// Returns the present instant.
     pub fn now(&self) -> Received {
         let since = i64::try_from(self.started.elapsed().as_nanos()).unwrap_or(i64::MAX);
         Received {

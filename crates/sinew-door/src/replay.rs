@@ -3,10 +3,9 @@
 use crate::handle::{Door, DoorError, Shared};
 use crate::received::Clock;
 use crate::records::{Piece, RECORD_HEAD, Recorded, Records, State};
-use crate::route::{Routes, Targets};
+use crate::route::{Channels, Routes};
 use crate::trouble::Trouble;
 use sinew_log::decode::{MessageKind, set_stamp_ns, stamp_ns};
-use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::PathBuf;
@@ -21,7 +20,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Where the recording is: an MCAP.
 #[derive(Debug, Clone)]
 pub enum Played {
-    /// A file.
+    /// A file, by its path.
     File(PathBuf),
     /// Bytes, such as those a program carries.
     Bytes(Arc<[u8]>),
@@ -30,7 +29,7 @@ pub enum Played {
 /// How a recording is played.
 #[derive(Debug, Clone)]
 pub struct ReplayOptions {
-    /// The recording.
+    /// The recording that is played.
     pub recording: Played,
     /// What records say that they came from, such as `mcap:run.mcap`.
     pub name: String,
@@ -92,11 +91,9 @@ pub fn open(
     source(&options.recording).map_err(io)?;
     let player = Player {
         options: options.clone(),
-        routes: routes.clone(),
+        channels: Channels::new(routes),
         clock,
         alter,
-        targets: HashMap::new(),
-        version: 0,
         scratch: Vec::new(),
         begun: Instant::now(),
         first_ns: None,
@@ -137,12 +134,9 @@ fn next(source: &mut impl Read, records: &Records, record: &mut Vec<u8>) -> Resu
 
 struct Player {
     options: ReplayOptions,
-    routes: Routes,
+    channels: Channels,
     clock: Clock,
     alter: Option<Box<dyn Alter>>,
-    /// Queues by channel, of this version of the routes.
-    targets: HashMap<u16, Targets>,
-    version: u64,
     scratch: Vec<u8>,
     begun: Instant,
     /// The recorder's clock at the first message of a turn, and at the newest.
@@ -160,7 +154,7 @@ impl Player {
                 shared.set_shut(Some(why.clone()));
                 let door = shared.name().to_owned();
                 let trouble = Trouble::Shut { door, why };
-                self.routes.tell_all(self.clock.now(), &trouble);
+                self.channels.tell_all(self.clock.now(), &trouble);
                 break;
             }
             if !self.options.is_looped || shared.stops() {
@@ -204,15 +198,7 @@ impl Player {
 
     /// Plays a message when it is due; `false`: the door shall be shut.
     fn message(&mut self, recorded: &Recorded<'_>, shared: &Shared) -> bool {
-        let (version, routes) = self.routes.now();
-        if version != self.version {
-            self.version = version;
-            self.targets.clear();
-        }
-        let targets = self
-            .targets
-            .entry(recorded.channel)
-            .or_insert_with(|| Targets::of(&routes, recorded.topic, recorded.schema));
+        let targets = self.channels.of(recorded);
         let first_ns = *self.first_ns.get_or_insert(recorded.logged_ns);
         self.newest_ns = self.newest_ns.max(recorded.logged_ns);
         if targets.is_empty() {
@@ -223,18 +209,15 @@ impl Player {
         let since_ns = self.turn_ns.saturating_add(within_ns);
         let due = Duration::try_from_secs_f64(since_ns as f64 * 1e-9 / self.options.speed);
         let due = due.unwrap_or(Duration::MAX);
-        loop {
-            if shared.stops() {
-                return false;
-            }
+        while self.options.speed.is_finite() && !shared.stops() {
             let left = due.saturating_sub(self.begun.elapsed());
-            let has_time = self.options.speed.is_infinite() || left.is_zero();
-            // Nothing is lost of a file: what has no room yet waits.
-            match (has_time, targets.have_room(recorded.cdr.len())) {
-                (true, true) => break,
-                (true, false) => std::thread::sleep(Duration::from_micros(200)),
-                (false, _) => std::thread::sleep(left.min(LOOK)),
+            if left.is_zero() {
+                break;
             }
+            std::thread::sleep(left.min(LOOK));
+        }
+        if !targets.wait_for_room(recorded.cdr.len(), shared) {
+            return false;
         }
         self.scratch.clear();
         self.scratch.extend_from_slice(recorded.cdr);
@@ -245,11 +228,8 @@ impl Player {
                 // How long before its logging it was stamped is kept.
                 let age = stamp_ns(recorded.cdr).filter(|stamp| *stamp != 0);
                 let age = age.map_or(0, |stamp| recorded.logged_ns.saturating_sub(stamp));
-                let age = if age.unsigned_abs() > 1_000_000_000 {
-                    0
-                } else {
-                    age
-                };
+                let is_stamp = age.unsigned_abs() <= 1_000_000_000;
+                let age = if is_stamp { age } else { 0 };
                 set_stamp_ns(&mut self.scratch, source_ns.saturating_sub(age));
             }
         }

@@ -1,11 +1,14 @@
 //! Which robot gets the messages of which topic.
 
+use crate::handle::{Shared, lock};
 use crate::inbox::{Sender, TopicKey};
 use crate::received::Received;
+use crate::records::Recorded;
 use crate::trouble::Trouble;
 use sinew_log::live::{Census, LiveOptions, OVERLOOKED_MOST, TopicFilter};
-use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 /// A robot behind a door.
 #[derive(Debug, Clone)]
@@ -39,16 +42,13 @@ impl Route {
 
     /// Announces a topic with joint states that no robot wants: a name that is asked for may be written wrong.
     fn overlook(&self, topic: &str, schema: &str) {
-        let mut known = self
-            .overlooked
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut known = lock(&self.overlooked);
         if known.len() < OVERLOOKED_MOST && known.insert(topic.to_owned()) {
             let _without_messages = self.sender.topic(topic, schema);
         }
     }
 
-    /// Its queue.
+    /// Returns the sender of its queue.
     pub fn sender(&self) -> &Sender {
         &self.sender
     }
@@ -74,7 +74,7 @@ pub struct Routes {
 }
 
 impl Routes {
-    /// These robots.
+    /// Makes the routes to these robots.
     pub fn new(routes: Vec<Route>) -> Self {
         let all = Self::default();
         all.replace(routes);
@@ -83,14 +83,14 @@ impl Routes {
 
     /// These robots from now on. Topics that none of them wants any more are left; no message of the others is lost.
     pub fn replace(&self, routes: Vec<Route>) {
-        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut shared = lock(&self.shared);
         shared.0 += 1;
         shared.1 = routes.into();
     }
 
     /// The robots, and a number that changes with them.
     pub fn now(&self) -> (u64, Arc<[Route]>) {
-        let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        let shared = lock(&self.shared);
         (shared.0, Arc::clone(&shared.1))
     }
 
@@ -130,9 +130,16 @@ impl Targets {
         self.all.is_empty()
     }
 
-    /// Whether a message of this length would not fill a queue: what is read from a file waits until it fits.
-    pub(crate) fn have_room(&self, bytes: usize) -> bool {
-        self.all.iter().all(|(sender, _)| sender.has_room(bytes))
+    /// Waits until a message of this length would not fill a queue: nothing is lost of a file. Returns `false` where the
+    /// door shall be shut first.
+    pub(crate) fn wait_for_room(&self, bytes: usize, shared: &Shared) -> bool {
+        while !self.all.iter().all(|(sender, _)| sender.has_room(bytes)) {
+            if shared.stops() {
+                return false;
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        !shared.stops()
     }
 
     pub(crate) fn message(&self, received: Received, source_ns: i64, parts: &[&[u8]]) {
@@ -146,5 +153,43 @@ impl Targets {
         for (sender, _) in &self.all {
             sender.trouble(received, trouble.clone());
         }
+    }
+}
+
+/// The queues that the channels of a recording go to, found anew whenever the routes change.
+pub(crate) struct Channels {
+    routes: Routes,
+    version: u64,
+    targets: HashMap<u16, Targets>,
+}
+
+impl Channels {
+    pub(crate) fn new(routes: &Routes) -> Self {
+        Channels {
+            routes: routes.clone(),
+            version: 0,
+            targets: HashMap::new(),
+        }
+    }
+
+    /// The queues of a message's channel.
+    pub(crate) fn of(&mut self, recorded: &Recorded<'_>) -> &Targets {
+        let (version, routes) = self.routes.now();
+        if version != self.version {
+            self.version = version;
+            self.forget();
+        }
+        let found = || Targets::of(&routes, recorded.topic, recorded.schema);
+        self.targets.entry(recorded.channel).or_insert_with(found)
+    }
+
+    /// Forgets the channels: each file numbers its own.
+    pub(crate) fn forget(&mut self) {
+        self.targets.clear();
+    }
+
+    /// Says something to every robot.
+    pub(crate) fn tell_all(&self, received: Received, trouble: &Trouble) {
+        self.routes.tell_all(received, trouble);
     }
 }

@@ -7,10 +7,9 @@
 use crate::handle::{Door, DoorError, Shared};
 use crate::received::Clock;
 use crate::records::{Piece, Recorded, Records, State};
-use crate::route::{Routes, Targets};
+use crate::route::{Channels, Routes};
 use crate::trouble::Trouble;
 use sinew_files::names::natural_key;
-use std::collections::HashMap;
 use std::fs::{File, Metadata};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -75,10 +74,8 @@ pub fn open(options: &TailOptions, routes: &Routes, clock: Clock) -> Result<Door
     let tail = Tail {
         options: options.clone(),
         every: Duration::from_secs_f64(every_s),
-        routes: routes.clone(),
+        channels: Channels::new(routes),
         clock,
-        targets: HashMap::new(),
-        version: 0,
         piece: vec![0; PIECE],
     };
     Door::run(Shared::new(name), move |shared| tail.follow(shared))
@@ -134,10 +131,8 @@ pub fn check(path: &Path) -> Result<(), DoorError> {
 struct Tail {
     options: TailOptions,
     every: Duration,
-    routes: Routes,
+    channels: Channels,
     clock: Clock,
-    targets: HashMap<u16, Targets>,
-    version: u64,
     piece: Vec<u8>,
 }
 
@@ -166,7 +161,7 @@ impl Tail {
                 match self.begin(is_first) {
                     Ok(begun) => {
                         is_first = false;
-                        self.targets.clear();
+                        self.channels.forget();
                         shared.set_shut(None);
                         let door = shared.name().to_owned();
                         self.tell(&Trouble::Open { door });
@@ -185,8 +180,7 @@ impl Tail {
                 continue;
             }
             if let Some(next) = self.next(now) {
-                // Channels are numbered anew in each file.
-                self.targets.clear();
+                self.channels.forget();
                 shared.set_shut(None);
                 following = Some(next);
                 continue;
@@ -196,7 +190,7 @@ impl Tail {
     }
 
     fn tell(&self, trouble: &Trouble) {
-        self.routes.tell_all(self.clock.now(), trouble);
+        self.channels.tell_all(self.clock.now(), trouble);
     }
 
     /// The file to begin with.
@@ -291,23 +285,12 @@ impl Tail {
 
     /// `false`: the door shall be shut.
     fn message(&mut self, recorded: &Recorded<'_>, shared: &Shared) -> bool {
-        let (version, routes) = self.routes.now();
-        if version != self.version {
-            self.version = version;
-            self.targets.clear();
-        }
-        let targets = self
-            .targets
-            .entry(recorded.channel)
-            .or_insert_with(|| Targets::of(&routes, recorded.topic, recorded.schema));
+        let targets = self.channels.of(recorded);
         if targets.is_empty() {
             return !shared.stops();
         }
-        while !targets.have_room(recorded.cdr.len()) {
-            if shared.stops() {
-                return false;
-            }
-            std::thread::sleep(Duration::from_micros(200));
+        if !targets.wait_for_room(recorded.cdr.len(), shared) {
+            return false;
         }
         shared.count(1);
         targets.message(self.clock.now(), recorded.logged_ns, &[recorded.cdr]);

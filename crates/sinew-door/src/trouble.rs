@@ -5,15 +5,14 @@ use std::fmt;
 
 /// What a door has to say of a topic, a publisher or itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Trouble {
     /// A publisher's policy can't match what is asked for, so nothing of it comes.
     Incompatible {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Who publishes.
+        /// Name of the publisher.
         publisher: String,
         /// What the publisher offers.
         offered: Policy,
@@ -22,14 +21,14 @@ pub enum Trouble {
     },
     /// A topic of a name that is expected has another type.
     WrongType {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Its type.
+        /// The type it has.
         found: String,
     },
     /// Messages of a topic can't be read by their framing: another encoding, or too long.
     Unreadable {
-        /// Topic.
+        /// The topic's name.
         topic: String,
         /// How many so far.
         messages: u64,
@@ -38,46 +37,46 @@ pub enum Trouble {
     },
     /// A message is longer than a message may be.
     TooLong {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Its length.
+        /// Length of the message, bytes.
         bytes: u64,
         /// The most there may be.
         most: u64,
     },
     /// A publisher came, or is back.
     PublisherFound {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Who.
+        /// Name of the publisher.
         publisher: String,
     },
     /// A publisher is gone.
     PublisherLost {
-        /// Topic.
+        /// The topic's name.
         topic: String,
-        /// Who.
+        /// Name of the publisher.
         publisher: String,
-        /// How.
+        /// How the publisher went.
         how: Lost,
     },
     /// Somebody publishes a topic, and nothing of it comes.
     Quiet {
-        /// Topic.
+        /// The topic's name.
         topic: String,
         /// For so long, s.
         for_s: f64,
     },
     /// The door is shut: nothing comes until it says otherwise.
     Shut {
-        /// Which.
+        /// The door's name, such as `dds:0`.
         door: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// The door is open, again or for the first time.
     Open {
-        /// Which.
+        /// The door's name, such as `dds:0`.
         door: String,
     },
     /// The door started anew, since the civil clock went back and its library counts by it.
@@ -87,78 +86,74 @@ pub enum Trouble {
     },
     /// A growing recording goes on in another file.
     NextFile {
-        /// Which.
+        /// Path of the file.
         file: String,
     },
     /// A growing recording was replaced by another of its name.
     Replaced {
-        /// Which.
+        /// Path of the file.
         file: String,
     },
     /// A growing recording is damaged: the rest of the file is left out.
     Damaged {
-        /// Which.
+        /// Path of the file.
         file: String,
         /// Byte from which on.
         offset: u64,
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
 /// How a publisher went.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "how", rename_all = "kebab-case")]
 pub enum Lost {
     /// It said so.
     Left,
     /// Nothing was heard of it for so long.
     Silent {
-        /// s.
+        /// For so long, s.
         for_s: f64,
     },
 }
 
 /// Whether lost messages are sent again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Reliability {
-    /// No.
+    /// Lost messages are not sent again.
     BestEffort,
-    /// Yes.
+    /// Lost messages are sent again.
     Reliable,
 }
 
 /// Whether who comes late gets what was published before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Durability {
-    /// No.
+    /// Who comes late gets nothing.
     Volatile,
     /// Yes, while the publisher lives.
     TransientLocal,
     /// Yes, while the publisher's computer runs.
     Transient,
-    /// Yes.
+    /// Who comes late gets all that was kept on disk.
     Persistent,
 }
 
 /// A policy on one side of a topic.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "policy", rename_all = "kebab-case")]
 pub enum Policy {
-    /// Reliability.
+    /// Whether lost messages are sent again.
     Reliability {
-        /// Which.
+        /// The value of the policy.
         is: Reliability,
     },
-    /// Durability.
+    /// Whether who comes late gets what was published before.
     Durability {
-        /// Which.
+        /// The value of the policy.
         is: Durability,
     },
     /// Another one, in the words of its standard.

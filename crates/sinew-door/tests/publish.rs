@@ -1,6 +1,6 @@
 //! Two messages can be published, and be read by whoever reads those types.
 
-use sinew_door::{Outgoing, Publisher as _, Publishing, Silent};
+use sinew_door::{Outgoing, Publishing};
 use sinew_log::decode::{Field, MessageKind, parse};
 use sinew_log::encode::{
     DiagnosticArray, DiagnosticStatus, DynamicJointState, Header, InterfaceValue, KeyValue, Level,
@@ -61,5 +61,4 @@ fn topics_and_types_are_those_of_ros() {
         tendons: true,
     };
     assert!(only.allows(&tendons) && !only.allows(&diagnostics));
-    assert_eq!(Silent.publish(&tendons), Ok(()));
 }

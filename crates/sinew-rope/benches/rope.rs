@@ -1,6 +1,6 @@
 //! Time of the rope law: a year of one-minute steps under loads that vary and under one that stays, one step, one ramp.
 //!
-//! `cargo bench -p sinew-model --bench rope`
+//! `cargo bench -p sinew-rope --bench rope`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sinew_rope::law::entry::CatalogueEntry;

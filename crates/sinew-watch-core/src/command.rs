@@ -7,13 +7,49 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Command {
-    /// Who.
+    /// Name of who says it.
     pub who: String,
     /// What they add, in their words.
     #[serde(default)]
     pub note: String,
-    /// What.
+    /// What is said.
     pub what: What,
+}
+
+/// Bytes of a name, and of a note, at most.
+const NAME_MOST: usize = 200;
+const NOTE_MOST: usize = 4000;
+
+impl Command {
+    /// Refuses a command that can't be, of a robot with tendons at these joints.
+    pub(crate) fn check(&self, names: &[String]) -> Result<(), CommandError> {
+        let Self { who, note, what } = self;
+        if who.trim().is_empty() {
+            return Err(CommandError::NoName);
+        }
+        for (field, text, most) in [("who", who, NAME_MOST), ("note", note, NOTE_MOST)] {
+            if text.len() > most {
+                let length = text.len();
+                return Err(CommandError::TooLong {
+                    field,
+                    length,
+                    most,
+                });
+            }
+        }
+        if *what == What::Note && note.trim().is_empty() {
+            return Err(CommandError::NoNote);
+        }
+        if let What::Tensioned { joints } | What::Replaced { joints } = what
+            && let Some(joint) = joints.iter().find(|joint| !names.contains(joint))
+        {
+            return Err(CommandError::Joint {
+                joint: joint.clone(),
+                known: names.join(", "),
+            });
+        }
+        Ok(())
+    }
 }
 
 /// What is told.
@@ -33,24 +69,24 @@ pub enum What {
     },
     /// An alarm was seen.
     Acknowledge {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// An alarm is silenced for a while.
     Shelve {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
         /// For so long, s; at most [`LONGEST_SHELF_S`].
         for_s: f64,
     },
     /// It is no longer.
     Unshelve {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// A latched alarm whose condition is over is cleared; the note says why.
     Reset {
-        /// Which.
+        /// The alarm's joint and condition.
         alarm: AlarmKey,
     },
     /// A note for the journal.
@@ -67,7 +103,7 @@ pub enum CommandError {
     /// A joint without a tendon.
     #[error("the robot has no tendon at '{joint}'; it has {known}")]
     Joint {
-        /// Joint named.
+        /// The joint that was named.
         joint: String,
         /// Those there are.
         known: String,
@@ -91,15 +127,15 @@ pub enum CommandError {
     /// A reset or a note without a word.
     #[error("say why, in the note")]
     NoNote,
-    /// Nobody.
+    /// A command without the name of who gives it.
     #[error("say who you are, in who")]
     NoName,
     /// Longer than a note is.
     #[error("{field} has {length} bytes; at most {most}")]
     TooLong {
-        /// Field.
+        /// Name of the field.
         field: &'static str,
-        /// Its length.
+        /// The length that it has, bytes.
         length: usize,
         /// The most there may be.
         most: usize,

@@ -59,9 +59,9 @@ impl Condition {
         }
     }
 
-    /// Whether it stays until somebody tensions, replaces or resets.
+    /// Whether it stays until somebody tensions, replaces or resets: what happened to a rope is not undone by itself.
     pub fn latches(self) -> bool {
-        self.severity() >= 700
+        matches!(self, Self::ReplaceLimit | Self::StrandFailed | Self::Jump)
     }
 
     /// Whether somebody has to have seen it, once it is over. A robot that is switched off every night
@@ -90,7 +90,7 @@ pub enum Level {
     Ok,
     /// Look at it.
     Warn,
-    /// Do something.
+    /// Something has to be done.
     Error,
     /// Nothing is known now.
     Stale,
@@ -100,6 +100,12 @@ impl Level {
     /// Number of the message.
     pub fn number(self) -> u8 {
         self as u8
+    }
+
+    /// The worst of several; all is well where there is none.
+    pub fn worst(levels: impl IntoIterator<Item = Self>) -> Self {
+        let levels = levels.into_iter();
+        levels.max_by_key(|l| l.urgency()).unwrap_or_default()
     }
 
     /// For sorting, the worst first: an error before what is stale, that before a warning.
@@ -113,7 +119,7 @@ impl Level {
     }
 }
 
-/// Which alarm.
+/// What tells an alarm of a robot from the others.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AlarmKey {

@@ -27,13 +27,13 @@ pub struct DueList {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DueTendon {
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Its rope, as robot.toml names it.
     pub rope: Option<String>,
-    /// The limit.
+    /// The limit that is passed first.
     pub limit: Limit,
     /// The limit as an offset, rad.
     pub limit_rad: f64,

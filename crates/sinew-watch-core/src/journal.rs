@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 pub struct Entry {
     /// When, s since 1970 UTC, by the monitor's clock at the time.
     pub time_utc_s: f64,
-    /// What.
+    /// What happened.
     pub event: Event,
 }
 
-/// What happened.
+/// What happened to a robot, its alarms or its monitor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "event", rename_all = "kebab-case")]
@@ -29,7 +29,7 @@ pub enum Event {
         /// s; `None`: for the first time.
         after_s: Option<f64>,
     },
-    /// Data stopped.
+    /// No data come any more.
     Silent,
     /// A session ended, and was recorded.
     Session {
@@ -45,7 +45,7 @@ pub enum Event {
     },
     /// A baseline could not be learned yet.
     BaselineWaits {
-        /// Why.
+        /// The reason.
         why: BaselineWaits,
     },
     /// The civil clock stepped against the one that never does.
@@ -60,7 +60,7 @@ pub enum Event {
     },
     /// Messages were dropped before the estimator, by a full queue.
     Dropped {
-        /// How many.
+        /// Messages that are missing.
         messages: u64,
     },
     /// Motion was not estimated, because estimates take longer than the motion they are of.
@@ -70,25 +70,25 @@ pub enum Event {
     },
     /// What was stored of the tendons doesn't belong to this robot any more, and is left alone.
     BeliefLeft {
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// Older entries or records were given up, because they could not be stored for too long.
     GivenUp {
         /// Entries of the journal.
         entries: u64,
-        /// Records.
+        /// Records that were given up.
         records: u64,
     },
     /// An alarm took a step.
     Alarm {
-        /// Which.
+        /// The step the alarm took.
         #[serde(flatten)]
         transition: Transition,
     },
     /// Somebody said something.
     Command {
-        /// What.
+        /// What was said.
         #[serde(flatten)]
         command: Command,
     },

@@ -9,11 +9,11 @@ use sinew_model::Gaussian;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Record {
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
     /// Name in its URDF and robot.toml: robots of one type share what is learned of the type.
     pub robot_type: String,
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// Start of the session, s since 1970 UTC, by the monitor's clock.
     pub time_utc_s: f64,
@@ -47,7 +47,7 @@ pub struct Record {
     pub in_doubt: bool,
     /// Why there is no offset.
     pub reason: Option<NoOffset>,
-    /// Distinct poses.
+    /// Number of distinct poses.
     pub poses: u64,
     /// Frames that were used.
     pub frames: u64,

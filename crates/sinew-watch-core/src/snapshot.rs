@@ -36,7 +36,7 @@ pub struct RobotSnapshot {
     pub session: Option<SessionNow>,
     /// Which clock records are of now.
     pub clock: Clock,
-    /// Temperature, °C.
+    /// Temperature of the last frame that had one, °C.
     pub temperature_c: Option<f64>,
     /// A constant force from outside that pulls at the tool, such as a hose: offsets hold it. `None`: none is seen.
     pub external_force: Option<ForceEstimate>,
@@ -55,11 +55,11 @@ pub struct RobotSnapshot {
 pub enum Freshness {
     /// None came since the monitor began.
     Never,
-    /// They come.
+    /// Data come.
     Fresh,
     /// The last came so long ago.
     Stale {
-        /// s.
+        /// For so long, s.
         for_s: f64,
     },
 }
@@ -98,7 +98,7 @@ pub struct SessionNow {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonSnapshot {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// The worst of its alarms.
     pub level: Level,
@@ -141,21 +141,21 @@ pub enum NotNow {
     InDoubt,
     /// It can't tell stretch from nothing.
     CannotTell {
-        /// Why.
+        /// The reason.
         why: NoOffset,
     },
     /// A new baseline is learned first.
     LearnsBaseline,
 }
 
-/// A limit.
+/// A limit of a tendon, with where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum LimitNow {
     /// Tension again at this elongation.
     Retension {
-        /// m.
+        /// Elongation since the last tensioning, m.
         elongation_m: f64,
         /// Where it comes from.
         origin: LimitOrigin,

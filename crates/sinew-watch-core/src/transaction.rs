@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// not at all; the monitor speaks of it after [`committed`](crate::Monitor::committed).
 #[derive(Debug, Clone)]
 pub struct Transaction {
-    /// Number, rising.
+    /// Number that rises from one to the next.
     pub id: u64,
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
     /// Records of a session that ended.
     pub records: Vec<Record>,
@@ -45,7 +45,7 @@ pub struct Belief {
 }
 
 impl Belief {
-    /// Version written.
+    /// Version that this program writes.
     pub const VERSION: u32 = 1;
 }
 
@@ -63,7 +63,7 @@ pub struct LearnsBaseline {
 /// What is kept of a tendon beside the posterior.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TendonBelief {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// What its offset counts from: the last tensioning, or a baseline from a file; `None`: the encoders' zero.
     pub since: Option<String>,

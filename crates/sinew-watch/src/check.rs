@@ -1,7 +1,7 @@
 //! `sinew watch --check`: everything a configuration names is looked at, and nothing is started or made.
 
-use crate::config::{Config, DoorSettings, RobotSettings, WebSettings, Webhook};
-use crate::runtime::{DoorKey, check_door};
+use crate::config::{Address, Config, RobotSettings, WebSettings, Webhook};
+use crate::runtime::check_door;
 use crate::store::{Place, Reader};
 use crate::{token, webhooks};
 use sinew_door::DoorError;
@@ -36,7 +36,7 @@ fn robot_files(robot: &RobotSettings) -> Vec<String> {
         Ok(_) | Err(robot_dir::RobotDirError::NoUrdf { .. }) => {}
         Err(error) => faults.push(format!("{name}: {error}")),
     }
-    if let Some(Err(error)) = robot.reading.mapping.as_deref().map(Mapping::read) {
+    if let Some(Err(error)) = robot.mapping.as_deref().map(Mapping::read) {
         faults.push(format!("{name}: {error}"));
     }
     if let Some(Err(error)) = robot.baseline.as_deref().map(Baseline::read) {
@@ -47,20 +47,16 @@ fn robot_files(robot: &RobotSettings) -> Vec<String> {
 
 /// Each door once, with all the robots behind it.
 fn doors(robots: &[RobotSettings]) -> Vec<String> {
-    let mut behind: BTreeMap<DoorKey, Vec<&RobotSettings>> = BTreeMap::new();
+    let mut behind: BTreeMap<&Address, Vec<&RobotSettings>> = BTreeMap::new();
     for robot in robots {
-        behind
-            .entry(DoorKey::of(&robot.door))
-            .or_default()
-            .push(robot);
+        behind.entry(&robot.door.address).or_default().push(robot);
     }
-    let faults = behind.into_iter().filter_map(|(key, robots)| {
-        let error = check_door(&key).err()?;
-        let first = robots.first()?;
+    let faults = behind.into_iter().filter_map(|(address, robots)| {
+        let error = check_door(address).err()?;
         Some(format!(
             "{}: {}",
             names(&robots),
-            door_fault(&first.door, &error)
+            door_fault(address, &error)
         ))
     });
     faults.collect()
@@ -76,9 +72,9 @@ fn names(robots: &[&RobotSettings]) -> String {
     }
 }
 
-fn door_fault(settings: &DoorSettings, error: &DoorError) -> String {
-    match (settings, error) {
-        (DoorSettings::Mcap { path, .. }, DoorError::Io { source, .. }) => {
+fn door_fault(address: &Address, error: &DoorError) -> String {
+    match (address, error) {
+        (Address::Mcap { path, .. }, DoorError::Io { source, .. }) => {
             let cure = match source.kind() {
                 ErrorKind::NotFound => {
                     "start the recorder first, or name the file or folder that it writes"
@@ -87,22 +83,22 @@ fn door_fault(settings: &DoorSettings, error: &DoorError) -> String {
             };
             format!("mcap.path = {path:?}: {source}; {cure}")
         }
-        (DoorSettings::Mcap { path, .. }, DoorError::Content { why, .. }) => {
+        (Address::Mcap { path, .. }, DoorError::Content { why, .. }) => {
             format!(
                 "mcap.path = {path:?}: can't be read: {why}; name the file that the recorder writes"
             )
         }
-        (DoorSettings::Dds { interfaces, .. }, DoorError::Refused { door, why })
+        (Address::Dds { interfaces, .. }, DoorError::Refused { door, why })
             if !interfaces.is_empty() =>
         {
             format!(
                 "dds: {door} can't be joined: {why}; name an address of this computer in interfaces, or leave them out"
             )
         }
-        (DoorSettings::Dds { .. }, DoorError::Refused { door, why }) => {
+        (Address::Dds { .. }, DoorError::Refused { door, why }) => {
             format!("dds: {door} can't be joined: {why}; is there a network?")
         }
-        (DoorSettings::Zenoh { .. }, DoorError::Refused { door, why }) => format!(
+        (Address::Zenoh { .. }, DoorError::Refused { door, why }) => format!(
             "zenoh: {door} can't be joined: {why}; is the router running (ros2 run rmw_zenoh_cpp rmw_zenohd), and does connect name it?"
         ),
         (_, error) => error.to_string(),
@@ -124,7 +120,7 @@ fn store(folder: &Path) -> Option<String> {
     }
     let looked = Reader::open(&place).and_then(|reader| reader.check());
     let error = looked.err()?;
-    Some(format!("{key}: {}: {}", place.name(), error.in_words()))
+    Some(format!("{key}: {}: {}", place.file(), error.in_words()))
 }
 
 /// Whether a file can be made in a folder, or in what is there of the way to it.

@@ -1,6 +1,6 @@
 //! `sinew watch` without a configuration: what there is to watch, and what is missing for it.
 
-use sinew_door::{Clock, DomainFound, TopicFound};
+use sinew_door::{DomainFound, TopicFound};
 use sinew_estimate::init::{Init, InitGap};
 use sinew_estimate::robot_toml::robot_toml;
 use sinew_files::number::three_digits;
@@ -11,80 +11,66 @@ use std::fmt::Write as _;
 #[cfg(any(feature = "dds", feature = "zenoh"))]
 use std::time::Duration;
 
-/// Domains are looked for so long, and each is then listened to so long.
+/// Domains of DDS are looked for so long.
+#[cfg(feature = "dds")]
+const LOOK: Duration = Duration::from_secs(10);
+/// Each domain is listened to so long.
 #[cfg(any(feature = "dds", feature = "zenoh"))]
-const LISTEN: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(5)];
+const LISTEN: Duration = Duration::from_secs(5);
 
 /// Listens to every domain in which somebody speaks, and says what is there.
 ///
 /// # Errors
-/// This build can't listen, or the network can't be used.
-pub fn listen(mut say: impl FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    if cfg!(not(any(feature = "dds", feature = "zenoh"))) {
-        return Err("this sinew-watch was built without DDS and Zenoh; name a configuration, or build it with --features dds".into());
-    }
-    let clock = Clock::start();
-    let mut found = over_dds(clock, &mut say)?;
-    found.extend(over_zenoh(clock, &mut say)?);
-    Ok(found)
-}
-
-#[cfg(feature = "dds")]
-fn over_dds(clock: Clock, say: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    use sinew_door::dds::{DdsOptions, active_domains, discover};
-    let [look, listen] = LISTEN;
-    say(&format!("looks for ROS 2 domains, {} s …", look.as_secs()));
-    let mut domains = active_domains(&[], look);
-    if !domains.contains(&0) {
-        domains.insert(0, 0);
-    }
+/// The network can't be used.
+#[cfg(any(feature = "dds", feature = "zenoh"))]
+pub fn listen(say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
+    let listen = LISTEN;
+    let clock = sinew_door::Clock::start();
     let mut found = Vec::new();
-    for domain in domains {
-        say(&format!(
-            "listens to domain {domain}, {} s …",
-            listen.as_secs()
-        ));
-        let options = DdsOptions {
-            domain,
-            ..DdsOptions::default()
-        };
-        found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
-    }
-    Ok(found)
-}
-
-#[cfg(not(feature = "dds"))]
-fn over_dds(_: Clock, _: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    Ok(Vec::new())
-}
-
-/// Domains behind the router of this computer, where there is one.
-#[cfg(feature = "zenoh")]
-fn over_zenoh(clock: Clock, say: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    use sinew_door::zenoh::{ZenohOptions, active_domains, discover};
-    let [_, listen] = LISTEN;
-    // Without a router there is no network.
-    let Ok(domains) = active_domains(&ZenohOptions::default()) else {
-        return Ok(Vec::new());
+    let tell = |domain: u16, over: &str| {
+        let length_s = listen.as_secs();
+        say(&format!("listens to domain {domain}{over}, {length_s} s …"));
     };
-    let mut found = Vec::new();
-    for domain in domains {
-        say(&format!(
-            "listens to domain {domain} over Zenoh, {} s …",
-            listen.as_secs()
-        ));
-        let options = ZenohOptions {
-            domain,
-            ..ZenohOptions::default()
-        };
-        found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
+    #[cfg(feature = "dds")]
+    {
+        use sinew_door::dds::{DdsOptions, active_domains, discover};
+        say(&format!("looks for ROS 2 domains, {} s …", LOOK.as_secs()));
+        let mut domains = active_domains(&[], LOOK);
+        if !domains.contains(&0) {
+            domains.insert(0, 0);
+        }
+        for domain in domains {
+            tell(domain, "");
+            let options = DdsOptions {
+                domain,
+                ..DdsOptions::default()
+            };
+            found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
+        }
+    }
+    // Domains behind the router of this computer. Without a router there is no network.
+    #[cfg(feature = "zenoh")]
+    {
+        use sinew_door::zenoh::{ZenohOptions, active_domains, discover};
+        for domain in active_domains(&ZenohOptions::default()).unwrap_or_default() {
+            tell(domain, " over Zenoh");
+            let options = ZenohOptions {
+                domain,
+                ..ZenohOptions::default()
+            };
+            found.push(discover(&options, clock, listen).map_err(|e| e.to_string())?);
+        }
     }
     Ok(found)
 }
 
-#[cfg(not(feature = "zenoh"))]
-fn over_zenoh(_: Clock, _: &mut dyn FnMut(&str)) -> Result<Vec<DomainFound>, String> {
-    Ok(Vec::new())
+/// Says that this build can't listen.
+///
+/// # Errors
+/// Always.
+#[cfg(not(any(feature = "dds", feature = "zenoh")))]
+pub fn listen(_say: impl Fn(&str)) -> Result<Vec<DomainFound>, String> {
+    Err("this sinew-watch was built without DDS and Zenoh; name a configuration, or build it with --features dds".into())
 }
 
 /// What was found, and what to do next.

@@ -101,13 +101,8 @@ pub fn write(
         let month = format!("month={}", pending.month);
         let of_type = format!("robot_type={}", escaped(&pending.robot_type));
         let path = folder.join(of_type).join(month).join(name);
-        let last_record = reader.write_month(&pending, bounds, &path)?;
-        let _ended = store.send(Request::Exported {
-            robot_type: pending.robot_type,
-            month: pending.month,
-            number: pending.number,
-            last_record,
-        });
+        reader.write_month(&pending, bounds, &path)?;
+        let _ended = store.send(Request::Exported(pending));
         written.push(path);
     }
     Ok(written)

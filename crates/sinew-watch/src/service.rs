@@ -28,7 +28,7 @@ const HANGS_AFTER: Duration = Duration::from_secs(10);
 pub enum Signal {
     /// Read the configuration again.
     Reload,
-    /// End.
+    /// End the program.
     End,
 }
 
@@ -122,7 +122,7 @@ impl Web {
         })
     }
 
-    /// Ends it.
+    /// Ends the thread.
     pub fn end(self) {
         self.ends.send_replace(true);
         let _panicked = self.thread.join();

@@ -33,7 +33,7 @@ const TOKEN_MOST: usize = 4096;
 pub struct Post {
     /// Name and version of this form.
     pub schema: &'static str,
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
     /// Joint; `None`: the robot as a whole.
     pub joint: Option<String>,
@@ -47,9 +47,9 @@ pub struct Post {
     pub to: AlarmState,
     /// When, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// Why.
+    /// The reason.
     pub why: TransitionWhy,
-    /// In words.
+    /// What happened, in words.
     pub text: String,
 }
 
@@ -93,7 +93,7 @@ pub async fn run(
         for (hook, sender) in &hooks {
             let is_meant = post.severity >= hook.severity_min;
             if is_meant && sender.try_send(body.clone()).is_err() {
-                health.webhooks_lost.fetch_add(1, Ordering::Relaxed);
+                health.counts.webhooks_lost.fetch_add(1, Ordering::Relaxed);
             }
         }
     }
@@ -124,10 +124,10 @@ async fn deliver(hook: Webhook, mut posts: mpsc::Receiver<Bytes>, health: Arc<He
             }
         }
         match done {
-            Ok(()) => health.webhooks.fetch_add(1, Ordering::Relaxed),
+            Ok(()) => health.counts.webhooks.fetch_add(1, Ordering::Relaxed),
             Err(why) => {
                 health.say(&format!("webhook {}: given up: {why}", hook.url()));
-                health.webhooks_lost.fetch_add(1, Ordering::Relaxed)
+                health.counts.webhooks_lost.fetch_add(1, Ordering::Relaxed)
             }
         };
     }

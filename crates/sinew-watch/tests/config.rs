@@ -1,6 +1,6 @@
 //! A configuration is read as a whole; what is wrong is told with file, line, key, value and cure.
 
-use sinew_watch::config::{Config, DoorSettings};
+use sinew_watch::config::{Address, Config};
 use sinew_watch_core::alarm::{Condition, Delays};
 use std::path::{Path, PathBuf};
 
@@ -52,25 +52,23 @@ fn every_key_is_read() {
     assert_eq!(hook.url(), "http://[::1]:9000/hook?a=1");
     let robot = &config.robots[0];
     assert_eq!(
-        (robot.door.source().as_str(), robot.door.namespace()),
+        (robot.door.source().as_str(), robot.door.namespace.as_str()),
         ("dds:3/arm7", "/arm7")
     );
-    assert_eq!(robot.times.stale_after_s, Some(3.0));
-    let usual = Delays {
-        raise_after_s: 1.0,
-        clear_after_s: 2.0,
-    };
+    assert_eq!(robot.times.stale_after_s, 3.0);
+    let usual = Delays::of(Condition::LimitNear);
     assert_eq!(
-        robot.alarms.delays(Condition::LimitNear, usual),
+        robot.alarms.delays(Condition::LimitNear),
         Delays {
             raise_after_s: 3.0,
-            clear_after_s: 2.0
+            ..usual
         }
     );
-    assert_eq!(robot.alarms.delays(Condition::Data, usual), usual);
-    assert_eq!(robot.alarms.near_s, Some(7.0 * 86_400.0));
+    let data = Delays::of(Condition::Data);
+    assert_eq!(robot.alarms.delays(Condition::Data), data);
+    assert_eq!(robot.alarms.near_s, 7.0 * 86_400.0);
     assert!(
-        matches!(&config.robots[1].door, DoorSettings::Mcap { from_start: true, path, .. } if path == Path::new("/etc/sinew/runs"))
+        matches!(&config.robots[1].door.address, Address::Mcap { from_start: true, path, .. } if path == Path::new("/etc/sinew/runs"))
     );
 }
 

@@ -135,7 +135,7 @@ fn what_is_held_of_a_silent_robot_is_no_news_when_the_monitor_ends() {
     std::fs::write(folder.path().join("run.mcap"), recording()).unwrap();
     let mut runtime = start(folder.path());
     let mut asked = config(folder.path(), "");
-    asked.robots[0].times.stale_after_s = Some(1.0);
+    asked.robots[0].times.stale_after_s = 1.0;
     runtime.configure(&asked);
     until("silence", || {
         seen(&runtime).is_some_and(|robot| matches!(robot.freshness, Freshness::Stale { .. }))

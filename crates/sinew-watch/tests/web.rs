@@ -368,7 +368,7 @@ fn metrics_are_those_of_the_list_each_with_its_kind_once() {
     assert!(samples.contains("sinew_robots"), "{text}");
     // Base units and endings, as Prometheus wants them.
     for (name, kind, about) in ABOUT {
-        assert_eq!(name.ends_with("_total"), kind == "counter", "{name}");
+        assert_eq!(name.ends_with("_total"), *kind == "counter", "{name}");
         assert!(about.ends_with('.') && !name.contains("_mrad"), "{name}");
     }
 }

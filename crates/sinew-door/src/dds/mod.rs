@@ -17,8 +17,7 @@ pub use domains::active_domains;
 
 use crate::found::DomainFound;
 use crate::handle::{Door, DoorError, Shared};
-use crate::look::Look;
-use crate::network::{self, End, Listening, Network, Opened};
+use crate::network::{self, End, Listening, Network};
 use crate::publish::{Publisher, Publishing};
 use crate::received::Clock;
 use crate::route::Routes;
@@ -53,23 +52,6 @@ impl Default for DdsOptions {
     }
 }
 
-impl DdsOptions {
-    fn check(&self) -> Result<(), DoorError> {
-        if self.domain > DOMAIN_MOST {
-            return Err(DoorError::Option {
-                what: "domain",
-                value: self.domain.to_string(),
-                why: format!("it is 0 to {DOMAIN_MOST}"),
-            });
-        }
-        Ok(())
-    }
-
-    fn name(&self) -> String {
-        format!("dds:{}", self.domain)
-    }
-}
-
 /// Opens the door; it listens until it is dropped. The publisher lives as long as the door.
 ///
 /// # Errors
@@ -79,7 +61,7 @@ pub fn open(
     routes: &Routes,
     clock: Clock,
 ) -> Result<(Door, Box<dyn Publisher>), DoorError> {
-    let (door, publisher, _directory) = open_with(options, routes, clock)?;
+    let (door, publisher, _directory) = network::open(options, routes, clock)?;
     Ok((door, publisher))
 }
 
@@ -88,23 +70,32 @@ pub fn open(
 /// # Errors
 /// A domain above 232; a network or interface that can't be used, with what the system says.
 pub fn check(options: &DdsOptions) -> Result<(), DoorError> {
-    options.check()?;
-    let joined = participant::join(options);
-    let refused = |why| DoorError::Refused {
-        door: options.name(),
-        why,
-    };
-    joined.map(drop).map_err(refused)
-}
-
-fn open_with(options: &DdsOptions, routes: &Routes, clock: Clock) -> Result<Opened, DoorError> {
-    options.check()?;
-    let (name, publishing) = (options.name(), options.publishing);
-    network::open(options.clone(), name, publishing, routes, clock)
+    options.refuse()?;
+    let joined = participant::join(options).map(drop);
+    joined.map_err(|why| network::refused(options, why))
 }
 
 impl Network for DdsOptions {
     type Joined<'a> = Participant<'a>;
+
+    fn name(&self) -> String {
+        format!("dds:{}", self.domain)
+    }
+
+    fn publishing(&mut self) -> &mut Publishing {
+        &mut self.publishing
+    }
+
+    fn refuse(&self) -> Result<(), DoorError> {
+        if self.domain > DOMAIN_MOST {
+            return Err(DoorError::Option {
+                what: "domain",
+                value: self.domain.to_string(),
+                why: format!("it is 0 to {DOMAIN_MOST}"),
+            });
+        }
+        Ok(())
+    }
 
     fn join<'a>(
         &self,
@@ -128,11 +119,5 @@ pub fn discover(
     clock: Clock,
     length: Duration,
 ) -> Result<DomainFound, DoorError> {
-    let look = Look::new();
-    let options = DdsOptions {
-        publishing: Publishing::NOTHING,
-        ..options.clone()
-    };
-    let (door, _publisher, directory) = open_with(&options, look.routes(), clock)?;
-    Ok(look.listen(&door, &directory, length))
+    network::discover(options, clock, length)
 }

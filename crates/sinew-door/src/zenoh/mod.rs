@@ -11,8 +11,7 @@ mod writers;
 
 use crate::found::DomainFound;
 use crate::handle::{Door, DoorError, Shared};
-use crate::look::Look;
-use crate::network::{self, End, Listening, Network, Opened};
+use crate::network::{self, End, Listening, Network};
 use crate::publish::{Publisher, Publishing};
 use crate::received::Clock;
 use crate::route::Routes;
@@ -53,10 +52,6 @@ impl ZenohOptions {
             some => some.to_vec(),
         }
     }
-
-    fn name(&self) -> String {
-        format!("zenoh:{}", self.domain)
-    }
 }
 
 /// Opens the door; it listens until it is dropped. The publisher lives as long as the door.
@@ -68,7 +63,7 @@ pub fn open(
     routes: &Routes,
     clock: Clock,
 ) -> Result<(Door, Box<dyn Publisher>), DoorError> {
-    let (door, publisher, _directory) = open_with(options, routes, clock)?;
+    let (door, publisher, _directory) = network::open(options, routes, clock)?;
     Ok((door, publisher))
 }
 
@@ -77,11 +72,8 @@ pub fn open(
 /// # Errors
 /// An endpoint that is none; no router or peer that answers.
 pub fn check(options: &ZenohOptions) -> Result<(), DoorError> {
-    let refused = |why| DoorError::Refused {
-        door: options.name(),
-        why,
-    };
-    session::join(options).map(drop).map_err(refused)
+    let joined = session::join(options).map(drop);
+    joined.map_err(|why| network::refused(options, why))
 }
 
 /// Domains of ROS 2 in which somebody has a token, in their order.
@@ -89,20 +81,20 @@ pub fn check(options: &ZenohOptions) -> Result<(), DoorError> {
 /// # Errors
 /// As [`check`].
 pub fn active_domains(options: &ZenohOptions) -> Result<Vec<u16>, DoorError> {
-    let refused = |why| DoorError::Refused {
-        door: options.name(),
-        why,
-    };
-    session::active_domains(options).map_err(refused)
-}
-
-fn open_with(options: &ZenohOptions, routes: &Routes, clock: Clock) -> Result<Opened, DoorError> {
-    let (name, publishing) = (options.name(), options.publishing);
-    network::open(options.clone(), name, publishing, routes, clock)
+    let domains = session::active_domains(options);
+    domains.map_err(|why| network::refused(options, why))
 }
 
 impl Network for ZenohOptions {
     type Joined<'a> = Session<'a>;
+
+    fn name(&self) -> String {
+        format!("zenoh:{}", self.domain)
+    }
+
+    fn publishing(&mut self) -> &mut Publishing {
+        &mut self.publishing
+    }
 
     fn join<'a>(
         &self,
@@ -126,11 +118,5 @@ pub fn discover(
     clock: Clock,
     length: Duration,
 ) -> Result<DomainFound, DoorError> {
-    let look = Look::new();
-    let options = ZenohOptions {
-        publishing: Publishing::NOTHING,
-        ..options.clone()
-    };
-    let (door, _publisher, directory) = open_with(&options, look.routes(), clock)?;
-    Ok(look.listen(&door, &directory, length))
+    network::discover(options, clock, length)
 }

@@ -1,11 +1,12 @@
 //! What reads a topic: messages go into the queues as they come, in a thread of Zenoh's.
 
+use crate::handle::lock;
 use crate::network::Reader;
 use crate::received::Clock;
 use crate::route::Targets;
 use crate::trouble::Trouble;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use zenoh::pubsub::Subscriber;
 use zenoh::sample::{Sample, SampleKind};
 
@@ -36,16 +37,12 @@ impl Ear {
         self.heard.swap(0, Ordering::Relaxed)
     }
 
-    fn targets(&self) -> std::sync::MutexGuard<'_, Arc<Targets>> {
-        self.targets.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub(super) fn take(&self, sample: &Sample) {
         if sample.kind() != SampleKind::Put {
             return;
         }
         let received = self.clock.now();
-        let targets = Arc::clone(&self.targets());
+        let targets = Arc::clone(&lock(&self.targets));
         self.heard.fetch_add(1, Ordering::Relaxed);
         let (bytes, most) = (sample.payload().len(), self.message_most_bytes);
         if bytes > most {
@@ -83,6 +80,6 @@ pub(super) struct ZenohReader {
 
 impl Reader for ZenohReader {
     fn aim(&mut self, targets: &Arc<Targets>) {
-        *self.ear.targets() = Arc::clone(targets);
+        *lock(&self.ear.targets) = Arc::clone(targets);
     }
 }

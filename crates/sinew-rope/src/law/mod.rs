@@ -29,8 +29,8 @@
 //!
 //! [`routing`] turns guiding pulleys into tensions and pass counts, [`damage`] counts bends
 //! over pulleys, [`endurance`] says what breaks a rope, [`strung`] lets ropes relax at constant length, [`validity`] says where the law was never checked, [`holds`] what data is behind a
-//! rope's values, `entry`
-//! reads a catalogue entry (feature `catalogue`).
+//! rope's values, [`entry`]
+//! reads a catalogue entry.
 //!
 //! Not modelled: humidity, ultraviolet light, abrasion, shock.
 //!

@@ -54,7 +54,7 @@ pub struct Alarms {
 /// The alarms that aren't normal, as they are stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct AlarmsStored {
-    /// Alarms.
+    /// The alarms.
     pub alarms: Vec<Alarm>,
 }
 
@@ -115,14 +115,15 @@ impl Alarms {
         self.list.get(key)?.alarm.as_ref()
     }
 
+    fn alarm_mut(&mut self, key: &AlarmKey) -> Result<&mut Alarm, CommandError> {
+        let entry = self.list.get_mut(key);
+        let alarm = entry.and_then(|entry| entry.alarm.as_mut());
+        alarm.ok_or(CommandError::NoAlarm)
+    }
+
     /// What happened since the last call.
     pub fn take_transitions(&mut self) -> Vec<Transition> {
         std::mem::take(&mut self.transitions)
-    }
-
-    /// Whether something happened that [`Alarms::take_transitions`] has not given yet.
-    pub fn has_transitions(&self) -> bool {
-        !self.transitions.is_empty()
     }
 
     /// Says that a condition holds, `Some(true)`; is over, `Some(false)`; or is neither: between raising and
@@ -192,21 +193,15 @@ impl Alarms {
         self.step(key, to, why, now);
     }
 
-    /// Ends shelves.
+    /// Ends the shelves whose time is over.
     pub fn tick(&mut self, now: Instant) {
         let ended: Vec<AlarmKey> = (self.list.iter())
-            .filter(|(_, entry)| {
-                let Some(alarm) = &entry.alarm else {
-                    return false;
-                };
-                let (Some(until), Some(for_s)) = (alarm.shelved_until_utc_s, alarm.shelved_for_s)
-                else {
-                    return false;
-                };
+            .filter_map(|(key, entry)| {
+                let alarm = entry.alarm.as_ref()?;
+                let (until, for_s) = (alarm.shelved_until_utc_s?, alarm.shelved_for_s?);
                 let shelved_s = entry.shelved_at.map_or(f64::INFINITY, |at| now.since_s(at));
-                now.utc_s() >= until || shelved_s >= for_s
+                (now.utc_s() >= until || shelved_s >= for_s).then(|| key.clone())
             })
-            .map(|(key, _)| key.clone())
             .collect();
         for key in ended {
             self.unshelve(&key, TransitionWhy::ShelfEnded, now);
@@ -225,8 +220,7 @@ impl Alarms {
         };
         match &command.what {
             What::Acknowledge { alarm: key } => {
-                let entry = self.list.get_mut(key).ok_or(CommandError::NoAlarm)?;
-                let alarm = entry.alarm.as_mut().ok_or(CommandError::NoAlarm)?;
+                let alarm = self.alarm_mut(key)?;
                 alarm.acknowledged = true;
                 let to = match alarm.state {
                     AlarmState::Active => AlarmState::Acknowledged,
@@ -240,12 +234,13 @@ impl Alarms {
                 if !(for_s > 0.0 && for_s <= LONGEST_SHELF_S) {
                     return Err(CommandError::Shelf { for_s });
                 }
-                let entry = self.list.get_mut(key).ok_or(CommandError::NoAlarm)?;
-                let alarm = entry.alarm.as_mut().ok_or(CommandError::NoAlarm)?;
+                let alarm = self.alarm_mut(key)?;
                 alarm.shelved_until_utc_s = Some(now.utc_s() + for_s);
                 alarm.shelved_for_s = Some(for_s);
-                entry.shelved_at = Some(now);
-                let to = entry.state();
+                let to = alarm.state;
+                if let Some(entry) = self.list.get_mut(key) {
+                    entry.shelved_at = Some(now);
+                }
                 self.step(key, to, why(), now);
             }
             What::Unshelve { alarm: key } => {
@@ -306,19 +301,12 @@ impl Alarms {
         let Some(entry) = self.list.get_mut(key) else {
             return;
         };
-        let from = entry.state();
-        if entry.alarm.is_none() {
+        let Some(alarm) = &mut entry.alarm else {
             return;
-        }
-        match to {
-            AlarmState::Normal => {
-                (entry.alarm, entry.shelved_at) = (None, None);
-            }
-            _ => {
-                if let Some(alarm) = &mut entry.alarm {
-                    alarm.state = to;
-                }
-            }
+        };
+        let from = std::mem::replace(&mut alarm.state, to);
+        if to == AlarmState::Normal {
+            (entry.alarm, entry.shelved_at) = (None, None);
         }
         self.transitions.push(Transition {
             key: key.clone(),

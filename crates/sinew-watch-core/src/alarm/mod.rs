@@ -3,13 +3,13 @@
 //! ```text
 //!             raised                acknowledged             condition over
 //!   normal ───────────▶ active ────────────────▶ acknowledged ─────────────▶ normal
-//!     ▲                   │ condition over              │ condition over, 700 and more
+//!     ▲                   │ condition over              │ condition over, if it latches
 //!     │ acknowledged      ▼                             ▼
-//!     └──────────── cleared (below 700)             latched ── tensioned, replaced, reset ─▶ normal
-//!                   latched (700 and more)
+//!     └──────────── cleared                         latched ── tensioned, replaced, reset ─▶ normal
+//!                   latched, if it latches
 //! ```
 //!
-//! What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
+//! Which conditions latch: [`Condition::latches`]. What needs nobody's look ([`Condition::needs_look`]) goes from active to normal.
 
 mod list;
 
@@ -41,7 +41,7 @@ pub enum AlarmState {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Alarm {
-    /// Which.
+    /// The alarm's joint and condition.
     pub key: AlarmKey,
     /// Where it stands.
     pub state: AlarmState,
@@ -111,15 +111,15 @@ pub enum AlarmCause {
     },
     /// The estimate has been in doubt for so long.
     InDoubt {
-        /// s.
+        /// For so long, s.
         for_s: f64,
     },
     /// The data are wrong.
     Data {
-        /// How.
+        /// What is wrong with them.
         trouble: Trouble,
     },
-    /// Storing failed.
+    /// What is learned could not be stored.
     Store {
         /// What kind of failure.
         #[serde(default)]
@@ -154,7 +154,7 @@ pub enum StoreFault {
     Disk,
     /// The database is damaged.
     Damaged,
-    /// Something else.
+    /// Something else, which the log names.
     #[default]
     Other,
 }
@@ -181,7 +181,7 @@ pub enum JumpKind {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LimitOrigin {
-    /// robot.toml.
+    /// The robot's robot.toml.
     RobotToml,
     /// The rope's entry in the catalogue.
     Catalogue,
@@ -226,7 +226,7 @@ pub enum Trouble {
     },
     /// A publisher's quality of service can't be received.
     Qos {
-        /// Topic.
+        /// The topic's name.
         topic: String,
         /// What it offers.
         offered: String,
@@ -235,14 +235,14 @@ pub enum Trouble {
     },
     /// A topic's data can't be decoded.
     Decode {
-        /// Topic.
+        /// The topic's name.
         topic: String,
         /// What is wrong.
         why: String,
     },
     /// What is received doesn't fit robot.toml: joints or channels are missing.
     Missing {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Whether it is the motor's side; else the joint's.
         motor: bool,
@@ -258,15 +258,15 @@ pub enum Trouble {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Transition {
-    /// Which.
+    /// The alarm's joint and condition.
     pub key: AlarmKey,
-    /// From here.
+    /// The state before.
     pub from: AlarmState,
-    /// To here.
+    /// The state after.
     pub to: AlarmState,
     /// When, s since 1970 UTC.
     pub time_utc_s: f64,
-    /// Why.
+    /// The reason.
     pub why: TransitionWhy,
 }
 
@@ -275,18 +275,18 @@ pub struct Transition {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "by", rename_all = "kebab-case")]
 pub enum TransitionWhy {
-    /// Its condition.
+    /// Its condition came to hold, or was over.
     Condition {
         /// What of it.
         cause: AlarmCause,
     },
-    /// Somebody.
+    /// Somebody asked for it.
     Command {
-        /// Who.
+        /// Name of who says it.
         who: String,
         /// What they did.
         what: What,
-        /// Their words.
+        /// What they add, in their words.
         note: String,
     },
     /// The end of its shelf.

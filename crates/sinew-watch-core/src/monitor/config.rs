@@ -27,9 +27,9 @@ pub struct MonitorConfig {
     pub baseline: Option<Baseline>,
     /// Whose time the stamps are.
     pub clock: ClockChoice,
-    /// Times.
+    /// When things begin and end.
     pub times: Times,
-    /// Alarms.
+    /// When alarms are raised and cleared.
     pub alarms: AlarmOptions,
 }
 
@@ -156,11 +156,11 @@ impl AlarmOptions {
 /// What the store kept of a robot.
 #[derive(Debug, Clone, Default)]
 pub struct Stored {
-    /// Last belief.
+    /// The last belief that was stored.
     pub belief: Option<Belief>,
-    /// Alarms.
+    /// The alarms that weren't normal.
     pub alarms: AlarmsStored,
-    /// Its records.
+    /// The records that were stored.
     pub history: History,
     /// Number of the last transaction; 0: none.
     pub last_id: u64,
@@ -179,9 +179,9 @@ pub enum MonitorError {
     /// A time that can't be.
     #[error("{key} = {value_s} s: must be {must}")]
     Time {
-        /// Key.
+        /// Key in the configuration.
         key: &'static str,
-        /// Value, s.
+        /// The value that was given, s.
         value_s: f64,
         /// What it must be.
         must: &'static str,

@@ -1,34 +1,15 @@
 //! Estimates, made away from the thread that takes frames.
 
-use super::session::Session;
-use super::tendon_trend::{Made, TrendWork, analyze_tendon};
-use crate::journal::SessionEnd;
+use super::online::Successor;
+use super::session::Stretch;
+use super::trend::{TrendMade, TrendWork};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{
-    Learning, Recorded, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
-    live,
+    Learning, SessionEstimate, SessionOptions, Since, estimate_stretch, learn_recorded,
 };
-use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-
-/// Some motion of a session that waits for its estimate.
-#[derive(Debug)]
-pub(super) struct Stretch {
-    pub(super) session: Session,
-    pub(super) recorded: Recorded,
-    /// Whether it is the session's last.
-    pub(super) end: Option<SessionEnd>,
-    /// Whether the recursive estimate was in doubt at its end.
-    pub(super) in_doubt: bool,
-    /// Whether there is motion enough in it to be estimated.
-    pub(super) worth_it: bool,
-    /// Motion in it, s.
-    pub(super) motion_s: f64,
-    /// Whether it is for a baseline: for that of the so-many-th tensioning.
-    pub(super) baseline_of: Option<u32>,
-}
 
 /// An estimate to make, away from the thread that takes frames. [`Job::run`] is the whole of it.
 #[derive(Debug)]
@@ -78,12 +59,7 @@ pub(super) enum Outcome {
         learned: bool,
         result: Result<Box<Estimated>, String>,
     },
-    Trend {
-        /// After how many tensionings it was begun.
-        of: u32,
-        tendon: usize,
-        made: Option<Made>,
-    },
+    Trend(TrendMade),
 }
 
 /// What a stretch gave.
@@ -91,8 +67,8 @@ pub(super) enum Outcome {
 pub(super) struct Estimated {
     pub(super) estimate: SessionEstimate,
     pub(super) next: Baseline,
-    /// A recursive filter that begins from there, after the last stretch of a session.
-    pub(super) live: Option<Box<RecursiveOffsets>>,
+    /// An estimate of now that begins from there, after the last stretch of a session.
+    pub(super) successor: Option<Successor>,
 }
 
 impl Job {
@@ -116,13 +92,8 @@ impl Job {
                 }
             }
             Work::Trend(work) => {
-                let (of, tendon) = (work.of, work.tendon);
-                let made = catch_unwind(AssertUnwindSafe(|| analyze_tendon(&robot, *work)));
-                Outcome::Trend {
-                    of,
-                    tendon,
-                    made: made.unwrap_or_default(),
-                }
+                let made = catch_unwind(AssertUnwindSafe(|| work.run(&robot)));
+                Outcome::Trend(made.unwrap_or_else(|_| work.nothing()))
             }
         })
     }
@@ -164,18 +135,12 @@ impl StretchWork {
             }
             next.before.truncate(NAMES);
             estimate.blocks = Vec::new();
-            let live = match self.stretch.end.is_some() || self.learns.is_some() {
-                true => Some(Box::new(live(
-                    robot,
-                    (&next, "what was learned"),
-                    &self.options,
-                )?)),
-                false => None,
-            };
+            let ends = self.stretch.end.is_some() || self.learns.is_some();
+            let successor = ends.then(|| Successor::new(robot, &next, &self.options));
             Ok(Box::new(Estimated {
                 estimate,
+                successor: successor.transpose()?,
                 next,
-                live,
             }))
         });
         result.map_err(|error| error.to_string())

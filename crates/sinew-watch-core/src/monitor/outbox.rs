@@ -1,12 +1,18 @@
-//! What waits for the store, and what may be spoken of.
+//! What is written down: the journal, what waits for the store, and what may be spoken of.
 
-use crate::alarm::{Alarm, AlarmsStored};
-use crate::journal::Entry;
+use super::config::Stored;
+use crate::alarm::{Alarm, AlarmsStored, Transition};
+use crate::instant::Instant;
+use crate::journal::{Entry, Event};
 use crate::record::Record;
 use crate::transaction::{Belief, Transaction};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// Entries of the journal kept until the next tick, at most.
+const JOURNAL_ROOM: usize = 256;
+/// Losses are told together, once in this time, s.
+const LOSSES_EVERY_S: f64 = 60.0;
 /// Entries of the journal that wait at most: beyond, the oldest are given up.
 const JOURNAL_MOST: usize = 10_000;
 /// Records that wait at most: three months of seven tendons at work all day. Beyond, the oldest are given up.
@@ -16,10 +22,14 @@ const RECORDS_MOST: usize = 100_000;
 ///
 /// A store that refuses for days so costs bounded memory. Of the beliefs and alarms that wait only the last ones
 /// matter; entries of the journal are given up first, from the oldest, records after months.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Outbox {
     robot: String,
     last_id: u64,
+    /// Entries and records since the last tick, and whether the belief is another one.
+    journal: Vec<Entry>,
+    records: Vec<Record>,
+    belief_changed: bool,
     under_way: Option<Transaction>,
     waiting: Option<Transaction>,
     /// Parts that were put together in what waits.
@@ -28,27 +38,87 @@ pub(super) struct Outbox {
     pub(super) alarms: Vec<Alarm>,
     pub(super) last: BTreeMap<String, Record>,
     given_up: [u64; 2],
+    /// Whether the store refused the last transaction.
+    pub(super) fails: bool,
+    /// Messages that were dropped, and motion that was not estimated, s, since that was last told.
+    pub(super) dropped: u64,
+    pub(super) behind_s: f64,
+    losses_told: Option<Instant>,
 }
 
 impl Outbox {
-    pub(super) fn new(robot: &str, last_id: u64, alarms: AlarmsStored) -> Self {
+    pub(super) fn new(robot: &str, stored: &mut Stored) -> Self {
         Self {
             robot: robot.into(),
-            last_id,
-            alarms: alarms.alarms,
+            last_id: stored.last_id,
+            journal: Vec::with_capacity(JOURNAL_ROOM),
+            alarms: stored.alarms.alarms.clone(),
+            last: stored.history.take_last(),
             ..Self::default()
         }
     }
 
-    /// Adds what belongs together.
-    pub(super) fn push(
+    /// Writes an entry of the journal.
+    pub(super) fn event(&mut self, event: Event, now: Instant) {
+        if self.journal.len() == JOURNAL_ROOM {
+            self.journal.remove(0);
+        }
+        self.journal.push(Entry {
+            time_utc_s: now.utc_s(),
+            event,
+        });
+    }
+
+    /// Takes what was learned: records, and another belief.
+    pub(super) fn learned(&mut self, records: Vec<Record>) {
+        self.records.extend(records);
+        self.belief_changed = true;
+    }
+
+    /// Writes losses, together and once a minute at most.
+    pub(super) fn tell_losses(&mut self, now: Instant) {
+        let told = self.losses_told;
+        let (messages, motion_s) = (self.dropped, self.behind_s);
+        if told.is_some_and(|told| now.since_s(told) < LOSSES_EVERY_S)
+            || (messages == 0 && motion_s == 0.0)
+        {
+            return;
+        }
+        (self.dropped, self.behind_s, self.losses_told) = (0, 0.0, Some(now));
+        if messages > 0 {
+            self.event(Event::Dropped { messages }, now);
+        }
+        if motion_s > 0.0 {
+            self.event(Event::Behind { motion_s }, now);
+        }
+    }
+
+    /// Makes a transaction of what is new; `alarms` are those that aren't normal.
+    pub(super) fn flush(
         &mut self,
-        records: Vec<Record>,
-        belief: Option<Arc<Belief>>,
-        alarms: Option<AlarmsStored>,
-        journal: Vec<Entry>,
+        belief: &Arc<Belief>,
+        transitions: Vec<Transition>,
+        alarms: impl FnOnce() -> AlarmsStored,
+        now: Instant,
     ) {
+        let given_up = std::mem::take(&mut self.given_up);
+        if given_up != [0; 2] {
+            let [entries, records] = given_up;
+            self.event(Event::GivenUp { entries, records }, now);
+        }
+        let alarms = (!transitions.is_empty()).then(alarms);
+        let steps = transitions.into_iter().map(|transition| Entry {
+            time_utc_s: transition.time_utc_s,
+            event: Event::Alarm { transition },
+        });
+        let journal: Vec<Entry> = self.journal.drain(..).chain(steps).collect();
+        let records = std::mem::take(&mut self.records);
+        let belief = std::mem::take(&mut self.belief_changed).then(|| Arc::clone(belief));
+        if journal.is_empty() && records.is_empty() && belief.is_none() {
+            return;
+        }
         self.last_id += 1;
+        self.parts += 1;
         let next = Transaction {
             id: self.last_id,
             robot: self.robot.clone(),
@@ -57,7 +127,6 @@ impl Outbox {
             alarms,
             journal,
         };
-        self.parts += 1;
         self.waiting = Some(match self.waiting.take() {
             None => next,
             Some(older) => joined(older, next),
@@ -77,12 +146,6 @@ impl Outbox {
         waiting.records.drain(..records);
         self.given_up[0] += entries as u64;
         self.given_up[1] += records as u64;
-    }
-
-    /// Entries of the journal and records given up since the last call; `None`: none.
-    pub(super) fn take_given_up(&mut self) -> Option<[u64; 2]> {
-        let given_up = std::mem::take(&mut self.given_up);
-        (given_up != [0; 2]).then_some(given_up)
     }
 
     /// The next to store; it waits for [`Outbox::committed`] or [`Outbox::refused`].
@@ -106,6 +169,7 @@ impl Outbox {
         if let Some(alarms) = stored.alarms {
             self.alarms = alarms.alarms;
         }
+        self.fails = false;
         true
     }
 
@@ -120,6 +184,7 @@ impl Outbox {
             Some(newer) => joined(refused, newer),
         });
         self.bound();
+        self.fails = true;
         true
     }
 

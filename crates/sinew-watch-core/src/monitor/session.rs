@@ -1,13 +1,24 @@
-//! A session: some minutes of motion, and what ends it.
+//! A session: some minutes of motion, what ends it, and the stretches of it that wait for their estimate.
 
 use super::clock::Clocks;
+use super::config::Times;
 use crate::instant::Instant;
 use crate::journal::SessionEnd;
 use crate::record::Clock;
-use sinew_estimate::session::Poses;
+use sinew_estimate::session::{Poses, Recorded, Recorder};
+use sinew_model::offset::Block;
+use std::collections::VecDeque;
 
 /// A joint that moved by more since it last stood somewhere moves, rad: what the estimator takes for a stand.
 const STAND_RAD: f64 = 0.01;
+/// Stretches that wait at most, beside the one that is recorded and the one that is estimated.
+const STRETCHES_WAITING: usize = 2;
+/// Stretches that wait at most where the next one is a session's last: a record hangs on it.
+const ENDS_WAITING: usize = 8;
+/// Room for blocks is made for so much time to come, s.
+const ROOM_S: f64 = 10.0;
+/// A stretch with less motion teaches nothing, s.
+const LEAST_MOTION_S: f64 = 2.0;
 
 /// A session, as far as it has come. A copy goes with every stretch of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,14 +32,12 @@ pub(super) struct Session {
     stands_s: f64,
     pub(super) frames: u64,
     pub(super) frames_lost: u64,
-    /// Distinct poses.
+    /// Number of distinct poses.
     pub(super) poses: usize,
     /// Sum and number of the blocks' temperatures, °C.
     celsius: [f64; 2],
     /// Whether its date can be believed.
     pub(super) clock: Clock,
-    /// Stretches handed over so far.
-    pub(super) stretches: u64,
 }
 
 impl Session {
@@ -39,12 +48,38 @@ impl Session {
     }
 }
 
-/// Begins and ends sessions, block by block. Allocates at construction only.
-#[derive(Debug, Clone)]
+/// Some motion of a session that waits for its estimate.
+#[derive(Debug)]
+pub(super) struct Stretch {
+    pub(super) session: Session,
+    pub(super) recorded: Recorded,
+    /// Whether it is the session's last.
+    pub(super) end: Option<SessionEnd>,
+    /// Whether the recursive estimate was in doubt at its end.
+    pub(super) in_doubt: bool,
+    /// Whether there is motion enough in it to be estimated.
+    pub(super) worth_it: bool,
+    /// Motion in it, s.
+    pub(super) motion_s: f64,
+    /// Whether it is for a baseline: for that of the so-many-th tensioning.
+    pub(super) baseline_of: Option<u32>,
+}
+
+/// How a stretch ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StretchEnd {
+    /// Why the session ends with it, if it does.
+    pub(super) end: Option<SessionEnd>,
+    pub(super) in_doubt: bool,
+    pub(super) motor_current: bool,
+    pub(super) baseline_of: Option<u32>,
+}
+
+/// Begins and ends sessions, block by block, and keeps the stretches of them that wait for their estimate.
+#[derive(Debug)]
 pub(super) struct Sessions {
-    block_s: f64,
-    motion_s: f64,
-    pause_s: f64,
+    pub(super) block_s: f64,
+    times: Times,
     now: Option<Session>,
     /// Sessions begun so far.
     count: u64,
@@ -55,26 +90,36 @@ pub(super) struct Sessions {
     pending: [u64; 2],
     /// Whether the next block begins a session even if the arm stands: data came again.
     fresh: bool,
+    /// Blocks of the stretch under way, and how many of them moved.
+    blocks: usize,
+    moved_blocks: usize,
+    /// Stretches that wait for their estimate, the oldest first.
+    waiting: VecDeque<Stretch>,
+    /// What the next stretch is recorded into.
+    empty: Option<Recorded>,
 }
 
 impl Sessions {
-    pub(super) fn new(joints: usize, block_s: f64, count: u64) -> Self {
+    pub(super) fn new(joints: usize, block_s: f64, count: u64, times: Times) -> Self {
         Self {
             block_s,
-            motion_s: f64::INFINITY,
-            pause_s: f64::INFINITY,
+            times,
             now: None,
             count,
             poses: Poses::new(joints),
             pose_rad: vec![f64::NAN; joints],
             pending: [0; 2],
             fresh: true,
+            blocks: 0,
+            moved_blocks: 0,
+            waiting: VecDeque::with_capacity(ENDS_WAITING + 1),
+            empty: None,
         }
     }
 
-    /// After how much motion and how long a pause a session ends, s.
-    pub(super) fn set_length(&mut self, motion_s: f64, pause_s: f64) {
-        (self.motion_s, self.pause_s) = (motion_s, pause_s);
+    /// Sets when sessions and stretches end.
+    pub(super) fn set_times(&mut self, times: Times) {
+        self.times = times;
     }
 
     pub(super) fn now(&self) -> Option<&Session> {
@@ -100,11 +145,12 @@ impl Sessions {
     /// moved.
     pub(super) fn block(
         &mut self,
-        (q_rad, temperature_c): (&[f64], f64),
+        block: &Block,
         clocks: &mut Clocks,
         from: Instant,
         now: Instant,
     ) -> Option<bool> {
+        let (q_rad, temperature_c) = (block.q.as_slice(), block.temperature_c);
         let apart = |(pose, q): (&f64, &f64)| !((pose - q).abs() <= STAND_RAD);
         // The first pose there is was not come to.
         let known = self.pose_rad.iter().all(|x| x.is_finite());
@@ -140,6 +186,8 @@ impl Sessions {
         self.poses.push(q_rad);
         session.poses = self.poses.count();
         session.clock = clocks.clock(now);
+        self.blocks += 1;
+        self.moved_blocks += usize::from(moved);
         Some(moved)
     }
 
@@ -157,36 +205,93 @@ impl Sessions {
             poses: 0,
             celsius: [0.0; 2],
             clock: clocks.clock(now),
-            stretches: 0,
         });
     }
 
     /// Whether it is over by itself.
     pub(super) fn is_over(&self) -> Option<SessionEnd> {
         let session = self.now?;
-        if session.stands_s >= self.pause_s {
+        if session.stands_s >= self.times.session_pause_s {
             Some(SessionEnd::Stood)
         } else {
-            (session.motion_s >= self.motion_s).then_some(SessionEnd::Full)
+            (session.motion_s >= self.times.session_motion_s).then_some(SessionEnd::Full)
         }
     }
 
-    /// A stretch of it is handed over.
-    pub(super) fn count_stretch(&mut self) {
-        if let Some(session) = &mut self.now {
-            session.stretches += 1;
-        }
+    /// Whether the stretch under way is as long as one may be.
+    pub(super) fn is_stretch_over(&self) -> bool {
+        self.blocks as f64 * self.block_s >= self.times.stretch_s
     }
 
-    /// The clock its date is of.
+    /// Marks whether the session's date can be believed.
     pub(super) fn set_clock(&mut self, clock: Clock) {
         if let Some(session) = &mut self.now {
             session.clock = clock;
         }
     }
 
-    /// Ends it.
-    pub(super) fn end(&mut self) -> Option<Session> {
-        self.now.take()
+    /// Ends the session under way.
+    pub(super) fn end(&mut self) {
+        self.now = None;
+        self.forget_blocks();
+    }
+
+    /// Begins the stretch under way anew.
+    pub(super) fn forget_blocks(&mut self) {
+        (self.blocks, self.moved_blocks) = (0, 0);
+    }
+
+    /// Makes what is recorded a stretch that waits for its estimate. Returns the motion of it, s, where it is left out
+    /// because too much waits already; else 0.
+    pub(super) fn end_stretch(&mut self, recorder: &mut Recorder, how: StretchEnd) -> f64 {
+        let motion_s = self.moved_blocks as f64 * self.block_s;
+        self.forget_blocks();
+        let worth_it = motion_s >= LEAST_MOTION_S;
+        if !worth_it && how.end.is_none() {
+            // A long stand amid a session: one block says what all of them say.
+            recorder.clear();
+            return 0.0;
+        }
+        let Some(session) = self.now else { return 0.0 };
+        let most = match how.end {
+            None => STRETCHES_WAITING,
+            Some(_) => ENDS_WAITING,
+        };
+        if self.waiting.len() >= most {
+            recorder.clear();
+            return motion_s;
+        }
+        let empty = self.empty.take();
+        let empty = empty.unwrap_or_else(|| recorder.room(0.0));
+        let mut recorded = recorder.exchange(empty);
+        recorded.motor_current = how.motor_current;
+        self.waiting.push_back(Stretch {
+            session,
+            recorded,
+            end: how.end,
+            worth_it,
+            in_doubt: how.in_doubt,
+            motion_s,
+            baseline_of: how.baseline_of,
+        });
+        0.0
+    }
+
+    /// The oldest stretch that waits.
+    pub(super) fn next_stretch(&mut self) -> Option<Stretch> {
+        self.waiting.pop_front()
+    }
+
+    /// Whether a stretch waits that isn't for a baseline.
+    pub(super) fn has_waiting(&self) -> bool {
+        self.waiting.iter().any(|s| s.baseline_of.is_none())
+    }
+
+    /// Makes room for what comes, off the path of frames.
+    pub(super) fn make_room(&mut self, recorder: &mut Recorder) {
+        recorder.make_room(ROOM_S);
+        if self.empty.is_none() {
+            self.empty = Some(recorder.room(ROOM_S));
+        }
     }
 }

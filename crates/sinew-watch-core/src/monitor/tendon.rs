@@ -1,10 +1,10 @@
 //! What is believed of a tendon between sessions: what its offset counts from, and sudden changes.
 
+use super::setup::Setup;
 use crate::alarm::JumpKind;
 use crate::transaction::{Suspected, TendonBelief};
 use sinew_estimate::session::{TendonChange, TendonChangeKind};
 use sinew_model::Gaussian;
-use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
 
 /// Less than this is taken in without a word: ropes creep by steps, rad.
@@ -46,12 +46,10 @@ impl Pending {
     }
 
     /// Makes of tendons before it those after it.
-    pub(super) fn apply(&self, tendons: &mut [TendonBelief], robot: &Robot, elastic: &[usize]) {
-        for (i, (tendon, &joint)) in tendons.iter_mut().zip(elastic).enumerate() {
+    pub(super) fn apply(&self, tendons: &mut [TendonBelief], setup: &Setup) {
+        for (i, tendon) in tendons.iter_mut().enumerate() {
             if self.is_own(i) {
-                let transmission = robot.transmissions[joint].as_ref();
-                let geometry = transmission.and_then(|t| t.tendon.as_ref());
-                tendon.tension(self, geometry);
+                tendon.tension(self, setup.geometry(i));
             }
         }
     }
@@ -64,21 +62,12 @@ pub(super) struct Said {
     pub(super) session: u64,
     /// Its start, s since 1970 UTC.
     pub(super) start_utc_s: f64,
-    /// Its end.
+    /// Its end, s since 1970 UTC.
     pub(super) end_utc_s: f64,
     /// Offset at the end, rad; `None`: it couldn't tell.
     pub(super) offset_rad: Option<Gaussian>,
     /// Stiffness over nominal less 1.
     pub(super) stiffness_ratio: Gaussian,
-}
-
-/// What became of a suspicion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Verdict {
-    /// Another session saw it too.
-    Confirmed(Suspected),
-    /// Nothing to say, or not yet.
-    Quiet,
 }
 
 impl TendonBelief {
@@ -128,18 +117,19 @@ impl TendonBelief {
         self.tensioned_utc_s.last().copied()
     }
 
-    /// Takes what a session said: whether it saw a change, or confirms one.
+    /// Takes what a session said. Returns the change that it confirms, if any.
     pub(super) fn judge(
         &mut self,
         said: &Said,
         changes: &[Found],
         tendon: Option<&Tendon>,
-    ) -> Verdict {
+    ) -> Option<Suspected> {
         let was = self.suspected;
-        let verdict = match (was, said.offset_rad) {
-            (Some(suspected), _) if suspected.session == said.session => Verdict::Quiet,
-            (Some(suspected), Some(offset)) => self.decide(suspected, offset, said, tendon),
-            _ => Verdict::Quiet,
+        let confirmed = match (was, said.offset_rad) {
+            (Some(suspected), Some(offset)) if suspected.session != said.session => {
+                self.decide(suspected, offset, said, tendon)
+            }
+            _ => None,
         };
         if self.suspected.is_none() {
             let within = within(changes, said, self.last_rad);
@@ -151,17 +141,17 @@ impl TendonBelief {
             self.last_rad = Some(offset);
             self.last_utc_s = Some(said.end_utc_s);
         }
-        verdict
+        confirmed
     }
 
-    /// Whether a suspected change lasts.
+    /// Decides whether a suspected change lasts. Returns it where it does.
     fn decide(
         &mut self,
         suspected: Suspected,
         offset: Gaussian,
         said: &Said,
         tendon: Option<&Tendon>,
-    ) -> Verdict {
+    ) -> Option<Suspected> {
         let lasts = if suspected.size_rad.mean.abs() >= WORD_RAD {
             let creep = self.creep_deviation_rad(suspected.time_utc_s, said.end_utc_s, tendon);
             lasts(suspected.size_rad, suspected.before_rad, offset, creep)
@@ -172,24 +162,13 @@ impl TendonBelief {
                 lasts(Gaussian::new(lost, 0.0), before, said.stiffness_ratio, 0.0)
             })
         };
-        match lasts {
-            Some(true) => {
-                self.suspected = None;
-                Verdict::Confirmed(suspected)
-            }
-            Some(false) => {
-                self.suspected = None;
-                Verdict::Quiet
-            }
-            None => {
-                let undecided = suspected.undecided + 1;
-                self.suspected = (undecided < UNDECIDED_MOST).then_some(Suspected {
-                    undecided,
-                    ..suspected
-                });
-                Verdict::Quiet
-            }
-        }
+        let undecided = suspected.undecided + 1;
+        let waits = lasts.is_none() && undecided < UNDECIDED_MOST;
+        self.suspected = waits.then_some(Suspected {
+            undecided,
+            ..suspected
+        });
+        (lasts == Some(true)).then_some(suspected)
     }
 
     /// A change since the last session that creep doesn't explain.

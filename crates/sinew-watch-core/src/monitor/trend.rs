@@ -1,19 +1,31 @@
-//! A tendon's trend, from the best record of every day.
+//! The trend of every tendon, from the best record of every day.
 
-use super::Monitor;
-use super::tendon_trend::{Made, TrendWork};
+use super::history::History;
+use super::setup::Setup;
 use crate::instant::Instant;
-use sinew_trend::Stated;
+use crate::record::Record;
+use crate::transaction::TendonBelief;
+use sinew_model::robot::Robot;
+use sinew_rope::Catalogue;
+use sinew_trend::{JointTrend, PassageTimes, SessionRecord, Stated, TrendRequest, analyze_joint};
 use std::sync::Arc;
 
-/// The trends of a robot's tendons, and which of them are to be made anew.
-#[derive(Debug, Clone, Default)]
+/// Days a trend's forecast looks ahead, as that of `sinew trend`.
+pub const HORIZON_DAYS: f64 = 1095.0;
+/// Seed of its draws: that of `sinew trend`.
+const SEED: u64 = 1;
+/// A trend is made anew at most so often, s: it is of days.
+const BETWEEN_S: f64 = 3600.0;
+
+/// The records of a robot, the trends of its tendons, and which of them are to be made anew.
+#[derive(Debug)]
 pub(super) struct Trends {
-    of: Vec<Trended>,
+    history: History,
+    tendons: Vec<TendonTrend>,
 }
 
 #[derive(Debug, Clone, Default)]
-struct Trended {
+struct TendonTrend {
     made: Option<Made>,
     /// Whether its records changed since.
     changed: bool,
@@ -21,73 +33,90 @@ struct Trended {
     begun: Option<Instant>,
 }
 
-/// A trend is made anew at most so often, s: it is of days.
-const BETWEEN_S: f64 = 3600.0;
+/// A trend without its series, and when it passes its limits.
+#[derive(Debug, Clone)]
+pub(super) struct Made {
+    pub(super) trend: Arc<JointTrend>,
+    pub(super) passages: Arc<[PassageTimes]>,
+}
 
 impl Trends {
-    pub(super) fn new(tendons: usize) -> Self {
-        let one = Trended {
+    pub(super) fn new(tendons: usize, history: History) -> Self {
+        let one = TendonTrend {
             changed: true,
-            ..Trended::default()
+            ..TendonTrend::default()
         };
         Self {
-            of: vec![one; tendons],
+            history,
+            tendons: vec![one; tendons],
         }
     }
 
     pub(super) fn get(&self, tendon: usize) -> Option<&Made> {
-        self.of.get(tendon)?.made.as_ref()
+        self.tendons.get(tendon)?.made.as_ref()
     }
 
-    pub(super) fn set(&mut self, tendon: usize, made: Option<Made>) {
-        if let Some(of) = self.of.get_mut(tendon) {
-            of.made = made;
-        }
-    }
-
-    pub(super) fn changed(&mut self, tendon: usize) {
-        if let Some(of) = self.of.get_mut(tendon) {
+    /// Takes a trend that was made after so many tensionings, where there were `tensionings` by now.
+    pub(super) fn set(&mut self, made: TrendMade, tensionings: u32) {
+        let Some(of) = self.tendons.get_mut(made.tendon) else {
+            return;
+        };
+        if made.of == tensionings {
+            of.made = made.made;
+        } else {
+            // A rope was tensioned since: what was to come of it isn't any more.
             of.changed = true;
         }
     }
 
+    /// Takes a record.
+    pub(super) fn record(&mut self, record: &Record, setup: &Setup) {
+        if self.history.push(record)
+            && let Some(i) = setup.tendon_of(&record.joint)
+        {
+            self.tendons[i].changed = true;
+        }
+    }
+
     pub(super) fn all_changed(&mut self) {
-        for of in &mut self.of {
+        for of in &mut self.tendons {
             (of.changed, of.begun) = (true, None);
         }
     }
 
-    /// Nothing is known of what comes.
+    /// Forgets the trend of a tendon that was tensioned.
     pub(super) fn forget(&mut self, tendon: usize) {
-        if let Some(of) = self.of.get_mut(tendon) {
-            *of = Trended::default();
+        if let Some(of) = self.tendons.get_mut(tendon) {
+            *of = TendonTrend::default();
         }
     }
 
-    /// The next to make anew.
+    /// The tendon whose trend is to be made anew.
     fn next(&mut self, now: Instant) -> Option<usize> {
-        let is_due = |of: &Trended| {
+        let is_due = |of: &TendonTrend| {
             let waited = |begun: Instant| now.since_s(begun) >= BETWEEN_S;
             of.changed && of.begun.is_none_or(waited)
         };
-        let next = self.of.iter().position(is_due)?;
-        let of = &mut self.of[next];
+        let next = self.tendons.iter().position(is_due)?;
+        let of = &mut self.tendons[next];
         (of.changed, of.begun) = (false, Some(now));
         Some(next)
     }
-}
 
-impl Monitor {
-    /// The next trend to make, if one is due.
-    pub(super) fn trend_work(&mut self) -> Option<TrendWork> {
-        let now = self.feed.ticked?;
-        while let Some(tendon) = self.trends.next(now) {
-            let joint = &self.names[tendon];
+    /// The next trend to make, if one is due; `tensionings`: how many there were by now.
+    pub(super) fn work(
+        &mut self,
+        setup: &Setup,
+        beliefs: &[TendonBelief],
+        tensionings: u32,
+        now: Instant,
+    ) -> Option<TrendWork> {
+        while let Some(tendon) = self.next(now) {
+            let (joint, belief) = (&setup.names[tendon], &beliefs[tendon]);
             let records = self.history.rows(joint);
             if records.is_empty() {
                 continue;
             }
-            let belief = &self.belief.tendons[tendon];
             let stated = |time_utc_s: f64, replaced: bool| Stated {
                 joint: None,
                 time_utc_s,
@@ -96,7 +125,7 @@ impl Monitor {
             let replaced = belief.replaced_utc_s;
             let tensioned = belief.tensioned_utc_s.iter().copied();
             return Some(TrendWork {
-                of: self.tensionings,
+                of: tensionings,
                 tendon,
                 joint: joint.clone(),
                 records,
@@ -104,9 +133,72 @@ impl Monitor {
                     .map(|t| stated(t, false))
                     .chain(replaced.map(|t| stated(t, true)))
                     .collect(),
-                catalogue: Arc::clone(&self.config.catalogue),
+                catalogue: Arc::clone(&setup.config.catalogue),
             });
         }
         None
+    }
+}
+
+/// What a tendon's trend needs.
+#[derive(Debug)]
+pub(super) struct TrendWork {
+    /// After how many tensionings it was begun.
+    of: u32,
+    tendon: usize,
+    joint: String,
+    records: Vec<SessionRecord>,
+    stated: Vec<Stated>,
+    catalogue: Arc<Catalogue>,
+}
+
+/// What became of a [`TrendWork`].
+#[derive(Debug)]
+pub(super) struct TrendMade {
+    of: u32,
+    tendon: usize,
+    made: Option<Made>,
+}
+
+impl TrendWork {
+    /// What is given where the trend could not be made.
+    pub(super) fn nothing(&self) -> TrendMade {
+        TrendMade {
+            of: self.of,
+            tendon: self.tendon,
+            made: None,
+        }
+    }
+
+    /// Makes the trend.
+    pub(super) fn run(&self, robot: &Robot) -> TrendMade {
+        TrendMade {
+            made: self.analyze(robot),
+            ..self.nothing()
+        }
+    }
+
+    /// The trend; `None` where the records make none.
+    fn analyze(&self, robot: &Robot) -> Option<Made> {
+        let last_utc_s = self.records.last()?.time_utc_s;
+        let request = TrendRequest {
+            robot: Some(robot),
+            catalogue: &self.catalogue,
+            // Of what was done since the last record, the next one will tell.
+            stated: (self.stated.iter())
+                .filter(|stated| stated.time_utc_s <= last_utc_s)
+                .cloned()
+                .collect(),
+            duty: None,
+            life: None,
+            horizon_days: HORIZON_DAYS,
+            seed: SEED,
+        };
+        let (mut trend, passages) = analyze_joint(&self.joint, &self.records, &request).ok()?;
+        trend.series = Vec::new();
+        Some(Made {
+            trend: Arc::new(trend),
+            passages: passages.into(),
+        })
     }
 }

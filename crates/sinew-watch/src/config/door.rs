@@ -4,15 +4,22 @@ use sinew_files::{Bound, Fault, Fields as _, Located, Section};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
-/// Where a robot is heard: one of them.
+/// Where a robot is heard.
 #[derive(Debug, Clone, PartialEq)]
-pub enum DoorSettings {
+pub struct DoorSettings {
+    /// The door its messages come through.
+    pub address: Address,
+    /// What its topics lie in; empty: anywhere.
+    pub namespace: String,
+}
+
+/// A door that messages come through; robots with the same share it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Address {
     /// ROS 2 over DDS.
     Dds {
         /// Domain, as in `ROS_DOMAIN_ID`.
         domain: u16,
-        /// What its topics lie in; empty: anywhere.
-        namespace: String,
         /// Addresses of the interfaces used; none: all.
         interfaces: Vec<IpAddr>,
     },
@@ -20,8 +27,6 @@ pub enum DoorSettings {
     Zenoh {
         /// Domain, as in `ROS_DOMAIN_ID`.
         domain: u16,
-        /// What its topics lie in; empty: anywhere.
-        namespace: String,
         /// Routers or peers, such as `tcp/127.0.0.1:7447`.
         connect: Vec<String>,
     },
@@ -29,38 +34,28 @@ pub enum DoorSettings {
     Mcap {
         /// File or folder.
         path: PathBuf,
-        /// What its topics lie in; empty: anywhere.
-        namespace: String,
         /// Whether what was recorded before counts as well.
         from_start: bool,
-        /// Time from one look to the next, s.
-        look_every_s: f64,
+        /// Time from one look to the next, ms.
+        look_every_ms: u64,
     },
 }
 
-impl DoorSettings {
-    /// What its topics lie in; empty: anywhere.
-    pub fn namespace(&self) -> &str {
+impl Address {
+    /// The name in records and messages, such as `dds:0` or `mcap:run.mcap`.
+    pub fn name(&self) -> String {
         match self {
-            Self::Dds { namespace, .. }
-            | Self::Zenoh { namespace, .. }
-            | Self::Mcap { namespace, .. } => namespace,
+            Self::Dds { domain, .. } => format!("dds:{domain}"),
+            Self::Zenoh { domain, .. } => format!("zenoh:{domain}"),
+            Self::Mcap { path, .. } => format!("mcap:{}", path.display()),
         }
     }
+}
 
-    /// As records name it: `dds:0/arm7`, `mcap:run.mcap`.
+impl DoorSettings {
+    /// The source as records name it: `dds:0/arm7`, `mcap:run.mcap`.
     pub fn source(&self) -> String {
-        match self {
-            Self::Dds {
-                domain, namespace, ..
-            } => format!("dds:{domain}{namespace}"),
-            Self::Zenoh {
-                domain, namespace, ..
-            } => format!("zenoh:{domain}{namespace}"),
-            Self::Mcap {
-                path, namespace, ..
-            } => format!("mcap:{}{namespace}", path.display()),
-        }
+        format!("{}{}", self.address.name(), self.namespace)
     }
 }
 
@@ -82,10 +77,12 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<DoorSettings, Locat
                 None,
                 "dds",
                 why,
-                DoorSettings::Dds {
-                    domain: 0,
+                DoorSettings {
+                    address: Address::Dds {
+                        domain: 0,
+                        interfaces: Vec::new(),
+                    },
                     namespace: String::new(),
-                    interfaces: Vec::new(),
                 },
             ))
         }
@@ -126,10 +123,10 @@ fn dds(s: &Section<'_>) -> Result<DoorSettings, Located> {
             interfaces.push(address.text()?.parse().map_err(|_| address.refuse(must))?);
         }
     }
-    Ok(DoorSettings::Dds {
-        domain: domain(s)?,
+    let domain = domain(s)?;
+    Ok(DoorSettings {
+        address: Address::Dds { domain, interfaces },
         namespace: namespace(s)?,
-        interfaces,
     })
 }
 
@@ -144,21 +141,24 @@ fn zenoh(s: &Section<'_>) -> Result<DoorSettings, Located> {
             connect.push(text.to_owned());
         }
     }
-    Ok(DoorSettings::Zenoh {
-        domain: domain(s)?,
+    let domain = domain(s)?;
+    Ok(DoorSettings {
+        address: Address::Zenoh { domain, connect },
         namespace: namespace(s)?,
-        connect,
     })
 }
 
 fn mcap(s: &Section<'_>, folder: &Path) -> Result<DoorSettings, Located> {
     let path = s.need_text("path", "the recording that grows, or a folder of such")?;
-    Ok(DoorSettings::Mcap {
-        path: folder.join(path),
-        namespace: namespace(s)?,
-        from_start: s
-            .one_of("from", &[("start", true), ("now", false)])?
-            .unwrap_or(false),
-        look_every_s: s.number_or("look_every_s", Bound::Within(0.001, 60.0), 0.2)?,
+    let namespace = namespace(s)?;
+    let from = s.one_of("from", &[("start", true), ("now", false)])?;
+    let every_s = s.number_or("look_every_s", Bound::Within(0.001, 60.0), 0.2)?;
+    Ok(DoorSettings {
+        address: Address::Mcap {
+            path: folder.join(path),
+            from_start: from.unwrap_or(false),
+            look_every_ms: (1e3 * every_s).round() as u64,
+        },
+        namespace,
     })
 }

@@ -8,12 +8,12 @@ mod door;
 mod robot;
 mod web;
 
-pub use alarms::AlarmSettings;
-pub use door::DoorSettings;
-pub use robot::{EstimateSettings, ReadingSettings, RobotSettings, TimeSettings};
+pub use door::{Address, DoorSettings};
+pub use robot::RobotSettings;
 pub use web::{WebSettings, Webhook};
 
-use sinew_files::{Fault, Located, Section, TomlFile, limits, read_text};
+use sinew_door::Publishing;
+use sinew_files::{Fault, Fields as _, Located, Section, TomlFile, limits, read_text};
 use std::path::{Path, PathBuf};
 
 /// Where a configuration is looked for when none is named.
@@ -23,7 +23,7 @@ pub const STORE: &str = "/var/lib/sinew";
 /// Robots of one monitor at most.
 const ROBOTS_MOST: usize = 10_000;
 
-/// A configuration.
+/// A configuration of the monitor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
     /// The page, and who may see it.
@@ -31,20 +31,11 @@ pub struct Config {
     /// Folder of the store.
     pub store: PathBuf,
     /// What is published to robots' networks.
-    pub publish: Publish,
+    pub publish: Publishing,
     /// Who is told of alarms.
     pub webhooks: Vec<Webhook>,
-    /// Robots.
+    /// The robots that are watched.
     pub robots: Vec<RobotSettings>,
-}
-
-/// What is published where robots listen. Nothing else ever is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Publish {
-    /// `/diagnostics`.
-    pub diagnostics: bool,
-    /// `/sinew/tendons`.
-    pub tendons: bool,
 }
 
 impl Config {
@@ -75,7 +66,8 @@ impl Config {
             let webhooks = root.each("webhook", |s| web::read_webhook(s, folder))?;
             let robots = root.each("robot", |s| robot::read(s, folder))?;
             if robots.is_empty() {
-                return Err(root.missing_robot());
+                let cure = "add [[robot]] with name, dir and where it is heard; `sinew watch` without a file lists what is there";
+                return Err(root.missing("robot", cure));
             }
             if robots.len() > ROBOTS_MOST {
                 let many = format!(
@@ -96,28 +88,8 @@ impl Config {
     }
 }
 
-trait MissingRobot {
-    fn missing_robot(&self) -> Located;
-}
-
-impl MissingRobot for Section<'_> {
-    fn missing_robot(&self) -> Located {
-        use sinew_files::Fields as _;
-        self.missing("robot", "add [[robot]] with name, dir and where it is heard; `sinew watch` without a file lists what is there")
-    }
-}
-
-impl Default for Publish {
-    fn default() -> Self {
-        Self {
-            diagnostics: true,
-            tendons: true,
-        }
-    }
-}
-
-fn publish(s: &Section<'_>) -> Result<Publish, Located> {
-    Ok(Publish {
+fn publish(s: &Section<'_>) -> Result<Publishing, Located> {
+    Ok(Publishing {
         diagnostics: s.flag_or("diagnostics", true)?,
         tendons: s.flag_or("tendons", true)?,
     })

@@ -1,18 +1,19 @@
 //! One robot: what it is, where it is heard, and how it is estimated.
 
-use super::alarms::{self, AlarmSettings};
 use super::door::{self, DoorSettings};
-use super::path;
+use super::{alarms, path};
+use sinew_estimate::session::{Payload, SessionOptions};
 use sinew_files::WORKS_AT_C;
 use sinew_files::{Bound, Fault, Fields as _, Located, Section};
-use sinew_log::JointEffort;
+use sinew_log::{JointEffort, OpenOptions};
 use sinew_model::Gaussian;
+use sinew_watch_core::{AlarmOptions, Times};
 use std::path::{Path, PathBuf};
 
 /// A robot's name is at most so long.
 const NAME_MOST: usize = 64;
 
-/// One robot.
+/// The settings of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotSettings {
     /// Its name: on pages, in records, metrics and addresses.
@@ -23,16 +24,18 @@ pub struct RobotSettings {
     pub door: DoorSettings,
     /// What `sinew baseline` wrote; used where nothing is stored yet.
     pub baseline: Option<PathBuf>,
-    /// How its messages are read.
-    pub reading: ReadingSettings,
+    /// Other names, units and gear ratios of its messages.
+    pub mapping: Option<PathBuf>,
+    /// How its messages are read, but for the mapping.
+    pub reading: OpenOptions,
     /// Whether its stamps run with time, or are a simulation's.
     pub stamps_are_real: bool,
     /// How sessions are estimated.
-    pub estimate: EstimateSettings,
-    /// When things begin and end; `None`: as usual.
-    pub times: TimeSettings,
+    pub estimate: SessionOptions,
+    /// When things begin and end.
+    pub times: Times,
     /// When alarms are raised and cleared.
-    pub alarms: AlarmSettings,
+    pub alarms: AlarmOptions,
 }
 
 impl RobotSettings {
@@ -43,54 +46,14 @@ impl RobotSettings {
             dir,
             door,
             baseline: None,
-            reading: ReadingSettings::default(),
+            mapping: None,
+            reading: OpenOptions::default(),
             stamps_are_real: true,
-            estimate: EstimateSettings {
-                motor_torque: true,
-                empty_gripper: false,
-                temperature_c: None,
-            },
-            times: TimeSettings::default(),
-            alarms: AlarmSettings::default(),
+            estimate: SessionOptions::default(),
+            times: Times::default(),
+            alarms: AlarmOptions::default(),
         }
     }
-}
-
-/// How a robot's messages are read: as the options of a recording.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ReadingSettings {
-    /// Other names, units and gear ratios.
-    pub mapping: Option<PathBuf>,
-    /// Joint-side topic.
-    pub joint_topic: Option<String>,
-    /// Motor-side topic.
-    pub motor_topic: Option<String>,
-    /// Interface that holds the motor position.
-    pub motor_interface: Option<String>,
-    /// What the joint side's effort is.
-    pub joint_effort: JointEffort,
-}
-
-/// How sessions are estimated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EstimateSettings {
-    /// Whether a motor torque is used.
-    pub motor_torque: bool,
-    /// Whether the gripper never holds anything.
-    pub empty_gripper: bool,
-    /// Temperature, °C, where it isn't measured.
-    pub temperature_c: Option<Gaussian>,
-}
-
-/// When things begin and end, s; `None`: as usual.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TimeSettings {
-    /// Without data for so long, nothing is known.
-    pub stale_after_s: Option<f64>,
-    /// A session ends after so much motion.
-    pub session_motion_s: Option<f64>,
-    /// A session ends after so long a stand.
-    pub session_pause_s: Option<f64>,
 }
 
 pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<RobotSettings, Located> {
@@ -110,7 +73,8 @@ pub(super) fn read(s: &Section<'_>, folder: &Path) -> Result<RobotSettings, Loca
         dir: folder.join(dir),
         door: door::read(s, folder)?,
         baseline: path(s, "baseline", folder)?,
-        reading: reading(s, folder)?,
+        mapping: path(s, "mapping", folder)?,
+        reading: reading(s)?,
         stamps_are_real: s
             .one_of("stamps", &[("real", true), ("simulated", false)])?
             .unwrap_or(true),
@@ -127,22 +91,23 @@ fn is_name(name: &str) -> bool {
     starts && name.len() <= NAME_MOST && name.chars().all(fits)
 }
 
-fn reading(s: &Section<'_>, folder: &Path) -> Result<ReadingSettings, Located> {
+fn reading(s: &Section<'_>) -> Result<OpenOptions, Located> {
+    let usual = OpenOptions::default();
     let efforts = [
         ("tau-el", JointEffort::TauEl),
         ("tau-m", JointEffort::TauM),
         ("ignore", JointEffort::Ignore),
     ];
-    Ok(ReadingSettings {
-        mapping: path(s, "mapping", folder)?,
-        joint_topic: s.text("joint_topic")?,
+    Ok(OpenOptions {
+        joint_state_topic: s.text("joint_topic")?,
         motor_topic: s.text("motor_topic")?,
-        motor_interface: s.text("motor_interface")?,
+        motor_interface: s.text("motor_interface")?.unwrap_or(usual.motor_interface),
         joint_effort: s.one_of("joint_effort", &efforts)?.unwrap_or_default(),
+        ..OpenOptions::default()
     })
 }
 
-fn estimate(s: &Section<'_>) -> Result<EstimateSettings, Located> {
+fn estimate(s: &Section<'_>) -> Result<SessionOptions, Located> {
     const WORKS_AT: Bound = Bound::Within(WORKS_AT_C[0], WORKS_AT_C[1]);
     /// As a room thermometer tells it, K.
     const THERMOMETER_K: f64 = 2.0;
@@ -155,17 +120,24 @@ fn estimate(s: &Section<'_>) -> Result<EstimateSettings, Located> {
         ));
     }
     let deviation_k = deviation_k.unwrap_or(THERMOMETER_K);
-    Ok(EstimateSettings {
+    Ok(SessionOptions {
+        payload: match s.flag("empty_gripper")? {
+            true => Payload::Empty,
+            false => Payload::Unknown,
+        },
         motor_torque: s.flag_or("motor_torque", true)?,
-        empty_gripper: s.flag("empty_gripper")?,
         temperature_c: temperature_c.map(|mean| Gaussian::new(mean, deviation_k)),
+        ..SessionOptions::default()
     })
 }
 
-fn times(s: &Section<'_>) -> Result<TimeSettings, Located> {
-    Ok(TimeSettings {
-        stale_after_s: s.number("stale_after_s", Bound::Within(1.0, 3600.0))?,
-        session_motion_s: s.number("session_motion_s", Bound::Within(10.0, 86_400.0))?,
-        session_pause_s: s.number("session_pause_s", Bound::Within(5.0, 3600.0))?,
+fn times(s: &Section<'_>) -> Result<Times, Located> {
+    let usual = Times::default();
+    let time = |key, low, high, usual| s.number_or(key, Bound::Within(low, high), usual);
+    Ok(Times {
+        stale_after_s: time("stale_after_s", 1.0, 3600.0, usual.stale_after_s)?,
+        session_motion_s: time("session_motion_s", 10.0, 86_400.0, usual.session_motion_s)?,
+        session_pause_s: time("session_pause_s", 5.0, 3600.0, usual.session_pause_s)?,
+        ..usual
     })
 }

@@ -79,7 +79,7 @@ fn is_host_name(text: &str) -> bool {
 pub struct Webhook {
     /// Host, as the request names it.
     pub host: String,
-    /// Port.
+    /// TCP port.
     pub port: u16,
     /// Path and query.
     pub path: String,
@@ -90,7 +90,7 @@ pub struct Webhook {
 }
 
 impl Webhook {
-    /// `http://HOST:PORT/PATH`.
+    /// Returns the address as `http://HOST:PORT/PATH`.
     pub fn url(&self) -> String {
         format!("http://{}:{}{}", self.host, self.port, self.path)
     }

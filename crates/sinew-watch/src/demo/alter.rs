@@ -1,6 +1,6 @@
 //! What the demonstration does to the recorded arm: its motors turn further as its ropes creep.
 
-use super::script::Life;
+use super::arms::Life;
 use sinew_door::replay::Alter;
 use sinew_log::decode::{Field, MessageKind, rewrite};
 use std::collections::HashMap;
@@ -53,10 +53,8 @@ impl Alter for Crept {
                 value
             }
             Field::Interface(b"motor_position") => {
-                let at = self
-                    .lives
-                    .iter()
-                    .position(|l| l.joint.as_bytes() == entry.joint);
+                let mut joints = self.lives.iter().map(|life| life.joint.as_bytes());
+                let at = joints.position(|joint| joint == entry.joint);
                 let (Some(at), Some(q)) = (at, self.q.get(entry.joint)) else {
                     return value;
                 };
@@ -71,7 +69,6 @@ impl Alter for Crept {
 }
 
 /// Numbers that look random: SplitMix64 (Steele, Lea, Flood 2014).
-#[derive(Debug, Clone)]
 pub(super) struct Random(pub(super) u64);
 
 impl Random {

@@ -1,7 +1,7 @@
 //! Records of the days before the demonstration began.
 
 use super::alter::Random;
-use super::script::{Arm, Life};
+use super::arms::{Arm, Life};
 use sinew_estimate::baseline::Baseline;
 use sinew_files::date::{DAY_S, utc_text};
 use sinew_model::Gaussian;
@@ -17,10 +17,10 @@ use std::sync::Arc;
 const OFFSET_RAD: f64 = 1.5e-4;
 /// The same of the stiffness, as a fraction.
 const STIFFNESS: f64 = 0.004;
+/// Time in motion of a day's session, s.
+const SESSION_S: f64 = 600.0;
 /// Every so many days the arm isn't used.
 const REST_EVERY: u32 = 7;
-/// Whoever speaks in the journal.
-const WHO: &str = "DEMO";
 
 /// What an arm's store holds when the demonstration begins at `start_utc_s`.
 pub(super) fn transactions(
@@ -31,7 +31,7 @@ pub(super) fn transactions(
 ) -> Vec<Transaction> {
     let mut random = Random(arm.name.bytes().map(u64::from).sum());
     let mut out = Vec::new();
-    let mut journal = tensionings(arm, start_utc_s);
+    let mut tensionings = tensionings(arm, start_utc_s);
     for day in (0..arm.days).rev() {
         if day % REST_EVERY == REST_EVERY - 1 {
             continue;
@@ -39,30 +39,20 @@ pub(super) fn transactions(
         // In the morning, not always at the same minute.
         let time_s = -DAY_S * f64::from(day) - DAY_S * (0.6 + 0.05 * random.uniform());
         let celsius = 22.0 + 2.5 * (time_s / (90.0 * DAY_S)).sin() + 0.7 * random.normal();
-        let records = arm
-            .lives
-            .iter()
-            .filter(|life| life.since_s(time_s).is_finite());
-        let records: Vec<Record> = records
-            .map(|life| {
-                record(
-                    arm,
-                    robot,
-                    life,
-                    (time_s, start_utc_s),
-                    celsius,
-                    &mut random,
-                )
-            })
-            .collect();
-        let mut entries: Vec<Entry> = Vec::new();
-        while let Some(next) = journal.pop_if(|entry| entry.time_utc_s <= start_utc_s + time_s) {
-            entries.push(next);
-        }
-        entries.push(Entry {
-            time_utc_s: start_utc_s + time_s + 600.0,
+        let lives = (arm.lives.iter()).filter(|life| life.since_s(time_s).is_finite());
+        let records = lives.map(|life| Record {
+            robot: arm.name.into(),
+            robot_type: robot.name.clone(),
+            temperature_c: Some(celsius),
+            ..record(life, time_s, start_utc_s, &mut random)
+        });
+        let records = records.collect();
+        let is_due = |entry: &mut Entry| entry.time_utc_s <= start_utc_s + time_s;
+        let mut journal: Vec<Entry> = std::iter::from_fn(|| tensionings.pop_if(is_due)).collect();
+        journal.push(Entry {
+            time_utc_s: start_utc_s + time_s + SESSION_S,
             event: Event::Session {
-                duration_s: 600.0,
+                duration_s: SESSION_S,
                 end: SessionEnd::Full,
             },
         });
@@ -72,7 +62,7 @@ pub(super) fn transactions(
             records,
             belief: None,
             alarms: None,
-            journal: entries,
+            journal,
         });
     }
     if let Some(last) = out.last_mut() {
@@ -83,24 +73,23 @@ pub(super) fn transactions(
 
 /// Tensionings as somebody told them, the last first.
 fn tensionings(arm: &Arm, start_utc_s: f64) -> Vec<Entry> {
-    let mut all: Vec<(f64, String)> = (arm.lives.iter())
-        .flat_map(|life| life.tensioned_s.iter().map(|t| (*t, life.joint.clone())))
-        .collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.into_iter()
-        .map(|(time_s, joint)| Entry {
-            time_utc_s: start_utc_s + time_s,
-            event: Event::Command {
-                command: Command {
-                    who: WHO.into(),
-                    note: String::new(),
-                    what: What::Tensioned {
-                        joints: vec![joint],
-                    },
+    let of = |life: &Life, time_s: f64| Entry {
+        time_utc_s: start_utc_s + time_s,
+        event: Event::Command {
+            command: Command {
+                who: "DEMO".into(),
+                note: String::new(),
+                what: What::Tensioned {
+                    joints: vec![life.joint.into()],
                 },
             },
-        })
-        .collect()
+        },
+    };
+    let lives = arm.lives.iter();
+    let all = lives.flat_map(|life| life.tensioned_s.iter().map(move |t| of(life, *t)));
+    let mut all: Vec<Entry> = all.collect();
+    all.sort_by(|a, b| b.time_utc_s.total_cmp(&a.time_utc_s));
+    all
 }
 
 /// Name of what offsets count from.
@@ -109,35 +98,25 @@ fn since(life: &Life, time_s: f64, start_utc_s: f64) -> Option<String> {
     Some(format!("tensioned {}", utc_text((utc_s * 1e9) as i64)?))
 }
 
-fn record(
-    arm: &Arm,
-    robot: &Robot,
-    life: &Life,
-    (time_s, start_utc_s): (f64, f64),
-    celsius: f64,
-    random: &mut Random,
-) -> Record {
+/// A session's record of a tendon, without the robot.
+fn record(life: &Life, time_s: f64, start_utc_s: f64, random: &mut Random) -> Record {
     let offset_rad = life.offset_rad(time_s) + OFFSET_RAD * random.normal();
     let stiffness = life.stiffness_factor(time_s) - 1.0 + STIFFNESS * random.normal();
-    let tendon = robot
-        .arm
-        .joint_index(&life.joint)
-        .and_then(|i| robot.transmissions.get(i)?.as_ref()?.tendon.as_ref());
-    let radius = tendon.map(|t| t.joint_pulley_radius_m);
-    let strain = tendon.map(|t| t.joint_pulley_radius_m / t.length_m);
+    let radius_m = life.tendon.joint_pulley_radius_m;
+    let strain_per_rad = radius_m / life.tendon.length_m;
     Record {
-        robot: arm.name.into(),
-        robot_type: robot.name.clone(),
-        joint: life.joint.clone(),
+        robot: String::new(),
+        robot_type: String::new(),
+        joint: life.joint.into(),
         time_utc_s: start_utc_s + time_s,
-        duration_s: 600.0,
+        duration_s: SESSION_S,
         offset_rad: Some(offset_rad),
         offset_deviation_rad: Some(OFFSET_RAD),
-        elongation_m: radius.map(|r| r * offset_rad),
-        elongation_deviation_m: radius.map(|r| r * OFFSET_RAD),
-        strain_ratio: strain.map(|s| s * (life.before_rad(time_s) + offset_rad)),
-        strain_deviation_ratio: strain.map(|s| s * OFFSET_RAD),
-        temperature_c: Some(celsius),
+        elongation_m: Some(radius_m * offset_rad),
+        elongation_deviation_m: Some(radius_m * OFFSET_RAD),
+        strain_ratio: Some(strain_per_rad * (life.before_rad(time_s) + offset_rad)),
+        strain_deviation_ratio: Some(strain_per_rad * OFFSET_RAD),
+        temperature_c: None,
         stiffness_ratio: Some(stiffness),
         stiffness_deviation_ratio: Some(STIFFNESS),
         baseline: since(life, time_s, start_utc_s),
@@ -152,40 +131,24 @@ fn record(
     }
 }
 
-/// Elongation from before the last tensioning.
-fn before_m(life: Option<&Life>, robot: &Robot) -> Gaussian {
-    let of = life.and_then(|life| {
-        let i = robot.arm.joint_index(&life.joint)?;
-        let radius_m = robot
-            .transmissions
-            .get(i)?
-            .as_ref()?
-            .tendon
-            .as_ref()?
-            .joint_pulley_radius_m;
-        Some(Gaussian::new(
-            radius_m * life.before_rad(0.0),
-            radius_m * OFFSET_RAD,
-        ))
-    });
-    of.unwrap_or_default()
-}
-
 /// What the arm's monitor goes on from.
 fn belief(arm: &Arm, robot: &Robot, baseline: &Baseline, start_utc_s: f64) -> Belief {
     let elastic = robot.joint_names().iter().zip(&robot.transmissions);
     let elastic = elastic.filter(|(_, transmission)| transmission.is_some());
     let tendons = elastic.map(|(joint, _)| {
-        let life = arm.lives.iter().find(|life| life.joint == *joint);
-        let offset = life.map(|life| Gaussian::new(life.offset_rad(0.0), OFFSET_RAD));
+        let life = arm.lives.iter().find(|life| life.joint == joint);
+        let before_m = life.map(|life| {
+            let radius_m = life.tendon.joint_pulley_radius_m;
+            Gaussian::new(radius_m * life.before_rad(0.0), radius_m * OFFSET_RAD)
+        });
         let tensioned = life.map(|life| life.tensioned_s.iter().map(|t| start_utc_s + t).collect());
         TendonBelief {
             joint: joint.clone(),
             since: life.and_then(|life| since(life, 0.0, start_utc_s)),
             tensioned_utc_s: tensioned.unwrap_or_default(),
             replaced_utc_s: None,
-            before_m: before_m(life, robot),
-            last_rad: offset,
+            before_m: before_m.unwrap_or_default(),
+            last_rad: life.map(|life| Gaussian::new(life.offset_rad(0.0), OFFSET_RAD)),
             last_utc_s: Some(start_utc_s),
             suspected: None,
         }

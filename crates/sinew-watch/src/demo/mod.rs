@@ -1,39 +1,40 @@
 //! `sinew watch --demo`: no robot and no network but the page.
 //!
-//! A recorded motion loops through the real queues, monitors and store, which is in memory. Its ropes creep by the
-//! rope law, at an hour a second; a strand fails after three minutes. It says DEMO wherever it says
-//! anything.
+//! A simulated motion, recorded by `sinew simulate`, is played over and over by the replay door, through the real queues,
+//! monitors and store, which is in memory. On the way its ropes creep by the rope law, at an hour a second; a strand
+//! fails after three minutes. It says DEMO wherever it says anything.
 
 mod alter;
-mod creep;
+mod arms;
 mod history;
-mod script;
+#[cfg(test)]
+mod tests;
 
-pub use creep::Creep;
-pub use script::{Arm, Life, Sudden, arms};
-
-use crate::config::{DoorSettings, RobotSettings, WebSettings};
-use crate::runtime::{DoorKey, Pace, Runtime, Start};
+use crate::config::{Address, DoorSettings, RobotSettings, WebSettings};
+use crate::runtime::{Pace, Runtime, Start};
 use crate::service::{Web, WebStart, until_told};
 use crate::store::{Place, Store};
 use alter::Crept;
+use arms::arms;
 use sinew_door::Routes;
 use sinew_door::replay::{self, Played, ReplayOptions};
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::session::{Learning, Payload, Recorder, learn_recorded};
-use sinew_log::live::{Live, LiveOptions};
+use sinew_log::live::LiveOptions;
+use sinew_log::{OpenOptions, Recording};
 use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_rope::Catalogue;
 use sinew_watch_core::alarm::{Condition, Delays};
 use sinew_watch_core::{ClockChoice, MonitorConfig};
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::channel;
 
 /// Seconds of the arms' civil clock in one.
-pub const RATE: f64 = 3600.0;
+const RATE: f64 = 3600.0;
 
 /// Made by `demo/arm.toml`.
 const MOTION: &[u8] = include_bytes!("../../demo/arm.mcap");
@@ -45,49 +46,31 @@ const SAYS: &str = "These arms are made up. One second is an hour of theirs: the
                     pace, while the arms move at their own. A strand of demo-1's elbow fails after three minutes. \
                     Nothing is kept when it ends.";
 
+fn words(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
 /// The arms' robot.
-///
-/// # Errors
-/// What comes along can't be read, in words.
-pub fn robot() -> Result<Robot, String> {
-    let file = RobotFile::parse(ROBOT, "robot.toml").map_err(|e| e.to_string())?;
-    file.build(URDF).map_err(|e| e.to_string())
+fn robot() -> Result<Robot, String> {
+    let file = RobotFile::parse(ROBOT, "robot.toml").map_err(words)?;
+    file.build(URDF).map_err(words)
 }
 
 /// What the motion teaches of ropes that are not stretched.
-///
-/// # Errors
-/// What comes along can't be read, in words.
-pub fn baseline(robot: &Robot) -> Result<Baseline, String> {
-    let words = |e: &dyn std::fmt::Display| e.to_string();
-    let options = LiveOptions::of_joints(robot.joint_names());
-    let mut live = Live::new(&options).map_err(|e| words(&e))?;
-    let gap_s = sinew_log::OpenOptions::default().gap_s;
-    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), gap_s);
+fn baseline(robot: &Robot) -> Result<Baseline, String> {
+    let options = OpenOptions::default();
+    let reader = Box::new(Cursor::new(MOTION));
+    let mut motion = Recording::from_reader(reader, "arm.mcap", &options).map_err(words)?;
+    let joints: Vec<&str> = robot.joint_names().iter().map(String::as_str).collect();
+    motion.select(&joints).map_err(words)?;
+    let mut recorder = Recorder::new(robot, &FeatureConfig::default(), options.gap_s);
     let mut start_ns = None;
-    let mut take = |live: &mut Live| {
-        while let Some(frame) = live.frame() {
-            let start_ns = *start_ns.get_or_insert(frame.time_ns);
-            recorder.push(frame, (frame.time_ns - start_ns) as f64 * 1e-9);
-        }
-    };
-    for message in mcap::MessageStream::new(MOTION).map_err(|e| words(&e))? {
-        let message = message.map_err(|e| words(&e))?;
-        let schema = message
-            .channel
-            .schema
-            .as_ref()
-            .map_or("", |s| s.name.as_str());
-        if let Some(topic) = live.topic(&message.channel.topic, schema) {
-            live.push(topic, &message.data, message.log_time as i64);
-            take(&mut live);
-        }
+    while let Some(frame) = motion.next_frame().map_err(words)? {
+        let start_ns = *start_ns.get_or_insert(frame.time_ns);
+        recorder.push(frame, (frame.time_ns - start_ns) as f64 * 1e-9);
     }
-    live.silence();
-    take(&mut live);
-    let learning = Learning::default();
-    let learned = learn_recorded(robot, &recorder.finish(), "demo", &learning);
-    Ok(learned.map_err(|e| words(&e))?.0)
+    let learned = learn_recorded(robot, &recorder.finish(), "demo", &Learning::default());
+    Ok(learned.map_err(words)?.0)
 }
 
 /// What an arm's monitor is told: a session ends with every turn of the motion, which is a day's work.
@@ -102,23 +85,20 @@ fn monitor(name: &str, robot: &Arc<Robot>, catalogue: &Arc<Catalogue>) -> Monito
         raise_after_s: 1.0,
         clear_after_s: 1.0,
     };
-    let limits = [
-        Condition::ReplaceLimit,
-        Condition::RetensionLimit,
-        Condition::LimitNear,
-    ];
-    config.alarms.delays = limits
-        .into_iter()
-        .map(|condition| (condition, soon))
-        .collect();
+    config.alarms.delays = [
+        (Condition::ReplaceLimit, soon),
+        (Condition::RetensionLimit, soon),
+        (Condition::LimitNear, soon),
+    ]
+    .into();
     config
 }
 
 /// The demonstration, running.
 pub struct Demo {
-    /// Its monitor.
+    /// The monitor of its arms.
     pub runtime: Runtime,
-    /// Its page.
+    /// The page that shows them.
     pub web: Web,
 }
 
@@ -131,7 +111,7 @@ impl Demo {
         web: WebSettings,
         signals: std::sync::mpsc::Sender<crate::service::Signal>,
     ) -> Result<Self, String> {
-        let catalogue = Arc::new(Catalogue::shipped().map_err(|e| e.to_string())?);
+        let catalogue = Arc::new(Catalogue::shipped().map_err(words)?);
         let robot = Arc::new(robot()?);
         let baseline = baseline(&robot)?;
         let arms = arms(&robot, &catalogue);
@@ -146,19 +126,16 @@ impl Demo {
             rate: RATE,
         };
         // What is in memory lives as long as somebody has it open.
-        let mut store = Store::open(place.clone()).map_err(|e| e.to_string())?;
+        let mut store = Store::open(place.clone()).map_err(words)?;
         for arm in &arms {
             let history = history::transactions(arm, &robot, &baseline, start_utc_s);
-            store.commit(&history).map_err(|e| e.to_string())?;
+            store.commit(&history).map_err(words)?;
         }
-        let (mut runtime, steps) = Runtime::with_store(start, store).map_err(|e| e.to_string())?;
+        let (mut runtime, steps) = Runtime::with_store(start, store).map_err(words)?;
         for (seed, arm) in (1..).zip(&arms) {
             let live = LiveOptions::of_joints(robot.joint_names());
-            runtime.watch(
-                &settings(arm.name),
-                monitor(arm.name, &robot, &catalogue),
-                live,
-            );
+            let config = monitor(arm.name, &robot, &catalogue);
+            runtime.watch(&settings(arm.name), config, live);
             let Some(route) = runtime.route(arm.name).filter(|_| arm.on) else {
                 continue;
             };
@@ -173,10 +150,9 @@ impl Demo {
             };
             let crept = Crept::new(arm.lives.clone(), RATE, seed);
             let door = replay::open(&options, &routes, runtime.clock(), Some(Box::new(crept)));
-            let door = door.map_err(|e| e.to_string())?;
-            runtime
-                .doors()
-                .adopt(DoorKey::of(&settings(arm.name).door), door, routes);
+            let door = door.map_err(words)?;
+            let address = settings(arm.name).door.address;
+            runtime.doors().adopt(address, door, routes);
         }
         runtime.look();
         let (_hooks, webhooks) = tokio::sync::watch::channel(Vec::new());
@@ -195,11 +171,13 @@ impl Demo {
 
 /// An arm as a configuration would have it.
 fn settings(name: &str) -> RobotSettings {
-    let door = DoorSettings::Mcap {
-        path: PathBuf::from(name),
+    let door = DoorSettings {
+        address: Address::Mcap {
+            path: PathBuf::from(name),
+            from_start: true,
+            look_every_ms: 1000,
+        },
         namespace: String::new(),
-        from_start: true,
-        look_every_s: 1.0,
     };
     RobotSettings::new(name, PathBuf::new(), door)
 }

@@ -173,12 +173,10 @@ impl CoreThread {
                 config,
                 reply,
             } => {
-                let result = match self.robots.get_mut(&robot.index()) {
-                    Some(robot) => robot.watched.monitor.reload(*config, now),
-                    None => Ok(()),
-                };
-                let _gone = reply.send(result);
-                self.pump(robot.index());
+                self.change(robot.index(), |robot| {
+                    // Without an answer nothing was changed, and nothing is wrong.
+                    let _gone = reply.send(robot.watched.monitor.reload(*config, now));
+                });
             }
             Control::Remove { robot, gone } => {
                 if let Some(robot) = self.robots.get_mut(&robot.index()) {
@@ -197,26 +195,17 @@ impl CoreThread {
                 result,
             } => self.stored(robot, *transaction, result),
             Control::Door { robot, shut } => {
-                if let Some(robot) = self.robots.get_mut(&robot.index()) {
+                self.change(robot.index(), |robot| {
                     let shut = shut.as_ref();
                     let shut = shut.map(|shut| (shut.door.as_str(), shut.why.as_str()));
                     robot.watched.monitor.door(shut, now);
-                }
-                self.pump(robot.index());
+                });
             }
-            Control::Done { robot: at, done } => {
-                if let Some(robot) = self.robots.get_mut(&at) {
-                    robot.working = false;
-                    robot.watched.monitor.done(*done, now);
-                }
-                self.pump(at);
-            }
-            Control::LeftOut { robot: at } => {
-                if let Some(robot) = self.robots.get_mut(&at) {
-                    robot.working = false;
-                }
-                self.pump(at);
-            }
+            Control::Done { robot, done } => self.change(robot, |robot| {
+                robot.working = false;
+                robot.watched.monitor.done(*done, now);
+            }),
+            Control::LeftOut { robot } => self.change(robot, |robot| robot.working = false),
             Control::End { by } => {
                 self.ends = Some(by);
                 let all: Vec<usize> = self.robots.keys().copied().collect();
@@ -225,6 +214,14 @@ impl CoreThread {
                 }
             }
         }
+    }
+
+    /// Changes something of a robot, if it is still here.
+    fn change(&mut self, at: usize, change: impl FnOnce(&mut Robot)) {
+        if let Some(robot) = self.robots.get_mut(&at) {
+            change(robot);
+        }
+        self.pump(at);
     }
 
     fn add(&mut self, watched: Watched) {

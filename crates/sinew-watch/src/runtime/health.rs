@@ -15,20 +15,28 @@ pub struct Health {
     pub ends: AtomicBool,
     /// Of each core thread: when it last went round, ms since the start.
     beats: Vec<AtomicU64>,
-    store: Mutex<StoreNow>,
+    /// Why the last try to store failed; `None`: it didn't.
+    store_fails: Mutex<Option<String>>,
     /// The doors, as they were when they were looked at last.
     doors: Mutex<Vec<DoorNow>>,
     /// Lines said of late.
     said: Mutex<VecDeque<(Instant, String)>>,
-    /// Transactions stored, and tries that failed.
+    /// What the monitor counts, for metrics.
+    pub counts: Counts,
+}
+
+/// What the monitor counts, for metrics.
+#[derive(Debug, Default)]
+pub struct Counts {
+    /// Transactions that were stored.
     pub transactions: AtomicU64,
     /// Tries to store that failed.
     pub failures: AtomicU64,
-    /// Commits, and how long they took together, µs.
+    /// Commits, each of one transaction or several.
     pub commits: AtomicU64,
     /// Microseconds that commits took.
     pub commit_us: AtomicU64,
-    /// Estimates made, and how long they took together, µs.
+    /// Estimates and trends made.
     pub jobs: AtomicU64,
     /// Microseconds that estimates took.
     pub job_us: AtomicU64,
@@ -43,17 +51,9 @@ const SAID_FOR: Duration = Duration::from_secs(10);
 /// Lines that are remembered for that.
 const SAID_MOST: usize = 256;
 
-fn lock<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+/// A thread that panicked left whole values behind: every change is complete in itself.
+pub(crate) fn lock<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// How the store is.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct StoreNow {
-    /// Why the last try to store failed; `None`: it didn't.
-    pub fails: Option<String>,
-    /// When the last transaction was stored.
-    pub stored: Option<Instant>,
 }
 
 impl Health {
@@ -63,17 +63,10 @@ impl Health {
             started: Instant::now(),
             ends: AtomicBool::new(false),
             beats: (0..cores).map(|_| AtomicU64::new(0)).collect(),
-            store: Mutex::default(),
+            store_fails: Mutex::default(),
             doors: Mutex::default(),
             said: Mutex::default(),
-            transactions: AtomicU64::new(0),
-            failures: AtomicU64::new(0),
-            commits: AtomicU64::new(0),
-            commit_us: AtomicU64::new(0),
-            jobs: AtomicU64::new(0),
-            job_us: AtomicU64::new(0),
-            webhooks: AtomicU64::new(0),
-            webhooks_lost: AtomicU64::new(0),
+            counts: Counts::default(),
         }
     }
 
@@ -98,33 +91,34 @@ impl Health {
 
     /// So many transactions were stored together, or not.
     pub fn committed(&self, transactions: usize, took: Duration, error: Option<&StoreError>) {
-        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut fails = lock(&self.store_fails);
         match error {
             None => {
-                self.transactions
+                self.counts
+                    .transactions
                     .fetch_add(transactions as u64, Ordering::Relaxed);
-                self.commits.fetch_add(1, Ordering::Relaxed);
-                self.commit_us
+                self.counts.commits.fetch_add(1, Ordering::Relaxed);
+                self.counts
+                    .commit_us
                     .fetch_add(took.as_micros() as u64, Ordering::Relaxed);
-                if store.fails.take().is_some() {
+                if fails.take().is_some() {
                     self.say("the store works again");
                 }
-                store.stored = Some(Instant::now());
             }
             Some(error) => {
-                self.failures.fetch_add(1, Ordering::Relaxed);
+                self.counts.failures.fetch_add(1, Ordering::Relaxed);
                 let why = error.in_words();
-                if store.fails.as_ref() != Some(&why) {
+                if fails.as_ref() != Some(&why) {
                     self.say(&format!("nothing can be stored: {why}"));
                 }
-                store.fails = Some(why);
+                *fails = Some(why);
             }
         }
     }
 
     /// One transaction can't be stored, others can: the store works.
     pub fn refused(&self, robot: &str, error: &StoreError) {
-        self.failures.fetch_add(1, Ordering::Relaxed);
+        self.counts.failures.fetch_add(1, Ordering::Relaxed);
         self.say_once(&format!("{robot}: can't be stored: {}", error.in_words()));
     }
 
@@ -138,18 +132,16 @@ impl Health {
         *lock(&self.doors) = doors;
     }
 
-    /// How the store is.
-    pub fn store(&self) -> StoreNow {
-        self.store
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+    /// Why the last try to store failed; `None`: it didn't.
+    pub fn store_fails(&self) -> Option<String> {
+        lock(&self.store_fails).clone()
     }
 
     /// An estimate was made.
     pub fn job(&self, took: Duration) {
-        self.jobs.fetch_add(1, Ordering::Relaxed);
-        self.job_us
+        self.counts.jobs.fetch_add(1, Ordering::Relaxed);
+        self.counts
+            .job_us
             .fetch_add(took.as_micros() as u64, Ordering::Relaxed);
     }
 

@@ -2,7 +2,7 @@
 
 use super::door::Shut;
 use super::slot::Slot;
-use crate::store::StoreError;
+use crate::store::{Pending, StoreError};
 use sinew_door::{Inbox, Intake, RobotId};
 use sinew_watch_core::alarm::StoreFault;
 use sinew_watch_core::command::{Command, CommandError};
@@ -17,41 +17,41 @@ pub enum Control {
     Add(Box<Watched>),
     /// Take another configuration of a robot; the answer says why not.
     Reload {
-        /// Robot.
+        /// Name of the robot in the configuration.
         robot: RobotId,
         /// What is asked for.
         config: Box<MonitorConfig>,
-        /// Who waits.
+        /// Where the answer goes.
         reply: SyncSender<Result<(), MonitorError>>,
     },
     /// Watch it no more; its session ends and is stored.
     Remove {
-        /// Robot.
+        /// Name of the robot in the configuration.
         robot: RobotId,
         /// Dropped when all is stored.
         gone: SyncSender<()>,
     },
     /// Somebody says something.
     Command {
-        /// Robot.
+        /// Name of the robot in the configuration.
         robot: RobotId,
-        /// What.
+        /// What was said.
         command: Command,
-        /// Who waits.
+        /// Where the answer goes.
         reply: Reply,
     },
     /// A transaction was stored, or not.
     Stored {
         /// Place of the robot.
         robot: usize,
-        /// Which.
+        /// The transaction that was tried.
         transaction: Box<Transaction>,
-        /// Why not.
+        /// Why it was not stored, where it was not.
         result: Result<(), NotStored>,
     },
     /// A robot's door is shut, or is open.
     Door {
-        /// Robot.
+        /// Name of the robot in the configuration.
         robot: RobotId,
         /// Why it is shut; `None`: it is open.
         shut: Option<Shut>,
@@ -70,7 +70,7 @@ pub enum Control {
     },
     /// End all sessions, store them, and end by then.
     End {
-        /// Until when.
+        /// When the thread ends at the latest.
         by: Instant,
     },
 }
@@ -80,7 +80,7 @@ pub enum Control {
 pub struct NotStored {
     /// What kind of failure.
     pub fault: StoreFault,
-    /// In words.
+    /// The reason in words.
     pub why: String,
 }
 
@@ -138,7 +138,7 @@ impl CoreHandle {
 
 /// A robot that is watched.
 pub struct Watched {
-    /// Its queue.
+    /// The robot's queue.
     pub id: RobotId,
     /// Makes frames of messages.
     pub intake: Intake,
@@ -152,34 +152,25 @@ pub struct Watched {
 pub enum Request {
     /// Store this; the answer goes to the robot's core.
     Store {
-        /// What.
+        /// The transaction.
         transaction: Transaction,
         /// Robot's place in its core.
         robot: usize,
-        /// Its core.
+        /// The core thread of the robot.
         core: CoreHandle,
     },
-    /// Remember that records are in a file.
-    Exported {
-        /// Of this type.
-        robot_type: String,
-        /// Of this month.
-        month: String,
-        /// In the file of this number.
-        number: u32,
-        /// Up to this one.
-        last_record: i64,
-    },
+    /// Remember that the records of a month are in their file.
+    Exported(Pending),
     /// All is stored that was asked for; end.
     End,
 }
 
 /// An estimate to make, and who waits for it.
 pub(super) struct Work {
-    /// What.
+    /// The estimate to make.
     pub job: Job,
     /// Robot's place in its core.
     pub robot: usize,
-    /// Its core.
+    /// The core thread of the robot.
     pub core: CoreHandle,
 }

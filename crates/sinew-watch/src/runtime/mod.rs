@@ -24,20 +24,22 @@ mod troubles;
 mod worker;
 
 pub use board::Board;
-pub use door::{DoorKey, DoorNow, Shut};
+pub use door::{DoorNow, Shut};
 pub use doors::{Doors, check as check_door};
-pub use health::{Health, StoreNow};
+pub use health::Health;
+pub(crate) use health::lock;
 pub use messages::{Answer, Control, CoreHandle, NotStored, Reply, Request};
 pub use pace::Pace;
 pub use slot::{Seen, Slot};
-pub use tell::{INTERFACES, Statuses, Tendons};
 
-use crate::config::{Config, Publish, RobotSettings};
+use crate::config::{Address, Config, RobotSettings};
 use crate::store::{Place, Reader, Store, StoreError};
 use core_thread::{CoreThread, Outlets};
 use messages::Watched;
 use robot::{Files, NotYet};
-use sinew_door::{Batch, Clock, Inbox, Intake, QueueLimits, RobotId, Route, Sender as Queue};
+use sinew_door::{
+    Batch, Clock, Inbox, Intake, Publishing, QueueLimits, RobotId, Route, Sender as Queue,
+};
 use sinew_log::live::LiveOptions;
 use sinew_watch_core::journal::Entry;
 use sinew_watch_core::{Monitor, MonitorConfig};
@@ -67,7 +69,7 @@ pub struct Start {
     pub cores: usize,
     /// Threads that make estimates.
     pub workers: usize,
-    /// Both clocks.
+    /// The monotonic and the civil clock.
     pub clock: Clock,
     /// How fast the civil one runs.
     pub pace: Pace,
@@ -91,7 +93,7 @@ impl Start {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StartError {
-    /// The store.
+    /// The store can't be opened.
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The system has no thread left.
@@ -147,7 +149,7 @@ pub struct Runtime {
     reader: Reader,
     files: Files,
     doors: Doors,
-    publish: Publish,
+    publish: Publishing,
     /// Queues of robots that wait for their URDF.
     waiting: Inbox,
     robots: BTreeMap<String, Known>,
@@ -201,7 +203,7 @@ impl Runtime {
             tell: tell::start(Arc::clone(&board))?,
             files: Files::new().map_err(StartError::Ropes)?,
             doors: Doors::default(),
-            publish: Publish::default(),
+            publish: Publishing::default(),
             waiting: Inbox::new(),
             robots: BTreeMap::new(),
             start,
@@ -224,7 +226,7 @@ impl Runtime {
         &self.health
     }
 
-    /// Both clocks.
+    /// The monotonic and the civil clock.
     pub fn clock(&self) -> Clock {
         self.start.clock
     }
@@ -438,16 +440,16 @@ impl Runtime {
     }
 
     fn open_doors(&mut self) {
-        let mut wanted: BTreeMap<DoorKey, Vec<Route>> = BTreeMap::new();
+        let mut wanted: BTreeMap<Address, Vec<Route>> = BTreeMap::new();
         let mut behind = tell::Behind::new();
         for (name, known) in &self.robots {
             let Some(queue) = known.queue() else { continue };
-            let key = DoorKey::of(&known.settings.door);
+            let key = known.settings.door.address.clone();
             wanted
                 .entry(key.clone())
                 .or_default()
                 .push(Route::new(queue.sender.clone(), &queue.live));
-            let namespace = known.settings.door.namespace().to_owned();
+            let namespace = known.settings.door.namespace.clone();
             behind
                 .entry(key)
                 .or_default()
@@ -465,7 +467,7 @@ impl Runtime {
             .look((self.start.clock, &self.tell.0), &self.health);
         let doors = self.doors.now();
         for known in self.robots.values_mut() {
-            let door = doors.get(&DoorKey::of(&known.settings.door));
+            let door = doors.get(&known.settings.door.address);
             let shut = door.and_then(|door| {
                 let (door, why) = (door.door.clone(), door.shut.clone()?);
                 Some(Shut { door, why })
@@ -503,8 +505,9 @@ impl Runtime {
         for (_, thread) in self.cores.drain(..) {
             let _panicked = thread.join();
         }
-        self.tell.0.end();
-        let _panicked = self.tell.1.join();
+        let (tell, thread) = self.tell;
+        drop(tell);
+        let _panicked = thread.join();
         for worker in self.workers.drain(..) {
             let _panicked = worker.join();
         }

@@ -1,14 +1,13 @@
 //! From a robot's settings to its monitor.
 
-use crate::config::{EstimateSettings, RobotSettings};
+use crate::config::RobotSettings;
 use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir::{self, RobotDirError};
-use sinew_estimate::session::{Payload, SessionOptions};
 use sinew_log::live::LiveOptions;
 use sinew_log::{Mapping, OpenOptions};
 use sinew_model::robot::{Robot, RobotFile};
 use sinew_rope::Catalogue;
-use sinew_watch_core::{AlarmOptions, ClockChoice, MonitorConfig, Times};
+use sinew_watch_core::{ClockChoice, MonitorConfig};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -88,17 +87,15 @@ impl Files {
         if let Some(path) = &settings.baseline {
             config.baseline = Some(Baseline::read(path).map_err(fault)?);
         }
-        let reads_current = open
-            .mapping
-            .as_ref()
-            .is_some_and(Mapping::reads_motor_current);
-        config.estimate = estimate(settings.estimate, reads_current);
+        let mapping = open.mapping.as_ref();
+        config.estimate = settings.estimate;
+        config.estimate.motor_current = mapping.is_some_and(Mapping::reads_motor_current);
         config.clock = match settings.stamps_are_real {
             true => ClockChoice::Real,
             false => ClockChoice::Stamp,
         };
-        config.times = times(settings);
-        config.alarms = alarms(settings);
+        config.times = settings.times;
+        config.alarms = settings.alarms.clone();
         let live = live_options(settings, robot.joint_names().to_vec(), open);
         Ok((config, live))
     }
@@ -120,64 +117,17 @@ fn joints_of_file(settings: &RobotSettings) -> Result<Vec<String>, NotYet> {
 }
 
 fn open_options(settings: &RobotSettings) -> Result<OpenOptions, NotYet> {
-    let reading = &settings.reading;
-    let mapping = reading.mapping.as_deref().map(Mapping::read);
-    let usual = OpenOptions::default();
+    let mapping = settings.mapping.as_deref().map(Mapping::read);
     Ok(OpenOptions {
         mapping: mapping.transpose().map_err(fault)?,
-        joint_state_topic: reading.joint_topic.clone(),
-        motor_topic: reading.motor_topic.clone(),
-        motor_interface: reading
-            .motor_interface
-            .clone()
-            .unwrap_or(usual.motor_interface.clone()),
-        joint_effort: reading.joint_effort,
-        ..usual
+        ..settings.reading.clone()
     })
 }
 
 fn live_options(settings: &RobotSettings, joints: Vec<String>, open: OpenOptions) -> LiveOptions {
     LiveOptions {
         joints,
-        namespace: settings.door.namespace().to_owned(),
+        namespace: settings.door.namespace.clone(),
         open,
-    }
-}
-
-fn estimate(settings: EstimateSettings, reads_current: bool) -> SessionOptions {
-    SessionOptions {
-        payload: match settings.empty_gripper {
-            true => Payload::Empty,
-            false => Payload::Unknown,
-        },
-        motor_torque: settings.motor_torque,
-        motor_current: reads_current,
-        temperature_c: settings.temperature_c,
-        external_force_n: None,
-    }
-}
-
-fn times(settings: &RobotSettings) -> Times {
-    let usual = Times::default();
-    let own = settings.times;
-    Times {
-        stale_after_s: own.stale_after_s.unwrap_or(usual.stale_after_s),
-        session_motion_s: own.session_motion_s.unwrap_or(usual.session_motion_s),
-        session_pause_s: own.session_pause_s.unwrap_or(usual.session_pause_s),
-        ..usual
-    }
-}
-
-fn alarms(settings: &RobotSettings) -> AlarmOptions {
-    let (usual, own) = (AlarmOptions::default(), &settings.alarms);
-    let delays = own.delays.keys().map(|condition| {
-        let delays = own.delays(*condition, usual.delays(*condition));
-        (*condition, delays)
-    });
-    AlarmOptions {
-        delays: delays.collect(),
-        clear_below: own.clear_below.unwrap_or(usual.clear_below),
-        near_s: own.near_s.unwrap_or(usual.near_s),
-        doubt_s: own.doubt_s.unwrap_or(usual.doubt_s),
     }
 }

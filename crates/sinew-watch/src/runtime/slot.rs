@@ -1,8 +1,9 @@
 //! What is known of one robot now, for whoever shows it. Written by its core thread, read by everybody.
 
+use super::lock;
 use sinew_watch_core::RobotSnapshot;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A robot's place.
 #[derive(Default)]
@@ -27,15 +28,12 @@ pub enum Seen {
 impl Slot {
     /// What is known.
     pub fn seen(&self) -> Seen {
-        self.now
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        lock(&self.now).clone()
     }
 
     /// Says what is known.
     pub fn put(&self, seen: Seen) {
-        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = seen;
+        *lock(&self.now) = seen;
     }
 
     /// Counts what a full queue dropped.

@@ -44,15 +44,10 @@ fn run(mut store: Store, requests: &Receiver<Request>, health: &Health) {
                     transactions.push(transaction);
                     whose.push((robot, core));
                 }
-                Request::Exported {
-                    robot_type,
-                    month,
-                    number,
-                    last_record,
-                } => {
+                Request::Exported(written) => {
                     // A file that isn't remembered is written again under the same number.
-                    let done = store.exported(&robot_type, &month, number, last_record);
-                    if let Err(error) = done {
+                    if let Err(error) = store.exported(&written) {
+                        let month = written.month;
                         health.say(&format!("records of {month}: {}", error.in_words()));
                     }
                 }
@@ -148,11 +143,14 @@ mod tests {
             .map(|answer| matches!(answer, Control::Stored { result: Ok(()), .. }))
             .collect();
         assert_eq!(stored, [true, false, true]);
-        assert_eq!(health.store().fails, None, "the store works");
+        assert_eq!(health.store_fails(), None, "the store works");
         let count =
             |of: &std::sync::atomic::AtomicU64| of.load(std::sync::atomic::Ordering::Relaxed);
         assert_eq!(
-            (count(&health.transactions), count(&health.failures)),
+            (
+                count(&health.counts.transactions),
+                count(&health.counts.failures)
+            ),
             (2, 1)
         );
     }

@@ -1,10 +1,10 @@
 //! Threads that make estimates, so that who takes frames needn't.
 
-use super::health::Health;
+use super::health::{Health, lock};
 use super::messages::{Control, Work};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
@@ -43,6 +43,5 @@ pub(super) fn start(
 
 /// The next one; `None`: there will be none any more.
 fn next(receiver: &Mutex<Receiver<Work>>) -> Option<Work> {
-    let receiver = receiver.lock().unwrap_or_else(PoisonError::into_inner);
-    receiver.recv().ok()
+    lock(receiver).recv().ok()
 }

@@ -15,12 +15,13 @@ use std::path::Path;
 pub struct Pending {
     /// Type of the robots.
     pub robot_type: String,
-    /// `2026-11`.
+    /// Year and month, such as `2026-11`.
     pub month: String,
     /// Number of the file to write.
     pub number: u32,
     after: i64,
-    last: i64,
+    /// Number of the last record that goes into it.
+    pub(super) last: i64,
 }
 
 /// Writes records in the order of time; how many there were.
@@ -122,7 +123,7 @@ impl Reader {
         Ok(rows.collect::<Result<_, _>>()?)
     }
 
-    /// Writes them, by robot, joint and time, between the month's bounds, s since 1970 UTC; the last one's number.
+    /// Writes them, by robot, joint and time, between the month's bounds, s since 1970 UTC.
     ///
     /// # Errors
     /// [`StoreError`]; no file is left.
@@ -131,7 +132,7 @@ impl Reader {
         pending: &Pending,
         [from_utc_s, to_utc_s]: [f64; 2],
         path: &Path,
-    ) -> Result<i64, StoreError> {
+    ) -> Result<(), StoreError> {
         let folder = sinew_files::folder_of(path);
         std::fs::create_dir_all(folder).map_err(|source| StoreError::Folder {
             folder: folder.into(),
@@ -155,6 +156,6 @@ impl Reader {
             writer.row(&row(&record(found)?))?;
         }
         writer.finish()?;
-        Ok(pending.last)
+        Ok(())
     }
 }

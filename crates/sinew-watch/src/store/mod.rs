@@ -14,9 +14,11 @@ mod write;
 pub use export::{Pending, write_records, write_sessions};
 pub use read::{JournalEntry, JournalQuery, Reader, RecordQuery};
 pub use row::COLUMNS;
+pub(crate) use row::word;
 pub use schema::VERSION;
 pub use write::Store;
 
+use rusqlite::ErrorCode;
 use sinew_watch_core::alarm::StoreFault;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -34,13 +36,8 @@ pub enum Place {
 }
 
 impl Place {
-    /// Of the database, for messages.
-    pub fn name(&self) -> String {
-        self.file()
-    }
-
-    /// Of the database.
-    fn file(&self) -> String {
+    /// The file of the database.
+    pub fn file(&self) -> String {
         match self {
             Self::Folder(folder) => folder.join("watch.db").display().to_string(),
             Self::Memory(number) => format!("file:/sinew-watch-{number}?vfs=memdb"),
@@ -65,15 +62,15 @@ pub enum StoreError {
         "{folder}: in use by {holder}; one monitor has a store, name another folder in [store] dir", folder = folder.display()
     )]
     Held {
-        /// The folder.
+        /// Folder of the store.
         folder: PathBuf,
-        /// Who.
+        /// Name of the process that has it.
         holder: String,
     },
     /// The folder can't be used.
     #[error("{folder}: {source}; [store] dir must be a folder that can be written", folder = folder.display())]
     Folder {
-        /// The folder.
+        /// Folder of the store.
         folder: PathBuf,
         /// What the system says.
         source: std::io::Error,
@@ -81,7 +78,7 @@ pub enum StoreError {
     /// Not a database of this program.
     #[error("{file} is a database of another program; name another folder in [store] dir")]
     Foreign {
-        /// The file.
+        /// Path of the database.
         file: String,
     },
     /// Written by a later program.
@@ -89,19 +86,19 @@ pub enum StoreError {
         "{file} has version {version}; this program knows versions up to {known}: a newer sinew-watch wrote it"
     )]
     Newer {
-        /// The file.
+        /// Path of the database.
         file: String,
-        /// Its version.
+        /// Version of the database.
         version: i64,
         /// The newest known.
         known: i64,
     },
-    /// Damaged.
+    /// The database is damaged.
     #[error(
         "{file} is damaged: {why}; move it away and keep it: `sqlite3 FILE .recover` may save its records"
     )]
     Damaged {
-        /// The file.
+        /// Path of the database.
         file: String,
         /// What was found.
         why: String,
@@ -111,9 +108,9 @@ pub enum StoreError {
     Document {
         /// Belief or alarm.
         what: &'static str,
-        /// Robot.
+        /// Name of the robot in the configuration.
         robot: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// What SQLite says.
@@ -125,44 +122,37 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether the disk has no room.
-    pub fn is_full(&self) -> bool {
-        matches!(self, Self::Sqlite(e) if e.sqlite_error_code() == Some(rusqlite::ErrorCode::DiskFull))
+    /// What SQLite calls it, where it is one of its errors.
+    fn code(&self) -> Option<ErrorCode> {
+        match self {
+            Self::Sqlite(error) => error.sqlite_error_code(),
+            _ => None,
+        }
     }
 
     /// Whether the database itself is damaged.
     pub fn is_damaged(&self) -> bool {
-        use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};
-        match self {
-            Self::Damaged { .. } => true,
-            Self::Sqlite(e) => {
-                matches!(e.sqlite_error_code(), Some(DatabaseCorrupt | NotADatabase))
-            }
-            _ => false,
-        }
+        use ErrorCode::{DatabaseCorrupt, NotADatabase};
+        let damaged = matches!(self.code(), Some(DatabaseCorrupt | NotADatabase));
+        damaged || matches!(self, Self::Damaged { .. })
     }
 
     /// Whether it is of the disk or the database as a whole: no other transaction fares better then.
     pub fn is_of_the_disk(&self) -> bool {
-        use rusqlite::ErrorCode::{CannotOpen, DiskFull, ReadOnly, SystemIoFailure};
-        let of_sqlite = |e: &rusqlite::Error| {
-            matches!(
-                e.sqlite_error_code(),
+        use ErrorCode::{CannotOpen, DiskFull, ReadOnly, SystemIoFailure};
+        let code = self.code();
+        self.is_damaged()
+            || matches!(
+                code,
                 Some(CannotOpen | DiskFull | ReadOnly | SystemIoFailure)
             )
-        };
-        self.is_damaged() || matches!(self, Self::Sqlite(e) if of_sqlite(e))
     }
 
     /// What kind of failure.
     pub fn fault(&self) -> StoreFault {
-        use rusqlite::ErrorCode::{CannotOpen, PermissionDenied, ReadOnly, SystemIoFailure};
-        let code = match self {
-            Self::Sqlite(error) => error.sqlite_error_code(),
-            _ => None,
-        };
-        match code {
-            _ if self.is_full() => StoreFault::Full,
+        use ErrorCode::{CannotOpen, DiskFull, PermissionDenied, ReadOnly, SystemIoFailure};
+        match self.code() {
+            Some(DiskFull) => StoreFault::Full,
             _ if self.is_damaged() => StoreFault::Damaged,
             Some(ReadOnly | CannotOpen | PermissionDenied) => StoreFault::ReadOnly,
             Some(SystemIoFailure) => StoreFault::Disk,
@@ -172,16 +162,11 @@ impl StoreError {
 
     /// In words that fit an alarm.
     pub fn in_words(&self) -> String {
-        match self {
-            Self::Sqlite(_) if self.is_full() => "the disk is full".into(),
-            Self::Sqlite(e) => match e.sqlite_error_code() {
-                Some(rusqlite::ErrorCode::ReadOnly) => "the store can't be written".into(),
-                Some(rusqlite::ErrorCode::SystemIoFailure) => {
-                    format!("the disk fails: {e}")
-                }
-                _ => e.to_string(),
-            },
-            other => other.to_string(),
+        match self.code() {
+            Some(ErrorCode::DiskFull) => "the disk is full".into(),
+            Some(ErrorCode::ReadOnly) => "the store can't be written".into(),
+            Some(ErrorCode::SystemIoFailure) => format!("the disk fails: {self}"),
+            _ => self.to_string(),
         }
     }
 }

@@ -3,7 +3,8 @@
 use super::row::{COLUMNS, record};
 use super::{BUSY, Place, StoreError};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, ToSql, params};
-use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use sinew_watch_core::alarm::{Alarm, AlarmsStored};
 use sinew_watch_core::journal::Entry;
 use sinew_watch_core::{Belief, History, Record, Stored};
@@ -17,18 +18,20 @@ pub struct Reader {
     connection: Connection,
 }
 
-/// Which records.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// Which records are asked for.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct RecordQuery {
-    /// Of this robot; `None`: of all.
+    /// Of this robot.
     pub robot: Option<String>,
-    /// Of this joint; `None`: of all.
+    /// Of this joint.
     pub joint: Option<String>,
     /// From this time on, s since 1970 UTC.
     pub from_utc_s: Option<f64>,
     /// Before this time, s since 1970 UTC.
     pub to_utc_s: Option<f64>,
-    /// So many at most, the newest.
+    /// So many at most, the newest; of JSON 1000, and no more than 100,000.
     pub most: Option<u64>,
 }
 
@@ -49,11 +52,11 @@ pub struct JournalQuery {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JournalEntry {
-    /// Number, rising.
+    /// Number that rises from one to the next.
     pub id: i64,
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
-    /// The entry.
+    /// The entry of the journal.
     #[serde(flatten)]
     pub entry: Entry,
 }
@@ -159,13 +162,7 @@ impl Reader {
         )?;
         let documents = of_robot.query_map([robot], |row| row.get::<_, String>(0))?;
         documents
-            .map(|document| {
-                serde_json::from_str(&document?).map_err(|why| StoreError::Document {
-                    what: "an alarm",
-                    robot: robot.into(),
-                    why: why.to_string(),
-                })
-            })
+            .map(|text| document("an alarm", robot, &text?))
             .collect()
     }
 
@@ -246,15 +243,9 @@ impl Reader {
             ))
         })?;
         rows.map(|row| {
-            let (id, robot, document) = row?;
-            match serde_json::from_str(&document) {
-                Ok(entry) => Ok(JournalEntry { id, robot, entry }),
-                Err(why) => Err(StoreError::Document {
-                    what: "an entry of the journal",
-                    robot,
-                    why: why.to_string(),
-                }),
-            }
+            let (id, robot, text) = row?;
+            let entry = document("an entry of the journal", &robot, &text)?;
+            Ok(JournalEntry { id, robot, entry })
         })
         .collect()
     }
@@ -270,4 +261,17 @@ impl Reader {
         let names = statement.query_map([], |row| row.get(0))?;
         Ok(names.collect::<Result<_, _>>()?)
     }
+}
+
+/// What was stored as JSON.
+fn document<T: DeserializeOwned>(
+    what: &'static str,
+    robot: &str,
+    text: &str,
+) -> Result<T, StoreError> {
+    serde_json::from_str(text).map_err(|why| StoreError::Document {
+        what,
+        robot: robot.into(),
+        why: why.to_string(),
+    })
 }

@@ -1,14 +1,16 @@
 //! A record as a row, and a row as a record.
 
-use rusqlite::types::{ToSqlOutput, Value};
-use rusqlite::{Row, ToSql};
+use rusqlite::Row;
+use rusqlite::types::Value;
+use sinew_log::Cell;
 use sinew_watch_core::Record;
 use sinew_watch_core::record::{Clock, NoOffset};
+use sinew_watch_core::table;
 
 pub use sinew_watch_core::table::COLUMNS;
 
-/// A word that a typed value is stored as: the one it has in JSON.
-pub(super) fn word<T: serde::Serialize>(value: &T) -> String {
+/// The word that a typed value has in JSON, in the database and in metrics.
+pub(crate) fn word<T: serde::Serialize>(value: &T) -> String {
     match serde_json::to_value(value) {
         Ok(serde_json::Value::String(word)) => word,
         _ => String::new(),
@@ -19,68 +21,15 @@ fn typed<T: serde::de::DeserializeOwned>(word: String) -> Option<T> {
     serde_json::from_value(serde_json::Value::String(word)).ok()
 }
 
-/// A cell.
-pub(super) enum Cell<'r> {
-    Text(&'r str),
-    Word(String),
-    Number(f64),
-    Count(u64),
-    Flag(bool),
-    Nothing,
-}
-
-impl ToSql for Cell<'_> {
-    fn to_sql(&self) -> rusqlite::Result<ToSqlOutput<'_>> {
-        Ok(match self {
-            Self::Text(text) => (*text).into(),
-            Self::Word(word) => word.as_str().into(),
-            Self::Number(x) if x.is_finite() => (*x).into(),
-            Self::Number(_) | Self::Nothing => ToSqlOutput::Owned(Value::Null),
-            Self::Count(n) => i64::try_from(*n).unwrap_or(i64::MAX).into(),
-            Self::Flag(flag) => i64::from(*flag).into(),
-        })
-    }
-}
-
-fn maybe(value: Option<f64>) -> Cell<'static> {
-    value.map_or(Cell::Nothing, Cell::Number)
-}
-
-/// A number that every record has.
-fn finite(value: f64) -> Cell<'static> {
-    Cell::Number(if value.is_finite() { value } else { 0.0 })
-}
-
-/// The cells of a record, one per [`COLUMNS`].
-pub(super) fn cells(record: &Record) -> [Cell<'_>; COLUMNS.len()] {
-    [
-        Cell::Text(&record.robot),
-        Cell::Text(&record.robot_type),
-        Cell::Text(&record.joint),
-        finite(record.time_utc_s),
-        finite(record.duration_s),
-        maybe(record.offset_rad),
-        maybe(record.offset_deviation_rad),
-        maybe(record.elongation_m),
-        maybe(record.elongation_deviation_m),
-        maybe(record.strain_ratio),
-        maybe(record.strain_deviation_ratio),
-        maybe(record.temperature_c),
-        maybe(record.stiffness_ratio),
-        maybe(record.stiffness_deviation_ratio),
-        record.baseline.as_deref().map_or(Cell::Nothing, Cell::Text),
-        Cell::Text(&record.source),
-        Cell::Word(word(&record.clock)),
-        Cell::Flag(record.in_doubt),
-        record
-            .reason
-            .as_ref()
-            .map_or(Cell::Nothing, |r| Cell::Word(word(r))),
-        Cell::Count(record.poses),
-        Cell::Count(record.frames),
-        Cell::Count(record.frames_lost),
-        Cell::Text(&record.sinew_version),
-    ]
+/// The values of a record, one per [`COLUMNS`].
+pub(super) fn values(record: &Record) -> [Value; COLUMNS.len()] {
+    table::row(record).map(|cell| match cell {
+        Cell::Number(x) if x.is_finite() => x.into(),
+        Cell::Number(_) | Cell::Empty => Value::Null,
+        Cell::Integer(n) => n.into(),
+        Cell::Text(text) => text.into(),
+        Cell::Flag(flag) => flag.into(),
+    })
 }
 
 /// The record of a row whose columns are [`COLUMNS`].

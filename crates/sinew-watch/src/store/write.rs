@@ -1,8 +1,8 @@
 //! The one connection that writes.
 
-use super::row::{COLUMNS, cells, word};
+use super::row::{COLUMNS, values, word};
 use super::schema::migrate;
-use super::{BUSY, Place, Reader, StoreError};
+use super::{BUSY, Pending, Place, Reader, StoreError};
 use rusqlite::{Connection, OpenFlags, TransactionBehavior, params, params_from_iter};
 use sinew_watch_core::{Belief, Transaction};
 use std::fs::File;
@@ -77,11 +77,6 @@ impl Store {
         Reader::open(&self.place)
     }
 
-    /// Where it is.
-    pub fn place(&self) -> &Place {
-        &self.place
-    }
-
     /// Stores transactions, each as a whole, all of them or none. When this returns they are on the disk.
     ///
     /// One that is stored already, by its robot and number, is left out.
@@ -105,20 +100,21 @@ impl Store {
         Ok(sql.commit()?)
     }
 
-    /// Remembers that records of a type and month, up to one of them, are in a file of this number.
+    /// Remembers that records of a type and month are in their file.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub fn exported(
-        &mut self,
-        robot_type: &str,
-        month: &str,
-        number: u32,
-        last_record: i64,
-    ) -> Result<(), StoreError> {
+    pub fn exported(&mut self, written: &Pending) -> Result<(), StoreError> {
+        let Pending {
+            robot_type,
+            month,
+            number,
+            last,
+            ..
+        } = written;
         self.connection.execute(
             "INSERT OR REPLACE INTO exported (robot_type, month, number, last_record) VALUES (?1, ?2, ?3, ?4)",
-            params![robot_type, month, number, last_record],
+            params![robot_type, month, number, last],
         )?;
         Ok(())
     }
@@ -187,7 +183,7 @@ fn write(sql: &rusqlite::Transaction<'_>, transaction: &Transaction) -> Result<(
         ["?"; COLUMNS.len()].join(", ")
     ))?;
     for record in &transaction.records {
-        insert.execute(params_from_iter(cells(record)))?;
+        insert.execute(params_from_iter(values(record)))?;
     }
     if let Some(belief) = &transaction.belief {
         sql.prepare_cached(

@@ -39,11 +39,11 @@ pub struct Fleet {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum StoreState {
-    /// It works.
+    /// What is learned is stored.
     Works,
     /// It doesn't: what is learned is in memory alone.
     Failing {
-        /// Why.
+        /// The reason.
         why: String,
         /// Changes that wait.
         waiting: usize,
@@ -54,7 +54,7 @@ pub enum StoreState {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotRow {
-    /// Name.
+    /// Name of the robot in the configuration.
     pub robot: String,
     /// Its type, from robot.toml or URDF.
     pub robot_type: String,
@@ -68,7 +68,7 @@ pub struct RobotRow {
     pub unacknowledged: usize,
     /// Changes whenever one of its alarms does.
     pub changed: u64,
-    /// Its tendons.
+    /// Its tendons, in the order of joints.
     pub tendons: Vec<TendonRow>,
 }
 
@@ -76,7 +76,7 @@ pub struct RobotRow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonRow {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// How it is.
     pub level: Level,
@@ -86,9 +86,9 @@ pub struct TendonRow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NotWatched {
-    /// Name.
+    /// Name of the robot in the configuration.
     pub robot: String,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
@@ -98,7 +98,7 @@ pub struct NotWatched {
 pub struct RobotNow {
     /// What is known.
     pub robot: Arc<RobotSnapshot>,
-    /// In words.
+    /// The state in words.
     pub sentence: String,
     /// Its tendons in words, in the order of joints.
     pub tendons: Vec<TendonSaid>,
@@ -114,9 +114,9 @@ pub struct RobotNow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TendonSaid {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
-    /// In words.
+    /// The state in words.
     pub sentence: String,
 }
 
@@ -126,7 +126,7 @@ pub struct TendonSaid {
 pub struct TendonNow {
     /// What is known.
     pub tendon: TendonSnapshot,
-    /// In words.
+    /// The state in words.
     pub sentence: String,
     /// Its alarms in words.
     pub alarms: Vec<AlarmSaid>,
@@ -138,9 +138,9 @@ pub struct TendonNow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AlarmSaid {
-    /// Robot.
+    /// Name of the robot in the configuration.
     pub robot: String,
-    /// The alarm.
+    /// The alarm as data.
     pub alarm: Alarm,
     /// What it shows.
     pub level: Level,
@@ -166,7 +166,7 @@ pub struct AlarmList {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Journal {
-    /// Entries.
+    /// Entries, the newest first.
     pub entries: Vec<JournalSaid>,
 }
 
@@ -174,10 +174,10 @@ pub struct Journal {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JournalSaid {
-    /// The entry.
+    /// The entry of the journal.
     #[serde(flatten)]
     pub entry: JournalEntry,
-    /// In words.
+    /// What happened, in words.
     pub text: String,
 }
 
@@ -205,34 +205,17 @@ pub struct JournalAsked {
     pub most: Option<u64>,
 }
 
-/// Which records.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct RecordsAsked {
-    /// Of this robot.
-    pub robot: Option<String>,
-    /// Of this joint.
-    pub joint: Option<String>,
-    /// From this time on, s since 1970 UTC.
-    pub from_utc_s: Option<f64>,
-    /// Before this time, s since 1970 UTC.
-    pub to_utc_s: Option<f64>,
-    /// So many at most, the newest; of JSON 1000, and no more than 100,000.
-    pub most: Option<u64>,
-}
-
 /// `GET /api/v1/records`: in the order of time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Records {
     /// Name and version of their schema.
     pub schema: &'static str,
-    /// Records.
+    /// Records in the order of time.
     pub records: Vec<Record>,
 }
 
-/// Which events.
+/// Which events are asked for.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -246,7 +229,7 @@ pub struct EventsAsked {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Login {
-    /// The token.
+    /// The token of the page.
     pub token: String,
 }
 
@@ -254,7 +237,7 @@ pub struct Login {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Done {
-    /// Always.
+    /// Always true.
     pub done: bool,
 }
 
@@ -262,12 +245,12 @@ pub struct Done {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Refusal {
-    /// In words.
+    /// The reason in words.
     pub error: String,
 }
 
 impl AlarmSaid {
-    /// In words.
+    /// Puts it in words.
     pub fn of(robot: &str, alarm: &Alarm) -> Self {
         Self {
             robot: robot.into(),
@@ -321,7 +304,7 @@ fn mark<T: Serialize>(of: &T) -> u64 {
 }
 
 impl RobotNow {
-    /// In words.
+    /// Puts it in words.
     pub fn of(robot: Arc<RobotSnapshot>, slot: &Slot) -> Self {
         let tendons = robot.tendons.iter().map(|tendon| TendonSaid {
             joint: tendon.joint.clone(),

@@ -1,6 +1,6 @@
 //! The page: built by `page/build`, committed, and carried by the program.
 
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse as _, Response};
 use sha2::{Digest as _, Sha256};
 use std::io::Write as _;
@@ -53,39 +53,33 @@ impl Asset {
     }
 }
 
-static HTML: LazyLock<Asset> = LazyLock::new(|| {
-    Asset::new(
-        "text/html; charset=utf-8",
-        include_bytes!("../../page/dist/index.html"),
-    )
+/// The page, its script, its style and its icon.
+static ASSETS: LazyLock<[Asset; 4]> = LazyLock::new(|| {
+    [
+        Asset::new(
+            "text/html; charset=utf-8",
+            include_bytes!("../../page/dist/index.html"),
+        ),
+        Asset::new(
+            "text/javascript; charset=utf-8",
+            include_bytes!("../../page/dist/app.js"),
+        ),
+        Asset::new(
+            "text/css; charset=utf-8",
+            include_bytes!("../../page/dist/app.css"),
+        ),
+        Asset::new("image/svg+xml", include_bytes!("../../page/dist/icon.svg")),
+    ]
 });
-static SCRIPT: LazyLock<Asset> = LazyLock::new(|| {
-    Asset::new(
-        "text/javascript; charset=utf-8",
-        include_bytes!("../../page/dist/app.js"),
-    )
-});
-static STYLE: LazyLock<Asset> = LazyLock::new(|| {
-    Asset::new(
-        "text/css; charset=utf-8",
-        include_bytes!("../../page/dist/app.css"),
-    )
-});
-static ICON: LazyLock<Asset> =
-    LazyLock::new(|| Asset::new("image/svg+xml", include_bytes!("../../page/dist/icon.svg")));
 
-pub(super) async fn html(asks: HeaderMap) -> Response {
-    HTML.respond(&asks)
-}
-
-pub(super) async fn script(asks: HeaderMap) -> Response {
-    SCRIPT.respond(&asks)
-}
-
-pub(super) async fn style(asks: HeaderMap) -> Response {
-    STYLE.respond(&asks)
-}
-
-pub(super) async fn icon(asks: HeaderMap) -> Response {
-    ICON.respond(&asks)
+/// A file of the page by its address; every address that is none is the page itself.
+pub(super) async fn file(uri: Uri, asks: HeaderMap) -> Response {
+    let [html, script, style, icon] = &*ASSETS;
+    let asset = match uri.path() {
+        "/app.js" => script,
+        "/app.css" => style,
+        "/icon.svg" | "/favicon.ico" => icon,
+        _ => html,
+    };
+    asset.respond(&asks)
 }

@@ -4,7 +4,6 @@ use super::api::EventsAsked;
 use super::ticks::Tick;
 use super::{App, Refused};
 use axum::extract::{Query, State};
-use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
 use axum::response::{IntoResponse as _, Response};
 use futures_util::stream;
@@ -59,11 +58,7 @@ fn event(name: &str, json: &[u8]) -> Event {
 /// `GET /api/v1/events`.
 pub(super) async fn events(State(app): State<App>, Query(asked): Query<EventsAsked>) -> Response {
     let Ok(permit) = Arc::clone(&app.listeners).try_acquire_owned() else {
-        return Refused::new(
-            StatusCode::SERVICE_UNAVAILABLE,
-            "too many browsers listen; close some",
-        )
-        .into_response();
+        return Refused::unavailable("too many browsers listen; close some").into_response();
     };
     let listener = Listener {
         ticks: app.ticks.clone(),

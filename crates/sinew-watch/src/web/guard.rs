@@ -178,14 +178,10 @@ fn refusal(guard: &Guard, request: &Request) -> Option<(StatusCode, &'static str
 
 /// Not found: as JSON, or on the page.
 pub async fn not_found(request: Request) -> Response {
-    match is_open(request.uri().path()) {
-        true => (
-            StatusCode::NOT_FOUND,
-            super::assets::html(HeaderMap::new()).await,
-        )
-            .into_response(),
-        false => {
-            super::Refused::new(StatusCode::NOT_FOUND, "there is nothing here").into_response()
-        }
+    let uri = request.uri().clone();
+    if is_open(uri.path()) {
+        let page = super::assets::file(uri, HeaderMap::new()).await;
+        return (StatusCode::NOT_FOUND, page).into_response();
     }
+    super::Refused::not_found("there is nothing here").into_response()
 }

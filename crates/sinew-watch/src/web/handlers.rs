@@ -44,18 +44,11 @@ fn watched(app: &App, robot: &str) -> Result<(Arc<Slot>, Arc<RobotSnapshot>), Re
     let slot = app.board.get(robot);
     match slot.map(|slot| (slot.seen(), slot)) {
         Some((Seen::Watched(snapshot), slot)) => Ok((slot, snapshot)),
-        Some((Seen::NotWatched(why), _)) => Err(Refused::new(
-            StatusCode::CONFLICT,
-            format!("{robot} isn't watched: {why}"),
-        )),
-        Some((Seen::Nothing, _)) => Err(Refused::new(
-            StatusCode::SERVICE_UNAVAILABLE,
-            "it is being started",
-        )),
-        None => Err(Refused::new(
-            StatusCode::NOT_FOUND,
-            format!("there is no robot '{robot}'"),
-        )),
+        Some((Seen::NotWatched(why), _)) => {
+            Err(Refused::conflict(format!("{robot} isn't watched: {why}")))
+        }
+        Some((Seen::Nothing, _)) => Err(Refused::unavailable("it is being started")),
+        None => Err(Refused::not_found(format!("there is no robot '{robot}'"))),
     }
 }
 
@@ -76,7 +69,7 @@ pub(super) async fn tendon(
         let joints: Vec<&str> = snapshot.tendons.iter().map(|t| t.joint.as_str()).collect();
         let joints = joints.join(", ");
         let why = format!("{robot} has no tendon at '{joint}'; it has {joints}");
-        Refused::new(StatusCode::NOT_FOUND, why)
+        Refused::not_found(why)
     })
 }
 
@@ -87,7 +80,7 @@ pub(super) async fn due(
     let within_days = asked.within_days.unwrap_or(DUE_WITHIN_DAYS);
     if !(within_days > 0.0 && within_days <= HORIZON_DAYS) {
         let why = format!("within_days is more than 0, and {HORIZON_DAYS} at most");
-        return Err(Refused::new(StatusCode::UNPROCESSABLE_ENTITY, why));
+        return Err(Refused::unprocessable(why));
     }
     let robots = app.board.all().into_iter();
     let robots: Vec<Arc<RobotSnapshot>> = robots
@@ -132,12 +125,7 @@ pub(super) async fn journal(
 
 /// A body as JSON; refused with what is wrong in it.
 fn read_body<T: DeserializeOwned>(body: &[u8]) -> Result<T, Refused> {
-    serde_json::from_slice(body).map_err(|e| {
-        Refused::new(
-            StatusCode::UNPROCESSABLE_ENTITY,
-            format!("not understood: {e}"),
-        )
-    })
+    serde_json::from_slice(body).map_err(|e| Refused::unprocessable(format!("not understood: {e}")))
 }
 
 pub(super) async fn command(
@@ -147,7 +135,7 @@ pub(super) async fn command(
 ) -> Result<Json<Done>, Refused> {
     let command: Command = read_body(&body)?;
     watched(&app, &robot)?;
-    let gone = || Refused::new(StatusCode::CONFLICT, "it isn't watched any more");
+    let gone = || Refused::conflict("it isn't watched any more");
     let (core, id) = app.board.address(&robot).ok_or_else(gone)?;
     let (sender, answer) = oneshot::channel();
     core.tell(Control::Command {
@@ -167,10 +155,7 @@ pub(super) async fn command(
     };
     match answer {
         Ok(Answer::Stored) => Ok(Json(Done { done: true })),
-        Ok(Answer::Refused(error)) => Err(Refused::new(
-            StatusCode::UNPROCESSABLE_ENTITY,
-            error.to_string(),
-        )),
+        Ok(Answer::Refused(error)) => Err(Refused::unprocessable(error.to_string())),
         Ok(Answer::NotStored(why)) => Err(Refused::new(
             StatusCode::INSUFFICIENT_STORAGE,
             format!(

@@ -2,239 +2,129 @@
 
 use super::App;
 use crate::runtime::{Board, Health, Seen};
+use crate::store::word;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse as _, Response};
+use prometheus_client::collector::Collector;
+use prometheus_client::encoding::{DescriptorEncoder, NoLabelSet, prometheus_text};
+use prometheus_client::metrics::MetricType;
+use prometheus_client::registry::Registry;
 use sinew_model::Gaussian;
 use sinew_trend::Limit;
 use sinew_watch_core::RobotSnapshot;
 use sinew_watch_core::alarm::AlarmState;
-use sinew_watch_core::snapshot::{Freshness, LimitNow};
-use std::fmt::Write as _;
+use sinew_watch_core::snapshot::{Freshness, LimitNow, TendonSnapshot};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A metric: its name, kind and what it is.
-type About = (&'static str, &'static str, &'static str);
-
-/// All metrics, in their order; the reference is made of this.
-pub const ABOUT: [About; 38] = [
-    (
-        "sinew_build_info",
-        "gauge",
-        "Always 1; the version of the program.",
-    ),
-    (
-        "sinew_uptime_seconds",
-        "gauge",
-        "Time since the monitor began.",
-    ),
-    (
-        "sinew_core_silent_seconds",
-        "gauge",
-        "Time since the slowest core thread went round.",
-    ),
-    (
-        "sinew_store_works",
-        "gauge",
-        "1: the last try to store succeeded; 0: it failed.",
-    ),
-    (
-        "sinew_store_transactions_total",
-        "counter",
-        "Transactions stored.",
-    ),
-    (
-        "sinew_store_failures_total",
-        "counter",
-        "Tries to store that failed.",
-    ),
-    (
-        "sinew_store_commits_total",
-        "counter",
-        "Commits: each stores one transaction or several.",
-    ),
-    (
-        "sinew_store_commit_seconds_total",
-        "counter",
-        "Time that commits took.",
-    ),
-    (
-        "sinew_estimates_total",
-        "counter",
-        "Estimates of stretches of motion, and trends.",
-    ),
-    (
-        "sinew_estimate_seconds_total",
-        "counter",
-        "Time that estimates took.",
-    ),
-    ("sinew_webhooks_total", "counter", "Webhooks delivered."),
-    ("sinew_webhooks_lost_total", "counter", "Webhooks given up."),
-    (
-        "sinew_door_open",
-        "gauge",
-        "1: messages can come through this door; 0: it is shut, and is tried again.",
-    ),
-    (
-        "sinew_door_messages_total",
-        "counter",
-        "Messages received through this door of topics that some robot wants.",
-    ),
-    ("sinew_robots", "gauge", "Robots that are watched."),
-    (
-        "sinew_robots_not_watched",
-        "gauge",
-        "Robots of the configuration that can't be watched.",
-    ),
-    (
-        "sinew_robot_level",
-        "gauge",
-        "How a robot is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.",
-    ),
-    ("sinew_robot_fresh", "gauge", "1: data come; 0: they don't."),
-    ("sinew_robot_rate_hertz", "gauge", "Frames of a second."),
-    ("sinew_robot_frames_total", "counter", "Frames received."),
-    (
-        "sinew_robot_frames_lost_total",
-        "counter",
-        "Frames lost, refused or incomplete.",
-    ),
-    (
-        "sinew_robot_messages_dropped_total",
-        "counter",
-        "Messages dropped, since the robot's queue was full.",
-    ),
-    ("sinew_robot_temperature_celsius", "gauge", "Temperature."),
-    (
-        "sinew_robot_waiting_transactions",
-        "gauge",
-        "Transactions that wait for the store.",
-    ),
-    (
-        "sinew_tendon_level",
-        "gauge",
-        "How a tendon is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.",
-    ),
-    (
-        "sinew_tendon_offset_radians",
-        "gauge",
-        "Offset now, since the tendon was tensioned; missing where it isn't known.",
-    ),
-    (
-        "sinew_tendon_offset_deviation_radians",
-        "gauge",
-        "Its standard deviation.",
-    ),
-    (
-        "sinew_tendon_elongation_meters",
-        "gauge",
-        "Elongation now, since the tendon was tensioned.",
-    ),
-    (
-        "sinew_tendon_elongation_deviation_meters",
-        "gauge",
-        "Its standard deviation.",
-    ),
-    (
-        "sinew_tendon_strain_ratio",
-        "gauge",
-        "Strain now, since the rope was new.",
-    ),
-    (
-        "sinew_tendon_record_offset_radians",
-        "gauge",
-        "Offset of the last record.",
-    ),
-    (
-        "sinew_tendon_record_timestamp_seconds",
-        "gauge",
-        "When the session of the last record began.",
-    ),
-    (
-        "sinew_tendon_tensioned_timestamp_seconds",
-        "gauge",
-        "When the tendon was last tensioned.",
-    ),
-    (
-        "sinew_tendon_limit_elongation_meters",
-        "gauge",
-        "Elongation at which to tension again.",
-    ),
-    (
-        "sinew_tendon_limit_strain_ratio",
-        "gauge",
-        "Strain at which to replace.",
-    ),
-    (
-        "sinew_tendon_limit_timestamp_seconds",
-        "gauge",
-        "When a limit is passed, by the forecast: quantile 0.025, 0.5, 0.975.",
-    ),
-    (
-        "sinew_alarm_active",
-        "gauge",
-        "1: an alarm's condition holds; 0: it is over, and the alarm isn't normal yet.",
-    ),
-    (
-        "sinew_alarm_severity",
-        "gauge",
-        "Severity of an alarm that isn't normal, 1 to 1000.",
-    ),
-];
-
-/// Samples by metric.
-struct Samples {
-    lines: Vec<String>,
+macro_rules! metrics {
+    ($($kind:ident $name:ident $about:literal;)*) => {
+        /// All metrics in their order, with name, kind and meaning; the reference is made of this.
+        pub const ABOUT: &[(&str, &str, &str)] = &[$((stringify!($name), stringify!($kind), $about)),*];
+    };
 }
 
+metrics! {
+    gauge sinew_build_info "Always 1; the version of the program.";
+    gauge sinew_uptime_seconds "Time since the monitor began.";
+    gauge sinew_core_silent_seconds "Time since the slowest core thread went round.";
+    gauge sinew_store_works "1: the last try to store succeeded; 0: it failed.";
+    counter sinew_store_transactions_total "Transactions stored.";
+    counter sinew_store_failures_total "Tries to store that failed.";
+    counter sinew_store_commits_total "Commits: each stores one transaction or several.";
+    counter sinew_store_commit_seconds_total "Time that commits took.";
+    counter sinew_estimates_total "Estimates of stretches of motion, and trends.";
+    counter sinew_estimate_seconds_total "Time that estimates took.";
+    counter sinew_webhooks_total "Webhooks delivered.";
+    counter sinew_webhooks_lost_total "Webhooks given up.";
+    gauge sinew_door_open "1: messages can come through this door; 0: it is shut, and is tried again.";
+    counter sinew_door_messages_total "Messages received through this door of topics that some robot wants.";
+    gauge sinew_robots "Robots that are watched.";
+    gauge sinew_robots_not_watched "Robots of the configuration that can't be watched.";
+    gauge sinew_robot_level "How a robot is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
+    gauge sinew_robot_fresh "1: data come; 0: they don't.";
+    gauge sinew_robot_rate_hertz "Frames of a second.";
+    counter sinew_robot_frames_total "Frames received.";
+    counter sinew_robot_frames_lost_total "Frames lost, refused or incomplete.";
+    counter sinew_robot_messages_dropped_total "Messages dropped, since the robot's queue was full.";
+    gauge sinew_robot_temperature_celsius "Temperature.";
+    gauge sinew_robot_waiting_transactions "Transactions that wait for the store.";
+    gauge sinew_tendon_level "How a tendon is: 0 OK, 1 WARN, 2 ERROR, 3 STALE.";
+    gauge sinew_tendon_offset_radians "Offset now, since the tendon was tensioned; missing where it isn't known.";
+    gauge sinew_tendon_offset_deviation_radians "Its standard deviation.";
+    gauge sinew_tendon_elongation_meters "Elongation now, since the tendon was tensioned.";
+    gauge sinew_tendon_elongation_deviation_meters "Its standard deviation.";
+    gauge sinew_tendon_strain_ratio "Strain now, since the rope was new.";
+    gauge sinew_tendon_record_offset_radians "Offset of the last record.";
+    gauge sinew_tendon_record_timestamp_seconds "When the session of the last record began.";
+    gauge sinew_tendon_tensioned_timestamp_seconds "When the tendon was last tensioned.";
+    gauge sinew_tendon_limit_elongation_meters "Elongation at which to tension again.";
+    gauge sinew_tendon_limit_strain_ratio "Strain at which to replace.";
+    gauge sinew_tendon_limit_timestamp_seconds "When a limit is passed, by the forecast: quantile 0.025, 0.5, 0.975.";
+    gauge sinew_alarm_active "1: an alarm's condition holds; 0: it is over, and the alarm isn't normal yet.";
+    gauge sinew_alarm_severity "Severity of an alarm that isn't normal, 1 to 1000.";
+}
+
+type Labels<'a> = [(&'static str, &'a str)];
+
+/// A value with its labels.
+type Sample = (Vec<(&'static str, String)>, f64);
+
+/// The samples of every metric of [`ABOUT`].
+#[derive(Debug)]
+struct Samples(Vec<Vec<Sample>>);
+
 impl Samples {
-    fn new() -> Self {
-        Self {
-            lines: vec![String::new(); ABOUT.len()],
+    /// Adds a sample where there is one; of a name that isn't in the list, none.
+    fn put(&mut self, name: &str, labels: &Labels<'_>, value: impl Into<Option<f64>>) {
+        let at = ABOUT.iter().position(|about| about.0 == name);
+        if let (Some(at), Some(value)) = (at, value.into()) {
+            let labels = labels.iter().map(|(label, of)| (*label, (*of).to_owned()));
+            self.0[at].push((labels.collect(), value));
         }
     }
+}
 
-    /// A sample; of a name that isn't in the list, none.
-    fn put(&mut self, name: &str, labels: &[(&str, &str)], value: f64) {
-        let Some(at) = ABOUT.iter().position(|about| about.0 == name) else {
-            return;
-        };
-        let line = &mut self.lines[at];
-        line.push_str(name);
-        for (i, (label, value)) in labels.iter().enumerate() {
-            line.push(if i == 0 { '{' } else { ',' });
-            let value = value
-                .replace('\\', "\\\\")
-                .replace('"', "\\\"")
-                .replace('\n', "\\n");
-            // Writing into a string doesn't fail.
-            let _ok = write!(line, "{label}=\"{value}\"");
-        }
-        if !labels.is_empty() {
-            line.push('}');
-        }
-        let _ok = writeln!(line, " {value}");
-    }
-
-    fn text(self) -> String {
-        let mut out = String::new();
-        for ((name, kind, help), lines) in ABOUT.iter().zip(self.lines) {
-            if !lines.is_empty() {
-                let _ok = write!(out, "# HELP {name} {help}\n# TYPE {name} {kind}\n{lines}");
+impl Collector for Samples {
+    fn encode(&self, mut encoder: DescriptorEncoder<'_>) -> std::fmt::Result {
+        for ((name, kind, about), samples) in ABOUT.iter().zip(&self.0) {
+            if samples.is_empty() {
+                continue;
+            }
+            // The encoder writes a counter's ending itself.
+            let (name, kind) = match *kind {
+                "counter" => (name.trim_end_matches("_total"), MetricType::Counter),
+                _ => (*name, MetricType::Gauge),
+            };
+            let mut metric = encoder.encode_descriptor(name, about, None, kind)?;
+            for (labels, value) in samples {
+                let mut sample = metric.encode_family(labels)?;
+                // A whole number has no decimal point.
+                let whole = value.fract() == 0.0 && value.abs() < 2_f64.powi(53);
+                let (count, number) = (*value as u64, *value as i64);
+                match (kind, whole) {
+                    (MetricType::Counter, true) => {
+                        sample.encode_counter::<NoLabelSet, _, f64>(&count, None)
+                    }
+                    (MetricType::Counter, false) => {
+                        sample.encode_counter::<NoLabelSet, _, f64>(value, None)
+                    }
+                    (_, true) => sample.encode_gauge(&number),
+                    (_, false) => sample.encode_gauge(value),
+                }?;
             }
         }
-        out
+        Ok(())
     }
 }
 
 /// The text of `/metrics`.
 pub fn render(board: &Board, health: &Health) -> String {
-    let mut out = Samples::new();
+    let mut out = Samples(vec![Vec::new(); ABOUT.len()]);
     own(&mut out, health);
     for door in health.doors() {
         let labels = [("door", door.door.as_str())];
-        let open = f64::from(u8::from(door.shut.is_none()));
-        out.put("sinew_door_open", &labels, open);
+        out.put("sinew_door_open", &labels, f64::from(door.shut.is_none()));
         out.put("sinew_door_messages_total", &labels, door.messages as f64);
     }
     let (mut watched, mut not_watched) = (0, 0);
@@ -245,85 +135,81 @@ pub fn render(board: &Board, health: &Health) -> String {
             Seen::Watched(robot) => {
                 watched += 1;
                 of_robot(&mut out, &robot);
+                let labels = [("robot", name.as_str())];
                 let dropped = slot.dropped.load(Ordering::Relaxed) as f64;
-                out.put(
-                    "sinew_robot_messages_dropped_total",
-                    &[("robot", &name)],
-                    dropped,
-                );
+                out.put("sinew_robot_messages_dropped_total", &labels, dropped);
             }
         }
     }
     out.put("sinew_robots", &[], f64::from(watched));
     out.put("sinew_robots_not_watched", &[], f64::from(not_watched));
-    out.text()
+    let mut registry = Registry::default();
+    registry.register_collector(Box::new(out));
+    let mut text = String::new();
+    // Writing into memory doesn't fail.
+    let _ok = prometheus_text::encode(&mut text, &registry);
+    text
 }
 
 fn own(out: &mut Samples, health: &Health) {
+    let version = [("version", env!("CARGO_PKG_VERSION"))];
+    out.put("sinew_build_info", &version, 1.0);
     let count = |of: &AtomicU64| of.load(Ordering::Relaxed) as f64;
-    out.put(
-        "sinew_build_info",
-        &[("version", env!("CARGO_PKG_VERSION"))],
-        1.0,
+    let seconds = |of: &AtomicU64| 1e-6 * count(of);
+    let counts = &health.counts;
+    let works = f64::from(health.store_fails().is_none());
+    let mut put = |name, value: f64| out.put(name, &[], value);
+    put("sinew_uptime_seconds", health.up().as_secs_f64());
+    put(
+        "sinew_core_silent_seconds",
+        health.silent_for().as_secs_f64(),
     );
-    let store = health.store();
-    for (name, value) in [
-        ("sinew_uptime_seconds", health.up().as_secs_f64()),
-        (
-            "sinew_core_silent_seconds",
-            health.silent_for().as_secs_f64(),
-        ),
-        (
-            "sinew_store_works",
-            f64::from(u8::from(store.fails.is_none())),
-        ),
-        (
-            "sinew_store_transactions_total",
-            count(&health.transactions),
-        ),
-        ("sinew_store_failures_total", count(&health.failures)),
-        ("sinew_store_commits_total", count(&health.commits)),
-        (
-            "sinew_store_commit_seconds_total",
-            1e-6 * count(&health.commit_us),
-        ),
-        ("sinew_estimates_total", count(&health.jobs)),
-        ("sinew_estimate_seconds_total", 1e-6 * count(&health.job_us)),
-        ("sinew_webhooks_total", count(&health.webhooks)),
-        ("sinew_webhooks_lost_total", count(&health.webhooks_lost)),
-    ] {
-        out.put(name, &[], value);
-    }
+    put("sinew_store_works", works);
+    put(
+        "sinew_store_transactions_total",
+        count(&counts.transactions),
+    );
+    put("sinew_store_failures_total", count(&counts.failures));
+    put("sinew_store_commits_total", count(&counts.commits));
+    put(
+        "sinew_store_commit_seconds_total",
+        seconds(&counts.commit_us),
+    );
+    put("sinew_estimates_total", count(&counts.jobs));
+    put("sinew_estimate_seconds_total", seconds(&counts.job_us));
+    put("sinew_webhooks_total", count(&counts.webhooks));
+    put("sinew_webhooks_lost_total", count(&counts.webhooks_lost));
 }
 
 fn of_robot(out: &mut Samples, robot: &RobotSnapshot) {
     let name = robot.robot.as_str();
+    let labels = [("robot", name)];
     let fresh = robot.freshness == Freshness::Fresh;
-    for (metric, value) in [
-        ("sinew_robot_level", f64::from(robot.level.number())),
-        ("sinew_robot_fresh", f64::from(u8::from(fresh))),
-        ("sinew_robot_rate_hertz", robot.rate_hz),
-        ("sinew_robot_frames_total", robot.frames as f64),
-        ("sinew_robot_frames_lost_total", robot.frames_lost as f64),
-        (
-            "sinew_robot_waiting_transactions",
-            robot.waiting_to_be_stored as f64,
-        ),
-    ] {
-        out.put(metric, &[("robot", name)], value);
-    }
-    if let Some(celsius) = robot.temperature_c {
-        out.put(
-            "sinew_robot_temperature_celsius",
-            &[("robot", name)],
-            celsius,
-        );
-    }
+    let waiting = robot.waiting_to_be_stored as f64;
+    out.put(
+        "sinew_robot_level",
+        &labels,
+        f64::from(robot.level.number()),
+    );
+    out.put("sinew_robot_fresh", &labels, f64::from(fresh));
+    out.put("sinew_robot_rate_hertz", &labels, robot.rate_hz);
+    out.put("sinew_robot_frames_total", &labels, robot.frames as f64);
+    out.put(
+        "sinew_robot_frames_lost_total",
+        &labels,
+        robot.frames_lost as f64,
+    );
+    out.put("sinew_robot_waiting_transactions", &labels, waiting);
+    out.put(
+        "sinew_robot_temperature_celsius",
+        &labels,
+        robot.temperature_c,
+    );
     for tendon in &robot.tendons {
         of_tendon(out, name, tendon);
     }
     for alarm in &robot.alarms {
-        let condition = crate::words::condition_key(alarm.key.condition);
+        let condition = word(&alarm.key.condition);
         let joint = alarm.key.joint.as_deref().unwrap_or("");
         let labels = [
             ("robot", name),
@@ -331,72 +217,47 @@ fn of_robot(out: &mut Samples, robot: &RobotSnapshot) {
             ("condition", condition.as_str()),
         ];
         let active = matches!(alarm.state, AlarmState::Active | AlarmState::Acknowledged);
-        out.put("sinew_alarm_active", &labels, f64::from(u8::from(active)));
-        out.put(
-            "sinew_alarm_severity",
-            &labels,
-            f64::from(alarm.key.condition.severity()),
-        );
+        let severity = f64::from(alarm.key.condition.severity());
+        out.put("sinew_alarm_active", &labels, f64::from(active));
+        out.put("sinew_alarm_severity", &labels, severity);
     }
 }
 
-fn of_tendon(out: &mut Samples, robot: &str, tendon: &sinew_watch_core::snapshot::TendonSnapshot) {
+fn of_tendon(out: &mut Samples, robot: &str, tendon: &TendonSnapshot) {
     let labels = [("robot", robot), ("joint", tendon.joint.as_str())];
-    let mut both = |names: [&str; 2], value: Option<Gaussian>| {
-        if let Some(value) = value {
-            out.put(names[0], &labels, value.mean);
-            out.put(names[1], &labels, value.deviation);
-        }
-    };
-    both(
-        [
-            "sinew_tendon_offset_radians",
-            "sinew_tendon_offset_deviation_radians",
-        ],
-        tendon.offset_rad,
-    );
-    both(
-        [
-            "sinew_tendon_elongation_meters",
-            "sinew_tendon_elongation_deviation_meters",
-        ],
-        tendon.elongation_m,
-    );
+    let mut put = |name, value: Option<f64>| out.put(name, &labels, value);
+    let mean = |of: Option<Gaussian>| of.map(|x| x.mean);
+    let deviation = |of: Option<Gaussian>| of.map(|x| x.deviation);
+    let (offset, elongation) = (tendon.offset_rad, tendon.elongation_m);
     let last = tendon.last.as_ref();
-    for (metric, value) in [
-        ("sinew_tendon_level", Some(f64::from(tendon.level.number()))),
-        (
-            "sinew_tendon_strain_ratio",
-            tendon.strain_ratio.map(|x| x.mean),
-        ),
-        (
-            "sinew_tendon_record_offset_radians",
-            last.and_then(|r| r.offset_rad),
-        ),
-        (
-            "sinew_tendon_record_timestamp_seconds",
-            last.map(|r| r.time_utc_s),
-        ),
-        (
-            "sinew_tendon_tensioned_timestamp_seconds",
-            tendon.tensioned_utc_s,
-        ),
-    ] {
-        if let Some(value) = value {
-            out.put(metric, &labels, value);
-        }
-    }
+    put("sinew_tendon_level", Some(f64::from(tendon.level.number())));
+    put("sinew_tendon_offset_radians", mean(offset));
+    put("sinew_tendon_offset_deviation_radians", deviation(offset));
+    put("sinew_tendon_elongation_meters", mean(elongation));
+    put(
+        "sinew_tendon_elongation_deviation_meters",
+        deviation(elongation),
+    );
+    put("sinew_tendon_strain_ratio", mean(tendon.strain_ratio));
+    put(
+        "sinew_tendon_record_offset_radians",
+        last.and_then(|r| r.offset_rad),
+    );
+    put(
+        "sinew_tendon_record_timestamp_seconds",
+        last.map(|r| r.time_utc_s),
+    );
+    put(
+        "sinew_tendon_tensioned_timestamp_seconds",
+        tendon.tensioned_utc_s,
+    );
     for limit in &tendon.limits {
         match limit {
             LimitNow::Retension { elongation_m, .. } => {
-                out.put(
-                    "sinew_tendon_limit_elongation_meters",
-                    &labels,
-                    *elongation_m,
-                );
+                put("sinew_tendon_limit_elongation_meters", Some(*elongation_m));
             }
             LimitNow::Replace { strain_ratio, .. } => {
-                out.put("sinew_tendon_limit_strain_ratio", &labels, *strain_ratio);
+                put("sinew_tendon_limit_strain_ratio", Some(*strain_ratio));
             }
         }
     }
@@ -406,33 +267,24 @@ fn of_tendon(out: &mut Samples, robot: &str, tendon: &sinew_watch_core::snapshot
             Limit::Retension { .. } => "retension",
             Limit::Replace { .. } => "replace",
         };
-        let times = [
+        for (quantile, after_s) in [
             ("0.025", forecast.after_low_s),
             ("0.5", forecast.after_s),
             ("0.975", forecast.after_high_s),
-        ];
-        for (quantile, after_s) in times {
-            if let Some(after_s) = after_s {
-                let own = [
-                    labels[0],
-                    labels[1],
-                    ("limit", limit),
-                    ("quantile", quantile),
-                ];
-                out.put(
-                    "sinew_tendon_limit_timestamp_seconds",
-                    &own,
-                    trend.last_utc_s + after_s,
-                );
-            }
+        ] {
+            let own = [
+                labels[0],
+                labels[1],
+                ("limit", limit),
+                ("quantile", quantile),
+            ];
+            let at_utc_s = after_s.map(|after_s| trend.last_utc_s + after_s);
+            out.put("sinew_tendon_limit_timestamp_seconds", &own, at_utc_s);
         }
     }
 }
 
 pub(super) async fn metrics(State(app): State<App>) -> Response {
-    let kind = [(
-        header::CONTENT_TYPE,
-        "text/plain; version=0.0.4; charset=utf-8",
-    )];
+    let kind = [(header::CONTENT_TYPE, prometheus_text::CONTENT_TYPE)];
     (kind, render(&app.board, &app.health)).into_response()
 }

@@ -5,6 +5,8 @@
 
 pub mod api;
 mod assets;
+#[cfg(feature = "schema")]
+mod describe;
 mod events;
 pub mod guard;
 mod handlers;
@@ -19,14 +21,14 @@ mod ticks;
 pub use serve::serve;
 pub use ticks::{Tick, Ticker};
 
-use crate::runtime::{Board, Health};
+use crate::runtime::{Board, Health, lock};
 use crate::store::{Place, Reader, StoreError};
 use api::Refusal;
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use guard::Guard;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use tokio::sync::{Semaphore, watch};
 
 /// Browsers that listen at one time, at most.
@@ -83,10 +85,7 @@ impl App {
         let done = tokio::task::spawn_blocking(move || readers.with(read)).await;
         match done {
             Ok(Ok(value)) => Ok(value),
-            Ok(Err(error)) => Err(Refused::new(
-                StatusCode::SERVICE_UNAVAILABLE,
-                error.in_words(),
-            )),
+            Ok(Err(error)) => Err(Refused::unavailable(error.in_words())),
             Err(_panicked) => Err(Refused::new(
                 StatusCode::INTERNAL_SERVER_ERROR,
                 "reading failed",
@@ -106,14 +105,13 @@ impl Readers {
         &self,
         read: impl FnOnce(&Reader) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept = idle().pop();
+        let kept = lock(&self.idle).pop();
         let reader = match kept {
             Some(reader) => reader,
             None => Reader::open(&self.place)?,
         };
         let done = read(&reader);
-        let mut idle = idle();
+        let mut idle = lock(&self.idle);
         // One that failed may have lost its file.
         if done.is_ok() && idle.len() < READERS {
             idle.push(reader);
@@ -129,6 +127,22 @@ struct Refused(StatusCode, String);
 impl Refused {
     fn new(status: StatusCode, why: impl Into<String>) -> Self {
         Self(status, why.into())
+    }
+
+    fn not_found(why: impl Into<String>) -> Self {
+        Self::new(StatusCode::NOT_FOUND, why)
+    }
+
+    fn conflict(why: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, why)
+    }
+
+    fn unprocessable(why: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, why)
+    }
+
+    fn unavailable(why: impl Into<String>) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, why)
     }
 }
 

@@ -1,95 +1,9 @@
 //! The OpenAPI description, made of the list of addresses and of the types.
 
-use super::api::{
-    AlarmList, Done, DueAsked, EventsAsked, Fleet, Journal, JournalAsked, Login, Records,
-    RecordsAsked, Refusal, RobotNow, TendonNow,
-};
+use super::api::Refusal;
+use super::describe::{Described, Maker};
 use super::routes::{API, Endpoint};
-use schemars::JsonSchema;
-use schemars::generate::{SchemaGenerator, SchemaSettings};
 use serde_json::{Map, Value, json};
-use sinew_watch_core::command::Command;
-use sinew_watch_core::due::DueList;
-
-/// What an address takes and gives.
-struct Described {
-    asked: Option<Value>,
-    body: Option<Value>,
-    gives: Value,
-}
-
-struct Maker {
-    /// Of what is given.
-    gives: SchemaGenerator,
-    /// Of what is taken: without references, as the same type may be another when read.
-    takes: SchemaGenerator,
-}
-
-impl Maker {
-    fn json<T: JsonSchema>(&mut self) -> Value {
-        let schema = self.gives.subschema_for::<T>();
-        json!({ "application/json": { "schema": schema } })
-    }
-
-    fn take<T: JsonSchema>(&mut self) -> Option<Value> {
-        Some(self.takes.subschema_for::<T>().to_value())
-    }
-
-    fn describe(&mut self, path: &str) -> Described {
-        let mut described = Described {
-            asked: None,
-            body: None,
-            gives: json!({}),
-        };
-        described.gives = match path {
-            "/api/v1/fleet" => self.json::<Fleet>(),
-            "/api/v1/robots/{robot}" => self.json::<RobotNow>(),
-            "/api/v1/robots/{robot}/tendons/{joint}" => self.json::<TendonNow>(),
-            "/api/v1/robots/{robot}/commands" => {
-                described.body = self.take::<Command>();
-                self.json::<Done>()
-            }
-            "/api/v1/due" => {
-                described.asked = self.take::<DueAsked>();
-                self.json::<DueList>()
-            }
-            "/api/v1/alarms" => self.json::<AlarmList>(),
-            "/api/v1/journal" => {
-                described.asked = self.take::<JournalAsked>();
-                self.json::<Journal>()
-            }
-            "/api/v1/records" => {
-                described.asked = self.take::<RecordsAsked>();
-                self.json::<Records>()
-            }
-            "/api/v1/records.csv" => {
-                described.asked = self.take::<RecordsAsked>();
-                json!({ "text/csv": {} })
-            }
-            "/api/v1/robots/{robot}/sessions.csv" => json!({ "text/csv": {} }),
-            "/api/v1/records.parquet" => {
-                described.asked = self.take::<RecordsAsked>();
-                json!({ "application/vnd.apache.parquet": {} })
-            }
-            "/api/v1/events" => {
-                described.asked = self.take::<EventsAsked>();
-                json!({ "text/event-stream": {} })
-            }
-            "/login" => {
-                described.body = self.take::<Login>();
-                self.json::<Done>()
-            }
-            "/logout" => {
-                described.body = Some(json!({ "type": "object" }));
-                self.json::<Done>()
-            }
-            "/api/v1/openapi.json" => json!({ "application/json": {} }),
-            "/metrics" | "/healthz" => json!({ "text/plain": {} }),
-            other => json!({ "undescribed": other }),
-        };
-        described
-    }
-}
 
 /// Parameters in the path, then those behind the question mark.
 fn parameters(path: &str, asked: Option<&Value>) -> Vec<Value> {
@@ -119,7 +33,7 @@ fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Val
         .collect::<Vec<_>>()
         .join("_");
     let is_open = !(path.starts_with("/api/") || path == "/metrics");
-    let mut parameters = parameters(path, described.asked.as_ref());
+    let mut parameters = parameters(path, described.query.as_ref());
     if endpoint.method == "post" {
         parameters.push(json!({
             "name": "x-sinew", "in": "header", "required": true, "schema": { "type": "string" },
@@ -148,28 +62,13 @@ fn operation(endpoint: &Endpoint, described: &Described, refusal: &Value) -> Val
     out
 }
 
-/// The description.
+/// Makes the description.
 pub fn document() -> Value {
-    let mut maker = Maker {
-        gives: SchemaSettings::draft2020_12()
-            .for_serialize()
-            .with(|settings| {
-                settings.definitions_path = "/components/schemas".into();
-                settings.meta_schema = None;
-            })
-            .into_generator(),
-        takes: SchemaSettings::draft2020_12()
-            .for_deserialize()
-            .with(|settings| {
-                settings.inline_subschemas = true;
-                settings.meta_schema = None;
-            })
-            .into_generator(),
-    };
+    let mut maker = Maker::new();
     let refusal = maker.gives.subschema_for::<Refusal>().to_value();
     let mut paths = Map::new();
     for endpoint in API {
-        let described = maker.describe(endpoint.path);
+        let described = (endpoint.describe)(&mut maker);
         let operation = operation(endpoint, &described, &refusal);
         let item = paths.entry(endpoint.path).or_insert_with(|| json!({}));
         item[endpoint.method] = operation;

@@ -1,12 +1,12 @@
 //! Records of sessions, as JSON, CSV and Parquet.
 
-use super::api::{Records, RecordsAsked};
+use super::api::Records;
 use super::{App, Refused};
 use crate::store::{Reader, RecordQuery, StoreError, write_records, write_sessions};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path as Named, Query, State};
-use axum::http::{StatusCode, header};
+use axum::http::header;
 use axum::response::{IntoResponse as _, Response};
 use bytes::Bytes;
 use futures_util::stream;
@@ -46,22 +46,11 @@ const SESSIONS: Form = Form {
     write: write_sessions,
 };
 
-fn query(asked: RecordsAsked) -> RecordQuery {
-    RecordQuery {
-        robot: asked.robot,
-        joint: asked.joint,
-        from_utc_s: asked.from_utc_s,
-        to_utc_s: asked.to_utc_s,
-        most: asked.most,
-    }
-}
-
 pub(super) async fn json(
     State(app): State<App>,
-    Query(asked): Query<RecordsAsked>,
+    Query(mut query): Query<RecordQuery>,
 ) -> Result<Json<Records>, Refused> {
     let [usual, most] = RECORDS;
-    let mut query = query(asked);
     query.most = Some(query.most.unwrap_or(usual).min(most));
     let records = app.read(move |reader| reader.records(&query)).await?;
     Ok(Json(Records {
@@ -72,9 +61,9 @@ pub(super) async fn json(
 
 pub(super) async fn csv(
     State(app): State<App>,
-    Query(asked): Query<RecordsAsked>,
+    Query(query): Query<RecordQuery>,
 ) -> Result<Response, Refused> {
-    file(app, query(asked), &CSV).await
+    file(app, query, &CSV).await
 }
 
 /// What `sinew trend` reads.
@@ -84,7 +73,7 @@ pub(super) async fn sessions(
 ) -> Result<Response, Refused> {
     if app.board.get(&robot).is_none() {
         let why = format!("there is no robot '{robot}'");
-        return Err(Refused::new(StatusCode::NOT_FOUND, why));
+        return Err(Refused::not_found(why));
     }
     let of_robot = RecordQuery {
         robot: Some(robot),
@@ -95,16 +84,16 @@ pub(super) async fn sessions(
 
 pub(super) async fn parquet(
     State(app): State<App>,
-    Query(asked): Query<RecordsAsked>,
+    Query(query): Query<RecordQuery>,
 ) -> Result<Response, Refused> {
-    file(app, query(asked), &PARQUET).await
+    file(app, query, &PARQUET).await
 }
 
 /// A file of records: written as a whole first, so that a slow reader holds up nothing.
 async fn file(app: App, query: RecordQuery, form: &'static Form) -> Result<Response, Refused> {
     let busy = |_| {
         let why = "others are being written; ask again soon";
-        Refused::new(StatusCode::SERVICE_UNAVAILABLE, why)
+        Refused::unavailable(why)
     };
     let permit = Arc::clone(&app.exports).try_acquire_owned().map_err(busy)?;
     let file = app.read(move |reader| write(reader, &query, form)).await?;

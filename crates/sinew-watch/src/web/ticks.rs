@@ -1,12 +1,12 @@
 //! Once a second: what all browsers are told, made once for all of them.
 
 use super::api::{Fleet, NotWatched, RobotNow, RobotRow, StoreState};
-use crate::runtime::{Board, Health, Seen};
+use crate::runtime::{Board, Health, Seen, lock};
 use bytes::Bytes;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
-/// One second.
+/// What all browsers are told in one second.
 pub struct Tick {
     /// Number; who has seen the one before needs the changes only.
     pub number: u64,
@@ -24,7 +24,7 @@ pub struct Tick {
 impl Tick {
     /// A robot, as JSON; `None`: it isn't watched.
     pub fn robot(&self, name: &str) -> Option<Bytes> {
-        let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut robots = lock(&self.robots);
         if let Some(made) = robots.get(name) {
             return made.clone();
         }
@@ -41,7 +41,7 @@ impl Tick {
     }
 }
 
-/// Makes ticks.
+/// Makes a tick every second.
 pub struct Ticker {
     board: Arc<Board>,
     health: Arc<Health>,
@@ -83,7 +83,7 @@ impl Ticker {
         }
         let gone = self.rows.keys().filter(|name| !rows.contains_key(*name));
         let gone: Vec<String> = gone.cloned().collect();
-        let store = match self.health.store().fails {
+        let store = match self.health.store_fails() {
             None => StoreState::Works,
             Some(why) => StoreState::Failing { why, waiting },
         };

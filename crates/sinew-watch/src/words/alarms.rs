@@ -8,7 +8,7 @@ use sinew_watch_core::alarm::{
 };
 
 /// A condition in two or three words.
-pub fn condition_name(condition: Condition) -> &'static str {
+pub(super) fn condition_name(condition: Condition) -> &'static str {
     match condition {
         Condition::ReplaceLimit => "replace the rope",
         Condition::StrandFailed => "a strand has failed",
@@ -23,14 +23,6 @@ pub fn condition_name(condition: Condition) -> &'static str {
     }
 }
 
-/// A condition as JSON and metrics name it: `retension-limit`.
-pub fn condition_key(condition: Condition) -> String {
-    match serde_json::to_value(condition) {
-        Ok(serde_json::Value::String(key)) => key,
-        _ => String::new(),
-    }
-}
-
 /// What is the matter, as a heading.
 pub fn title(alarm: &Alarm) -> &'static str {
     match (&alarm.cause, alarm.key.condition) {
@@ -41,7 +33,7 @@ pub fn title(alarm: &Alarm) -> &'static str {
 }
 
 /// Whether its condition is over.
-pub fn is_over(alarm: &Alarm) -> bool {
+pub(super) fn is_over(alarm: &Alarm) -> bool {
     matches!(alarm.state, AlarmState::Cleared | AlarmState::Latched)
 }
 

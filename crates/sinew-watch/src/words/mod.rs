@@ -4,7 +4,7 @@ mod alarms;
 mod journal;
 mod robots;
 
-pub use alarms::{advice, condition_key, condition_name, is_over, said, title};
+pub use alarms::{advice, said, title};
 pub use journal::entry;
 pub use robots::{robot, tendon};
 

@@ -1,16 +1,32 @@
-//! The number of now: a recursive filter, and its successor.
+//! The number of now: a recursive filter, and its successor. No other file of the monitor knows the filter.
 
 use super::config::MonitorError;
 use crate::transaction::Belief;
-use sinew_estimate::session::{SessionOptions, Verdict, live, live_without_baseline};
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::session::{SessionError, SessionOptions, Verdict, live, live_without_baseline};
 use sinew_model::Gaussian;
 use sinew_model::offset::{Block, ForceEstimate, RecursiveOffsets};
 use sinew_model::robot::Robot;
 
+/// An estimate of now that begins with what a session taught. Made away from the thread that takes frames.
+#[derive(Debug)]
+pub(super) struct Successor(Box<RecursiveOffsets>);
+
+impl Successor {
+    pub(super) fn new(
+        robot: &Robot,
+        learned: &Baseline,
+        options: &SessionOptions,
+    ) -> Result<Self, SessionError> {
+        let filter = live(robot, (learned, "what was learned"), options)?;
+        Ok(Self(Box::new(filter)))
+    }
+}
+
 /// The number of now. A filter that runs for days grows surer than a rope is steady, so every session leaves a
 /// successor that begins with what its batch estimate taught, and takes over once it is out of doubt itself.
 #[derive(Debug)]
-pub(super) struct Live {
+pub(super) struct Online {
     filter: Option<Box<RecursiveOffsets>>,
     next: Option<Box<RecursiveOffsets>>,
     /// Joints of the robot.
@@ -23,7 +39,7 @@ pub(super) struct Live {
     doubt_s: f64,
 }
 
-impl Live {
+impl Online {
     pub(super) fn new(
         robot: &Robot,
         options: &SessionOptions,
@@ -75,7 +91,7 @@ impl Live {
     }
 
     /// A session left this successor. Where `at_once`, nothing is known until it is out of doubt.
-    pub(super) fn succeed(&mut self, next: Box<RecursiveOffsets>, at_once: bool) {
+    pub(super) fn succeed(&mut self, Successor(next): Successor, at_once: bool) {
         if at_once || self.filter.is_none() {
             self.filter = Some(next);
             self.next = None;

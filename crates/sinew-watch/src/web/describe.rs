@@ -1,0 +1,75 @@
+//! Schemas of what addresses take and give, for the OpenAPI description.
+
+use schemars::JsonSchema;
+use schemars::generate::{SchemaGenerator, SchemaSettings};
+use serde_json::{Value, json};
+
+/// What an address takes and gives.
+#[derive(Default)]
+pub(super) struct Described {
+    pub(super) query: Option<Value>,
+    pub(super) body: Option<Value>,
+    pub(super) gives: Value,
+}
+
+/// A body in which nothing is looked for.
+pub(super) struct NoBody;
+
+impl JsonSchema for NoBody {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "NoBody".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "object" })
+    }
+}
+
+/// Makes the schemas of what is given, and of what is taken: the latter without references, as the same type may be
+/// another when read.
+pub(super) struct Maker {
+    pub(super) gives: SchemaGenerator,
+    takes: SchemaGenerator,
+}
+
+impl Maker {
+    pub(super) fn new() -> Self {
+        Self {
+            gives: SchemaSettings::draft2020_12()
+                .for_serialize()
+                .with(|settings| {
+                    settings.definitions_path = "/components/schemas".into();
+                    settings.meta_schema = None;
+                })
+                .into_generator(),
+            takes: SchemaSettings::draft2020_12()
+                .for_deserialize()
+                .with(|settings| {
+                    settings.inline_subschemas = true;
+                    settings.meta_schema = None;
+                })
+                .into_generator(),
+        }
+    }
+
+    /// Describes an answer in JSON.
+    pub(super) fn json<T: JsonSchema>(&mut self) -> Described {
+        let schema = self.gives.subschema_for::<T>();
+        Described {
+            gives: json!({ "application/json": { "schema": schema } }),
+            ..Described::default()
+        }
+    }
+
+    /// Describes an answer of another kind.
+    pub(super) fn media(&self, kind: &str) -> Described {
+        Described {
+            gives: json!({ kind: {} }),
+            ..Described::default()
+        }
+    }
+
+    pub(super) fn takes<T: JsonSchema>(&mut self) -> Option<Value> {
+        Some(self.takes.subschema_for::<T>().to_value())
+    }
+}
