@@ -55,8 +55,6 @@ fn crates_see_only_whom_they_may() {
             &[
                 "sinew-files",
                 "sinew-model",
-                "sinew-log",
-                "sinew-figure",
                 "sinew-rope",
             ],
         ),

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
-use sinew_log::{Specimen, TestQuantity};
+use sinew_creep::{Specimen, TestQuantity};
 use sinew_model::rope::entry::Uncertainty;
 use sinew_model::rope::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};
 use sinew_rope::Catalogue;
