@@ -5,7 +5,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sinew_log::{TestOptions, TestQuantity, read_test_bytes};
+use sinew_creep::{TestOptions, TestQuantity, read_test_bytes};
 
 fuzz_target!(
     init: {

@@ -6,10 +6,10 @@ use crate::recording::one_of;
 use crate::work::work;
 use pyo3::prelude::*;
 use sinew_creep::{
-    AnalyzeOptions, AnalyzeRequest, Conditions, FitOptions, FitRequest, FitStep, ForecastRequest,
-    IntervalKind, Joint, Law, NoiseKind, PrepareOptions, RopeBase, Source, Tests,
+    AnalyzeOptions, AnalyzeRequest, ColumnChoice, Conditions, FitOptions, FitRequest, FitStep,
+    ForecastRequest, IntervalKind, Joint, Law, NoiseKind, PrepareOptions, RopeBase, Source,
+    Specimen, TestFileError, TestOptions, Tests, read_test, read_test_bytes,
 };
-use sinew_log::{ColumnChoice, LogError, Specimen, TestOptions, read_test, read_test_bytes};
 use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -183,7 +183,7 @@ impl CreepTests {
                 TestArg::Text(name, text) => read_test_bytes(text.into_bytes(), &name, &options),
             };
             let files = files.into_iter().map(read);
-            let files = files.collect::<Result<Vec<_>, LogError>>()?;
+            let files = files.collect::<Result<Vec<_>, TestFileError>>()?;
             let mut notes = Vec::new();
             let mut note = |text: &str| notes.push(text.to_owned());
             let (sources, specimens) = sinew_creep::specimens_of(files, &mut note);

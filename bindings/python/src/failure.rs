@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
-use sinew_creep::CreepError;
+use sinew_creep::{CreepError, TestFileError};
 use sinew_estimate::EstimateError;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_estimate::session::SessionError;
@@ -52,6 +52,15 @@ impl Blame for Located {
 }
 
 impl Blame for LogError {
+    fn located(&self) -> Option<&Located> {
+        match self {
+            Self::File(located) => Some(located),
+            _ => None,
+        }
+    }
+}
+
+impl Blame for TestFileError {
     fn located(&self) -> Option<&Located> {
         match self {
             Self::File(located) => Some(located),

@@ -6,7 +6,7 @@
 //! SciPy. Then it prints what the command itself does: searches with slow errors, and the draws behind the intervals.
 
 use sinew_creep::{Curve, FitOptions, Law, NoiseKind, PrepareOptions};
-use sinew_log::{TestOptions, read_test};
+use sinew_creep::{TestOptions, read_test};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Instant;

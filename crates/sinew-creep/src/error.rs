@@ -2,6 +2,40 @@
 
 use super::law::Law;
 use serde::{Deserialize, Serialize};
+use sinew_files::Located;
+
+/// Why a file of creep tests was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TestFileError {
+    /// It is no table of a test.
+    #[error("{file}: not a recording: {reason}")]
+    NotATest {
+        /// File as the user named it.
+        file: String,
+        /// What was found, and what was expected.
+        reason: String,
+    },
+    /// A file that can't be read, or a cell or header, with its place.
+    #[error(transparent)]
+    File(#[from] Located),
+    /// A column or sheet asked for is not there.
+    #[error("{file}: {reason}")]
+    Request {
+        /// File as the user named it.
+        file: String,
+        /// What was asked for, what there is, and the nearest match.
+        reason: String,
+    },
+}
+
+impl TestFileError {
+    pub(super) fn refused(file: &str, reason: impl Into<String>) -> Self {
+        Self::NotATest {
+            file: file.to_owned(),
+            reason: reason.into(),
+        }
+    }
+}
 
 /// What was wrong, with the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]

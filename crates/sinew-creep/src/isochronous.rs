@@ -134,8 +134,8 @@ fn isochrone(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_file::{Specimen, TestQuantity};
     use crate::{AnalyzeOptions, PrepareOptions, analyze, prepare};
-    use sinew_log::{Specimen, TestQuantity};
 
     #[test]
     fn the_exponent_of_the_load_comes_back() {

@@ -39,11 +39,11 @@ mod scan;
 mod scatter;
 mod search;
 mod solver;
-mod source;
 mod span;
 mod starts;
 mod student;
 mod superposition;
+mod test_file;
 mod tests_analyzed;
 mod tests_compared;
 mod tests_fitted;
@@ -55,7 +55,7 @@ pub use analyze::{
     SLOPE_FROM_S, analyze,
 };
 pub use curve::{Curve, StepWindow, Tension};
-pub use error::{CreepError, Failure, NoEntry, NoForecast, Unusable};
+pub use error::{CreepError, Failure, NoEntry, NoForecast, TestFileError, Unusable};
 pub use fit::{Fit, fit};
 pub use forecast::{Forecast, akaike_weights, combined_forecast};
 pub use isochronous::{Isochrone, IsochronePoint, LoadQuantity, isochrones};
@@ -75,9 +75,12 @@ pub use rope_base::{FixedParameter, RopeBase, WhyFixed};
 pub use rope_entry::{EntrySource, rope_entry};
 pub use scatter::{Scatter, scatter};
 pub use solver::{Ending, LeastSquares, Minimum, Residuals, Termination, TrustRegion};
-pub use source::{Conditions, Source, SourceColumn, read_specimens, specimens_of};
 pub use span::Span;
 pub use superposition::{Arrhenius, Isotherm, Shift, Superposition, Wlf, superpose};
+pub use test_file::{
+    ColumnChoice, Conditions, Source, SourceColumn, Specimen, TestFile, TestFormat, TestOptions,
+    TestQuantity, read_specimens, read_test, read_test_bytes, specimens_of,
+};
 pub use tests_analyzed::{AnalyzeReport, AnalyzeRequest, OutOfRange, Tests, analyze_tests};
 pub use tests_compared::{CompareReport, ShiftReport, compare, shift};
 pub use tests_fitted::{

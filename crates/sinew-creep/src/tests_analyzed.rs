@@ -6,11 +6,11 @@ use super::isochronous::{Isochrone, isochrones};
 use super::parallel::each;
 use super::record::{PrepareOptions, Prepared, prepare};
 use super::scatter::{Scatter, scatter};
-use super::source::{Conditions, Source};
+use super::test_file::Specimen;
+use super::test_file::{Conditions, Source};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
 use sinew_files::number::three_digits;
-use sinew_log::Specimen;
 
 /// What is asked of creep tests.
 #[derive(Debug, Clone, Default)]

@@ -2,12 +2,12 @@
 
 use super::error::{CreepError, Failure, Unusable};
 use super::rank::{Rank, rank};
-use super::source::Source;
 use super::superposition::{Isotherm, Superposition, superpose};
+use super::test_file::Source;
 use super::tests_analyzed::Tests;
+use crate::test_file::{Specimen, TestQuantity};
 use serde::{Deserialize, Serialize};
 use sinew_files::JsonDocument;
-use sinew_log::{Specimen, TestQuantity};
 
 /// Ropes in the order of their strain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -11,7 +11,7 @@ use super::outlook::Outlook;
 use super::parallel::each;
 use super::rope_base::RopeBase;
 use super::rope_entry::{EntrySource, rope_entry};
-use super::source::Source;
+use super::test_file::Source;
 use super::tests_analyzed::Tests;
 use super::withhold::{Coverage, withhold_all};
 use serde::{Deserialize, Serialize};

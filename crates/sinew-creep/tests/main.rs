@@ -10,3 +10,5 @@ mod rope;
 #[path = "../../sinew-files/tests/support/skipped.rs"]
 mod skipped;
 mod support;
+mod test_files;
+mod test_files_of_others;

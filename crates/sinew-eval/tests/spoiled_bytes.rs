@@ -5,7 +5,7 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_camera::{Picture, ReadOptions, ScaleReader, decode};
-use sinew_log::{TestOptions, TestQuantity, read_test_bytes};
+use sinew_creep::{TestOptions, TestQuantity, read_test_bytes};
 
 const CSV: &[u8] =
     b"L0 (mm),350\ntime_s,force_N,elongation_mm\n0,2.0,0.0\n5,60.0,1.402\n10,60.1,1.44\n\

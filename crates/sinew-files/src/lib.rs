@@ -6,6 +6,7 @@
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
 //! * [`bound`]: what a number may be, and the unit its key ends in;
 //! * [`limits`]: what is read and simulated at most;
+//! * [`unit`]: units that a file may name, as factors to SI;
 //! * [`names`]: the name somebody may have meant;
 //! * [`number`]: numbers as a reader wants them;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
@@ -29,6 +30,7 @@ pub mod number;
 pub mod section;
 pub mod temporary;
 pub mod text;
+pub mod unit;
 mod utf16;
 
 pub use atomic::{AtomicFile, OutputError, folder_of, is_stdout, take_replaced, write_file};

@@ -96,7 +96,6 @@
 //! A damaged or lossy recording is never an error of a call: see [`Health::is_damaged`].
 
 pub mod assemble;
-mod creep_tests;
 pub mod decode;
 pub mod encode;
 mod error;
@@ -108,12 +107,7 @@ pub mod live;
 mod mapping;
 mod options;
 mod sources;
-mod unit;
 
-pub use creep_tests::{
-    ColumnChoice, ColumnUse, Specimen, TestFile, TestFormat, TestOptions, TestQuantity, read_test,
-    read_test_bytes,
-};
 pub use error::{Ambiguity, LogError};
 pub use files::{
     Arrays, Cell, CellKind, Column, Compression, CsvWriter, Format, FrameWriter, GivenMessages,

@@ -2,8 +2,6 @@
 
 mod ahead;
 mod arrays;
-mod creep_tests;
-mod creep_tests_of_others;
 mod damage;
 #[cfg(feature = "db3")]
 mod db3;

@@ -3,7 +3,7 @@
 use ::parquet::file::reader::{FileReader as _, SerializedFileReader};
 use ::parquet::record::Field;
 use sinew_log::{Cell, CellKind, Frame, FrameWriter as _, OpenOptions, Quantities, Table};
-use sinew_log::{ParquetWriter, TableWriter, TestOptions, TestQuantity, read_test};
+use sinew_log::{ParquetWriter, TableWriter};
 use std::fs::File;
 
 /// Numbers that are hard to write: tiny, huge, no finite decimal.
@@ -66,44 +66,6 @@ fn parquet_holds_every_cell_exactly_over_several_groups() {
         assert_eq!(found, wanted);
     }
     assert!(rows.next().is_none());
-}
-
-#[test]
-fn our_own_reader_reads_the_same_numbers_from_csv_and_parquet() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut table = Table::new(&[
-        ("time_s", CellKind::Number),
-        ("force_n", CellKind::Number),
-        ("strain_ratio", CellKind::Number),
-    ]);
-    for row in 0..50 {
-        let x = f64::from(row);
-        table.push(vec![
-            (x / 3.0).into(),
-            (60.0 + x / 7.0).into(),
-            (1e-3 * x.sqrt()).into(),
-        ]);
-    }
-    let options = TestOptions {
-        columns: vec!["force=force_n:N".parse().unwrap()],
-        ..TestOptions::default()
-    };
-    let read = |name: &str| {
-        let path = folder.path().join(name);
-        table.write(&path).unwrap();
-        let file = read_test(&path, &options).unwrap();
-        file.specimens[0].clone()
-    };
-    let (csv, parquet) = (read("a.csv"), read("a.parquet"));
-    for quantity in TestQuantity::ALL {
-        assert_eq!(csv.column(quantity), parquet.column(quantity));
-    }
-    let number = |cell: &Cell| match cell {
-        Cell::Number(x) => *x,
-        _ => f64::NAN,
-    };
-    let strain: Vec<f64> = table.rows.iter().map(|row| number(&row[2])).collect();
-    assert_eq!(csv.column(TestQuantity::Strain), Some(&strain[..]));
 }
 
 #[test]

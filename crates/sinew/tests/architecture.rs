@@ -51,16 +51,7 @@ fn crates_see_only_whom_they_may() {
         ("sinew-camera", &["sinew-files", "sinew-figure"]),
         ("sinew-rope", &["sinew-files", "sinew-model"]),
         ("sinew-trend", &["sinew-files", "sinew-model", "sinew-rope"]),
-        (
-            "sinew-creep",
-            &[
-                "sinew-files",
-                "sinew-model",
-                "sinew-log",
-                "sinew-figure",
-                "sinew-rope",
-            ],
-        ),
+        ("sinew-creep", &["sinew-files", "sinew-model", "sinew-rope"]),
         (
             "sinew-estimate",
             &[

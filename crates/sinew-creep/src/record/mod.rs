@@ -1,6 +1,6 @@
 //! From a specimen's columns to a curve: zero, preload, ramp, stages, faults.
 
-use sinew_log::{Specimen, TestQuantity};
+use crate::test_file::{Specimen, TestQuantity};
 
 mod faults;
 mod load;

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
-use sinew_log::{Specimen, TestOptions, TestQuantity, read_test_bytes};
+use sinew_creep::{Specimen, TestOptions, TestQuantity, read_test_bytes};
 
 fn specimen(time: Vec<f64>, force: Vec<f64>, strain: Vec<f64>) -> Specimen {
     let mut s = Specimen::default();

@@ -3,7 +3,7 @@
 use super::times;
 use crate::skipped::shared;
 use sinew_creep::*;
-use sinew_log::{TestOptions, TestQuantity, read_test};
+use sinew_creep::{TestOptions, TestQuantity, read_test};
 
 #[test]
 fn shift_factors_of_a_made_material_come_back() {

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::{Curve, Law};
-use sinew_log::{Specimen, TestQuantity as Q};
+use sinew_creep::{Specimen, TestQuantity as Q};
 
 /// Loads from a time on, N.
 struct Bench {

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use sinew_creep::*;
-use sinew_log::{Specimen, TestQuantity};
+use sinew_creep::{Specimen, TestQuantity};
 use sinew_rope::Catalogue;
 use sinew_rope::law::entry::Uncertainty;
 use sinew_rope::law::{Law as RopeLaw, Parameter as P, Parameters, RopeLoad, State};

@@ -5,7 +5,7 @@ use sinew_files::{Bound, Fault, Fields as _, Located, Section, TomlFile};
 use super::unit::{self, time_unit_exponent};
 use super::{JointEffort, JointMap, Mapping, McapMap, Source, Term, TimeMap, Wrap};
 use crate::frame::Quantity;
-use crate::unit::{Dimension, Unit};
+use sinew_files::unit::{Dimension, Unit};
 
 /// Most bytes a mapping file may have: a mapping is written by hand.
 pub(super) const TEXT_LIMIT_BYTES: u64 = sinew_files::limits::SETTINGS.most;

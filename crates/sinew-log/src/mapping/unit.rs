@@ -1,7 +1,7 @@
 //! Units of a recording's signals.
 
 use crate::frame::Quantity;
-use crate::unit::{Dimension as D, Unit};
+use sinew_files::unit::{Dimension as D, Unit};
 
 /// What the units of a mapping measure.
 const DIMENSIONS: [D; 10] = [

@@ -4,10 +4,13 @@ use crate::files::{Named, check_outputs, write_table, write_text};
 use crate::terminal::{Bar, Failure, Word, answer_as, complain};
 use crate::text::{plain, plain_lines};
 use clap::Args;
-use sinew_creep::{AnalyzeOptions, AnalyzeRequest, Conditions, PrepareOptions, Source, Tests};
+use sinew_creep::{
+    AnalyzeOptions, AnalyzeRequest, ColumnChoice, Conditions, PrepareOptions, Source, Specimen,
+    TestOptions, Tests,
+};
 use sinew_figure::Page;
 use sinew_files::JsonDocument;
-use sinew_log::{ColumnChoice, Specimen, Table, TestOptions};
+use sinew_log::Table;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]

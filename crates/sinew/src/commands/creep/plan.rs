@@ -6,8 +6,9 @@ use crate::files::{Named, check_outputs, write_table};
 use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
-use sinew_creep::{BenchTest, PlanRequest, PrepareOptions, RopeBase, check_plan, prepare};
-use sinew_log::TestOptions;
+use sinew_creep::{
+    BenchTest, PlanRequest, PrepareOptions, RopeBase, TestOptions, check_plan, prepare,
+};
 use sinew_report::creep;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Creep tests as other programs write them (`data/make_creep_tests.py`), and their bytes damaged.
 
-use sinew_log::{TestFormat, TestOptions, TestQuantity, read_test, read_test_bytes};
+use sinew_creep::{TestFormat, TestOptions, TestQuantity, read_test, read_test_bytes};
 use std::path::{Path, PathBuf};
 
 fn data(name: &str) -> PathBuf {
@@ -23,13 +23,14 @@ fn assert_near(found: Option<&[f64]>, want: &[f64]) {
 fn a_workbook_gives_the_tests_of_its_sheets() {
     let file = read_test(&data("creep.xlsx"), &TestOptions::default()).unwrap();
     assert_eq!(file.format, TestFormat::Xlsx);
-    assert_eq!(file.specimens.len(), 2, "{:?}", file.notes);
+    assert_eq!(file.specimens.len(), 2, "{:?}", file.source.notes);
     assert!(
-        file.notes
+        file.source
+            .notes
             .iter()
             .any(|n| n.starts_with("sheet 'Notes' is not used: ")),
         "{:?}",
-        file.notes
+        file.source.notes
     );
     let a = &file.specimens[0];
     assert_near(a.column(TestQuantity::Time), &[0.0, 60.0, 180.0]);

@@ -4,19 +4,30 @@ use std::f64::consts::PI;
 
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Dimension {
+pub enum Dimension {
+    /// Times, s.
     Time,
+    /// Angles, rad.
     Angle,
+    /// Lengths, m.
     Length,
+    /// Areas, m².
     Area,
+    /// Speeds of rotation, rad/s.
     AngularVelocity,
+    /// Speeds, m/s.
     Velocity,
+    /// Torques, N·m.
     Torque,
+    /// Forces, N.
     Force,
+    /// Pressures and stresses, Pa.
     Pressure,
+    /// Electric currents, A.
     Current,
-    /// The factor is to °C.
+    /// Temperatures; the factor is to °C.
     Temperature,
+    /// Counts of an encoder.
     Count,
     /// Strain, humidity. The factor is to 1.
     Ratio,
@@ -26,10 +37,13 @@ pub(crate) enum Dimension {
 
 /// A unit: `si = raw * factor + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Unit {
-    pub(crate) factor: f64,
-    pub(crate) offset: f64,
-    pub(crate) dimension: Dimension,
+pub struct Unit {
+    /// Factor to SI.
+    pub factor: f64,
+    /// What is added after it.
+    pub offset: f64,
+    /// What it measures.
+    pub dimension: Dimension,
 }
 
 use Dimension as D;
@@ -110,14 +124,18 @@ const TABLE: &[(&[&str], f64, f64, Dimension)] = &[
 ];
 
 impl Unit {
-    pub(crate) const SI: Unit = Unit {
+    /// A number that is in SI as it stands.
+    pub const SI: Unit = Unit {
         factor: 1.0,
         offset: 0.0,
         dimension: D::One,
     };
 
-    /// Finds a unit of one of these dimensions by its name; the error lists what is known.
-    pub(crate) fn parse(text: &str, dimensions: &[Dimension]) -> Result<Unit, String> {
+    /// Finds a unit of one of these dimensions by its name.
+    ///
+    /// # Errors
+    /// A sentence that lists the units that are known.
+    pub fn parse(text: &str, dimensions: &[Dimension]) -> Result<Unit, String> {
         let mut known = TABLE.iter().filter(|unit| dimensions.contains(&unit.3));
         let found = known.clone().find(|(names, ..)| names.contains(&text));
         let unit = found.map(|&(_, factor, offset, dimension)| Unit {

@@ -9,7 +9,7 @@ use calamine::{Data, Reader, Xlsx, XlsxError, open_workbook_from_rs};
 use sinew_files::csv::Dialect;
 
 use super::cells::{Cell, Room, Table};
-use crate::error::LogError;
+use crate::error::TestFileError;
 use sinew_files::limits;
 use sinew_files::names::list;
 
@@ -20,10 +20,10 @@ pub(super) fn read(
     bytes: Vec<u8>,
     file: &str,
     sheet: Option<&str>,
-) -> Result<Vec<Table>, LogError> {
-    let refuse = |reason: String| LogError::refused(file, reason);
+) -> Result<Vec<Table>, TestFileError> {
+    let refuse = |reason: String| TestFileError::refused(file, reason);
     // The library decodes foreign bytes; a panic in it must not end the program.
-    let tables = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         check_parts(&bytes, file)?;
         let mut room = Room::new(file);
         let mut book: Xlsx<_> = open_workbook_from_rs(Cursor::new(bytes))
@@ -33,10 +33,10 @@ pub(super) fn read(
             None => names,
             Some(sheet) if names.iter().any(|name| name == sheet) => vec![sheet.to_owned()],
             Some(sheet) => {
-                return Err(LogError::request(
-                    file,
-                    format!("no sheet '{sheet}'; sheets are {}", list(&names)),
-                ));
+                return Err(TestFileError::Request {
+                    file: file.to_owned(),
+                    reason: format!("no sheet '{sheet}'; sheets are {}", list(&names)),
+                });
             }
         };
         let mut tables = Vec::new();
@@ -82,14 +82,13 @@ pub(super) fn read(
         }
         Ok(tables)
     }))
-    .map_err(|_| refuse("its workbook is damaged".to_owned()))??;
-    Ok(tables)
+    .map_err(|_| refuse("its workbook is damaged".to_owned()))?
 }
 
 /// Unpacks every part once, piece by piece, and refuses what would not fit in memory.
-fn check_parts(bytes: &[u8], file: &str) -> Result<(), LogError> {
+fn check_parts(bytes: &[u8], file: &str) -> Result<(), TestFileError> {
     const PIECE_BYTES: usize = 1 << 16;
-    let refuse = |reason: String| LogError::refused(file, reason);
+    let refuse = |reason: String| TestFileError::refused(file, reason);
     let damaged = |error: &dyn std::fmt::Display| refuse(format!("not a workbook: {error}"));
     let mut parts = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(&e))?;
     let [mut sheets, mut others] = [0_u64; 2];

@@ -1,8 +1,9 @@
 //! A table before anybody knows what its columns mean.
 
-use crate::error::LogError;
+use crate::error::TestFileError;
 use sinew_files::csv::Dialect;
 use sinew_files::limits;
+use sinew_files::text::{Encoding, decode};
 
 /// A cell as found.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,24 +55,20 @@ impl<'f> Room<'f> {
     }
 
     /// Takes a row, which needs as much memory as some cells.
-    pub(super) fn take_row(&mut self) -> Result<(), LogError> {
+    pub(super) fn take_row(&mut self) -> Result<(), TestFileError> {
         const AS_CELLS: usize = 4;
         self.take(AS_CELLS)
     }
 
     /// Takes cells.
-    pub(super) fn take(&mut self, cells: usize) -> Result<(), LogError> {
+    pub(super) fn take(&mut self, cells: usize) -> Result<(), TestFileError> {
         self.taken = self.taken.saturating_add(cells as u64);
-        match self.taken > limits::TEST_CELLS.most {
-            false => Ok(()),
-            true => Err(LogError::refused(
-                self.file,
-                format!(
-                    "it has more cells; {}: leave out columns, or thin out the rows",
-                    limits::TEST_CELLS
-                ),
-            )),
+        if self.taken <= limits::TEST_CELLS.most {
+            return Ok(());
         }
+        let limit = limits::TEST_CELLS;
+        let reason = format!("it has more cells; {limit}: leave out columns, or thin out the rows");
+        Err(TestFileError::refused(self.file, reason))
     }
 }
 
@@ -85,4 +82,35 @@ pub(super) struct Table {
     pub(super) places: Vec<u64>,
     /// What was repaired while reading.
     pub(super) notes: Vec<String>,
+}
+
+impl Table {
+    /// Delimited text as cells.
+    pub(super) fn of_text(bytes: &[u8], file: &str) -> Result<Table, TestFileError> {
+        let mut table = Table::default();
+        let (text, encoding) = decode(bytes, file)?;
+        if encoding == Encoding::Cp1252 {
+            let note = "not UTF-8: read as code page 1252 (Latin)";
+            table.notes.push(note.to_owned());
+        }
+        let dialect = Dialect::of_lines(&text);
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(dialect.delimiter)
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        let mut room = Room::new(file);
+        for record in reader.records() {
+            let record = record.map_err(|error| {
+                TestFileError::refused(file, format!("it is not delimited text: {error}"))
+            })?;
+            room.take_row()?;
+            room.take(record.len())?;
+            let row = record.iter().map(|cell| Cell::of_text(cell, dialect));
+            table.rows.push(row.collect());
+            let line = record.position().map_or(0, csv::Position::line);
+            table.places.push(line);
+        }
+        Ok(table)
+    }
 }

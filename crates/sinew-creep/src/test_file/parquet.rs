@@ -1,26 +1,25 @@
 //! Parquet as cells: names in the first row.
 
+use ::parquet::errors::ParquetError;
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::record::Field;
 use bytes::Bytes;
-use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::Field;
 
 use sinew_files::csv::Dialect;
 
 use super::cells::{Cell, Room, Table};
-use crate::error::LogError;
+use crate::error::TestFileError;
 
-pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Vec<Table>, LogError> {
-    let refuse = |reason: String| LogError::refused(file, reason);
+pub(super) fn read(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
     // The library's decoders may panic on damaged pages.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| cells(bytes, file)))
-        .map_err(|_| refuse("its pages are damaged".to_owned()))?
-        .map(|table| vec![table])
+        .map_err(|_| TestFileError::refused(file, "its pages are damaged"))?
 }
 
-fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, LogError> {
-    let refuse =
-        |error: ParquetError| LogError::refused(file, format!("not readable as Parquet: {error}"));
+fn cells(bytes: Vec<u8>, file: &str) -> Result<Table, TestFileError> {
+    let refuse = |error: ParquetError| {
+        TestFileError::refused(file, format!("not readable as Parquet: {error}"))
+    };
     let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(refuse)?;
     let mut room = Room::new(file);
     let names: Vec<Cell> = reader

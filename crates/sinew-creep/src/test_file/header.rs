@@ -1,9 +1,8 @@
 //! Where the table starts: names and values above, header, units, rows.
 
-use super::TestQuantity;
 use super::cells::{Cell, Table};
 use super::columns::{quantity_of, split};
-use super::unit;
+use super::quantity::{TestQuantity, parse_unit};
 
 /// Rows above the first row of numbers that may belong to the head of a file.
 const HEAD_ROWS: usize = 200;
@@ -67,11 +66,11 @@ pub(super) fn find(table: &Table) -> Result<Head, String> {
         }
         if let (Cell::Number(raw), Some(unit)) = (value, &unit)
             && let Some(quantity) = quantity_of(&bare, Some(unit))
-            && let Ok(unit) = unit::parse(unit)
-            && unit.fits(quantity)
+            && let Ok(unit) = parse_unit(unit)
+            && quantity.may_be_in(unit)
         {
             head.constants
-                .push((quantity, unit.convert(quantity, *raw)));
+                .push((quantity, quantity.convert(unit, *raw)));
         }
         head.words.push((name.to_owned(), value.text()));
     }
@@ -96,6 +95,6 @@ fn is_units(row: &[Cell], columns: usize) -> bool {
         && row.iter().all(|cell| {
             let text = cell.text();
             let text = text.trim_matches(['[', ']', '(', ')']);
-            text.is_empty() || unit::parse(text).is_ok()
+            text.is_empty() || parse_unit(text).is_ok()
         })
 }

@@ -1,15 +1,16 @@
 //! Test files: dialects that laboratories write, and what is refused.
 
 use crate::skipped::shared;
-use sinew_log::{LogError, TestOptions, TestQuantity, read_test, read_test_bytes};
+use sinew_creep::{TestFileError, TestOptions, TestQuantity, read_test, read_test_bytes};
+use sinew_log::{Cell, CellKind, Table};
 
-fn read(text: &str) -> Result<sinew_log::TestFile, LogError> {
+fn read(text: &str) -> Result<sinew_creep::TestFile, TestFileError> {
     read_test_bytes(text.as_bytes().to_vec(), "t.csv", &TestOptions::default())
 }
 
 fn refusal(text: &str) -> String {
     match read(text) {
-        Ok(file) => panic!("read as {:?}", file.columns),
+        Ok(file) => panic!("read as {:?}", file.source.columns),
         Err(error) => error.to_string(),
     }
 }
@@ -79,7 +80,7 @@ fn names_that_end_in_si_units_are_read() {
     assert_eq!(s.column(TestQuantity::Force), Some(&[1.5, 60.0][..]));
     assert_eq!(s.column(TestQuantity::Strain), Some(&[0.0, 0.005][..]));
     assert_eq!(s.column(TestQuantity::Temperature), Some(&[23.0, 23.0][..]));
-    assert!(file.notes.is_empty(), "{:?}", file.notes);
+    assert!(file.source.notes.is_empty(), "{:?}", file.source.notes);
 }
 
 #[test]
@@ -109,9 +110,9 @@ fn a_unit_is_never_guessed_where_it_changes_the_numbers() {
     );
     let file = read("time_s,strain\n0,0\n1,1e-3\n").unwrap();
     assert!(
-        file.notes[0].contains("taken as a ratio"),
+        file.source.notes[0].contains("taken as a ratio"),
         "{:?}",
-        file.notes
+        file.source.notes
     );
 }
 
@@ -122,7 +123,13 @@ fn what_is_no_test_is_refused_with_its_place() {
     assert!(refusal("time_s,strain_1\n0,0\n1,oops\n2,0\n").contains("line 3, column 'strain_1'"));
     assert!(refusal("1,2\n3,4\n").contains("no header"));
     assert!(refusal("").contains("empty"));
-    assert!(read("time_s,strain_1\n0,0\n1,1e-3\n2,oops").unwrap().notes[0].contains("cut off"));
+    assert!(
+        read("time_s,strain_1\n0,0\n1,1e-3\n2,oops")
+            .unwrap()
+            .source
+            .notes[0]
+            .contains("cut off")
+    );
     let old = read_test_bytes(
         b"\xd0\xcf\x11\xe0aaaaaaaa".to_vec(),
         "a.xls",
@@ -158,8 +165,12 @@ fn choices_win_over_headers_and_wrong_ones_name_the_nearest() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("did you mean 'clock'"), "{error}");
-    assert!("force=a:stone".parse::<sinew_log::ColumnChoice>().is_err());
-    assert!("weight=a".parse::<sinew_log::ColumnChoice>().is_err());
+    assert!(
+        "force=a:stone"
+            .parse::<sinew_creep::ColumnChoice>()
+            .is_err()
+    );
+    assert!("weight=a".parse::<sinew_creep::ColumnChoice>().is_err());
 }
 
 #[test]
@@ -179,4 +190,42 @@ fn all_204_spruce_tests_are_told_apart() {
     assert_eq!(first.constant(TestQuantity::Humidity), Some(30.0));
     let hour = first.column(TestQuantity::Time).unwrap()[1] / 3600.0;
     assert!((hour - 0.008_333_333_3).abs() < 1e-15);
+}
+
+#[test]
+fn our_own_reader_reads_the_same_numbers_from_csv_and_parquet() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut table = Table::new(&[
+        ("time_s", CellKind::Number),
+        ("force_n", CellKind::Number),
+        ("strain_ratio", CellKind::Number),
+    ]);
+    for row in 0..50 {
+        let x = f64::from(row);
+        table.push(vec![
+            (x / 3.0).into(),
+            (60.0 + x / 7.0).into(),
+            (1e-3 * x.sqrt()).into(),
+        ]);
+    }
+    let options = TestOptions {
+        columns: vec!["force=force_n:N".parse().unwrap()],
+        ..TestOptions::default()
+    };
+    let read = |name: &str| {
+        let path = folder.path().join(name);
+        table.write(&path).unwrap();
+        let file = read_test(&path, &options).unwrap();
+        file.specimens[0].clone()
+    };
+    let (csv, parquet) = (read("a.csv"), read("a.parquet"));
+    for quantity in TestQuantity::ALL {
+        assert_eq!(csv.column(quantity), parquet.column(quantity));
+    }
+    let number = |cell: &Cell| match cell {
+        Cell::Number(x) => *x,
+        _ => f64::NAN,
+    };
+    let strain: Vec<f64> = table.rows.iter().map(|row| number(&row[2])).collect();
+    assert_eq!(csv.column(TestQuantity::Strain), Some(&strain[..]));
 }

@@ -1,0 +1,216 @@
+//! What a header says: quantity and unit.
+
+use super::quantity::{TestQuantity as Q, parse_unit};
+use super::{ColumnChoice, TestQuantity};
+use crate::error::TestFileError;
+use sinew_files::names::{hint, list};
+use sinew_files::unit::Unit;
+use sinew_files::{Fault, Located};
+
+/// A column with its meaning.
+#[derive(Debug, Clone)]
+pub(super) struct Role {
+    pub(super) quantity: TestQuantity,
+    pub(super) index: usize,
+    pub(super) unit: Unit,
+    pub(super) unit_name: String,
+}
+
+/// Words of a header, in English and German, and what they mean.
+const WORDS: [(TestQuantity, &str); 10] = [
+    (
+        Q::GaugeLength,
+        "l0 gauge gaugelength messlänge einspannlänge",
+    ),
+    (Q::Area, "area querschnitt fläche"),
+    (Q::Humidity, "humidity rh feuchte moisture luftfeuchte"),
+    (Q::Temperature, "temperature temp temperatur"),
+    (Q::Modulus, "modulus relax modul"),
+    (Q::Strain, "strain dehnung epsilon eps ε"),
+    (Q::Stress, "stress spannung sigma σ"),
+    (
+        Q::Elongation,
+        "elongation extension displacement travel verlängerung weg standardweg traversenweg dl δl stroke",
+    ),
+    (Q::Force, "force load kraft standardkraft last f tension"),
+    (Q::Time, "time zeit prüfzeit elapsed timestamp t"),
+];
+
+/// Words that make another quantity of the one beside them; the last three are ends of an interval, and what pulls two
+/// strands at once.
+const STRANGERS: &str = "compliance rate degree velocity speed std error target max min setpoint soll date low high carriage";
+
+/// Units at the end of a name as Sinew's own tables write them.
+const IN_NAMES: [(&str, &str); 8] = [
+    ("n", "N"),
+    ("kn", "kN"),
+    ("pa", "Pa"),
+    ("mpa", "MPa"),
+    ("ratio", "m/m"),
+    ("percent", "%"),
+    ("c", "°C"),
+    ("k", "K"),
+];
+
+/// Header split into name and unit: `Force (N)`, `Force [N]`, `F / N`, `force_N`, `force_n`, `Force, N`.
+pub(super) fn split(header: &str) -> (String, Option<String>) {
+    let header = header.trim();
+    let found = |name: &str, unit: &str| (name.trim().to_owned(), Some(unit.trim().to_owned()));
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some(body) = header.strip_suffix(close)
+            && let Some((name, unit)) = body.rsplit_once(open)
+        {
+            return found(name, unit);
+        }
+    }
+    // `force_n`, `strain_percent`: only where the unit can be one of what the name says.
+    if let Some((name, end)) = header.rsplit_once('_')
+        && let Some((_, unit)) = IN_NAMES.iter().find(|(known, _)| *known == end)
+        && let (Some(quantity), Ok(parsed)) = (quantity_of(name, None), parse_unit(unit))
+        && quantity.may_be_in(parsed)
+    {
+        return (name.to_owned(), Some((*unit).to_owned()));
+    }
+    for separator in [" / ", ", ", " in ", "_", " "] {
+        if let Some((name, unit)) = header.rsplit_once(separator)
+            && !name.trim().is_empty()
+            && parse_unit(unit.trim()).is_ok()
+            && !(separator == " " && unit.trim() == "1")
+        {
+            return found(name, unit);
+        }
+    }
+    (header.to_owned(), None)
+}
+
+/// What a header measures, if a word of it says so.
+pub(super) fn quantity_of(name: &str, unit: Option<&str>) -> Option<TestQuantity> {
+    let unit = unit.and_then(|unit| parse_unit(unit).ok());
+    // One letter means what its unit or its case says.
+    match name.trim() {
+        "T" if unit.is_none_or(|unit| Q::Temperature.may_be_in(unit)) => {
+            return Some(Q::Temperature);
+        }
+        "E" => return Some(Q::Modulus),
+        _ => {}
+    }
+    let lower = name.to_lowercase();
+    let is_among = |known: &str| {
+        let mut words = lower.split(|c: char| !c.is_alphanumeric());
+        words.any(|word| !word.is_empty() && known.split(' ').any(|known| known == word))
+    };
+    if is_among(STRANGERS) {
+        return None;
+    }
+    let found = WORDS.iter().find(|(_, known)| is_among(known));
+    found.map(|(quantity, _)| *quantity)
+}
+
+/// Index of a column that was asked for by its header, exactly, without regard to case, or (with `bare`) without its unit.
+pub(super) fn column_index(
+    headers: &[String],
+    wanted: &str,
+    bare: bool,
+    file: &str,
+) -> Result<usize, TestFileError> {
+    let exact = headers.iter().position(|header| header == wanted);
+    let near = |header: &String| {
+        header.eq_ignore_ascii_case(wanted) || bare && split(header).0.eq_ignore_ascii_case(wanted)
+    };
+    exact
+        .or_else(|| headers.iter().position(near))
+        .ok_or_else(|| {
+            let (hint, list) = (hint(wanted, headers), list(headers));
+            TestFileError::Request {
+                file: file.to_owned(),
+                reason: format!("no column '{wanted}'{hint} columns are {list}"),
+            }
+        })
+}
+
+/// Meaning of every column that has one.
+pub(super) fn roles(
+    headers: &[String],
+    units: &[String],
+    choices: &[ColumnChoice],
+    file: &str,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Role>, TestFileError> {
+    let refuse =
+        |reason: String| TestFileError::from(Located::new(file, Fault::NotAllowed, reason));
+    let below = |index: usize| units.get(index).filter(|unit| !unit.is_empty()).cloned();
+    let mut roles: Vec<Role> = Vec::new();
+    for choice in choices {
+        let index = column_index(headers, &choice.column, true, file)?;
+        let header = &headers[index];
+        let stated = choice.unit.clone().or_else(|| split(header).1);
+        let unit = stated.or_else(|| below(index));
+        roles.push(role(choice.quantity, index, header, unit, notes).map_err(refuse)?);
+    }
+    for (index, header) in headers.iter().enumerate() {
+        if roles.iter().any(|role| role.index == index) {
+            continue;
+        }
+        let (name, unit) = split(header);
+        let unit = unit.or_else(|| below(index));
+        let Some(quantity) = quantity_of(&name, unit.as_deref()) else {
+            continue;
+        };
+        if let Some(first) = roles.iter().find(|role| role.quantity == quantity) {
+            if !choices.iter().any(|choice| choice.quantity == quantity) {
+                notes.push(format!(
+                    "column '{header}' is not used: '{}' is the {} already",
+                    headers[first.index],
+                    quantity.name()
+                ));
+            }
+            continue;
+        }
+        match role(quantity, index, header, unit, notes) {
+            Ok(found) => roles.push(found),
+            // Without these no test can be read right; anything else is left out, and said.
+            Err(reason) if matches!(quantity, Q::Time | Q::Force | Q::Elongation | Q::Strain) => {
+                return Err(refuse(reason));
+            }
+            Err(reason) => notes.push(format!("column not used: {reason}")),
+        }
+    }
+    Ok(roles)
+}
+
+fn role(
+    quantity: TestQuantity,
+    index: usize,
+    header: &str,
+    unit: Option<String>,
+    notes: &mut Vec<String>,
+) -> Result<Role, String> {
+    let name = quantity.name();
+    let unit_name = match unit {
+        Some(unit) => unit,
+        None if quantity == Q::Strain => {
+            notes.push(format!(
+                "column '{header}' has no unit: taken as a ratio (m/m); say strain={header}:% if it is in percent"
+            ));
+            "1".to_owned()
+        }
+        None => {
+            return Err(format!(
+                "column '{header}' ({name}) has no unit; say it, such as {name}={header}:{}",
+                quantity.customary_unit()
+            ));
+        }
+    };
+    let unit = parse_unit(&unit_name).map_err(|error| format!("column '{header}': {error}"))?;
+    if !quantity.may_be_in(unit) {
+        return Err(format!(
+            "column '{header}' is taken as {name}, but its unit {unit_name} can't be one; say what it is, such as elongation={header}:mm"
+        ));
+    }
+    Ok(Role {
+        quantity,
+        index,
+        unit,
+        unit_name,
+    })
+}
