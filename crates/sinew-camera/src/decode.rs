@@ -1,6 +1,6 @@
 //! PNG and JPEG bytes to grey levels.
 
-use super::picture::{Picture, SIDE_LIMIT_PX};
+use super::picture::{Picture, check_sides};
 use std::io::Cursor;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -19,7 +19,7 @@ const LUMINANCE: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 /// alpha channel is ignored.
 ///
 /// # Errors
-/// What the decoder says, or the size where it is beyond [`SIDE_LIMIT_PX`].
+/// What the decoder says, or the size where it is beyond [`crate::SIDE_LIMIT_PX`].
 pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
     if bytes.starts_with(PNG_SIGNATURE) {
         png(bytes)
@@ -77,15 +77,6 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
         .map_err(|e| e.to_string())?;
     let levels = luminance(samples, space.num_components(), u8::MAX.into(), |v| v as u8);
     Picture::from_luma8(width, height, levels)
-}
-
-fn check_sides(width: usize, height: usize) -> Result<(), String> {
-    if width.max(height) > SIDE_LIMIT_PX as usize {
-        return Err(format!(
-            "{width} × {height} px; each side must be 1 to {SIDE_LIMIT_PX} px"
-        ));
-    }
-    Ok(())
 }
 
 fn buffer(size_bytes: Option<usize>) -> Result<Vec<u8>, String> {

@@ -7,8 +7,9 @@
 //! Neighbouring blocks whose phases follow each other at that frequency then make up the scale.
 
 use super::picture::Picture;
+use super::robust::median;
 use super::spectrum::{Spectrum, between_bins};
-use super::strips::{Blocks, Demodulator, Region, Strips};
+use super::strips::{Blocks, Demodulator, Region, STRIP_ROWS, Strips};
 use std::f64::consts::TAU;
 
 /// Fewest pixels from line to line: with fewer the second harmonic, which tells thin lines from a
@@ -16,8 +17,6 @@ use std::f64::consts::TAU;
 pub const PITCH_LEAST_PX: f64 = 4.0;
 /// Most pixels from line to line.
 pub const PITCH_MOST_PX: f64 = 250.0;
-/// Rows of a strip.
-pub(crate) const STRIP_ROWS: usize = 8;
 /// Smallest contrast that counts as a line, share of the light: 1 grey level of 8 bits at medium
 /// light.
 const CONTRAST_LEAST: f64 = 0.008;
@@ -57,31 +56,25 @@ pub(crate) struct Found {
     pub(crate) member: Vec<bool>,
 }
 
-/// Why there is no scale; words for a message.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct NotFound(pub(crate) String);
-
-/// Finds the scale in a picture or the part of it that is named.
+/// Finds the scale in a picture or the part of it that is named; the error is why there is none.
 pub(crate) fn find(
     picture: &Picture,
     within: Option<Region>,
     upright: Option<bool>,
-) -> Result<Found, NotFound> {
+) -> Result<Found, String> {
     let mut best: Option<(f64, Found)> = None;
     let mut reason = String::new();
     for turn in [false, true] {
         if upright.is_some_and(|wanted| wanted != turn) {
             continue;
         }
-        let turned;
-        let (view, part) = if turn {
-            turned = picture.transposed();
-            (&turned, within.map(Region::transposed))
-        } else {
-            (picture, within)
+        let view = picture.lying(turn);
+        let part = match within {
+            Some(part) if turn => part.transposed(),
+            Some(part) => part,
+            None => Region::whole(&view),
         };
-        let part = part.unwrap_or_else(|| Region::whole(view));
-        match find_along(view, part, turn) {
+        match find_along(&view, part, turn) {
             Ok((weight, found)) if best.as_ref().is_none_or(|(w, _)| weight > *w) => {
                 best = Some((weight, found));
             }
@@ -90,7 +83,7 @@ pub(crate) fn find(
             Err(_) => {}
         }
     }
-    best.map(|(_, found)| found).ok_or(NotFound(reason))
+    best.map(|(_, found)| found).ok_or(reason)
 }
 
 /// Finds a scale along the rows; also its summed amplitude, to choose between two directions.
@@ -101,23 +94,18 @@ fn find_along(picture: &Picture, part: Region, upright: bool) -> Result<(f64, Fo
             part.width, part.height
         ));
     }
-    let strips = Strips::of(picture, part, STRIP_ROWS);
+    let strips = Strips::of(picture, part);
     let frequency = vote(&strips)?;
-    let blocks = Demodulator::new(frequency, part.width).blocks(&strips);
+    let demodulator = Demodulator::new(frequency, part.width);
+    let blocks = demodulator.blocks(&strips);
     let member = grow(&blocks).ok_or_else(|| {
         format!(
             "a pattern every {:.1} px, but no connected region of lines",
             1.0 / frequency
         )
     })?;
-    let weight = blocks
-        .all
-        .iter()
-        .zip(&member)
-        .filter(|(_, member)| **member)
-        .map(|(block, _)| block.contrast())
-        .sum();
-    let half = Demodulator::new(frequency, part.width).length() as f64 / 2.0;
+    let weight = blocks.members(&member).map(|b| b.contrast()).sum();
+    let half = demodulator.length() as f64 / 2.0;
     let region = around(&blocks, &member, half, picture);
     Ok((
         weight,
@@ -134,11 +122,7 @@ fn find_along(picture: &Picture, part: Region, upright: bool) -> Result<(f64, Fo
 /// The frequency that most stretches have their peak at.
 fn vote(strips: &Strips) -> Result<f64, String> {
     let width = strips.region.width;
-    let length = if width >= STRETCH_PX {
-        STRETCH_PX
-    } else {
-        1 << (usize::BITS - 1 - width.leading_zeros())
-    };
+    let length = STRETCH_PX.min(1 << width.ilog2());
     // Large pitches need long stretches: averaging neighbouring pixels makes the stretch longer.
     let mut votes: Vec<(f64, f64)> = Vec::new();
     let mut shrink = 1;
@@ -189,9 +173,9 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
             else {
                 continue;
             };
-            let mut sorted = power[lowest..=highest].to_vec();
-            sorted.sort_unstable_by(f64::total_cmp);
-            let median = sorted[sorted.len() / 2];
+            let Some(median) = median(power[lowest..=highest].to_vec()) else {
+                continue;
+            };
             let contrast = power[peak].sqrt() / mean.max(0.5 / 255.0);
             let is_peak = power[peak] > power[peak - 1] && power[peak] > power[peak + 1];
             if !is_peak || contrast < CONTRAST_LEAST || power[peak] < PEAK_OVER_MEDIAN * median {
@@ -244,8 +228,8 @@ fn grow(blocks: &Blocks) -> Option<Vec<bool>> {
     let strong = *contrasts.get(contrasts.len() - 1 - contrasts.len() / 50)?;
     let least = (BLOCK_SHARE * strong).max(CONTRAST_LEAST);
     let bright: Vec<bool> = blocks.all.iter().map(|b| b.contrast() >= least).collect();
-    let across = common_step(blocks, &bright, 0, 1);
-    let down = common_step(blocks, &bright, 1, 0);
+    let across = common_step(blocks, &bright, (0, 1));
+    let down = common_step(blocks, &bright, (1, 0));
     let mut label = vec![usize::MAX; blocks.all.len()];
     let mut best: (f64, usize, usize) = (0.0, 0, 0);
     let mut queue = Vec::new();
@@ -262,7 +246,7 @@ fn grow(blocks: &Blocks) -> Option<Vec<bool>> {
             let (s, w) = (at / blocks.windows, at % blocks.windows);
             let mut visit = |to: usize, from: usize, step: f64| {
                 if bright[to] && label[to] == usize::MAX {
-                    let off = turn(blocks, from, to) - step;
+                    let off = cycles(blocks.all[from].turn_to(&blocks.all[to])) - step;
                     if (off - off.round()).abs() < STEP_TOLERANCE {
                         label[to] = seed;
                         queue.push(to);
@@ -289,33 +273,21 @@ fn grow(blocks: &Blocks) -> Option<Vec<bool>> {
     (best.2 >= BLOCKS_LEAST).then(|| label.iter().map(|l| *l == best.1).collect())
 }
 
-/// Phase from one block to another, cycles.
-pub(crate) fn turn(blocks: &Blocks, from: usize, to: usize) -> f64 {
-    let (a, b) = (&blocks.all[from], &blocks.all[to]);
-    (b.im * a.re - b.re * a.im).atan2(b.re * a.re + b.im * a.im) / TAU
+/// Angle of a phasor, cycles.
+fn cycles((re, im): (f64, f64)) -> f64 {
+    im.atan2(re) / TAU
 }
 
 /// Mean phase step between neighbours `(strips, windows)` apart, cycles.
-fn common_step(blocks: &Blocks, used: &[bool], strips: usize, windows: usize) -> f64 {
-    let (mut re, mut im) = (0.0, 0.0);
-    for s in 0..blocks.strips.saturating_sub(strips) {
-        for w in 0..blocks.windows.saturating_sub(windows) {
-            let from = s * blocks.windows + w;
-            let to = (s + strips) * blocks.windows + w + windows;
-            if used[from] && used[to] {
-                let (a, b) = (&blocks.all[from], &blocks.all[to]);
-                re += b.re * a.re + b.im * a.im;
-                im += b.im * a.re - b.re * a.im;
-            }
-        }
-    }
-    im.atan2(re) / TAU
+fn common_step(blocks: &Blocks, used: &[bool], apart: (usize, usize)) -> f64 {
+    let turns = blocks.pairs(used, apart).map(|(a, b)| a.turn_to(b));
+    cycles(turns.fold((0.0, 0.0), |sum, turn| (sum.0 + turn.0, sum.1 + turn.1)))
 }
 
 fn around(blocks: &Blocks, member: &[bool], half: f64, picture: &Picture) -> Region {
     let (mut left, mut right) = (f64::MAX, f64::MIN);
     let (mut top, mut bottom) = (f64::MAX, f64::MIN);
-    for (block, _) in blocks.all.iter().zip(member).filter(|(_, m)| **m) {
+    for block in blocks.members(member) {
         left = left.min(block.x - half);
         right = right.max(block.x + half);
         top = top.min(block.y - STRIP_ROWS as f64 / 2.0);

@@ -65,14 +65,7 @@ fn terms(blocks: &Blocks, member: &[bool]) -> usize {
 /// Pitch, tilt, bend and twist from the phase steps between neighbours, which need no unwrapping.
 fn start(found: &Found) -> Option<PhaseMap> {
     let blocks = &found.blocks;
-    let members = || {
-        blocks
-            .all
-            .iter()
-            .zip(&found.member)
-            .filter(|(_, m)| **m)
-            .map(|(b, _)| b)
-    };
+    let members = || blocks.members(&found.member);
     let count = members().count();
     if count == 0 {
         return None;
@@ -85,8 +78,8 @@ fn start(found: &Found) -> Option<PhaseMap> {
             .fold(8.0, f64::max)
     };
     let (half_width, half_height) = (half(&|b| b.x, x0), half(&|b| b.y, y0));
-    let (across, bend) = steps(blocks, &found.member, 0, 1, x0, found.frequency);
-    let (down, twist) = steps(blocks, &found.member, 1, 0, x0, found.frequency);
+    let (across, bend) = steps(blocks, &found.member, (0, 1), x0, found.frequency);
+    let (down, twist) = steps(blocks, &found.member, (1, 0), x0, 0.0);
     Some(PhaseMap {
         x0,
         y0,
@@ -103,45 +96,35 @@ fn start(found: &Found) -> Option<PhaseMap> {
     })
 }
 
-/// Phase slope per pixel between neighbours, beyond the frequency, and its change along x.
+/// Phase slope per pixel between neighbours, beyond the frequency along them, and its change along x.
 fn steps(
     blocks: &Blocks,
     member: &[bool],
-    strips: usize,
-    windows: usize,
+    neighbour: (usize, usize),
     x0: f64,
     frequency: f64,
 ) -> (f64, f64) {
     let mut equations = Vec::new();
-    for w in 0..blocks.windows.saturating_sub(windows) {
-        let (mut re, mut im, mut middle, mut apart) = (0.0, 0.0, 0.0, 1.0);
-        for s in 0..blocks.strips.saturating_sub(strips) {
-            let from = s * blocks.windows + w;
-            let to = (s + strips) * blocks.windows + w + windows;
-            if member[from] && member[to] {
-                let (a, b) = (&blocks.all[from], &blocks.all[to]);
-                re += b.re * a.re + b.im * a.im;
-                im += b.im * a.re - b.re * a.im;
-                middle = 0.5 * (a.x + b.x);
-                apart = (b.x - a.x) + (b.y - a.y);
-            }
+    for window in 0..blocks.windows.saturating_sub(neighbour.1) {
+        let (mut re, mut im, mut middle, mut apart) = (0.0_f64, 0.0_f64, 0.0, 1.0);
+        for (a, b) in blocks.pairs_in(member, neighbour, window) {
+            let turn = a.turn_to(b);
+            re += turn.0;
+            im += turn.1;
+            middle = 0.5 * (a.x + b.x);
+            apart = (b.x - a.x) + (b.y - a.y);
         }
         let weight = re.hypot(im);
         if weight > 0.0 {
-            let nominal = if windows > 0 { frequency * apart } else { 0.0 };
             equations.push(Equation {
                 row: [1.0, (middle - x0) / 1000.0, 0.0, 0.0, 0.0, 0.0],
-                value: wrap(im.atan2(re) / TAU - nominal) / apart,
+                value: wrap(im.atan2(re) / TAU - frequency * apart) / apart,
                 weight,
             });
         }
     }
-    let fit = if equations.len() >= 6 {
-        robust::fit(&equations, 2)
-    } else {
-        robust::fit(&equations, 1)
-    };
-    match fit {
+    let terms = if equations.len() >= 6 { 2 } else { 1 };
+    match robust::fit(&equations, terms) {
         Some(fit) => (fit.coefficients[0], fit.coefficients[1] / 1000.0),
         None => (equations.first().map_or(0.0, |e| e.value), 0.0),
     }

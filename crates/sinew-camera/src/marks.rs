@@ -5,7 +5,8 @@
 
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
-use super::strips::{Blocks, Strips};
+use super::robust::quantile;
+use super::strips::{Blocks, STRIP_ROWS, Strips};
 
 /// Bands across the scale.
 const BANDS: usize = 12;
@@ -43,19 +44,14 @@ impl Bands {
     /// Around the blocks that belong to the scale.
     pub(crate) fn around(blocks: &Blocks, member: &[bool], map: &PhaseMap) -> Self {
         let (sin, cos) = map.tilt_rad().sin_cos();
-        let mut across: Vec<f64> = blocks
-            .all
-            .iter()
-            .zip(member)
-            .filter(|(_, m)| **m)
-            .map(|(b, _)| (b.y - map.y0) * cos - (b.x - map.x0) * sin)
+        let across: Vec<f64> = blocks
+            .members(member)
+            .map(|b| (b.y - map.y0) * cos - (b.x - map.x0) * sin)
             .collect();
-        across.sort_unstable_by(f64::total_cmp);
-        let share = |p: f64| across[((across.len() - 1) as f64 * p).round() as usize];
-        if across.is_empty() {
+        let share = |p: f64| quantile(across.clone(), p);
+        let (Some(from), Some(to)) = (share(0.02), share(0.98)) else {
             return Self { from: 0.0, to: 0.0 };
-        }
-        let (from, to) = (share(0.02), share(0.98));
+        };
         let beyond = BEYOND * (to - from) + 4.0;
         Self {
             from: from - beyond,
@@ -144,7 +140,7 @@ impl<'a> Looking<'a> {
             sin,
             cos,
             height,
-            looks: (height / strips.rows as f64).ceil().max(1.0) as usize,
+            looks: (height / STRIP_ROWS as f64).ceil().max(1.0) as usize,
         }
     }
 
@@ -170,7 +166,7 @@ impl<'a> Looking<'a> {
     fn add(&self, x: f64, y: f64, across: f64, levels: &mut [f64; POINTS]) -> Option<f64> {
         let (px, py) = (x - across * self.sin, y + across * self.cos);
         let region = self.strips.region;
-        let place = (py - region.y as f64 + 0.5) / self.strips.rows as f64 - 0.5;
+        let place = (py - region.y as f64 + 0.5) / STRIP_ROWS as f64 - 0.5;
         if place < 0.0 || place > self.strips.count as f64 - 1.0 {
             return Some(0.0);
         }
@@ -241,7 +237,7 @@ mod tests {
         )
         .unwrap();
         let region = super::super::strips::Region::whole(&picture);
-        let strips = Strips::of(&picture, region, 8);
+        let strips = Strips::of(&picture, region);
         let sums = Sums::of(&strips);
         // From 1.25 to 3.75 in pixel sides: ¾ of 0.2, all of 0.4, ¾ of 0.6.
         let mean = sums.mean(&strips, 0, 2.0, 1.25).unwrap();

@@ -23,11 +23,11 @@ pub struct Frame {
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
-    /// Why.
+    /// Reason of the rejection.
     pub reason: RejectionKind,
-    /// How many.
+    /// Number of frames.
     pub frames: usize,
-    /// First of them with its message.
+    /// Name of the first of them with its message.
     pub first: String,
 }
 

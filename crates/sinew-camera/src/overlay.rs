@@ -8,6 +8,7 @@ use super::marks::places;
 use super::picture::Picture;
 use super::reading::{Reading, Scale};
 use super::rejection::millimetres;
+use super::strips::STRIP_ROWS;
 use super::visibility::View;
 use sinew_figure::plot::{escape_xml, pixels};
 
@@ -40,7 +41,7 @@ pub(crate) fn draw(
         upright: view.upright,
     };
     let half = (view.window_px / 4) as f64;
-    let rows = view.strip_rows as f64 / 2.0;
+    let rows = STRIP_ROWS as f64 / 2.0;
     for (i, block) in view.blocks.all.iter().enumerate() {
         if view.lined[i] {
             let colour = if view.shift.agree[i] { GREEN } else { RED };
@@ -53,10 +54,7 @@ pub(crate) fn draw(
             );
         }
     }
-    let agreed = || {
-        let blocks = view.blocks.all.iter().zip(&view.shift.agree);
-        blocks.filter(|(_, agree)| **agree).map(|(block, _)| block)
-    };
+    let agreed = || view.blocks.members(&view.shift.agree);
     let left = agreed().map(|b| b.x).fold(f64::MAX, f64::min) - 2.0 * half;
     let right = agreed().map(|b| b.x).fold(f64::MIN, f64::max) + 2.0 * half;
     let top = agreed().map(|b| b.y).fold(f64::MAX, f64::min) - rows;

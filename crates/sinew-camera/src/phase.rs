@@ -7,7 +7,7 @@
 
 use super::find::BLOCK_SHARE;
 use super::phase_map::PhaseMap;
-use super::robust::{self, Equation};
+use super::robust::{self, Equation, median};
 use super::strips::{Block, Blocks};
 use std::f64::consts::TAU;
 
@@ -25,9 +25,8 @@ pub(crate) struct Shift {
     pub(crate) phase_std: f64,
     /// Pitch now over pitch of the map, minus one.
     pub(crate) stretch: f64,
-    /// Slopes against the map, cycles per scaled length.
+    /// Slope against the map along the scale, cycles per scaled length.
     pub(crate) du: f64,
-    pub(crate) dv: f64,
     /// Length of the mean phasor of the blocks used: 1 where all agree.
     pub(crate) coherence: f64,
     /// Scatter of the blocks' phases, cycles.
@@ -90,10 +89,7 @@ pub(super) fn collect<'a>(blocks: &'a Blocks, member: &[bool], map: &PhaseMap) -
             }
         })
         .collect();
-    let mut weights: Vec<f64> = used.iter().map(|u| u.weight).collect();
-    if !weights.is_empty() {
-        let middle = weights.len() / 2;
-        let median = *weights.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if let Some(median) = median(used.iter().map(|u| u.weight).collect()) {
         for u in &mut used {
             u.weight = (u.weight / median.max(f64::MIN_POSITIVE)).min(WEIGHT_CAP);
         }
@@ -122,15 +118,15 @@ pub(crate) fn measure(
         return None;
     }
     // A rock larger than the blocks' own phases would wrap: neighbours tell its slope first.
-    let (mut du, mut dv) = (0.0, 0.0);
+    let mut du = 0.0;
     if !still {
         let slope = (
-            rock(blocks, member, map, 0, 1) * map.half_width,
-            rock(blocks, member, map, 1, 0) * map.half_height,
+            rock(blocks, member, map, (0, 1)) * map.half_width,
+            rock(blocks, member, map, (1, 0)) * map.half_height,
         );
         // Where much is covered, the neighbours' steps may come from what covers it.
         if agreement(&used, map, slope) > agreement(&used, map, (0.0, 0.0)) {
-            (du, dv) = slope;
+            du = slope.0;
             for u in &mut used {
                 u.turn_back(map, slope);
             }
@@ -160,13 +156,11 @@ pub(crate) fn measure(
         total += e.weight;
     }
     du += c[1];
-    dv += c[2];
     Some(Shift {
         phase: wrap(mean + c[0]),
         phase_std: fit.first_std * OVERLAP_VARIANCE.sqrt(),
         stretch: -du / map.half_width * map.pitch_px(),
         du,
-        dv,
         coherence: re.hypot(im) / total.max(f64::MIN_POSITIVE),
         scatter: fit.scatter,
         agree,
@@ -177,21 +171,14 @@ pub(crate) fn measure(
 const AGREE_CYCLES: f64 = 0.12;
 
 /// Common phase step between neighbours once the map is taken out, cycles per pixel.
-fn rock(blocks: &Blocks, member: &[bool], map: &PhaseMap, strips: usize, windows: usize) -> f64 {
+fn rock(blocks: &Blocks, member: &[bool], map: &PhaseMap, neighbour: (usize, usize)) -> f64 {
     let (mut re, mut im, mut apart) = (0.0, 0.0, 1.0);
-    for s in 0..blocks.strips.saturating_sub(strips) {
-        for w in 0..blocks.windows.saturating_sub(windows) {
-            let from = s * blocks.windows + w;
-            let to = (s + strips) * blocks.windows + w + windows;
-            if member[from] && member[to] {
-                let (a, b) = (&blocks.all[from], &blocks.all[to]);
-                let (si, co) = (-TAU * (map.at(b.x, b.y) - map.at(a.x, a.y))).sin_cos();
-                let (r, i) = (b.re * a.re + b.im * a.im, b.im * a.re - b.re * a.im);
-                re += r * co - i * si;
-                im += i * co + r * si;
-                apart = (b.x - a.x) + (b.y - a.y);
-            }
-        }
+    for (a, b) in blocks.pairs(member, neighbour) {
+        let (sin, cos) = (-TAU * (map.at(b.x, b.y) - map.at(a.x, a.y))).sin_cos();
+        let (r, i) = a.turn_to(b);
+        re += r * cos - i * sin;
+        im += i * cos + r * sin;
+        apart = (b.x - a.x) + (b.y - a.y);
     }
     im.atan2(re) / TAU / apart
 }

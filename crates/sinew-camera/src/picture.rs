@@ -1,5 +1,7 @@
 //! A frame as grey levels.
 
+use std::borrow::Cow;
+
 /// Widest and highest picture that is read, px. A 100-megapixel camera has 11,648 × 8,736.
 pub const SIDE_LIMIT_PX: u32 = sinew_files::limits::PICTURE_SIDE.most as u32;
 
@@ -47,12 +49,12 @@ impl Picture {
         })
     }
 
-    /// Columns.
+    /// Returns the number of columns.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
@@ -70,8 +72,16 @@ impl Picture {
         }
     }
 
+    /// The picture with its scale along the rows.
+    pub(crate) fn lying(&self, upright: bool) -> Cow<'_, Self> {
+        match upright {
+            true => Cow::Owned(self.transposed()),
+            false => Cow::Borrowed(self),
+        }
+    }
+
     /// Rows become columns: a scale that stands upright lies down.
-    pub(crate) fn transposed(&self) -> Self {
+    fn transposed(&self) -> Self {
         let levels = match &self.levels {
             Levels::Eight(v) => Levels::Eight(transpose(v, self.width, self.height)),
             Levels::Sixteen(v) => Levels::Sixteen(transpose(v, self.width, self.height)),
@@ -84,13 +94,19 @@ impl Picture {
     }
 }
 
-fn check(width: usize, height: usize, count: usize) -> Result<(), String> {
+/// Refuses a side that is 0 or too long.
+pub(crate) fn check_sides(width: usize, height: usize) -> Result<(), String> {
     let limit = SIDE_LIMIT_PX as usize;
     if width == 0 || height == 0 || width > limit || height > limit {
         return Err(format!(
             "{width} × {height} px; each side must be 1 to {limit} px"
         ));
     }
+    Ok(())
+}
+
+fn check(width: usize, height: usize, count: usize) -> Result<(), String> {
+    check_sides(width, height)?;
     if count != width * height {
         return Err(format!(
             "{count} grey levels for {width} × {height} = {} px",

@@ -1,6 +1,6 @@
 //! The frame a series is measured against, and every later frame held against it.
 
-use super::find::{self, Found, NotFound, PITCH_LEAST_PX, STRIP_ROWS, TILT_MOST_DEG};
+use super::find::{self, Found, PITCH_LEAST_PX, TILT_MOST_DEG};
 use super::fit_phase_map::fit_phase_map;
 use super::line_index::{Counted, LineIndex};
 use super::marks::{self, Bands, Code};
@@ -9,7 +9,8 @@ use super::phase_map::PhaseMap;
 use super::picture::Picture;
 use super::reading::{PITCH_M, ReadOptions, Reading, Scale};
 use super::rejection::{DARK, Rejection};
-use super::strips::{Blocks, Demodulator, Region, Strips};
+use super::robust::median;
+use super::strips::{Blocks, Demodulator, Region, STRIP_ROWS, Strips};
 use super::visibility::{
     View, line_contrast, line_rows, occlusion, scale_contrast, search_window, visible_lines,
 };
@@ -77,21 +78,15 @@ impl Reference {
     pub(super) fn new(picture: &Picture, options: &ReadOptions) -> Result<(Self, View), Rejection> {
         let found = match find::find(picture, options.region, options.upright) {
             Ok(found) => found,
-            Err(NotFound(reason)) => {
+            Err(reason) => {
                 let part = options.region.unwrap_or_else(|| Region::whole(picture));
                 if part.height >= STRIP_ROWS {
-                    check_light(&Strips::of(picture, part, STRIP_ROWS))?;
+                    check_light(&Strips::of(picture, part))?;
                 }
                 return Err(Rejection::NoScale(reason));
             }
         };
-        let turned;
-        let view = if found.upright {
-            turned = picture.transposed();
-            &turned
-        } else {
-            picture
-        };
+        let view = picture.lying(found.upright);
         let none = |why: &str| Rejection::NoScale(why.to_owned());
         let (map, shift) =
             fit_phase_map(&found).ok_or_else(|| none("lines don't follow each other evenly"))?;
@@ -110,7 +105,7 @@ impl Reference {
                 map.pitch_px()
             )));
         }
-        Ok(Self::build(picture, view, options, &found, map, &shift))
+        Ok(Self::build(picture, &view, options, &found, map, &shift))
     }
 
     fn build(
@@ -129,7 +124,7 @@ impl Reference {
         let window = search_window(found.region, whole);
         let demodulator = Demodulator::new(found.frequency, whole.width);
         let bands = Bands::around(&found.blocks, &found.member, &map);
-        let strips = Strips::of(view, window, STRIP_ROWS);
+        let strips = Strips::of(view, window);
         let blocks = demodulator.blocks(&strips);
         let strong = scale_contrast(&blocks, found.region);
         let rows = line_rows(found.region);
@@ -175,18 +170,12 @@ impl Reference {
         if (width, height) != self.size {
             return Err(Rejection::Size(width, height, self.size.0, self.size.1));
         }
-        let turned;
-        let view = if self.upright {
-            turned = picture.transposed();
-            &turned
-        } else {
-            picture
-        };
-        let result = self.read_in(view, self.window, options);
+        let view = picture.lying(self.upright);
+        let result = self.read_in(&view, self.window, options);
         // The scale may have left the part it was first seen in.
         match result {
             Err(Rejection::NoScale(_) | Rejection::Covered { .. }) if self.window != self.whole => {
-                let again = self.read_in(view, self.whole, options);
+                let again = self.read_in(&view, self.whole, options);
                 if again.is_ok() { again } else { result }
             }
             _ => result,
@@ -199,7 +188,7 @@ impl Reference {
         window: Region,
         options: &ReadOptions,
     ) -> Result<(Reading, View), Rejection> {
-        let strips = Strips::of(view, window, STRIP_ROWS);
+        let strips = Strips::of(view, window);
         check_light(&strips)?;
         let blocks = self.demodulator.blocks(&strips);
         let measured = self.measure(&blocks, window)?;
@@ -297,7 +286,6 @@ impl Reference {
             shift,
             map: self.map.clone(),
             window,
-            strip_rows: STRIP_ROWS,
             window_px: self.demodulator.length(),
             blocks,
         }
@@ -305,9 +293,7 @@ impl Reference {
 
     /// Median contrast of the first frames used.
     fn usual(&self) -> f64 {
-        let mut usual = self.usual.clone();
-        usual.sort_unstable_by(f64::total_cmp);
-        usual[usual.len() / 2]
+        median(self.usual.clone()).unwrap_or(0.0)
     }
 }
 

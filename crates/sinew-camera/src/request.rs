@@ -68,6 +68,13 @@ pub(super) fn check(request: &Request) -> Result<(), CameraError> {
             "a line every {pitch} mm can't be; above 0, at most 100 mm"
         ));
     }
+    if let Times::Rate(rate) = request.times
+        && !(rate > 0.0 && rate.is_finite())
+    {
+        return refuse(format!(
+            "a frame rate of {rate} 1/s can't be; say frames per second above 0"
+        ));
+    }
     let ratio = request.elongation_per_movement;
     if !ratio.is_finite() || ratio == 0.0 {
         return refuse(format!(

@@ -20,8 +20,6 @@ pub(crate) struct Fit {
     pub(crate) first_std: f64,
     /// Standard deviation of a residual of weight 1.
     pub(crate) scatter: f64,
-    /// Sum of the weights that were left.
-    pub(crate) weight: f64,
 }
 
 /// Tukey's constant for 95 % efficiency with Gaussian residuals.
@@ -75,10 +73,7 @@ pub(crate) fn fit(equations: &[Equation], terms: usize) -> Option<Fit> {
                 .iter()
                 .map(|e| residual(e, &coefficients, terms) * e.weight.sqrt()),
         );
-        let mut sizes: Vec<f64> = scaled.iter().map(|r| r.abs()).collect();
-        let middle = sizes.len() / 2;
-        let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let cut = TUKEY * MAD_TO_STD * median;
+        let cut = TUKEY * MAD_TO_STD * median(scaled.iter().map(|r| r.abs()).collect())?;
         if cut <= 0.0 {
             break;
         }
@@ -91,11 +86,10 @@ pub(crate) fn fit(equations: &[Equation], terms: usize) -> Option<Fit> {
             };
         }
     }
-    let (mut squares, mut count, mut weight) = (0.0, 0.0, 0.0);
+    let (mut squares, mut count) = (0.0, 0.0);
     for (equation, keep) in equations.iter().zip(&keep) {
         squares += equation.weight * keep * residual(equation, &coefficients, terms).powi(2);
         count += keep;
-        weight += equation.weight * keep;
     }
     if count <= terms as f64 {
         return None;
@@ -105,8 +99,21 @@ pub(crate) fn fit(equations: &[Equation], terms: usize) -> Option<Fit> {
         coefficients,
         first_std: (variance * inverse_first).max(0.0).sqrt(),
         scatter: variance.sqrt(),
-        weight,
     })
+}
+
+/// Middle value, the upper one of two.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    let values = (!values.is_empty()).then_some(&mut values)?;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Value that a share of the others lies below.
+pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let place = (share.clamp(0.0, 1.0) * last as f64).round() as usize;
+    Some(*values.select_nth_unstable_by(place, f64::total_cmp).1)
 }
 
 fn residual(equation: &Equation, coefficients: &[f64; TERMS], terms: usize) -> f64 {

@@ -25,11 +25,8 @@ pub struct Progress {
     pub total: usize,
 }
 
-struct Arrival {
-    name: String,
-    time_s: f64,
-    picture: Result<Picture, String>,
-}
+/// Name of a frame, its time, s, and the picture or why it can't be decoded; an error ends the run.
+type Arrival = Result<(String, f64, Result<Picture, String>), CameraError>;
 
 /// Reads all frames. Decoding runs in a thread of its own.
 ///
@@ -53,15 +50,8 @@ pub fn run(
                     let picture = read_bytes(&file.path, &limits::PICTURE_FILE)
                         .map_err(|e| e.to_string())
                         .and_then(|bytes| decode(&bytes));
-                    let (name, time_s) = (file.name, file.time_s);
-                    if sender
-                        .send(Ok(Arrival {
-                            name,
-                            time_s,
-                            picture,
-                        }))
-                        .is_err()
-                    {
+                    let arrival = Ok((file.name, file.time_s, picture));
+                    if sender.send(arrival).is_err() {
                         return;
                     }
                 }
@@ -87,17 +77,9 @@ pub fn run(
     })
 }
 
-fn decode_video(video: &mut Video, sender: &SyncSender<Result<Arrival, CameraError>>) {
-    loop {
-        let arrival = match video.next() {
-            Ok(None) => return,
-            Ok(Some((name, time_s, picture))) => Ok(Arrival {
-                name,
-                time_s,
-                picture: Ok(picture),
-            }),
-            Err(error) => Err(error),
-        };
+fn decode_video(video: &mut Video, sender: &SyncSender<Arrival>) {
+    while let Some(frame) = video.next().transpose() {
+        let arrival = frame.map(|(name, time_s, picture)| (name, time_s, Ok(picture)));
         let stop = arrival.is_err();
         if sender.send(arrival).is_err() || stop {
             return;
@@ -107,7 +89,7 @@ fn decode_video(video: &mut Video, sender: &SyncSender<Result<Arrival, CameraErr
 
 fn read_all(
     request: &Request,
-    arrivals: Receiver<Result<Arrival, CameraError>>,
+    arrivals: Receiver<Arrival>,
     total: usize,
     notes: Vec<String>,
     on_progress: &mut dyn FnMut(Progress),
@@ -117,11 +99,7 @@ fn read_all(
     let mut reference: Option<String> = None;
     let mut drawn = false;
     for arrival in arrivals {
-        let Arrival {
-            name,
-            time_s,
-            picture,
-        } = arrival?;
+        let (name, time_s, picture) = arrival?;
         // Only the first of several frames of one time is read: which would be right?
         let twin = frames.last().filter(|last| last.time_s == time_s);
         let looked = match (twin, &picture) {

@@ -1,5 +1,6 @@
 //! Power spectra of short stretches of a strip.
 
+use super::strips::hann;
 use std::f64::consts::TAU;
 
 /// Fourier transform of a fixed power-of-two length with a Hann window.
@@ -20,9 +21,7 @@ impl Spectrum {
         debug_assert!(length.is_power_of_two() && length >= 4);
         Self {
             length,
-            window: (0..length)
-                .map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / length as f64).cos())
-                .collect(),
+            window: hann(length),
             twiddles: (0..length / 2)
                 .map(|k| {
                     let (s, c) = (-TAU * k as f64 / length as f64).sin_cos();

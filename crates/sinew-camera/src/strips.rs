@@ -16,9 +16,9 @@ pub struct Region {
     pub x: usize,
     /// First row.
     pub y: usize,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
 }
 
@@ -42,13 +42,14 @@ impl Region {
     }
 }
 
+/// Rows of a strip.
+pub(crate) const STRIP_ROWS: usize = 8;
+
 /// Mean grey levels of strips of rows, 0 to 1.
 #[derive(Debug, Clone)]
 pub(crate) struct Strips {
     pub(crate) region: Region,
-    /// Rows in a strip.
-    pub(crate) rows: usize,
-    /// Strips.
+    /// Number of strips.
     pub(crate) count: usize,
     levels: Vec<f32>,
     /// Share of pixels at the white end.
@@ -56,54 +57,46 @@ pub(crate) struct Strips {
 }
 
 impl Strips {
-    /// Sums the rows of `region` that fill whole strips.
-    pub(crate) fn of(picture: &Picture, region: Region, rows: usize) -> Self {
-        let count = region.height / rows;
+    /// Averages the rows of `region` that fill whole strips.
+    pub(crate) fn of(picture: &Picture, region: Region) -> Self {
+        match picture.levels() {
+            Levels::Eight(levels) => Self::averaged(levels, picture.width(), region, 255, 254),
+            Levels::Sixteen(levels) => {
+                Self::averaged(levels, picture.width(), region, 65_535, 65_279)
+            }
+        }
+    }
+
+    fn averaged<T: Copy + Into<u32>>(
+        all: &[T],
+        picture_width: usize,
+        region: Region,
+        largest: u32,
+        white_from: u32,
+    ) -> Self {
+        let count = region.height / STRIP_ROWS;
+        let row = |y: usize| &all[y * picture_width + region.x..][..region.width];
+        let factor = 1.0 / (largest as f32 * STRIP_ROWS as f32);
         let mut levels = Vec::with_capacity(count * region.width);
         let mut sums = vec![0_u32; region.width];
-        let mut narrow = vec![0_u16; region.width];
-        let (mut white, mut seen) = (0_usize, 0_usize);
+        let mut white = 0_usize;
         for strip in 0..count {
-            let first = region.y + strip * rows;
-            let factor = match picture.levels() {
-                Levels::Eight(v) => {
-                    // At most 16 rows of 255 fit into 16 bits, which doubles the lanes.
-                    narrow.fill(0);
-                    for y in first..first + rows {
-                        let row = &v[y * picture.width() + region.x..][..region.width];
-                        for (sum, level) in narrow.iter_mut().zip(row) {
-                            *sum += u16::from(*level);
-                        }
-                    }
-                    let row = &v[first * picture.width() + region.x..][..region.width];
-                    white += row.iter().filter(|v| **v >= 254).count();
-                    for (sum, narrow) in sums.iter_mut().zip(&narrow) {
-                        *sum = u32::from(*narrow);
-                    }
-                    1.0 / (255.0 * rows as f32)
+            let first = region.y + strip * STRIP_ROWS;
+            sums.fill(0);
+            for y in first..first + STRIP_ROWS {
+                for (sum, level) in sums.iter_mut().zip(row(y)) {
+                    *sum += (*level).into();
                 }
-                Levels::Sixteen(v) => {
-                    sums.fill(0);
-                    for y in first..first + rows {
-                        let row = &v[y * picture.width() + region.x..][..region.width];
-                        for (sum, level) in sums.iter_mut().zip(row) {
-                            *sum += u32::from(*level);
-                        }
-                    }
-                    let row = &v[first * picture.width() + region.x..][..region.width];
-                    white += row.iter().filter(|v| **v >= 65_279).count();
-                    1.0 / (65_535.0 * rows as f32)
-                }
-            };
-            seen += region.width;
+            }
+            let levels_first = row(first).iter();
+            white += levels_first.filter(|v| (**v).into() >= white_from).count();
             levels.extend(sums.iter().map(|sum| *sum as f32 * factor));
         }
         Self {
             region,
-            rows,
             count,
             levels,
-            white: white as f64 / seen.max(1) as f64,
+            white: white as f64 / (count * region.width).max(1) as f64,
         }
     }
 
@@ -114,7 +107,7 @@ impl Strips {
 
     /// Row of the middle of a strip in the picture, px.
     pub(crate) fn y(&self, i: usize) -> f64 {
-        self.region.y as f64 + (i as f64 + 0.5) * self.rows as f64 - 0.5
+        self.region.y as f64 + (i as f64 + 0.5) * STRIP_ROWS as f64 - 0.5
     }
 
     /// Mean level of the whole.
@@ -143,6 +136,14 @@ impl Block {
         self.re.hypot(self.im)
     }
 
+    /// Phasor from this block to another.
+    pub(crate) fn turn_to(&self, to: &Self) -> (f64, f64) {
+        (
+            to.re * self.re + to.im * self.im,
+            to.im * self.re - to.re * self.im,
+        )
+    }
+
     /// Amplitude relative to the light: what uneven light leaves alone.
     pub(crate) fn contrast(&self) -> f64 {
         self.amplitude() / self.level.max(0.5 / 255.0)
@@ -158,8 +159,34 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) fn at(&self, strip: usize, window: usize) -> &Block {
-        &self.all[strip * self.windows + window]
+    /// The blocks that are members.
+    pub(crate) fn members<'a>(&'a self, member: &'a [bool]) -> impl Iterator<Item = &'a Block> {
+        let all = self.all.iter().zip(member);
+        all.filter(|(_, member)| **member).map(|(block, _)| block)
+    }
+
+    /// Pairs of members `strips` and `windows` apart whose first is in the window `window`.
+    pub(crate) fn pairs_in(
+        &self,
+        member: &[bool],
+        (strips, windows): (usize, usize),
+        window: usize,
+    ) -> impl Iterator<Item = (&Block, &Block)> {
+        (0..self.strips.saturating_sub(strips)).filter_map(move |strip| {
+            let from = strip * self.windows + window;
+            let to = from + strips * self.windows + windows;
+            (member[from] && member[to]).then(|| (&self.all[from], &self.all[to]))
+        })
+    }
+
+    /// All pairs of members `strips` and `windows` apart.
+    pub(crate) fn pairs(
+        &self,
+        member: &[bool],
+        (strips, windows): (usize, usize),
+    ) -> impl Iterator<Item = (&Block, &Block)> {
+        (0..self.windows.saturating_sub(windows))
+            .flat_map(move |window| self.pairs_in(member, (strips, windows), window))
     }
 }
 
@@ -175,7 +202,7 @@ pub(crate) struct Demodulator {
 
 /// Graduations in a window. Eight keep the lines of double distance four bins away, twice the
 /// Hann window's half width, and follow a pitch that changes by a tenth over the picture.
-pub(crate) const WINDOW_PERIODS: f64 = 8.0;
+const WINDOW_PERIODS: f64 = 8.0;
 /// Fewest graduations in a window of a narrow region.
 const WINDOW_PERIODS_LEAST: f64 = 4.0;
 
@@ -185,9 +212,7 @@ impl Demodulator {
         let periods = (width as f64 * frequency / 2.0).clamp(WINDOW_PERIODS_LEAST, WINDOW_PERIODS);
         let length = ((periods / frequency).round() as usize).max(8);
         let middle = (length as f64 - 1.0) / 2.0;
-        let hann: Vec<f64> = (0..length)
-            .map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / length as f64).cos())
-            .collect();
+        let hann = hann(length);
         let total: f64 = hann.iter().sum();
         let mut cos: Vec<f64> = Vec::with_capacity(length);
         let mut sin = Vec::with_capacity(length);
@@ -249,6 +274,12 @@ impl Demodulator {
     }
 }
 
+/// Weights of a Hann window.
+pub(crate) fn hann(length: usize) -> Vec<f64> {
+    let weight = |i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / length as f64).cos();
+    (0..length).map(weight).collect()
+}
+
 /// Three dot products in one pass. Sums are kept in eight lanes because the order of a sum of
 /// floats is fixed by the language: only so can the compiler use vector registers.
 fn dot3(v: &[f32], a: &[f32], b: &[f32], c: &[f32]) -> (f32, f32, f32) {
@@ -302,7 +333,7 @@ mod tests {
     fn the_phase_is_the_scales_coordinate() {
         let (pitch, offset) = (10.37, 3.2);
         let picture = comb(300, 16, pitch, offset);
-        let strips = Strips::of(&picture, Region::whole(&picture), 8);
+        let strips = Strips::of(&picture, Region::whole(&picture));
         let blocks = Demodulator::new(1.0 / pitch, 300).blocks(&strips);
         assert_eq!((blocks.strips, blocks.windows), (2, 6));
         for block in &blocks.all {
@@ -319,7 +350,7 @@ mod tests {
     fn light_without_lines_has_no_phase() {
         let levels = (0..200 * 8).map(|i| (i % 200) as u8 / 2 + 60).collect();
         let picture = Picture::from_luma8(200, 8, levels).unwrap();
-        let strips = Strips::of(&picture, Region::whole(&picture), 8);
+        let strips = Strips::of(&picture, Region::whole(&picture));
         for block in &Demodulator::new(0.1, 200).blocks(&strips).all {
             assert!(block.contrast() < 5e-3, "{block:?}");
         }

@@ -9,9 +9,9 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 /// The programs that decode.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VideoTools {
-    /// Decoder.
+    /// Program that decodes.
     pub ffmpeg: PathBuf,
-    /// Tells size and times.
+    /// Program that finds size and times.
     pub ffprobe: PathBuf,
 }
 
@@ -55,11 +55,6 @@ impl Video {
         })?;
         let (width, height, mut times) = probe(path, &tools.ffprobe).map_err(refuse)?;
         if let Some(rate) = rate {
-            if !(rate > 0.0 && rate.is_finite()) {
-                return Err(CameraError::Option(format!(
-                    "a frame rate of {rate} 1/s can't be; say frames per second above 0"
-                )));
-            }
             times = (0..times.len()).map(|i| i as f64 / rate).collect();
         }
         let mut child = Command::new(&tools.ffmpeg)

@@ -1,10 +1,10 @@
 //! What of the scale a frame shows: which rows, how strong, what is occluded.
 
-use super::find::STRIP_ROWS;
 use super::marks::{self, BEYOND};
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
-use super::strips::{Blocks, Region};
+use super::robust::quantile;
+use super::strips::{Blocks, Region, STRIP_ROWS};
 
 /// What a frame's measurement saw, for drawing.
 #[derive(Debug, Clone)]
@@ -15,7 +15,6 @@ pub(crate) struct View {
     pub(crate) shift: Shift,
     pub(crate) map: PhaseMap,
     pub(crate) window: Region,
-    pub(crate) strip_rows: usize,
     pub(crate) window_px: usize,
 }
 
@@ -46,33 +45,25 @@ pub(super) fn scale_contrast(blocks: &Blocks, region: Region) -> f64 {
             && y >= region.y as f64
             && y <= (region.y + region.height) as f64
     };
-    let mut contrasts: Vec<f64> = blocks
+    let contrasts: Vec<f64> = blocks
         .all
         .iter()
         .filter(|b| inside(b.x, b.y))
         .map(|b| b.contrast())
         .collect();
-    quantile(&mut contrasts, 0.8)
+    quantile(contrasts, 0.8).unwrap_or(0.0)
 }
 
 /// Contrast that a fifth of as many blocks as the scale has exceed.
 pub(super) fn line_contrast(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
-    let mut contrasts: Vec<f64> = blocks
+    let contrasts: Vec<f64> = blocks
         .all
         .iter()
         .filter(|b| b.y >= rows.0 && b.y <= rows.1)
         .map(|b| b.contrast())
         .collect();
     let share = 0.2 * members as f64 / contrasts.len().max(1) as f64;
-    quantile(&mut contrasts, 1.0 - share)
-}
-
-fn quantile(values: &mut [f64], share: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let place = (share.clamp(0.0, 1.0) * (values.len() - 1) as f64).round() as usize;
-    *values.select_nth_unstable_by(place, f64::total_cmp).1
+    quantile(contrasts, 1.0 - share).unwrap_or(0.0)
 }
 
 /// Whether the scale is occluded at a column: in a window that reaches there fewer than two thirds
@@ -93,7 +84,7 @@ pub(super) fn occlusion(
     sorted.sort_unstable();
     let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(usize::MAX);
     let reach = window_px as f64 / 2.0;
-    let middle: Vec<f64> = (0..blocks.windows).map(|w| blocks.at(0, w).x).collect();
+    let middle: Vec<f64> = (0..blocks.windows).map(|w| blocks.all[w].x).collect();
     let ends = (
         middle.first().copied().unwrap_or(0.0),
         middle.last().copied().unwrap_or(0.0),
@@ -112,7 +103,7 @@ pub(super) fn occlusion(
 /// Lines between the outermost blocks that agree.
 pub(super) fn visible_lines(map: &PhaseMap, shift: &Shift, blocks: &Blocks) -> usize {
     let (mut left, mut right) = (f64::MAX, f64::MIN);
-    for (block, _) in blocks.all.iter().zip(&shift.agree).filter(|(_, a)| **a) {
+    for block in blocks.members(&shift.agree) {
         left = left.min(block.x);
         right = right.max(block.x);
     }

@@ -55,7 +55,7 @@ pub struct File {
 pub struct Operations {
     /// Sums and differences.
     pub sums: usize,
-    /// Products.
+    /// Number of products.
     pub products: usize,
     /// Joints whose sine and cosine are taken.
     pub turns: usize,

@@ -194,7 +194,7 @@ pub struct Quantities {
     pub tau_m: bool,
     /// External torque.
     pub tau_ext: bool,
-    /// Temperature.
+    /// Temperature of the rope.
     pub temperature: bool,
 }
 

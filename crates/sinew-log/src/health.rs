@@ -181,11 +181,6 @@ impl Health {
         self.streams.iter().any(|s| s.lost_share() > MUCH_LOST)
     }
 
-    /// Bad samples over all signals.
-    pub fn non_finite_total(&self) -> u64 {
-        self.non_finite.iter().map(|signal| signal.count).sum()
-    }
-
     pub(crate) fn event(&mut self, time_ns: i64, kind: EventKind, text: impl FnOnce() -> String) {
         if self.events.len() < EVENT_LIMIT {
             self.events.push(Event {

@@ -18,7 +18,7 @@ pub struct RecordingInfo {
     pub file: String,
     /// Its format.
     pub format: Format,
-    /// Frames.
+    /// Number of frames.
     pub frames: u64,
     /// Time of the first frame, ns since the epoch of the recording's clock.
     pub start_time_ns: Option<i64>,

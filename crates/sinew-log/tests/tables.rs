@@ -67,7 +67,7 @@ fn empty_cells_and_nan_are_not_the_same() {
     assert!(frames[..3].iter().all(|frame| frame.q[0].is_nan()));
     assert_eq!(frames[3].q[0], 0.5);
     // The empty cell was not recorded; NaN and infinity were, and are bad.
-    assert_eq!(health.non_finite_total(), 2);
+    assert_eq!(health.non_finite.iter().map(|s| s.count).sum::<u64>(), 2);
     assert_eq!(health.non_finite[0].quantity, Quantity::Q);
     assert_eq!(health.frames_without_joint_side, 3);
 }

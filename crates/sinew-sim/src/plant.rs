@@ -98,7 +98,7 @@ pub(crate) struct Inputs<'a> {
     pub delta_e: &'a [f64],
     /// Factor on the stiffness.
     pub stiffness_scale: &'a [f64],
-    /// Contacts.
+    /// Forces of the contacts.
     pub forces: &'a [PointForce],
 }
 

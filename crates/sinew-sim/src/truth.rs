@@ -122,7 +122,7 @@ pub struct Touch {
 pub struct Frames {
     /// Written, repetitions included.
     pub written: u64,
-    /// Lost.
+    /// Frames that were lost.
     pub lost: u64,
     /// Written twice.
     pub duplicated: u64,

@@ -49,7 +49,7 @@ pub(crate) fn check_outputs(
             if let Some(other) = taken.or(asked("--json").then_some("--json")) {
                 return Err(place(format!("stdout is taken by {other}; name a file")));
             }
-            take_stdout()?;
+            take_stdout();
             continue;
         }
         if path.is_dir() {

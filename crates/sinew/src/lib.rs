@@ -7,7 +7,6 @@
 mod args;
 mod commands;
 mod files;
-mod process;
 mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};

@@ -135,7 +135,6 @@ pub(crate) fn answer(text: &str) -> Result<(), Failure> {
         let _ = stderr().write_all(text.as_bytes());
         return Ok(());
     }
-    check_stdout()?;
     let mut out = stdout().lock();
     (out.write_all(text.as_bytes()))
         .and_then(|()| out.flush())
@@ -143,22 +142,11 @@ pub(crate) fn answer(text: &str) -> Result<(), Failure> {
 }
 
 /// A file was asked for on stdout: answers go to stderr.
-pub(crate) fn take_stdout() -> Result<(), Failure> {
+pub(crate) fn take_stdout() {
     STDOUT_TAKEN.store(true, Ordering::Relaxed);
-    check_stdout()
 }
 
 static STDOUT_TAKEN: AtomicBool = AtomicBool::new(false);
-
-/// Refuses a stdout that nobody opened.
-fn check_stdout() -> Result<(), Failure> {
-    match crate::process::stdout_was_closed() {
-        true => Err(Failure::Refused(
-            "can't write to stdout: it is closed".into(),
-        )),
-        false => Ok(()),
-    }
-}
 
 /// Writes the result to stdout: one JSON document where that was asked for, else words.
 pub(crate) fn answer_as<D: JsonDocument>(

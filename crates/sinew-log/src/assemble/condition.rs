@@ -51,7 +51,7 @@ fn odd_temperatures([low, high]: [f64; 2]) -> String {
 /// How one signal becomes SI: `si = scale · raw + offset`, with its period in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Signal {
-    /// Factor.
+    /// Factor from the recorded value to SI.
     pub scale: f64,
     /// In SI, added last.
     pub offset: f64,

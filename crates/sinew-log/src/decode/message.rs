@@ -47,11 +47,11 @@ impl MessageKind {
 /// Which value of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field<'a> {
-    /// Position.
+    /// The joint's position.
     Position,
-    /// Velocity.
+    /// The joint's velocity.
     Velocity,
-    /// Effort.
+    /// The joint's effort.
     Effort,
     /// An interface by its name.
     Interface(&'a [u8]),

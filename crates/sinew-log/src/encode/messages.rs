@@ -25,7 +25,7 @@ impl Stamp {
 /// `std_msgs/msg/Header`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Header<'a> {
-    /// When.
+    /// Time of the message.
     pub stamp: Stamp,
     /// Frame of reference.
     pub frame_id: &'a str,
@@ -53,9 +53,9 @@ impl Message for Text<'_> {
 /// `sensor_msgs/msg/JointState`; a sequence may be empty: not published.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct JointState<'a> {
-    /// When.
+    /// Time and frame of reference.
     pub header: Header<'a>,
-    /// Joints.
+    /// Names of the joints.
     pub name: &'a [String],
     /// rad.
     pub position: &'a [f64],
@@ -72,7 +72,7 @@ impl Message for JointState<'_> {
 /// `control_msgs/msg/InterfaceValue`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InterfaceValue<'a> {
-    /// Names.
+    /// Names of the interfaces.
     pub interface_names: &'a [&'a str],
     /// A value for each.
     pub values: &'a [f64],
@@ -81,9 +81,9 @@ pub struct InterfaceValue<'a> {
 /// `control_msgs/msg/DynamicJointState`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicJointState<'a> {
-    /// When.
+    /// Time and frame of reference.
     pub header: Header<'a>,
-    /// Joints.
+    /// Names of the joints.
     pub joint_names: &'a [String],
     /// Interfaces of each.
     pub interface_values: &'a [InterfaceValue<'a>],
@@ -116,9 +116,9 @@ impl Serialize for Level {
 /// `diagnostic_msgs/msg/KeyValue`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct KeyValue {
-    /// What.
+    /// Name of the value.
     pub key: String,
-    /// How much.
+    /// The value as text.
     pub value: String,
 }
 
@@ -127,20 +127,20 @@ pub struct KeyValue {
 pub struct DiagnosticStatus {
     /// How serious.
     pub level: Level,
-    /// Of what.
+    /// Name of the component.
     pub name: String,
-    /// In a sentence.
+    /// Description of the status.
     pub message: String,
-    /// Of which hardware.
+    /// Identifier of the hardware.
     pub hardware_id: String,
-    /// In numbers.
+    /// Values that belong to the status.
     pub values: Vec<KeyValue>,
 }
 
 /// `diagnostic_msgs/msg/DiagnosticArray`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DiagnosticArray<'a> {
-    /// When.
+    /// Time and frame of reference.
     pub header: Header<'a>,
     /// What there is to say.
     pub status: &'a [DiagnosticStatus],

@@ -20,7 +20,7 @@ pub enum Draw {
     },
     /// Normal, redrawn while outside of what the quantity allows.
     Normal {
-        /// Mean.
+        /// Mean of the distribution.
         mean: f64,
         /// Standard deviation.
         std: f64,

@@ -50,7 +50,7 @@ pub struct Scenario {
     pub control_rate_hz: f64,
     /// Time stamp of the first frame, ns since 1970.
     pub start_time_ns: i64,
-    /// Gains.
+    /// Gains of the controller.
     pub controller: Controller,
     /// What controller and contact detector know of the stretch.
     pub correction: Correction,
@@ -405,7 +405,7 @@ pub struct Record {
     pub tau_m: bool,
     /// External torque, as if contacts were known (a payload is not).
     pub tau_ext: bool,
-    /// Temperature.
+    /// Temperature of the ropes.
     pub temperature: bool,
 }
 

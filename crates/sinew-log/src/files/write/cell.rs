@@ -7,7 +7,7 @@ pub enum CellKind {
     Number,
     /// Whole numbers, such as nanoseconds.
     Integer,
-    /// Words.
+    /// Text in UTF-8.
     Text,
     /// True or false.
     Flag,
@@ -22,7 +22,7 @@ pub enum Cell {
     Number(f64),
     /// A whole number.
     Integer(i64),
-    /// Words.
+    /// Text in UTF-8.
     Text(String),
     /// True or false.
     Flag(bool),
