@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
-//! [`trend`] (sessions over months). Results are data in SI; their words are `sinew-report`'s.
+//! [`trend`] (sessions over months), [`excitation`] (poses that tell). Results are data in SI; their words are `sinew-report`'s.
 
 mod anchored;
 mod answer;
@@ -12,6 +12,7 @@ mod document;
 mod each;
 mod error;
 mod estimator;
+pub mod excitation;
 pub mod executor;
 pub mod feeder;
 mod given;

@@ -5,7 +5,7 @@ use sinew_estimate::session::{
     Learning, LiveCourse, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded,
     learn_recorded, replay_live,
 };
-use sinew_eval::scenarios::{Plan, plan_named};
+use sinew_sim::protocol::{Plan, plan_named};
 use sinew_model::Gaussian;
 use sinew_sim::scenario::{Draw, Motion, PerJoint, Waypoint};
 

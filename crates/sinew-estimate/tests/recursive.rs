@@ -6,7 +6,7 @@
 use crate::support;
 
 use sinew_estimate::session;
-use sinew_eval::scenarios::plan_named;
+use sinew_sim::protocol::plan_named;
 use sinew_model::Gaussian;
 use support::{asked_seeds, sessions, watching};
 

@@ -7,7 +7,7 @@ use crate::support;
 
 use sinew_estimate::session;
 use sinew_estimate::session::{Recorded, Recorder, SessionEstimate};
-use sinew_eval::scenarios::{Plan, plan_named};
+use sinew_sim::protocol::{Plan, plan_named};
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
 use support::{asked_seeds, watching};

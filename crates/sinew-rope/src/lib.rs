@@ -32,6 +32,7 @@ mod strand;
 pub mod task;
 mod times;
 pub mod warmth;
+pub mod work;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};
 pub use caution::Caution;

@@ -8,7 +8,7 @@ use sinew_estimate::robot_dir;
 use sinew_estimate::session;
 use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
 use sinew_estimate::trend::SessionRecord;
-use sinew_eval::scenarios::Plan;
+use sinew_sim::protocol::Plan;
 use sinew_files::date::parse_utc_s;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
