@@ -87,7 +87,7 @@ pub enum FleetError {
     File(#[from] sinew_files::Located),
     /// A scenario that can't be made of a robot.
     #[error(transparent)]
-    Scenario(#[from] sinew_eval::scenarios::ScenarioError),
+    Scenario(#[from] sinew_sim::protocol::PlanError),
     /// A recording that can't be made.
     #[error(transparent)]
     Simulate(#[from] sinew_sim::SimulateError),

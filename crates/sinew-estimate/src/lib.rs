@@ -1,7 +1,8 @@
 //! From frames to tendon offsets: replay, session estimate, baseline, trend of records.
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
-//! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder). Results are data in SI; their words are `sinew-report`'s.
+//! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),
+//! [`excitation`] (poses that tell). Results are data in SI; their words are `sinew-report`'s.
 
 mod anchored;
 mod answer;
@@ -11,6 +12,7 @@ mod document;
 mod each;
 mod error;
 mod estimator;
+pub mod excitation;
 pub mod executor;
 pub mod feeder;
 mod given;

@@ -5,8 +5,8 @@ use sinew_estimate::session::{
     Learning, LiveCourse, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded,
     learn_recorded, replay_live,
 };
-use sinew_eval::scenarios::{Plan, plan_named};
 use sinew_model::Gaussian;
+use sinew_sim::protocol::{Plan, plan_named};
 use sinew_sim::scenario::{Draw, Motion, PerJoint, Waypoint};
 
 /// A plan's sessions A and B, with what is true of B.

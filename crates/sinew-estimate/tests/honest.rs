@@ -8,7 +8,7 @@ use crate::support;
 use sinew_estimate::session::{
     self, Recorded, SessionEstimate, SessionOptions, Verdict, Warning, WitnessFault,
 };
-use sinew_eval::scenarios::plan_named;
+use sinew_sim::protocol::plan_named;
 use support::{biorob_like, block_by_block, least, seeds, sessions, watching, work_session};
 
 /// Offsets inside their intervals, and all; true offsets in mrad.

@@ -12,7 +12,6 @@ mod feeder;
 mod given;
 mod honest;
 mod known;
-mod live;
 mod motor_current;
 mod offset_map;
 mod offset_scenarios;

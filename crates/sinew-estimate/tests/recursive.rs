@@ -6,8 +6,8 @@
 use crate::support;
 
 use sinew_estimate::session;
-use sinew_eval::scenarios::plan_named;
 use sinew_model::Gaussian;
+use sinew_sim::protocol::plan_named;
 use support::{asked_seeds, sessions, watching};
 
 #[test]

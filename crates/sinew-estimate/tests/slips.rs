@@ -7,9 +7,9 @@ use crate::support;
 
 use sinew_estimate::session;
 use sinew_estimate::session::{Recorded, Recorder, SessionEstimate};
-use sinew_eval::scenarios::{Plan, plan_named};
 use sinew_model::offset::FeatureConfig;
 use sinew_sim::Simulation;
+use sinew_sim::protocol::{Plan, plan_named};
 use support::{asked_seeds, watching};
 
 /// Joint, when, s.

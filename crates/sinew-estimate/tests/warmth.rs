@@ -6,9 +6,9 @@ use crate::support;
 
 use sinew_estimate::session::{self, SessionEstimate, Warning};
 use sinew_estimate::warmth;
-use sinew_eval::scenarios::plan_named;
 use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
+use sinew_sim::protocol::plan_named;
 use sinew_sim::scenario::{Bound, Draw};
 use support::{seeds, sessions, watching};
 

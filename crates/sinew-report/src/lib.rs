@@ -12,6 +12,7 @@ mod diagnostics;
 mod each;
 mod estimate;
 mod estimate_table;
+pub mod excitation;
 mod figures;
 mod findings;
 pub mod init;

@@ -34,6 +34,7 @@ pub mod survival;
 pub mod task;
 mod times;
 pub mod warmth;
+pub mod work;
 
 pub use catalogue::{Catalogue, CatalogueError, CatalogueRope, Namesake};
 pub use caution::Caution;

@@ -2,9 +2,11 @@
 //!
 //! Reading order: [`Scenario`] (what a small TOML file says), [`Simulation`] (frame by frame),
 //! then `plant` (the equations and the integrator), `friction`, `controller`, `motion`,
-//! `contacts`, `sensors`.
+//! `contacts`, `sensors`. [`protocol`] has named scenarios, [`control`] scores one without and with its correction, [`year`]
+//! makes up a tendon's year.
 
 mod contacts;
+pub mod control;
 mod controller;
 mod controller_model;
 mod error;
@@ -12,12 +14,14 @@ mod faults;
 mod friction;
 mod motion;
 mod plant;
+pub mod protocol;
 mod run;
 mod sampled;
 pub mod scenario;
 mod sensors;
 mod simulation;
 mod truth;
+pub mod year;
 
 #[cfg(test)]
 mod tests;

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use sinew_files::date::DAY_S;
 use sinew_model::transmission::Tendon;
 use sinew_rope::history::History;
-use sinew_rope::law::routing::{Portion, Pulley, portions};
 use sinew_rope::law::{Law, RopeLoad, State};
+use sinew_rope::work::{Work, strand};
 use sinew_rope::{Catalogue, CatalogueError, CatalogueRope, Draws, Duty};
 
 /// Draws of the law that stand for the rope.
@@ -29,59 +29,6 @@ const PRETENSION_SHARE: [f64; 2] = [0.01, 0.08];
 const PEAK_SPREAD: f64 = 0.05;
 /// Steps that the creep of a rope nobody knows comes in, rad: metal ropes bed in on single days.
 const UNKNOWN_STEP_RAD: f64 = 0.3e-3;
-
-/// What a working robot does to a strand, averaged over days.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Work {
-    /// Mean tension over pretension.
-    pub mean_factor: f64,
-    /// Highest tension of a day over pretension.
-    pub peak_factor: f64,
-    /// Share of the time that it is near its highest.
-    pub peak_share: f64,
-    /// Mean temperature, °C.
-    pub temperature_c: f64,
-}
-
-impl Work {
-    /// What is known of work nobody has recorded: peaks of 1.5 to 4 times the pretension for a
-    /// second to three quarters of an hour a day.
-    pub fn unknown(temperature_c: f64, rng: &mut ChaCha8Rng) -> Self {
-        let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
-        Self {
-            mean_factor: between(1.0, 1.3),
-            peak_factor: between(1.5, 4.0),
-            peak_share: 10.0_f64.powf(between(-5.0, -1.5)),
-            temperature_c: temperature_c + between(-3.0, 3.0),
-        }
-    }
-}
-
-/// Portions of the strand between motor and joint: guiding pulleys stand evenly, a quarter turn of
-/// the joint moves the rope.
-pub fn strand(tendon: &Tendon) -> Vec<Portion> {
-    let n = tendon.guides.len() as f64;
-    let pulleys: Vec<Pulley> = tendon
-        .guides
-        .iter()
-        .enumerate()
-        .map(|(i, g)| Pulley {
-            at_m: tendon.length_m * (i as f64 + 1.0) / (n + 1.0),
-            radius_m: g.radius_m,
-            wrap_rad: g.wrap_rad,
-            friction: (g.friction > 0.0).then_some(g.friction),
-        })
-        .collect();
-    let stroke_m = std::f64::consts::FRAC_PI_2 * tendon.joint_pulley_radius_m;
-    portions(tendon.length_m, stroke_m.min(tendon.length_m), &pulleys).unwrap_or_else(|_| {
-        // Pulleys that don't fit on the strand: as if there were none.
-        vec![Portion {
-            length_m: tendon.length_m,
-            middle_m: 0.5 * tendon.length_m,
-            guides: 0,
-        }]
-    })
-}
 
 /// Offset at the nodes of [`node_times_s`] under some work, rad, at pretension and the law's reference
 /// temperature; `None` where the tension breaks the rope.

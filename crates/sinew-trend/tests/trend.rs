@@ -234,7 +234,7 @@ fn curves_of_a_rope_are_those_of_its_law() {
     assert!((total - 1.0).abs() < 1e-9, "{total}");
     // Work without peaks is a constant load: the law itself, in its portions.
     let law = sinew_rope::Draws::new(rope, 0, 1).unwrap().nominal;
-    let work = prior::Work {
+    let work = sinew_rope::work::Work {
         mean_factor: 1.0,
         peak_factor: 1.0,
         peak_share: 0.0,

@@ -31,7 +31,7 @@ pub(crate) fn positive(unit: &'static str) -> impl Fn(&str) -> Result<f64, Strin
 }
 
 /// Reads a number of `unit` of at least 0.
-pub(crate) fn not_negative(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+pub fn not_negative(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match number(text, unit)? {
         value if value >= 0.0 => Ok(value),
         value => Err(format!("{value} {unit} must be at least 0")),

@@ -6,7 +6,7 @@ use sinew_log::{LogError, Table};
 use std::path::{Path, PathBuf};
 
 /// A file, if it was asked for, and what it is called on the command line.
-pub(crate) type Named<'a> = (&'a str, Option<&'a Path>);
+pub type Named<'a> = (&'a str, Option<&'a Path>);
 
 /// Writes a text where a file was asked for.
 ///
@@ -23,10 +23,7 @@ pub(crate) fn write_text(
 ///
 /// # Errors
 /// [`LogError`].
-pub(crate) fn write_table(
-    path: Option<&Path>,
-    table: impl FnOnce() -> Table,
-) -> Result<(), LogError> {
+pub fn write_table(path: Option<&Path>, table: impl FnOnce() -> Table) -> Result<(), LogError> {
     path.map_or(Ok(()), |path| table().write(path))
 }
 
@@ -35,7 +32,7 @@ pub(crate) fn write_table(
 ///
 /// # Errors
 /// [`Failure::Refused`] naming the option and the path.
-pub(crate) fn check_outputs(
+pub fn check_outputs(
     outputs: &[Named<'_>],
     inputs: &[Named<'_>],
     quiet: bool,

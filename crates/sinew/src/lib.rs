@@ -2,14 +2,16 @@
 //!
 //! No physics and no format lives here. Exit codes: 0 done, 1 input refused, 2 usage, 3 finished,
 //! but data was lost or a threshold was passed. The result goes to stdout, everything else to
-//! stderr. [`run`] is all there is: the program `sinew` and the command in the Python wheel call it.
+//! stderr. The program `sinew` and the command in the Python wheel call [`run`]; the modules that are public are how
+//! every program of the project reads options, checks files and answers.
 
-mod args;
+pub mod args;
 mod commands;
-mod files;
-mod terminal;
+pub mod files;
+pub mod terminal;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
+use commands::beside::Arguments;
 use sinew_report::text;
 use std::ffi::OsString;
 use terminal::{Failure, Finish};
@@ -37,13 +39,32 @@ enum Command {
     Estimate(Box<commands::estimate::Estimate>),
     Baseline(Box<commands::baseline::Baseline>),
     Trend(Box<commands::trend::Trend>),
-    Watch(commands::watch::Watch),
-    Fleet(commands::fleet::Fleet),
+    /// Watch running robots: listen, learn, keep, alarm, show (runs sinew-watch)
+    #[command(
+        disable_help_flag = true,
+        after_help = "Examples:\n  sinew watch --demo\n  sinew watch /etc/sinew/watch.toml"
+    )]
+    Watch(Arguments),
+    /// Ask the records of a whole fleet: what they hold, and which tendon is due (runs sinew-fleet)
+    #[command(
+        disable_help_flag = true,
+        after_help = "Examples:\n  sinew fleet rows /srv/records\n  sinew fleet query /srv/records \"SELECT count(*) FROM records\"\n  sinew fleet due /srv/records --within 30"
+    )]
+    Fleet(Arguments),
     Excitation(commands::excitation::Excitation),
     Simulate(commands::simulate::Simulate),
-    #[command(subcommand)]
-    Scenarios(commands::scenarios::Scenarios),
-    Paper(commands::paper::Paper),
+    /// Judge the absolute offset on many simulated recordings with known truth (runs sinew-bench)
+    #[command(
+        disable_help_flag = true,
+        after_help = "Examples:\n  sinew scenarios run --scenario S7 --n 200 --out s7.jsonl\n  sinew scenarios show S7"
+    )]
+    Scenarios(Arguments),
+    /// Reproduce a figure of the paper from simulations (runs sinew-bench)
+    #[command(
+        disable_help_flag = true,
+        after_help = "Example:\n  sinew paper fig6 --out figures"
+    )]
+    Paper(Arguments),
     #[command(subcommand)]
     Bench(commands::bench::BenchCommand),
     #[command(subcommand)]
@@ -65,12 +86,12 @@ impl Command {
             Self::Estimate(command) => command.run(),
             Self::Baseline(command) => command.run(),
             Self::Trend(command) => command.run(),
-            Self::Watch(command) => command.run(),
-            Self::Fleet(command) => command.run(),
+            Self::Watch(arguments) => arguments.watch(),
+            Self::Fleet(arguments) => arguments.fleet(),
             Self::Excitation(command) => command.run(),
             Self::Simulate(command) => command.run(),
-            Self::Scenarios(command) => command.run(),
-            Self::Paper(command) => command.run(),
+            Self::Scenarios(arguments) => arguments.bench("scenarios"),
+            Self::Paper(arguments) => arguments.bench("paper"),
             Self::Bench(command) => command.run(),
             Self::Rope(command) => command.run(),
             Self::Creep(command) => command.run(),
@@ -86,13 +107,23 @@ impl Command {
 ///
 /// Once a process: what was asked for is kept for all of it.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    run_program(arguments, |cli: Cli| {
+        cli.style.apply();
+        cli.command.run()
+    })
+}
+
+/// Reads a program's command line, runs it, says how it ended, and returns the exit code.
+///
+/// Once a process: what was asked for is kept for all of it.
+pub fn run_program<P: Parser>(
+    arguments: impl IntoIterator<Item = OsString>,
+    run: impl FnOnce(P) -> Result<Finish, Failure>,
+) -> u8 {
     let arguments = Vec::from_iter(arguments);
     terminal::set_arguments(arguments.clone());
-    let result = match Cli::try_parse_from(arguments) {
-        Ok(cli) => {
-            cli.style.apply();
-            cli.command.run()
-        }
+    let result = match P::try_parse_from(arguments) {
+        Ok(program) => run(program),
         // Wrong usage; nobody is left to tell where stderr is closed.
         Err(error) if error.use_stderr() => {
             let _ = error.print();

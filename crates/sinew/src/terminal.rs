@@ -16,7 +16,7 @@ use std::time::Instant;
 /// How every command speaks.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Terminal")]
-pub(crate) struct Style {
+pub struct Style {
     /// Say on stderr what was read from where, and how long each part took
     #[arg(long, short, global = true)]
     verbose: bool,
@@ -55,7 +55,8 @@ static COLOUR_STDERR: AtomicBool = AtomicBool::new(false);
 
 impl Style {
     /// Takes hold for the rest of the run.
-    pub(crate) fn apply(self) {
+    pub fn apply(self) {
+        let _ = STYLE.set(self);
         VERBOSE.store(self.verbose, Ordering::Relaxed);
         let unwanted = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
         let on_stderr = self.color.on(!unwanted && console::colors_enabled_stderr());
@@ -70,9 +71,26 @@ impl Style {
     }
 }
 
+static STYLE: OnceLock<Style> = OnceLock::new();
+
+/// How this program speaks, as another one is told.
+pub(crate) fn style_arguments() -> Vec<OsString> {
+    let mut arguments = Vec::new();
+    let Some(style) = STYLE.get() else {
+        return arguments;
+    };
+    if style.verbose {
+        arguments.push("--verbose".into());
+    }
+    if let Some(colour) = style.color.to_possible_value() {
+        arguments.extend(["--color".into(), colour.get_name().into()]);
+    }
+    arguments
+}
+
 /// How a command that finished has finished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Finish {
+pub enum Finish {
     /// Exit code 0.
     Complete,
     /// Exit code 3: data was lost, or a threshold was passed.
@@ -83,14 +101,14 @@ pub(crate) enum Finish {
 
 impl Finish {
     /// `Lossy` if so.
-    pub(crate) fn lossy(lossy: bool) -> Self {
+    pub fn lossy(lossy: bool) -> Self {
         if lossy { Self::Lossy } else { Self::Complete }
     }
 }
 
 /// Why a command did not finish.
 #[derive(Debug)]
-pub(crate) enum Failure {
+pub enum Failure {
     /// Exit code 1, with one message.
     Refused(String),
     /// Whoever read our output has closed it.
@@ -114,19 +132,19 @@ impl<E: Error> From<E> for Failure {
 static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
 
 /// What the program was called with.
-pub(crate) fn set_arguments(arguments: Vec<OsString>) {
+pub fn set_arguments(arguments: Vec<OsString>) {
     // The first call counts.
     let _ = ARGUMENTS.set(arguments);
 }
 
 /// Whether an option was given, for what is the same in every command.
-pub(crate) fn asked(option: &str) -> bool {
+pub fn asked(option: &str) -> bool {
     let arguments = ARGUMENTS.get();
     arguments.is_some_and(|all| all.iter().any(|argument| argument == option))
 }
 
 /// Writes the result to stdout, or to stderr where a file was asked for on stdout.
-pub(crate) fn answer(text: &str) -> Result<(), Failure> {
+pub fn answer(text: &str) -> Result<(), Failure> {
     let fail = |e: std::io::Error| match e.kind() {
         ErrorKind::BrokenPipe => Failure::ReaderGone,
         _ => Failure::Refused(format!("can't write to stdout: {e}")),
@@ -142,14 +160,14 @@ pub(crate) fn answer(text: &str) -> Result<(), Failure> {
 }
 
 /// A file was asked for on stdout: answers go to stderr.
-pub(crate) fn take_stdout() {
+pub fn take_stdout() {
     STDOUT_TAKEN.store(true, Ordering::Relaxed);
 }
 
 static STDOUT_TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// Writes the result to stdout: one JSON document where that was asked for, else words.
-pub(crate) fn answer_as<D: JsonDocument>(
+pub fn answer_as<D: JsonDocument>(
     json: bool,
     document: &D,
     words: impl FnOnce(&D) -> String,
@@ -162,7 +180,7 @@ pub(crate) fn answer_as<D: JsonDocument>(
 
 /// Why somebody is told something on stderr.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Word {
+pub enum Word {
     /// The command did not do it.
     Error,
     /// It did, but look at this.
@@ -172,7 +190,7 @@ pub(crate) enum Word {
 }
 
 /// Writes `word: text` to stderr; a closed stderr is nobody's loss.
-pub(crate) fn complain(word: Word, text: &str) {
+pub fn complain(word: Word, text: &str) {
     let (word, tone) = match word {
         Word::Error => ("error:", Tone::Alarm),
         Word::Warning => ("warning:", Tone::Caution),
@@ -188,14 +206,14 @@ pub(crate) fn complain(word: Word, text: &str) {
 static OUTPUTS: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
 
 /// What an output is called on the command line, for when it replaces a file.
-pub(crate) fn name_output(option: &str, path: &Path) {
+pub fn name_output(option: &str, path: &Path) {
     if let Ok(mut outputs) = OUTPUTS.lock() {
         outputs.push((option.to_owned(), path.to_path_buf()));
     }
 }
 
 /// Says which files were replaced.
-pub(crate) fn end() {
+pub fn end() {
     let outputs = OUTPUTS.lock().map(|outputs| outputs.clone());
     let outputs = outputs.unwrap_or_default();
     for path in sinew_files::take_replaced() {
@@ -218,18 +236,19 @@ pub(crate) fn end() {
 }
 
 /// A note for who asked for more with `--verbose`.
-pub(crate) fn note(text: impl FnOnce() -> String) {
+pub fn note(text: impl FnOnce() -> String) {
     if VERBOSE.load(Ordering::Relaxed) {
         complain(Word::Note, &text());
     }
 }
 
 /// Progress on stderr, only where somebody watches.
-pub(crate) struct Bar(ProgressBar, Instant);
+#[derive(Debug)]
+pub struct Bar(ProgressBar, Instant);
 
 impl Bar {
     /// A bar over `0..1` with a word in front.
-    pub(crate) fn new(word: &str, quiet: bool) -> Self {
+    pub fn new(word: &str, quiet: bool) -> Self {
         const STEPS: u64 = 1000;
         let target = if quiet || !stderr().is_terminal() {
             ProgressDrawTarget::hidden()
@@ -246,7 +265,7 @@ impl Bar {
     }
 
     /// Shows how much is done.
-    pub(crate) fn set(&self, done: f64, total: f64) {
+    pub fn set(&self, done: f64, total: f64) {
         let length = self.0.length().unwrap_or(0) as f64;
         let share = (done / total).clamp(0.0, 1.0);
         if share.is_finite() {
@@ -255,7 +274,7 @@ impl Bar {
     }
 
     /// Changes the word in front.
-    pub(crate) fn say(&self, word: &str) {
+    pub fn say(&self, word: &str) {
         if self.0.message() != word {
             self.0.set_message(word.to_string());
         }

@@ -78,12 +78,12 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_creep::ShiftReport>(),
         Published::of::<sinew_creep::CompareReport>(),
         Published::of::<sinew_creep::Plan>(),
-        Published::of::<sinew_eval::excitation::Proposal>(),
-        Published::of::<sinew_eval::paper::PaperFigure>(),
-        Published::of::<sinew_eval::paper::Ledger>(),
-        Published::of::<sinew_eval::year::YearReport>(),
-        Published::of::<sinew_eval::scenarios::ScenarioReport>(),
-        Published::of::<sinew_eval::control::Simulated>(),
+        Published::of::<sinew_estimate::excitation::Proposal>(),
+        Published::of::<sinew_bench::paper::PaperFigure>(),
+        Published::of::<sinew_bench::paper::Ledger>(),
+        Published::of::<sinew_bench::year::YearReport>(),
+        Published::of::<sinew_bench::scenarios::ScenarioReport>(),
+        Published::of::<sinew_sim::control::Simulated>(),
     ]
 }
 

@@ -7,9 +7,9 @@ use sinew_estimate::baseline::Baseline;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session;
 use sinew_estimate::session::{Payload, Recorded, Recorder, SessionOptions};
-use sinew_eval::scenarios::Plan;
 use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
 use sinew_model::robot::Robot;
+use sinew_sim::protocol::Plan;
 use sinew_sim::{Scenario, Simulation};
 use std::path::{Path, PathBuf};
 

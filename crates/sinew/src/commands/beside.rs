@@ -1,13 +1,52 @@
 //! Programs of their own that are commands of this one.
 
-use crate::terminal::{Failure, Finish};
+use crate::terminal::{Failure, Finish, style_arguments};
+use clap::Args;
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::Command;
 
+/// What is passed on as it is.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// What the program is given; --help lists it
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        value_name = "ARGUMENTS"
+    )]
+    arguments: Vec<OsString>,
+}
+
+impl Arguments {
+    /// Runs the monitor.
+    pub(crate) fn watch(self) -> Result<Finish, Failure> {
+        const MISSING: &str = "the monitor is a program of its own, sinew-watch, and is neither beside sinew nor in PATH; \
+             cargo install --path crates/sinew-watch installs it";
+        run("sinew-watch", self.arguments, MISSING)
+    }
+
+    /// Asks a fleet's records.
+    pub(crate) fn fleet(self) -> Result<Finish, Failure> {
+        const MISSING: &str = "the fleet's questions are a program of their own, sinew-fleet, and it is neither beside sinew \
+             nor in PATH; cargo install --path fleet installs it";
+        run("sinew-fleet", self.arguments, MISSING)
+    }
+
+    /// Runs a study of the laboratory.
+    pub(crate) fn bench(self, study: &str) -> Result<Finish, Failure> {
+        const MISSING: &str = "studies are a program of their own, sinew-bench, and it is neither beside sinew nor in PATH; \
+             cargo install --path crates/sinew-bench installs it";
+        let mut arguments = vec![study.into()];
+        arguments.extend(style_arguments());
+        arguments.extend(self.arguments);
+        run("sinew-bench", arguments, MISSING)
+    }
+}
+
 /// Runs the program beside this one, else the one in PATH, as cargo runs its subcommands. `missing`: how to get it.
-pub(crate) fn run(program: &str, arguments: &[OsString], missing: &str) -> Result<Finish, Failure> {
+fn run(program: &str, arguments: Vec<OsString>, missing: &str) -> Result<Finish, Failure> {
     let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe()
         .ok()

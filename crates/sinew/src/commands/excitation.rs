@@ -6,9 +6,8 @@ use crate::terminal::{Bar, Failure, Finish, Word, answer_as, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::baseline::Baseline;
+use sinew_estimate::excitation::{Options, Proposal, Sensors, propose};
 use sinew_estimate::robot_dir;
-use sinew_eval::excitation;
-use sinew_eval::excitation::{Options, Proposal, Sensors};
 use std::path::{Path, PathBuf};
 
 /// Propose a short list of poses that makes the offsets identifiable
@@ -89,7 +88,7 @@ impl Excitation {
             ..Options::default()
         };
         let bar = Bar::new("trying poses", self.quiet);
-        let proposal = excitation::propose(
+        let proposal = propose(
             &loaded.robot,
             baseline.as_ref().map(|(b, file)| (b, file.as_str())),
             &options,
@@ -100,7 +99,7 @@ impl Excitation {
         if let Some((out, write)) = text {
             sinew_files::write_file(out, write(&proposal).as_bytes())?;
         }
-        answer_as(self.json, &proposal, excitation::render)?;
+        answer_as(self.json, &proposal, sinew_report::excitation::render)?;
         Ok(Finish::Complete)
     }
 }

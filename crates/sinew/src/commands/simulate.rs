@@ -1,14 +1,15 @@
 //! `sinew simulate`: recordings with a known truth.
 
+use super::simulate_control::render;
 use crate::args::{Choice, choice, positive};
 use crate::files::check_outputs;
 use crate::terminal::{Bar, Failure, Finish, Word, answer, complain};
 use crate::text::plain;
 use clap::Args;
 use sinew_estimate::robot_dir;
-use sinew_eval::control::{self, Comparison, Simulated};
 use sinew_files::JsonDocument as _;
 use sinew_log::Compression;
+use sinew_sim::control::{self, Comparison, Simulated};
 use sinew_sim::{Scenario, SimulateOptions, Summary, truth_path};
 use std::path::{Path, PathBuf};
 
@@ -122,7 +123,7 @@ impl Simulate {
             answer(&document.to_json()?)?;
         } else {
             if let Some(comparison) = &comparison {
-                answer(&(control::render(comparison) + "\n"))?;
+                answer(&(render(comparison) + "\n"))?;
             }
             answer(&format!(
                 "{}: {} s, {} frames, {:.1} MB; its truth is {}\n",

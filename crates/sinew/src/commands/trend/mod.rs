@@ -1,8 +1,8 @@
 //! `sinew trend`: months of offsets, events, and the day a limit is passed.
 
 mod survival;
-mod year;
 
+use super::beside::Arguments;
 use super::rope::Ropes;
 use crate::files::{Named, check_outputs, write_table};
 use crate::terminal::{Failure, Finish, Word, answer, complain};
@@ -86,7 +86,12 @@ pub(crate) struct Trend {
 
 #[derive(Debug, Subcommand)]
 enum TrendCommand {
-    SimulateYear(year::SimulateYear),
+    /// Live through simulated years of robots: what the trend finds, how far its forecasts hold (runs sinew-bench)
+    #[command(
+        disable_help_flag = true,
+        after_help = "Example:\n  sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl"
+    )]
+    SimulateYear(Arguments),
     Survival(survival::Survival),
 }
 
@@ -109,12 +114,15 @@ fn stated(text: &str) -> Result<Stated, String> {
 
 impl Trend {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<Finish, Failure> {
-        match &self.command {
-            Some(TrendCommand::SimulateYear(year)) => return year.run(),
-            Some(TrendCommand::Survival(survival)) => return survival.run(),
-            None => {}
+    pub(crate) fn run(self) -> Result<Finish, Failure> {
+        match self.command {
+            Some(TrendCommand::SimulateYear(arguments)) => arguments.bench("simulate-year"),
+            Some(TrendCommand::Survival(survival)) => survival.run(),
+            None => self.analyze(),
         }
+    }
+
+    fn analyze(&self) -> Result<Finish, Failure> {
         self.check_files()?;
         let loaded = match &self.robot {
             Some(place) => Some(robot_dir::load(place, None)?),

@@ -1,0 +1,5 @@
+//! One file per study.
+
+pub(crate) mod paper;
+pub(crate) mod scenarios;
+pub(crate) mod simulate_year;

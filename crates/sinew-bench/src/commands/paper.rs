@@ -1,0 +1,137 @@
+//! `sinew paper`: the paper's evaluation, done again.
+
+use clap::{Args, ValueEnum};
+use sinew::terminal::{Failure, Finish, Word, answer_as, complain};
+use sinew_bench::paper;
+use sinew_estimate::robot_dir;
+use sinew_model::robot::Robot;
+use sinew_rope::Catalogue;
+use std::path::{Path, PathBuf};
+
+/// Reproduce a figure of the paper beside its sentences, judged from the data
+///
+/// Writes NAME.svg, NAME.html and NAME.png (where the build has PNG). Exit code 3 when a sentence does not hold.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  sinew paper fig6 --out figures\n  sinew paper ledger --out figures"
+)]
+pub(crate) struct Paper {
+    /// Which figure
+    #[arg(value_enum)]
+    figure: Which,
+    /// Robot's folder, for fig6, fig7, control and ledger [default: robots/biorob-like]
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5, table1 and ledger
+    #[arg(long = "ropes", value_name = "DIR")]
+    ropes: Vec<PathBuf>,
+    /// Folder for the files; made if it isn't there
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    /// Print one JSON document (curves and sentences) instead of the sentences
+    #[arg(long)]
+    json: bool,
+    /// Nothing on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Which {
+    /// Creep of nine ropes at 23 °C
+    Fig1,
+    /// Creep of four ropes at 60 °C
+    Fig2,
+    /// A rope over guiding pulleys, routings A to D
+    Fig4,
+    /// A rope under changing force, E and F
+    Fig5,
+    /// The ropes as published, with their simulated creep test
+    Table1,
+    /// Simulation: no model error; K + 20 %; M, C, g - 10 %; offsets of 0.010 and 0.015 rad
+    Fig6,
+    /// A simulated "real" elbow: injected offset, difference, rope relaxed and re-tensioned
+    Fig7,
+    /// Control and collision detection with stretched ropes, before and after correction
+    Control,
+    /// Every sentence of the paper: judged, not judged and why, contradicted, and what decides it
+    Ledger,
+}
+
+impl Which {
+    /// Whether it is made with a robot, and with the catalogue's ropes.
+    fn needs(self) -> (bool, bool) {
+        match self {
+            Self::Fig1 | Self::Fig2 | Self::Fig4 | Self::Fig5 | Self::Table1 => (false, true),
+            Self::Fig6 | Self::Fig7 | Self::Control => (true, false),
+            Self::Ledger => (true, true),
+        }
+    }
+}
+
+impl Paper {
+    /// An option that would change nothing is refused.
+    fn check(&self) -> Result<(), Failure> {
+        let (robot, ropes) = self.figure.needs();
+        let name = self.figure.to_possible_value();
+        let name = name.as_ref().map_or("", |value| value.get_name());
+        if !ropes && !self.ropes.is_empty() {
+            return Err(Failure::Refused(format!(
+                "--ropes: {name} is made with a robot's tendons, and with no rope of the catalogue; leave it out"
+            )));
+        }
+        if !robot && self.robot.is_some() {
+            return Err(Failure::Refused(format!(
+                "--robot: {name} is made with ropes alone; leave it out"
+            )));
+        }
+        Ok(())
+    }
+
+    fn folders(&self) -> Vec<&Path> {
+        self.ropes.iter().map(PathBuf::as_path).collect()
+    }
+
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        self.check()?;
+        let folder = self.robot.as_deref();
+        let robot = || robot_dir::load(folder.unwrap_or(Path::new("robots/biorob-like")), None);
+        let catalogue = || Catalogue::with_folders(&self.folders());
+        std::fs::create_dir_all(&self.out).map_err(|e| {
+            Failure::Refused(format!("can't make folder {}: {e}", self.out.display()))
+        })?;
+        let mut figure = match self.figure {
+            Which::Fig1 => paper::fig1(&catalogue()?)?,
+            Which::Fig2 => paper::fig2(&catalogue()?)?,
+            Which::Fig4 => paper::fig4(&catalogue()?)?,
+            Which::Fig5 => paper::fig5(&catalogue()?)?,
+            Which::Table1 => paper::table1(&catalogue()?)?,
+            Which::Fig6 => paper::fig6(&robot()?.robot)?,
+            Which::Fig7 => paper::fig7(&robot()?.robot)?,
+            Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
+            Which::Ledger => return self.ledger(&robot()?.robot, &catalogue()?),
+        };
+        paper::write(&mut figure, &self.out)?;
+        answer_as(self.json, &figure, paper::render)?;
+        let failed = figure.sentences.iter().filter(|s| !s.holds).count();
+        Ok(self.finish(failed, figure.sentences.len()))
+    }
+
+    /// The paper, sentence by sentence.
+    fn ledger(&self, robot: &Robot, catalogue: &Catalogue) -> Result<Finish, Failure> {
+        let mut ledger = paper::ledger(robot, catalogue)?;
+        paper::write_ledger(&mut ledger, &self.out)?;
+        answer_as(self.json, &ledger, paper::render_ledger)?;
+        let failed = ledger.count(paper::LedgerStatus::Contradicted);
+        Ok(self.finish(failed, ledger.rows.len()))
+    }
+
+    fn finish(&self, failed: usize, of: usize) -> Finish {
+        if failed > 0 && !self.quiet {
+            let text = format!("{failed} of {of} sentences do not hold");
+            complain(Word::Warning, &text);
+        }
+        Finish::lossy(failed > 0)
+    }
+}

@@ -1,0 +1,156 @@
+//! `sinew scenarios`: how good the absolute offset is, over many simulated recordings.
+
+use clap::{Args, Subcommand};
+use sinew::files::{check_outputs, write_table};
+use sinew::terminal::{Bar, Failure, Finish, answer, answer_as};
+use sinew_bench::scenarios;
+use sinew_bench::scenarios::{Options, Sessions};
+use sinew_estimate::robot_dir;
+use sinew_sim::protocol::{DEFAULT, UNMODELLED, plan_adapted, plan_named, variants};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Judge the absolute offset on many simulated recordings with known truth
+#[derive(Debug, Subcommand)]
+pub(crate) enum Scenarios {
+    Run(Run),
+    Show(Show),
+}
+
+/// Simulate, estimate, compare with the truth
+///
+/// Each recording has a session A of a minute that teaches the baseline, B that is judged at its
+/// end, and C in which two tendons slip by 5 mrad. What is drawn stands in docs/src/science/scenarios.md.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    sinew scenarios run --n 200 --out s7.jsonl --scenario S7\n  \
+    sinew scenarios run --robot my-robot --scenario S7\n  \
+    sinew scenarios run --variants --n 8 --out variants.jsonl\n\n\
+    A run that was stopped goes on where it was with the same --out.")]
+pub(crate) struct Run {
+    /// Scenario by its name, or a file (.toml) of your own with sessions A, B and C; give several
+    /// times for several [default: S5 S6 S7 S8]
+    #[arg(long, value_name = "NAME")]
+    scenario: Vec<String>,
+    /// Your robot's folder: S5 to S8b with its joints, masses, stiffness, friction and limits
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+    /// The errors of the model that the estimator doesn't know of (U1, U2, …)
+    #[arg(long, conflicts_with_all = ["scenario", "robot"])]
+    unmodelled: bool,
+    /// What a user meets outside the protocol: forces that stay, creep, an arm not zeroed and more; every offset
+    /// at the end of B, and of C with what was known after B. With --scenario: those instead, judged like this
+    #[arg(long, conflicts_with_all = ["robot", "unmodelled", "no_steps"])]
+    variants: bool,
+    /// Recordings per scenario
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    n: u64,
+    /// Seed of the first recording; the others follow
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Without session C: half the time, no slips
+    #[arg(long)]
+    no_steps: bool,
+    /// Motor and joint positions alone, without the motor's torque
+    #[arg(long)]
+    no_motor_torque: bool,
+    /// Threads [default: as many as the machine has]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// A line of JSON per recording; recordings that are there already aren't run again
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
+    /// Write a row per recording and joint; .csv or .parquet
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    table: Option<PathBuf>,
+    /// Print one JSON document instead of tables
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    /// No progress on stderr
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+/// Print a scenario as `sinew simulate` reads it
+#[derive(Debug, Args)]
+pub(crate) struct Show {
+    /// Its name, such as S7
+    name: String,
+    /// For the robot in this folder
+    #[arg(long, value_name = "DIR")]
+    robot: Option<PathBuf>,
+}
+
+impl Scenarios {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        match self {
+            Self::Run(run) => run.run(),
+            Self::Show(show) => {
+                let plan = match &show.robot {
+                    Some(folder) => {
+                        plan_adapted(&show.name, &robot_dir::load(folder, None)?.robot)?
+                    }
+                    None => plan_named(&show.name)?,
+                };
+                answer(&plan.text)?;
+                Ok(Finish::Complete)
+            }
+        }
+    }
+}
+
+impl Run {
+    fn run(&self) -> Result<Finish, Failure> {
+        let [out, table] = [
+            ("--out", self.out.as_deref()),
+            ("--table", self.table.as_deref()),
+        ];
+        // What was run before is taken up again, not replaced.
+        check_outputs(&[out], &[], true)?;
+        check_outputs(&[table], &[out], self.quiet)?;
+        let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
+        let mut wanted: Vec<String> = if self.unmodelled {
+            names(&UNMODELLED)
+        } else if self.variants && self.scenario.is_empty() {
+            variants().map(String::from).collect()
+        } else if self.scenario.is_empty() {
+            names(&DEFAULT)
+        } else {
+            self.scenario.clone()
+        };
+        let mut seen = BTreeSet::new();
+        wanted.retain(|name| seen.insert(name.clone()));
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
+        let options = Options {
+            scenarios: wanted,
+            robot: self.robot.clone(),
+            n: self.n,
+            first_seed: self.seed,
+            sessions: if self.variants {
+                Sessions::Chain
+            } else {
+                Sessions::with_slips(!self.no_steps)
+            },
+            motor_torque: !self.no_motor_torque,
+            jobs: self.jobs.unwrap_or(cores) as usize,
+            out: self.out.clone(),
+        };
+        let bar = Bar::new("recordings", self.quiet);
+        let mut progress = |done, all| bar.set(done as f64, all as f64);
+        let (report, recordings) = scenarios::run_recordings(&options, &mut progress)?;
+        drop(bar);
+        write_table(self.table.as_deref(), || scenarios::rows(&recordings))?;
+        let render = if self.variants {
+            scenarios::render_ends
+        } else {
+            scenarios::render_table
+        };
+        answer_as(self.json, &report, render)?;
+        // Nothing judged is no success.
+        Ok(match recordings.is_empty() {
+            true => Finish::Refused,
+            false => Finish::lossy(!report.refusals.is_empty()),
+        })
+    }
+}

@@ -1,0 +1,211 @@
+//! `sinew trend simulate-year`: how good the trend is on years whose truth is known.
+
+use clap::{Args, ValueEnum};
+use sinew::args::not_negative;
+use sinew::files::check_outputs;
+use sinew::terminal::{Bar, Failure, Finish, answer_as};
+use sinew_bench::year;
+use sinew_bench::year::chain::{ChainRequest, SessionKind};
+use sinew_bench::year::{Forecaster, YearRequest};
+use sinew_estimate::robot_dir;
+use sinew_rope::Catalogue;
+use sinew_sim::year::surrogate::SessionErrors;
+use std::path::PathBuf;
+
+/// Live through simulated years of robots: what the trend finds, how far its forecasts hold
+///
+/// One session a day; ropes creep by their law, drawn from its uncertainty, under work drawn anew for
+/// each robot; a strand fails on a random day. A session is the truth plus errors as measured on
+/// simulated recordings. Beside the trend with and without the rope, a forecaster that knows the true
+/// law and only lacks its parameters says what is reachable at all.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    sinew trend simulate-year --robot robots/biorob-like --robots 100 --out years.jsonl\n  \
+    sinew trend simulate-year --robot robots/biorob-like --robots 60 --constant-mrad 0.44 --stated-shared-mrad 0.44\n  \
+    sinew trend simulate-year --robot robots/biorob-like --robots 6 --chain --days 20\n\n\
+    A run that was stopped goes on where it was with the same --out.")]
+pub(crate) struct SimulateYear {
+    /// Robot's folder
+    #[arg(long, value_name = "DIR")]
+    robot: PathBuf,
+    /// Robots
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    robots: u64,
+    /// Joints watched
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        value_delimiter = ',',
+        default_value = "shoulder_pitch,elbow"
+    )]
+    joints: Vec<String>,
+    /// Seed of the first robot; the others follow
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Simulate every session and estimate its offsets, instead of drawing what that gives
+    #[arg(long)]
+    chain: bool,
+    /// What the robot does while it is recorded
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Check)]
+    session: Kind,
+    #[command(flatten)]
+    errors: Errors,
+    /// Each session starts from what the last one learned, not from the first day's baseline
+    #[arg(long, requires = "chain")]
+    chained: bool,
+    /// Sessions of each robot, one a day
+    #[arg(long, value_name = "N", default_value_t = 365, requires = "chain", value_parser = clap::value_parser!(u64).range(1..=365))]
+    days: u64,
+    /// Threads [default: as many as the machine has]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// Who forecasts [default: all]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_enum)]
+    forecasters: Vec<Who>,
+    /// Keep years (with --chain: sessions) in a file, one JSON document a line
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    json: bool,
+    /// No progress on stderr
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Errors of sessions that are drawn.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Errors of drawn sessions")]
+struct Errors {
+    /// Standard deviation of an error that stays the same all year [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    constant_mrad: Option<f64>,
+    /// Standard deviation, after a year, of an error that walks away from zero
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    wander_mrad: Option<f64>,
+    /// Standard deviation of an error that comes and goes with the season, and not with the temperature read
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    season_mrad: Option<f64>,
+    /// Standard deviation of the drift with temperature, per kelvin [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    drift_mrad_per_k: Option<f64>,
+    /// What sessions state of the error that all of them share, as a standard deviation [default: the kind's]
+    #[arg(long, value_name = "MRAD", conflicts_with = "chain", value_parser = not_negative("mrad"))]
+    stated_shared_mrad: Option<f64>,
+    /// Sessions state the whole of their error, not which part is shared
+    #[arg(long, conflicts_with = "chain")]
+    whole_only: bool,
+}
+
+impl Errors {
+    fn of(self, kind: SessionErrors) -> SessionErrors {
+        let or = |stated: Option<f64>, kind: f64| stated.map_or(kind, |mrad| 1e-3 * mrad);
+        SessionErrors {
+            bias_rad: or(self.constant_mrad, kind.bias_rad),
+            wander_rad: or(self.wander_mrad, kind.wander_rad),
+            season_rad: or(self.season_mrad, kind.season_rad),
+            drift_rad_per_k: or(self.drift_mrad_per_k, kind.drift_rad_per_k),
+            stated_shared_rad: or(self.stated_shared_mrad, kind.stated_shared_rad),
+            parts_stated: kind.parts_stated && !self.whole_only,
+            ..kind
+        }
+    }
+}
+
+/// What a session is like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// The same 24 poses every day, empty gripper, no contact
+    Check,
+    /// A minute of work: random poses, unknown payload, contacts
+    Work,
+    /// Errors larger than measured on either; not with --chain
+    Hard,
+}
+
+/// Who forecasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Who {
+    /// sinew trend, the rope named in robot.toml
+    Rope,
+    /// The same, taking every error for its session's own
+    Alone,
+    /// sinew trend without a rope
+    Generic,
+    /// Knows the true law
+    Oracle,
+}
+
+impl From<Who> for Forecaster {
+    fn from(who: Who) -> Self {
+        match who {
+            Who::Rope => Self::Rope,
+            Who::Alone => Self::Alone,
+            Who::Generic => Self::Generic,
+            Who::Oracle => Self::Oracle,
+        }
+    }
+}
+
+impl Kind {
+    fn errors(self) -> SessionErrors {
+        match self {
+            Self::Check => SessionErrors::check(),
+            Self::Work => SessionErrors::work(),
+            Self::Hard => SessionErrors::hard(),
+        }
+    }
+
+    fn simulated(self) -> Result<SessionKind, Failure> {
+        match self {
+            Self::Check => Ok(SessionKind::Check),
+            Self::Work => Ok(SessionKind::Work),
+            Self::Hard => Err(Failure::Refused(
+                "--session hard draws errors that no simulated session has; leave --chain away"
+                    .into(),
+            )),
+        }
+    }
+}
+
+impl SimulateYear {
+    pub(crate) fn run(&self) -> Result<Finish, Failure> {
+        // What was run before is taken up again, not replaced.
+        check_outputs(&[("--out", self.out.as_deref())], &[], true)?;
+        let loaded = robot_dir::load(&self.robot, None)?;
+        let catalogue = Catalogue::shipped()?;
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
+        let mut request = YearRequest {
+            robots: self.robots,
+            seed: self.seed,
+            joints: self.joints.clone(),
+            errors: self.errors.of(self.session.errors()),
+            jobs: self.jobs.unwrap_or(cores) as usize,
+            ..YearRequest::default()
+        };
+        if !self.forecasters.is_empty() {
+            request.forecasters = self.forecasters.iter().map(|who| (*who).into()).collect();
+        }
+        let robot = &loaded.robot;
+        let report = if self.chain {
+            let chain = ChainRequest {
+                kind: self.session.simulated()?,
+                days: self.days as usize,
+                chained: self.chained,
+                jobs: request.jobs,
+                out: self.out.clone(),
+            };
+            let bar = Bar::new("sessions", self.quiet);
+            let mut progress = |done, all| bar.set(done as f64, all as f64);
+            let lived = year::run_chain(robot, &catalogue, &request, &chain, &mut progress)?;
+            year::report_chain(robot, &request, &chain, lived)
+        } else {
+            let bar = Bar::new("years", self.quiet);
+            let mut progress = |done, all| bar.set(done as f64, all as f64);
+            let out = self.out.as_deref();
+            year::run(robot, &catalogue, &request, out, &mut progress)?
+        };
+        answer_as(self.json, &report, year::render_table)?;
+        Ok(Finish::Complete)
+    }
+}

@@ -1,0 +1,230 @@
+//! Simulated years of robots: one session a day, ropes that creep by their law, a strand that fails.
+//!
+//! Truth: [`sinew_sim::year::truth`]. A day's session is either a draw of the estimator's measured errors
+//! ([`sinew_sim::year::surrogate`]) or the whole chain of simulated recording, baseline and absolute estimate
+//! ([`chain`]). [`run`] gives each robot's year to the forecasters and counts what they found.
+
+pub mod chain;
+mod forecaster;
+mod judge;
+mod result;
+mod simulated_year;
+mod summary;
+mod table;
+
+pub use result::{
+    DayForecast, DayInterval, DaysInside, ForecastSummary, Forecaster, RobotYear, SessionSource,
+    TendonResult, YearReport, YearSummary,
+};
+pub use summary::summary;
+pub use table::render_table;
+
+use crate::jobs;
+use crate::journal::{self, Journal, JournalError, Setting};
+use chain::{ChainError, ChainRequest, Session};
+use judge::Fleet;
+use rayon::prelude::*;
+use simulated_year::WATCHED;
+use sinew_estimate::robot_dir::RobotDirError;
+use sinew_model::robot::Robot;
+use sinew_rope::{Catalogue, CatalogueError};
+use sinew_sim::year::surrogate::SessionErrors;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Other numbers or names: what older files hold can't go on.
+const YEARS: journal::Kind = journal::Kind {
+    format: "sinew-years",
+    version: 4,
+    holds: "simulated years",
+};
+
+/// What years are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct YearRequest {
+    /// Robots.
+    pub robots: u64,
+    /// Seed of the first; the others follow.
+    pub seed: u64,
+    /// Joints watched; the strand fails in one of them.
+    pub joints: Vec<String>,
+    /// Errors of a session.
+    pub errors: SessionErrors,
+    /// Forecasters.
+    pub forecasters: Vec<Forecaster>,
+    /// Curves of the one that knows the law.
+    pub oracle_curves: usize,
+    /// Robots at a time.
+    pub jobs: usize,
+}
+
+impl Default for YearRequest {
+    fn default() -> Self {
+        Self {
+            robots: 100,
+            seed: 1,
+            joints: vec!["shoulder_pitch".into(), "elbow".into()],
+            errors: SessionErrors::default(),
+            forecasters: Forecaster::ALL.to_vec(),
+            oracle_curves: 200,
+            jobs: std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+}
+
+impl YearRequest {
+    fn seeds(&self) -> std::ops::Range<u64> {
+        self.seed..self.seed + self.robots
+    }
+}
+
+/// Why there are no years.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum YearError {
+    /// The robot.
+    #[error(transparent)]
+    Robot(#[from] RobotDirError),
+    /// A rope.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// A joint without a rope.
+    #[error(
+        "joint '{0}' has no tendon with a rope and a pretension in robot.toml; a year needs them"
+    )]
+    Joint(String),
+    /// The file of years.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// A simulated session.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
+    /// There are no threads to work on.
+    #[error("can't start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The trend refused its prior.
+    #[error(transparent)]
+    Trend(#[from] sinew_trend::filter::TrendError),
+}
+
+/// Lives through the years of `request`, sessions drawn. Up to `jobs` at a time, the same whatever their
+/// number. Where `out` is given, a line per year goes there as it is finished, and years that are there
+/// already aren't lived through again. `progress` is told how many of how many are done.
+///
+/// # Errors
+/// [`YearError`]; years finished before are in `out`.
+pub fn run(
+    robot: &Robot,
+    catalogue: &Catalogue,
+    request: &YearRequest,
+    out: Option<&Path>,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<YearReport, YearError> {
+    let setting = |name, value, other| Setting { name, value, other };
+    let settings = [
+        setting("robot", robot.name.clone(), "robot '{}'"),
+        setting("joints", request.joints.join(", "), "joints {} (--joints)"),
+        setting(
+            "errors",
+            format!("{:?}", request.errors),
+            "errors of other sessions (--session)",
+        ),
+        setting(
+            "forecasters",
+            format!("{:?}", request.forecasters),
+            "forecasters {} (--forecasters)",
+        ),
+    ];
+    let (mut journal, kept) = Journal::open::<RobotYear>(out, &YEARS, &settings)?;
+    let mut done: BTreeMap<u64, RobotYear> = (kept.into_iter())
+        .filter(|y| request.seeds().contains(&y.seed))
+        .map(|y| (y.seed, y))
+        .collect();
+    let fleet = Fleet::new(robot, catalogue, request)?;
+    let seeds: Vec<u64> = request.seeds().filter(|s| !done.contains_key(s)).collect();
+    let pool = jobs::pool(request.jobs)?;
+    for batch in seeds.chunks(request.jobs.max(1)) {
+        for year in pool.install(|| in_order(batch, |seed| fleet.year(*seed))) {
+            let year = year?;
+            journal.add(&year)?;
+            done.insert(year.seed, year);
+            progress(done.len(), request.robots as usize);
+        }
+    }
+    let years = done.into_values().collect();
+    let errors = request.errors;
+    let source = SessionSource::Drawn { errors };
+    Ok(report(robot, request, source, years))
+}
+
+/// Years through the whole chain: simulates every robot's sessions and gives them to the forecasters. Returns
+/// each robot's sessions and what became of them. `progress` is told how many of how many sessions are done.
+///
+/// # Errors
+/// [`YearError`]; sessions finished before are in the file of `chain`.
+pub fn run_chain(
+    robot: &Robot,
+    catalogue: &Catalogue,
+    request: &YearRequest,
+    chain: &ChainRequest,
+    progress: &mut (dyn FnMut(usize, usize) + Send),
+) -> Result<Vec<(Vec<Session>, RobotYear)>, YearError> {
+    let mut request = request.clone();
+    if chain.days < WATCHED {
+        request.forecasters.clear();
+    }
+    let fleet = Fleet::new(robot, catalogue, &request)?;
+    let seeds: Vec<u64> = request.seeds().collect();
+    let mut lives = Vec::with_capacity(seeds.len());
+    for life in in_order(&seeds, |seed| fleet.life(*seed)) {
+        lives.push(life?);
+    }
+    let sessions = chain::sessions(robot, &request.joints, &lives, chain, progress)?;
+    let both: Vec<_> = lives.iter().zip(&sessions).collect();
+    let years = in_order(&both, |(life, own)| fleet.chained(life, own));
+    (sessions.into_iter().zip(years))
+        .map(|(own, year)| Ok((own, year?)))
+        .collect()
+}
+
+/// What sessions and years of [`run_chain`] show.
+pub fn report_chain(
+    robot: &Robot,
+    request: &YearRequest,
+    chain: &ChainRequest,
+    lived: Vec<(Vec<Session>, RobotYear)>,
+) -> YearReport {
+    let (sessions, mut years): (Vec<_>, Vec<_>) = lived.into_iter().unzip();
+    let (errors, failures) = chain::statistics(&sessions);
+    if chain.days < WATCHED {
+        years.clear();
+    }
+    let source = SessionSource::Simulated {
+        session: chain.kind,
+        chained: chain.chained,
+        errors,
+        failures,
+    };
+    report(robot, request, source, years)
+}
+
+fn report(
+    robot: &Robot,
+    request: &YearRequest,
+    sessions: SessionSource,
+    years: Vec<RobotYear>,
+) -> YearReport {
+    YearReport {
+        sinew_version: env!("CARGO_PKG_VERSION").into(),
+        robot: robot.name.clone(),
+        joints: request.joints.clone(),
+        sessions,
+        summary: summary(&years),
+        years,
+    }
+}
+
+/// The same work on every item, on all threads, in the order of the items.
+fn in_order<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Sync + Send) -> Vec<R> {
+    items.par_iter().map(work).collect()
+}

@@ -1,0 +1,101 @@
+//! The figures of the paper's evaluation, reproduced: every sentence holds by its own criterion.
+//!
+//! `SINEW_FIGURES=DIR` also writes the drawings and pages there.
+
+use crate::paper_figures::{biorob_like, fig6, fig7};
+use sinew_bench::paper::{self, Claim, PaperFigure};
+use sinew_model::robot::RobotFile;
+
+/// Judges a figure: everything holds but these sentences of the paper.
+fn judge(mut figure: PaperFigure, contradicted: &[Claim]) {
+    for s in &figure.sentences {
+        let verdict = if s.holds { "holds" } else { "FAILS" };
+        let (value, unit) = s.shown();
+        println!(
+            "{}: {verdict}: {} {:.4} {} ({})",
+            figure.name, s.text, value, unit, s.criterion
+        );
+    }
+    if let Some(folder) = std::env::var_os("SINEW_FIGURES") {
+        paper::write(&mut figure, folder.as_ref()).expect("written");
+    }
+    let failed: Vec<Option<Claim>> = figure
+        .sentences
+        .iter()
+        .filter(|s| !s.holds)
+        .map(|s| s.claim)
+        .collect();
+    let expected: Vec<Option<Claim>> = contradicted.iter().copied().map(Some).collect();
+    assert_eq!(failed, expected);
+}
+
+#[test]
+fn figure_6_shows_what_the_paper_says() {
+    let figure = fig6();
+    assert_eq!(figure.panels.len(), 9);
+    // A force that pushes the joint on is underestimated.
+    judge(figure.clone(), &[Claim::ExternalForces]);
+}
+
+#[test]
+fn figure_7_shows_what_the_paper_says() {
+    let figure = fig7();
+    assert_eq!(figure.panels.len(), 4);
+    judge(figure.clone(), &[]);
+}
+
+#[test]
+fn expectations_are_those_of_the_robot() {
+    let mut robot = biorob_like();
+    for t in robot.transmissions.iter_mut().flatten() {
+        t.stiffness_nm_per_rad *= 2.0;
+    }
+    robot.arm = robot.arm.with_scaled_masses(1.3).expect("heavier");
+    let figure = paper::fig6(&robot).expect("made");
+    // 3.635 N·m · 1.3/80 N·m/rad, a sixth and a tenth of it.
+    let added = |text: &str| {
+        let found = figure.sentences.iter().find(|s| s.text.contains(text));
+        found.expect("there").shown().0
+    };
+    let deflection_mrad = 3635.0 * 1.3 / 80.0;
+    assert!((added("K overestimated") - deflection_mrad / 6.0).abs() < 0.1);
+    assert!((added("underestimated by 10 %") - deflection_mrad / 10.0).abs() < 0.1);
+    judge(figure, &[Claim::ExternalForces]);
+    judge(paper::fig7(&robot).expect("made"), &[]);
+}
+
+#[test]
+fn figures_are_files_that_open_offline() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut figure = fig7().clone();
+    paper::write(&mut figure, folder.path()).expect("written");
+    let written = figure.files.expect("named");
+    let html = std::fs::read_to_string(&written.html).expect("there");
+    assert!(html.contains("<svg") && html.contains("What is assumed"));
+    // Nothing is fetched: the only address allowed is the SVG name space.
+    let without = html.replace("http://www.w3.org/2000/svg", "");
+    assert!(!without.contains("http:") && !without.contains("https:"));
+    assert_eq!(without.matches("<script").count(), 1, "the page's own");
+    let png = std::fs::read(written.png.expect("drawn")).expect("there");
+    assert_eq!(&png[1..4], b"PNG");
+    assert!(
+        std::fs::read_to_string(&written.svg)
+            .expect("there")
+            .starts_with("<svg")
+    );
+}
+
+#[test]
+fn a_robot_without_the_joint_is_told_which_is_missing() {
+    let mut robot = biorob_like();
+    robot.name = "stump".into();
+    // The pendulum of one joint, called otherwise.
+    let pendulum = RobotFile::parse("[joints.swing]\nstiffness_nm_per_rad = 20.0\nmotor_inertia_kg_m2 = 0.05\n", "p.toml")
+        .and_then(|f| f.build(r#"<robot name="stump"><link name="base"/><link name="bob"><inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link><joint name="swing" type="continuous"><parent link="base"/><child link="bob"/><axis xyz="0 1 0"/></joint></robot>"#))
+        .expect("a robot");
+    let message = paper::fig6(&pendulum).expect_err("no shoulder").to_string();
+    assert!(
+        message.contains("shoulder_pitch") && message.contains("swing"),
+        "{message}"
+    );
+}
