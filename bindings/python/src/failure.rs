@@ -5,11 +5,10 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 use sinew_creep::{CreepError, TestFileError};
 use sinew_estimate::EstimateError;
+use sinew_estimate::excitation::ExcitationError;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_estimate::session::SessionError;
 use sinew_trend::{AnalyzeError, RecordError};
-use sinew_bench::excitation::ExcitationError;
-use sinew_bench::scenarios::ScenarioError;
 use sinew_files::located::Place;
 use sinew_files::{Located, OutputError};
 use sinew_log::LogError;
@@ -17,6 +16,7 @@ use sinew_rope::CatalogueError;
 use sinew_rope::predict::PredictError;
 use sinew_rope::task::TaskError;
 use sinew_sim::SimulateError;
+use sinew_sim::protocol::PlanError;
 use std::error::Error;
 
 /// Why something was not done.
@@ -129,7 +129,7 @@ impl Blame for CreepError {}
 impl Blame for ExcitationError {}
 impl Blame for OutputError {}
 impl Blame for PredictError {}
-impl Blame for ScenarioError {}
+impl Blame for PlanError {}
 impl Blame for TaskError {}
 impl Blame for serde_json::Error {}
 impl Blame for sinew_creep::NoEntry {}

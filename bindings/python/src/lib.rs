@@ -47,7 +47,7 @@ mod _core {
     #[pymodule_export]
     use crate::rope::{Catalogue, RopeLaw, plan_pretension, predict_rope, select_rope};
     #[pymodule_export]
-    use crate::simulate::{propose_poses, run_scenarios, scenario_text, simulate, simulate_to};
+    use crate::simulate::{propose_poses, scenario_text, simulate, simulate_to};
     #[pymodule_export]
     use crate::table::Table;
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! Simulated recordings with a known truth, the scenario bench, poses that tell.
+//! Simulated recordings with a known truth, scenarios of the protocol, poses that tell.
 
 use crate::document::{Document, Shown};
 use crate::estimate::BaselineArg;
@@ -9,10 +9,10 @@ use crate::work::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sinew_estimate::robot_dir::{self, LoadedRobot};
-use sinew_bench::control::Simulated;
-use sinew_bench::excitation::{self, Sensors};
-use sinew_bench::scenarios::{self, DEFAULT, UNMODELLED, plan_adapted, plan_named};
+use sinew_estimate::excitation::{self, Sensors};
 use sinew_log::Compression;
+use sinew_sim::control::Simulated;
+use sinew_sim::protocol::{plan_adapted, plan_named};
 use sinew_sim::{Scenario, SimulateOptions, Simulation};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -158,48 +158,6 @@ pub(crate) fn scenario_text(name: &str, robot: Option<RobotArg<'_>>) -> PyResult
     Ok(plan.text)
 }
 
-/// Judges the absolute offset on many simulated recordings.
-#[pyfunction]
-#[pyo3(signature = (names, robot, n, seed, steps, motor_torque, jobs, out, progress))]
-#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
-pub(crate) fn run_scenarios(
-    py: Python<'_>,
-    names: Option<Vec<String>>,
-    robot: Option<PathBuf>,
-    n: u64,
-    seed: u64,
-    steps: bool,
-    motor_torque: bool,
-    jobs: Option<usize>,
-    out: Option<PathBuf>,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Document> {
-    let listed = |list: &[&str]| list.iter().map(ToString::to_string).collect();
-    let wanted = match names.as_deref() {
-        None => listed(&DEFAULT),
-        Some([one]) if one == "unmodelled" => listed(&UNMODELLED),
-        Some(names) => names.to_vec(),
-    };
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let options = scenarios::Options {
-        scenarios: wanted,
-        robot,
-        n,
-        first_seed: seed,
-        sessions: scenarios::Sessions::with_slips(steps),
-        motor_torque,
-        jobs: jobs.unwrap_or(cores).max(1),
-        out,
-    };
-    let (report, recordings) = work(py, "recordings", progress.as_ref(), move |pace| {
-        let mut told = |done: usize, all: usize| pace.at(done as f64, all as f64);
-        Ok(scenarios::run_recordings(&options, &mut told)?)
-    })?;
-    Ok(Shown::new(report, scenarios::render_table)
-        .table("recordings", move |_| scenarios::rows(&recordings))
-        .into())
-}
-
 /// Poses that make the offsets show; with a format also the text of a file of them.
 #[pyfunction]
 #[pyo3(signature = (robot, baseline, poses, pause_s, payload, joint_bits, candidates, seed, progress))]
@@ -249,5 +207,5 @@ pub(crate) fn propose_poses(
         )?)
     })?;
     let motion = proposal.to_toml();
-    Ok((Shown::new(proposal, excitation::render).into(), motion))
+    Ok((Shown::new(proposal, sinew_report::excitation::render).into(), motion))
 }

@@ -41,8 +41,9 @@ def test_a_reader_that_goes(sinew: str) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_ctrl_c_ends_it(sinew: str) -> None:
-    process = subprocess.Popen([sinew, "scenarios", "run", "--n", "500", "--quiet"], cwd=ROOT)
+def test_ctrl_c_ends_it(sinew: str, tmp_path: Path) -> None:
+    scenario, out = "examples/scenarios/work-session.toml", tmp_path / "long.mcap"
+    process = subprocess.Popen([sinew, "simulate", scenario, "--duration", "7200", "--out", out, "--quiet"], cwd=ROOT)
     time.sleep(1.0)
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=10) == -signal.SIGINT

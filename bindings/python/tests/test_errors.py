@@ -65,7 +65,7 @@ def test_other_refusals_are_sentences(tmp_path: Path) -> None:
         (lambda: sn.trend("examples/10-trend/sessions.csv", tensioned="soon"), "'soon' is no date"),
         (lambda: sn.simulate(("[motion]\nkind = 'x'", "mine.toml"), ROBOT), "mine.toml, line"),
         (lambda: sn.simulate("examples/scenarios/stretched-arm.toml", ROBOT, duration_s=-1.0), "above 0 s"),
-        (lambda: sn.run_scenarios(["S99"]), "no scenario 'S99'"),
+        (lambda: sn.scenario_text("S99"), "no scenario 'S99'"),
         (lambda: sn.Robot.from_text("", ""), "."),
     ]
     for call, words in cases:

@@ -155,10 +155,9 @@ def test_a_simulated_recording_is_that_of_the_command(tmp_path: Path, command) -
         assert (held.arrays[name] == arrays[name]).all()
 
 
-def test_scenarios_are_those_of_the_command(command) -> None:
-    told = command("scenarios", "run", "--scenario", "S5", "--n", 1, "--no-steps", "--json")
-    assert sn.run_scenarios(["S5"], n=1, steps=False).to_json() == told
-    assert sn.scenario_text("S7") == command("scenarios", "show", "S7")
+def test_scenario_text_is_a_scenario_that_simulates() -> None:
+    text = sn.scenario_text("S7")
+    assert sn.simulate((text, "S7.toml"), ROBOT, duration_s=1.0).to_json()
 
 
 def test_the_words_are_those_of_the_command(command, monkeypatch: pytest.MonkeyPatch) -> None:

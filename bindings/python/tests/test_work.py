@@ -17,7 +17,7 @@ import pysinew as sn
 from conftest import ROBOT, ROOT, SHIPPED
 
 # Long enough to be interrupted: minutes of simulation.
-LONG = 'sn.run_scenarios(["S7"], n=200, jobs=1, progress=progress)'
+LONG = 'sn.simulate("examples/scenarios/work-session.toml", robot, duration_s=7200.0, progress=progress)'
 LONG_FILE = """sn.simulate(
             "examples/scenarios/work-session.toml", robot, out=sys.argv[1], duration_s=7200.0, progress=progress)"""
 
@@ -34,7 +34,7 @@ def test_other_threads_go_on() -> None:
     thread = threading.Thread(target=count)
     thread.start()
     before = counted
-    sn.run_scenarios(["S5"], n=1, steps=False)
+    sn.simulate("examples/scenarios/work-session.toml", ROBOT, duration_s=60.0)
     went_on = counted - before
     stop.set()
     thread.join()
@@ -44,10 +44,11 @@ def test_other_threads_go_on() -> None:
 
 def test_progress_is_told() -> None:
     heard: list[tuple[float, str]] = []
-    sn.run_scenarios(["S5"], n=2, steps=False, progress=lambda share, word: heard.append((share, word)))
+    progress = lambda share, word: heard.append((share, word))  # noqa: E731
+    sn.simulate("examples/scenarios/work-session.toml", ROBOT, duration_s=60.0, progress=progress)
     shares = [share for share, _ in heard]
     assert shares == sorted(shares) and shares[-1] == 1.0
-    assert {word for _, word in heard} == {"recordings"}
+    assert {word for _, word in heard} == {"simulating"}
 
 
 def test_an_exception_of_the_callback_stops_the_work(tmp_path: Path) -> None:

@@ -62,7 +62,16 @@ fn crates_see_only_whom_they_may() {
                 "sinew-rope",
             ],
         ),
-        ("sinew-sim", &["sinew-files", "sinew-model", "sinew-log"]),
+        (
+            "sinew-sim",
+            &[
+                "sinew-files",
+                "sinew-model",
+                "sinew-log",
+                "sinew-rope",
+                "sinew-trend",
+            ],
+        ),
         ("sinew-door", &["sinew-files", "sinew-log"]),
         (
             "sinew-watch-core",
@@ -103,8 +112,9 @@ fn crates_see_only_whom_they_may() {
             ],
         ),
         (
-            "sinew-eval",
+            "sinew-bench",
             &[
+                "sinew",
                 "sinew-files",
                 "sinew-model",
                 "sinew-log",
@@ -133,7 +143,6 @@ fn crates_see_only_whom_they_may() {
                 "sinew-estimate",
                 "sinew-report",
                 "sinew-sim",
-                "sinew-eval",
             ],
         ),
     ];

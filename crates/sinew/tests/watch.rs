@@ -9,9 +9,16 @@ fn a_missing_program_is_told_with_how_to_install_it() {
     let folder = tempfile::tempdir().unwrap();
     let sinew = folder.path().join("sinew");
     std::fs::copy(env!("CARGO_BIN_EXE_sinew"), &sinew).unwrap();
-    for (command, path) in [("watch", "crates/sinew-watch"), ("fleet", "fleet")] {
+    for (command, path) in [
+        ("watch", "crates/sinew-watch"),
+        ("fleet", "fleet"),
+        ("scenarios", "crates/sinew-bench"),
+        ("paper", "crates/sinew-bench"),
+        ("trend simulate-year", "crates/sinew-bench"),
+    ] {
         let output = Command::new(&sinew)
-            .args([command, "--version"])
+            .args(command.split(' '))
+            .arg("--version")
             .env("PATH", "")
             .output()
             .unwrap();

@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from ._simulate import Poses as Poses
     from ._simulate import Simulated as Simulated
     from ._simulate import propose_poses as propose_poses
-    from ._simulate import run_scenarios as run_scenarios
     from ._simulate import scenario_text as scenario_text
     from ._simulate import simulate as simulate
     from ._trend import Trend as Trend
@@ -78,7 +77,7 @@ _HOMES = {
     "_look": ("check_robot", "recording_info"),
     "_plot": ("curves", "plot"),
     "_rope": ("Guide", "describe_rope", "list_ropes", "plan_pretension", "predict_rope", "select_rope"),
-    "_simulate": ("Poses", "Simulated", "propose_poses", "run_scenarios", "scenario_text", "simulate"),
+    "_simulate": ("Poses", "Simulated", "propose_poses", "scenario_text", "simulate"),
     "_trend": ("Trend", "trend"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -121,7 +120,6 @@ __all__ = [
     "propose_poses",
     "recording_info",
     "results",
-    "run_scenarios",
     "scenario_text",
     "select_rope",
     "simulate",

@@ -32,7 +32,6 @@ __all__ = [
     "predict_rope",
     "propose_poses",
     "run_command",
-    "run_scenarios",
     "scenario_text",
     "select_rope",
     "simulate",
@@ -322,17 +321,6 @@ def scenario_text(name: str, robot: _Path | Robot | None = None) -> str:
     Raises ``ValueError`` where there is no such scenario.
     """
 
-def run_scenarios(
-    names: Sequence[str] | None,
-    robot: _Path | None,
-    n: int,
-    seed: int,
-    steps: bool,
-    motor_torque: bool,
-    jobs: int | None,
-    out: _Path | None,
-    progress: _Progress | None,
-) -> Document: ...
 def propose_poses(
     robot: _Path | Robot,
     baseline: _Path | Baseline | None,

@@ -1,4 +1,4 @@
-"""Simulated recordings with a known truth, the scenario bench, poses that tell."""
+"""Simulated recordings with a known truth, scenarios of the protocol, poses that tell."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from . import results
 from ._answer import Answer
 from ._core import Document, Recording, Robot
 from ._core import propose_poses as _propose_poses
-from ._core import run_scenarios as _run_scenarios
 from ._core import scenario_text as scenario_text
 from ._core import simulate as _simulate
 from ._core import simulate_to as _simulate_to
@@ -35,12 +34,6 @@ class Simulated(Answer, results.SimulatedResult):
         super().__init__(document)
         object.__setattr__(self, "arrays", arrays)
         object.__setattr__(self, "recording", recording)
-
-
-class Scenarios(Answer, results.ScenariosResult):
-    """How good the absolute offset is, over many simulated recordings. Table: ``recordings``."""
-
-    __slots__ = ()
 
 
 class Poses(Answer, results.PosesResult):
@@ -85,35 +78,6 @@ def simulate(
     columns = {name: values for name, values in arrays.items() if name != "segment"}
     recording = Recording.from_arrays(name="simulated", **columns)
     return Simulated(document, columns, recording)
-
-
-def run_scenarios(
-    names: Sequence[str] | Literal["unmodelled"] | None = None,
-    robot: RobotLike | None = None,
-    *,
-    n: int = 20,
-    seed: int = 1,
-    steps: bool = True,
-    motor_torque: bool = True,
-    jobs: int | None = None,
-    out: PathLike | None = None,
-    progress: Progress | None = None,
-) -> Scenarios:
-    """Judges the absolute offset on many simulated recordings with known truth.
-
-    * ``names``: scenarios (``S5`` to ``S8b``) or files of one's own; ``"unmodelled"``: errors the estimator doesn't know
-      of; without them, S5 to S8.
-    * ``robot``: its folder: the scenarios with its joints, masses, stiffness and friction.
-    * ``n`` recordings a scenario, from ``seed`` on; ``steps``: with slips; ``out``: a line of JSON per recording, where a
-      stopped run is taken up again.
-
-    Raises ``ValueError`` with the sentence of the command.
-    """
-    if not 1 <= n <= 1_000_000:
-        raise ValueError(f"n is {n}; it must be 1 to 1000000")
-    place = robot.file if isinstance(robot, Robot) else robot
-    wanted = [names] if isinstance(names, str) else names if names is None else list(names)
-    return Scenarios(_run_scenarios(wanted, place, n, seed, steps, motor_torque, jobs, out, progress))
 
 
 def propose_poses(

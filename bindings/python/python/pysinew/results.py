@@ -1227,45 +1227,6 @@ class DutySummary(Record):
     }
 
 
-class EndSummary(Record):
-    """All recordings of a scenario at one end, all elastic joints together."""
-
-    __slots__ = ()
-
-    coverage_share: float
-    """Share of truths inside the 95 % interval."""
-    end: End
-    """Which end."""
-    far_share: float
-    """Share of offsets more than three standard deviations off in such a session; chance leaves 0.0027 of those
-    that are told without a warning.
-    """
-    form: Form
-    """Whose estimates."""
-    half_width_95_rad: float
-    """Mean half of the 95 % interval, rad."""
-    offsets: int
-    """Offsets judged: recordings times elastic joints."""
-    rmse_rad: float
-    """Root mean square error, rad."""
-    silent_share: float
-    """Share of offsets outside their interval in a session that warned of nothing."""
-    warned_share: float
-    """Share of recordings whose session warned of anything, or was in doubt."""
-
-    _fields = {
-        "coverage_share": "",
-        "end": "",
-        "far_share": "",
-        "form": "",
-        "half_width_95_rad": "",
-        "offsets": "",
-        "rmse_rad": "",
-        "silent_share": "",
-        "warned_share": "",
-    }
-
-
 class Ending(Record):
     """How a search ended."""
 
@@ -1860,7 +1821,7 @@ class Frames(Record):
     late: int
     """Written after their successor."""
     lost: int
-    """Lost."""
+    """Frames that were lost."""
     written: int
     """Written, repetitions included."""
 
@@ -3399,7 +3360,7 @@ class RecordingInfoResult(Record):
     format: Format
     """Its format."""
     frames: int
-    """Frames."""
+    """Number of frames."""
     health: Health
     """What was lost or repaired."""
     joints: list[JointInfo]
@@ -3733,25 +3694,6 @@ class Recovery(Record):
         "force_after_n": "",
         "force_before_n": "",
         "residual_strain_ratio": "",
-    }
-
-
-class Refusal(Record):
-    """A recording that the estimate refused: it is in none of the figures."""
-
-    __slots__ = ()
-
-    reason: str
-    """Why, in words."""
-    scenario: str
-    """Scenario."""
-    seed: int
-    """Seed of everything drawn."""
-
-    _fields = {
-        "reason": "",
-        "scenario": "",
-        "seed": "",
     }
 
 
@@ -4222,143 +4164,6 @@ class Scatter(Record):
     }
 
 
-class ScenarioJoint(Record):
-    """One joint's offset at the end of B. Errors are estimate less truth."""
-
-    __slots__ = ()
-
-    bias_rad: float
-    """Mean error, rad."""
-    bound_rad: float | None
-    """Root mean square of the Bayesian Cramér–Rao bounds, rad."""
-    cant_tell_share: float
-    """Share of recordings in which the estimate couldn't tell."""
-    coverage_95: Interval95
-    """Where that share lies with 95 % confidence (Wilson)."""
-    coverage_share: float
-    """Share of truths inside the 95 % interval."""
-    error_q95_rad: float
-    """95 % quantile of the size of the error, rad."""
-    matched_minus_baseline_rmse_rad: float | None
-    """The same minus its mean over A."""
-    matched_rmse_rad: float | None
-    """With matched filters."""
-    name: str
-    """Joint."""
-    paper_minus_baseline_rmse_rad: float | None
-    """The same minus its mean over A."""
-    paper_rmse_rad: float | None
-    """Root mean square error of the paper's mean over B, rad."""
-    rmse_rad: float
-    """Root mean square error, rad."""
-    stated_rad: float
-    """Mean standard deviation stated, rad."""
-    z_deviation: float
-    """Standard deviation of error over standard deviation stated; 1 when honest, below 1 when intervals are too
-    wide.
-    """
-    z_mean: float
-    """Mean of error over standard deviation stated; 0 when unbiased."""
-
-    _fields = {
-        "bias_rad": "",
-        "bound_rad": "",
-        "cant_tell_share": "",
-        "coverage_95": "Interval95",
-        "coverage_share": "",
-        "error_q95_rad": "",
-        "matched_minus_baseline_rmse_rad": "",
-        "matched_rmse_rad": "",
-        "name": "",
-        "paper_minus_baseline_rmse_rad": "",
-        "paper_rmse_rad": "",
-        "rmse_rad": "",
-        "stated_rad": "",
-        "z_deviation": "",
-        "z_mean": "",
-    }
-
-
-class ScenarioSummary(Record):
-    """One scenario. What nothing is known of, for lack of recordings, is `None`."""
-
-    __slots__ = ()
-
-    about: str | None
-    """What it is about, where that isn't the protocol's."""
-    ends: list[EndSummary]
-    """All elastic joints together at the end of B, and of C where it was estimated."""
-    false_alarm_probability: float | None
-    """Mean of the probabilities stated of them."""
-    false_alarms_per_hour: float | None
-    """Sudden changes reported where there was none, per hour."""
-    joints: list[ScenarioJoint]
-    """Offset of B at its end, per elastic joint."""
-    left_out_share: float | None
-    """Mean share of B left out as contact or disturbance."""
-    payload_rmse_kg: float | None
-    """Payload: root mean square error, kg."""
-    recordings: int
-    """Recordings."""
-    robot: str
-    """Its robot."""
-    scenario: str
-    """Its name."""
-    slips: list[SlipSummary]
-    """Slips of session C, per joint that slips."""
-    warnings: dict[str, float]
-    """Share of recordings in which each warning was given, by its text up to the first number."""
-    watched_s: float
-    """Time they were looked for, s."""
-
-    _fields = {
-        "about": "",
-        "ends": "EndSummary",
-        "false_alarm_probability": "",
-        "false_alarms_per_hour": "",
-        "joints": "ScenarioJoint",
-        "left_out_share": "",
-        "payload_rmse_kg": "",
-        "recordings": "",
-        "robot": "",
-        "scenario": "",
-        "slips": "SlipSummary",
-        "warnings": "",
-        "watched_s": "",
-    }
-
-
-class ScenariosResult(Record):
-    """All scenarios of a run."""
-
-    __slots__ = ()
-
-    first_seed: int
-    """Seed of the first recording of each scenario."""
-    recordings: int
-    """Recordings asked for per scenario."""
-    refusals: list[Refusal]
-    """Recordings that the estimate refused; they are in no figure."""
-    scenarios: list[ScenarioSummary]
-    """One entry per scenario."""
-    schema: Literal["sinew/scenarios/1"]
-    """Name and number of this schema."""
-    sinew_version: str
-    """Version of the program that made it."""
-    with_slips: bool
-    """Whether session C, with its slips, was simulated."""
-
-    _fields = {
-        "first_seed": "",
-        "recordings": "",
-        "refusals": "Refusal",
-        "scenarios": "ScenarioSummary",
-        "schema": "",
-        "sinew_version": "",
-        "with_slips": "",
-    }
-
-
 class Schedule(Record):
     """When to tension again at constant length."""
 
@@ -4812,49 +4617,6 @@ class SimulatedResult(Record):
         "stiffness_nm_per_rad": "",
         "temperature_change_k": "",
         "viscoelastic_fraction": "",
-    }
-
-
-class SlipSummary(Record):
-    """Slips of one joint."""
-
-    __slots__ = ()
-
-    delay_90_s: float | None
-    """The same, 90 % quantile."""
-    delay_s: float | None
-    """Seconds of recording needed to find it: median of those found."""
-    found_rmse_rad: float | None
-    """The same of those found."""
-    found_share: float
-    """Share found with 20 s of recording after them."""
-    joint: str
-    """Joint."""
-    probability: float | None
-    """Mean probability stated of those found."""
-    rmse_rad: float
-    """Root mean square error of the size, rad; a slip not found counts in full."""
-    slips: int
-    """Slips."""
-    time_coverage_share: float | None
-    """Share of those found that happened within the 95 % interval of their time."""
-    time_half_width_95_s: float | None
-    """Mean half-width of that interval, s."""
-    time_rmse_s: float | None
-    """Root mean square error of the time, s."""
-
-    _fields = {
-        "delay_90_s": "",
-        "delay_s": "",
-        "found_rmse_rad": "",
-        "found_share": "",
-        "joint": "",
-        "probability": "",
-        "rmse_rad": "",
-        "slips": "",
-        "time_coverage_share": "",
-        "time_half_width_95_s": "",
-        "time_rmse_s": "",
     }
 
 
@@ -6267,12 +6029,10 @@ Caution = Union[CautionBeyondData, CautionBreakingLoadGuessed, CautionCreepsApar
 Comparison = Literal["matched", "paper"]
 ConditionSource = Literal["held", "stated"]
 CreepError = Union[CreepErrorFlat, CreepErrorIncompleteRope, CreepErrorIsotherm, CreepErrorNoEntry, CreepErrorNoForecast, CreepErrorNoGroupColumn, CreepErrorNoPlan, CreepErrorNoRope, CreepErrorNotFinite, CreepErrorNothingAnalysed, CreepErrorOneTemperature, CreepErrorSpecimen, CreepErrorTooFew]
-End = Literal["b", "chain"]
 Ends = Literal["not-stated", "spliced", "knotted"]
 EventKind = Literal["gap", "clock-jump", "late", "damage", "undecodable", "suspicion"]
 Fault = Union[FaultClockGoesBack, FaultDoubtfulStrain, FaultDoubtfulTime, FaultGap, FaultLoadDrift, FaultNoForce, FaultNoRamp, FaultOutlier, FaultRepeatedStamps, FaultShortens, FaultSlip, FaultSlowRamp]
 FindingKind = Literal["gap", "unknown-joint", "contradiction", "range", "distance", "arm-mass", "heavy-link", "light-link", "density", "inertia-size", "inertia-not-definite", "inertia-triangle", "frequency", "sag", "too-stiff", "stiffer-than-rope", "motor-inertia", "friction", "unknown-rope", "pretension", "holding-pull", "largest-pull", "pulley-diameter", "elongation-limit", "range-width", "range-reversed", "effort-limit", "negative-limit", "speed-limit", "gravity", "gravity-up"]
-Form = Literal["batch", "recursive"]
 Format = Literal["mcap", "csv", "parquet", "db3", "arrays", "messages"]
 IntervalKind = Literal["draws", "profile", "bootstrap"]
 JointMotion = Literal["revolute", "prismatic"]
@@ -6378,7 +6138,6 @@ _CLASSES: Mapping[str, Any] = {
     "Difference": Difference,
     "Doubt": Doubt,
     "DutySummary": DutySummary,
-    "EndSummary": EndSummary,
     "Ending": Ending,
     "Estimate": Estimate,
     "EstimateDocument": EstimateDocument,
@@ -6480,7 +6239,6 @@ _CLASSES: Mapping[str, Any] = {
     "RecordingWarningUnknownJoints": RecordingWarningUnknownJoints,
     "RecordingWarningUnwrapped": RecordingWarningUnwrapped,
     "Recovery": Recovery,
-    "Refusal": Refusal,
     "Rejected": Rejected,
     "RejectionBendRatio": RejectionBendRatio,
     "RejectionBendRatioNotKnown": RejectionBendRatioNotKnown,
@@ -6503,9 +6261,6 @@ _CLASSES: Mapping[str, Any] = {
     "RopeResult": RopeResult,
     "RopeSummary": RopeSummary,
     "Scatter": Scatter,
-    "ScenarioJoint": ScenarioJoint,
-    "ScenarioSummary": ScenarioSummary,
-    "ScenariosResult": ScenariosResult,
     "Schedule": Schedule,
     "Score": Score,
     "SegmentEstimate": SegmentEstimate,
@@ -6520,7 +6275,6 @@ _CLASSES: Mapping[str, Any] = {
     "SignalSource": SignalSource,
     "SimulateComparison": SimulateComparison,
     "SimulatedResult": SimulatedResult,
-    "SlipSummary": SlipSummary,
     "Source": Source,
     "SourceColumn": SourceColumn,
     "Span": Span,
