@@ -6,7 +6,7 @@ mod excitation;
 mod forecasts;
 mod live;
 mod paper_figures;
-mod paper_ledger;
+mod paper_sentences;
 mod rope_figures;
 mod scenarios;
 mod science_figures;

@@ -87,8 +87,6 @@ fn flow_and_friction_decide_no_sentence() {
     let q: Vec<f64> = (1..=5).map(share).collect();
     println!("A < C < D < B at q = 0.4 to 1.2: {q:?} %");
     assert!(q[2] > 75.0 && q[4] < 30.0, "{q:?}");
-    let decided = format!("{:?}", figure.sentences[0].decided_by[0]);
-    assert!(decided.contains("pass_exponent"), "{decided}");
 }
 
 #[test]

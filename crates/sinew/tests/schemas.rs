@@ -80,7 +80,6 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_creep::Plan>(),
         Published::of::<sinew_estimate::excitation::Proposal>(),
         Published::of::<sinew_bench::paper::PaperFigure>(),
-        Published::of::<sinew_bench::paper::Ledger>(),
         Published::of::<sinew_bench::year::YearReport>(),
         Published::of::<sinew_bench::scenarios::ScenarioReport>(),
         Published::of::<sinew_sim::control::Simulated>(),
@@ -121,7 +120,6 @@ fn outputs() -> Vec<&'static str> {
         creep plan liros-dc000-0301 --tension 60 --length 700 --at 30d --loads 60 --temperatures 23 --durations 85min --check 1 --json
         excitation --robot robots/biorob-like --poses 3 --candidates 2 --seed 4 --json
         paper table1 --out OUT --json
-        paper ledger --out OUT --json
         scenarios run --scenario S7 --n 1 --no-steps --json
         simulate examples/scenarios/stretched-arm.toml --out OUT/a.mcap --duration 4 --json
         simulate examples/09-corrected/stretched-work.toml --out OUT/b.mcap --duration 8 --control --json

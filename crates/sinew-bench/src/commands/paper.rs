@@ -4,7 +4,6 @@ use clap::{Args, ValueEnum};
 use sinew::terminal::{Failure, Finish, Word, answer_as, complain};
 use sinew_bench::paper;
 use sinew_estimate::robot_dir;
-use sinew_model::robot::Robot;
 use sinew_rope::Catalogue;
 use std::path::{Path, PathBuf};
 
@@ -12,17 +11,15 @@ use std::path::{Path, PathBuf};
 ///
 /// Writes NAME.svg, NAME.html and NAME.png (where the build has PNG). Exit code 3 when a sentence does not hold.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  sinew paper fig6 --out figures\n  sinew paper ledger --out figures"
-)]
+#[command(after_help = "Example:\n  sinew paper fig6 --out figures")]
 pub(crate) struct Paper {
     /// Which figure
     #[arg(value_enum)]
     figure: Which,
-    /// Robot's folder, for fig6, fig7, control and ledger [default: robots/biorob-like]
+    /// Robot's folder, for fig6, fig7 and control [default: robots/biorob-like]
     #[arg(long, value_name = "DIR")]
     robot: Option<PathBuf>,
-    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5, table1 and ledger
+    /// Folder with ropes that replace shipped ones of their names, for fig1 to fig5 and table1
     #[arg(long = "ropes", value_name = "DIR")]
     ropes: Vec<PathBuf>,
     /// Folder for the files; made if it isn't there
@@ -54,8 +51,6 @@ enum Which {
     Fig7,
     /// Control and collision detection with stretched ropes, before and after correction
     Control,
-    /// Every sentence of the paper: judged, not judged and why, contradicted, and what decides it
-    Ledger,
 }
 
 impl Which {
@@ -64,7 +59,6 @@ impl Which {
         match self {
             Self::Fig1 | Self::Fig2 | Self::Fig4 | Self::Fig5 | Self::Table1 => (false, true),
             Self::Fig6 | Self::Fig7 | Self::Control => (true, false),
-            Self::Ledger => (true, true),
         }
     }
 }
@@ -110,21 +104,11 @@ impl Paper {
             Which::Fig6 => paper::fig6(&robot()?.robot)?,
             Which::Fig7 => paper::fig7(&robot()?.robot)?,
             Which::Control => paper::control(&robot()?.robot, paper::Effort::default())?,
-            Which::Ledger => return self.ledger(&robot()?.robot, &catalogue()?),
         };
         paper::write(&mut figure, &self.out)?;
         answer_as(self.json, &figure, paper::render)?;
         let failed = figure.sentences.iter().filter(|s| !s.holds).count();
         Ok(self.finish(failed, figure.sentences.len()))
-    }
-
-    /// The paper, sentence by sentence.
-    fn ledger(&self, robot: &Robot, catalogue: &Catalogue) -> Result<Finish, Failure> {
-        let mut ledger = paper::ledger(robot, catalogue)?;
-        paper::write_ledger(&mut ledger, &self.out)?;
-        answer_as(self.json, &ledger, paper::render_ledger)?;
-        let failed = ledger.count(paper::LedgerStatus::Contradicted);
-        Ok(self.finish(failed, ledger.rows.len()))
     }
 
     fn finish(&self, failed: usize, of: usize) -> Finish {

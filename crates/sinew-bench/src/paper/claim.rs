@@ -1,6 +1,6 @@
 //! What the paper says, sentence by sentence, in our words.
 //!
-//! Every page and the ledger take their sentences from here, so that what the paper says stands once and what Sinew adds
+//! Every page takes its sentences from here, so that what the paper says stands once and what Sinew adds
 //! can't pass for it.
 
 use serde::Serialize;

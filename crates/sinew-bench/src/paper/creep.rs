@@ -36,7 +36,6 @@ const HOT: [&str; 4] = [DM20, SK99, TECHNORA, VECTRAN];
 pub(super) struct Test {
     pub(super) name: String,
     pub(super) product: String,
-    pub(super) laws: Vec<Law>,
     pub(super) curves: Vec<Vec<f64>>,
     /// Strain at the end, %.
     pub(super) end: Vec<f64>,
@@ -98,16 +97,7 @@ pub(super) fn test(
             })
             .collect(),
         curves,
-        laws,
     })
-}
-
-/// The laws behind tests.
-fn drawn(tests: &[Test]) -> Vec<(&str, &[Law])> {
-    tests
-        .iter()
-        .map(|t| (t.name.as_str(), &t.laws[..]))
-        .collect()
 }
 
 fn find<'a>(tests: &'a [Test], name: &str) -> Result<&'a Test, PaperError> {
@@ -133,12 +123,10 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     let rest_h = (MINUTES as f64 - SLOPE_FROM_MIN) / 60.0;
     let highest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MIN, f64::max);
     let lowest = |d: usize| thin.iter().map(|t| t.end[d]).fold(f64::MAX, f64::min);
-    let drawn = drawn(&tests);
     let sentences = vec![
         claimed(
             Claim::Saturates,
             "for every rope the slope of the last 20 min is at most a third of that from 20 to 40 min (0.39 would be creep with the logarithm of time, which never ends), and the slope m_E, which is above 0, carries at most 15 % of the final strain through the last 65 min",
-            &drawn,
             |d| {
                 tests.iter().all(|t| {
                     t.slope_left[d] <= 1.0 / 3.0
@@ -150,19 +138,16 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::DiameterNoMeasure,
             "SK99 Ultra ends above every rope under 2 mm, all of which have a lower published breaking load or none",
-            &drawn,
             |d| ultra.end[d] > highest(d),
         ),
         claimed(
             Claim::ThinRopesAlike,
             "highest minus lowest final strain of the five ropes under 2 mm is at most 0.2 %",
-            &drawn,
             |d| highest(d) - lowest(d) <= 0.2,
         ),
         claimed(
             Claim::CordAndClimax,
             "their slopes m_E differ by at most a quarter of their mean, and the cord ends at least half again as high",
-            &drawn,
             |d| {
                 let (a, b) = (cord.slope[d], climax.slope[d]);
                 (a - b).abs() <= 0.25 * 0.5 * (a + b) && cord.end[d] >= 1.5 * climax.end[d]
@@ -171,7 +156,6 @@ pub fn fig1(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::SmallestSlopes,
             "both slopes m_E are below that of each of the other seven ropes",
-            &drawn,
             |d| {
                 let theirs = at_most(&tests, d, |t| t.name == TECHNORA || t.name == VECTRAN);
                 let others = at_least(&tests, d, |t| t.name != TECHNORA && t.name != VECTRAN);
@@ -210,7 +194,6 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
     };
     let (cold, hot) = (all(23.0)?, all(60.0)?);
     let pair = |name| Ok::<_, PaperError>((find(&cold, name)?, find(&hot, name)?));
-    let drawn = drawn(&cold);
     let (dm20, sk99) = (pair(DM20)?, pair(SK99)?);
     let (technora, vectran) = (pair(TECHNORA)?, pair(VECTRAN)?);
     let end = |p: &(&Test, &Test), d: usize| p.1.end[d] / p.0.end[d];
@@ -219,7 +202,6 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::WarmAlike,
             "the final strain of DM20, Technora and Vectran at 60 °C is within 15 % of that at 23 °C",
-            &drawn,
             |d| {
                 [&dm20, &technora, &vectran]
                     .iter()
@@ -229,7 +211,6 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::WarmSlopesRise,
             "both slopes m_E at 60 °C are 1 to 1.5 times those at 23 °C",
-            &drawn,
             |d| {
                 [&technora, &vectran]
                     .iter()
@@ -239,13 +220,11 @@ pub fn fig2(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::WarmSlopesFall,
             "both slopes m_E at 60 °C are at most half of those at 23 °C",
-            &drawn,
             |d| [&sk99, &dm20].iter().all(|p| slope(p, d) <= 0.5),
         ),
         claimed(
             Claim::WarmHalf,
             "its final strain at 60 °C is 0.4 to 0.6 of that at 23 °C",
-            &drawn,
             |d| (0.4..=0.6).contains(&end(&sk99, d)),
         ),
     ];

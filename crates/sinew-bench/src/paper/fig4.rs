@@ -4,7 +4,7 @@ use super::PaperError;
 use super::bending::{ROPE, bench, drawn, end, runs};
 use super::claim::Claim;
 use super::data::{FigureName, PaperFigure, given};
-use super::judge::{Drawn, claimed, judged, laws};
+use super::judge::{claimed, judged, laws};
 use super::sentence::{Sentence, Verdict};
 use sinew_figure::Table;
 use sinew_rope::Catalogue;
@@ -42,7 +42,7 @@ pub fn fig4(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         .collect::<Result<Vec<_>, _>>()?;
     let title = "Fig. 4: elongation over guiding pulleys";
     let mut out = drawn(FigureName::Fig4, title, &titles, &curves);
-    out.sentences = cases.sentences(&laws);
+    out.sentences = cases.sentences();
     out.tables = vec![choices(&laws, &cases)?, passes()?];
     out.given = given(&[
         "The final elongations are in the order A < C < D < B; no size is given.",
@@ -90,42 +90,35 @@ impl Cases {
     }
 
     fn verdicts(&self) -> Vec<Verdict> {
-        let sentences = self.sentences(&[]);
+        let sentences = self.sentences();
         sentences.iter().map(|s| s.verdict).collect()
     }
 
-    fn sentences(&self, laws: &[Law]) -> Vec<Sentence> {
-        let drawn = [(ROPE, laws)];
-        let drawn: &Drawn<'_> = &drawn;
+    fn sentences(&self) -> Vec<Sentence> {
         vec![
             claimed(
                 Claim::BendingOrder,
                 "final strains of the same rope on the four routings are in this order",
-                drawn,
                 |i| self.ordered(i),
             ),
             judged(
                 "Of the order, A < C.",
                 "final strains. The law has every guiding pulley cost elongation, so that this link can't fail",
-                drawn,
                 |i| self.a_below_c(i),
             ),
             judged(
                 "Of the order, C < D.",
                 "final strains: one long contact against a portion that passes three pulleys",
-                drawn,
                 |i| self.c_below_d(i),
             ),
             judged(
                 "Of the order, D < B.",
                 "final strains: a short portion that passes three pulleys against three that pass one each",
-                drawn,
                 |i| self.d_below_b(i),
             ),
             claimed(
                 Claim::BendingSaturates,
                 "each gains in the last of four hours at most 3 % of its final strain, and at most a third of what it gained in the second hour (0.42 would be creep with the logarithm of time, which never ends)",
-                drawn,
                 |i| self.saturates(i),
             ),
         ]

@@ -32,7 +32,6 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         .unwrap_or(1);
     let at = |run: &Simulated, k: usize| run.strain_percent[k];
     let kept = kept(&laws)?;
-    let drawn_laws = [(ROPE, &laws[..])];
     // Minutes from the change until 90 % of what changes has changed.
     let slow = |run: &Simulated| {
         let (from, to) = (at(run, after - 1), end(run));
@@ -44,19 +43,16 @@ pub fn fig5(catalogue: &Catalogue) -> Result<PaperFigure, PaperError> {
         claimed(
             Claim::LessForceDrops,
             "strain falls at the change and is lower still at the end",
-            &drawn_laws,
             |i| at(&e[i], after) < at(&e[i], after - 1) && end(&e[i]) < at(&e[i], after),
         ),
         claimed(
             Claim::LessForceIrreversible,
             "left at 120 N for 115 days, until everything delayed has come back, it stays above a rope that never felt more, by at least a tenth of what it lost in the 80 min after the change",
-            &drawn_laws,
             |i| kept[i] >= 0.1 * (at(&e[i], after - 1) - end(&e[i])),
         ),
         claimed(
             Claim::MoreForceRises,
             "it rises, and 90 % of the rise take at least twice as long as 90 % of the drop of (E), and a minute at least",
-            &drawn_laws,
             |i| {
                 let rises = end(&f[i]) > at(&f[i], after - 1);
                 rises && slow(&f[i]) >= (2.0 * slow(&e[i])).max(1.0)

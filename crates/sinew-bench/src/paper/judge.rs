@@ -3,7 +3,6 @@
 use super::PaperError;
 use super::claim::Claim;
 use super::data::{Curve, SeriesData};
-use super::decider::decide;
 use super::sentence::{Sentence, Unit};
 use sinew_figure::plot::{Band, Colour, Line};
 use sinew_model::statistics::quantile;
@@ -32,30 +31,16 @@ pub(super) fn laws(catalogue: &Catalogue, name: &str) -> Result<Vec<Law>, PaperE
     Ok(all)
 }
 
-/// The laws behind sentences, each rope's nominal first.
-pub(super) type Drawn<'a> = [(&'a str, &'a [Law])];
-
 /// Judges a sentence; `holds` is asked with 0 for the catalogue's values and 1… for the draws.
-pub(super) fn judged(
-    text: &str,
-    rule: &str,
-    drawn: &Drawn<'_>,
-    holds: impl Fn(usize) -> bool,
-) -> Sentence {
+pub(super) fn judged(text: &str, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
     let held = (1..=DRAWS).filter(|&i| holds(i)).count();
     let percent = 100.0 * held as f64 / DRAWS as f64;
     Sentence::added(text, rule, percent, Unit::ShareOfDraws, holds(0))
-        .decided_by(decide(drawn, holds))
 }
 
 /// Judges a sentence of the paper.
-pub(super) fn claimed(
-    claim: Claim,
-    rule: &str,
-    drawn: &Drawn<'_>,
-    holds: impl Fn(usize) -> bool,
-) -> Sentence {
-    judged("", rule, drawn, holds).of(claim)
+pub(super) fn claimed(claim: Claim, rule: &str, holds: impl Fn(usize) -> bool) -> Sentence {
+    judged("", rule, holds).of(claim)
 }
 
 /// Slope of the least-squares line through the points in a range of `x`, per unit of `x`.

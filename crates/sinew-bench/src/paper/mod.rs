@@ -6,12 +6,11 @@
 //! stated criterion. Nothing is fitted to come out right: motion, gains and poses stand in
 //! [`staircase`], once for both figures.
 //!
-//! What the paper says stands in [`Claim`], once; a [`Sentence`] is the paper's or Sinew's ([`SaidBy`]). What a sentence
-//! hangs on is found, not stated ([`Decider`]). [`ledger()`] goes through all of the paper.
+//! What the paper says stands in [`Claim`], once; a [`Sentence`] is the paper's or Sinew's ([`SaidBy`]).
 //!
 //! Reading order: [`Claim`], [`staircase`] (the motion), `by_hand` (what it should show), `trial` (simulate once, estimate
 //! often), [`fig6()`], [`fig7()`], `page`; for ropes `judge`, [`fig1`], [`fig2`], [`fig4()`], [`fig5()`], [`table1()`];
-//! [`control()`]; [`ledger()`].
+//! [`control()`].
 //!
 //! # Source
 //! J. Kirchhoff, O. von Stryk, *New Insights in Synthetic Fiber Rope Elongation and its Detection
@@ -23,14 +22,11 @@ mod claim;
 mod control;
 mod creep;
 mod data;
-mod decider;
 mod fig4;
 mod fig5;
 mod fig6;
 mod fig7;
 mod judge;
-mod ledger;
-mod ledger_page;
 mod page;
 mod render;
 mod row;
@@ -43,13 +39,10 @@ pub use claim::{Claim, Place};
 pub use control::{Effort, Knowledge, RobotCase, Row, control, table};
 pub use creep::{fig1, fig2};
 pub use data::{Curve, FigureName, PanelData, PaperFigure, SeriesData, Written};
-pub use decider::{ArmQuantity, Decider};
 pub use fig4::fig4;
 pub use fig5::fig5;
 pub use fig6::fig6;
 pub use fig7::fig7;
-pub use ledger::{Ledger, LedgerRow, LedgerStatus, ledger};
-pub use ledger_page::{render_ledger, write_ledger};
 pub use page::write;
 pub use render::render;
 pub use sentence::{SaidBy, Sentence, Unit, Verdict};

@@ -1,7 +1,6 @@
 //! A figure as files: SVG, PNG and one HTML page that opens offline.
 
 use super::data::{PaperFigure, Written};
-use super::decider::decided_by;
 use super::sentence::{SaidBy, Sentence, Verdict};
 use super::{PaperError, control};
 use sinew_figure::plot::PngError;
@@ -113,10 +112,7 @@ fn judged(sentence: &Sentence) -> sinew_figure::Sentence {
     let (value, unit) = sentence.shown();
     sinew_figure::Sentence {
         text: sentence.text.clone(),
-        criterion: match decided_by(&sentence.decided_by) {
-            Some(deciders) => format!("{}. Decided by {deciders}", sentence.criterion),
-            None => sentence.criterion.clone(),
-        },
+        criterion: sentence.criterion.clone(),
         value,
         unit: unit.into(),
         holds: match sentence.verdict {

@@ -2,7 +2,6 @@
 
 use super::control::table as table_of;
 use super::data::PaperFigure;
-use super::decider::decided_by;
 use super::sentence::{SaidBy, Sentence, Verdict};
 use sinew_figure::rounded;
 use sinew_report::text::{indented, paragraph, table};
@@ -57,14 +56,11 @@ fn judged(sentence: &Sentence) -> String {
         (Verdict::Open, false) => "does not hold at the catalogue's values; ",
         _ => "",
     };
-    let mut found = format!(
+    let found = format!(
         "{at}found {} {unit}; {}",
         rounded(value, 3),
         sentence.criterion
     );
-    if let Some(deciders) = decided_by(&sentence.decided_by) {
-        found += &format!("; decided by {deciders}");
-    }
     out.push_str(&indented(&found, 7, 7));
     out
 }

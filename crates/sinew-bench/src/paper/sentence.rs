@@ -1,7 +1,6 @@
 //! Sentences held against data: the paper's, and what Sinew adds.
 
 use super::claim::Claim;
-use super::decider::Decider;
 use serde::Serialize;
 
 /// A sentence, judged from data by a stated criterion.
@@ -25,8 +24,6 @@ pub struct Sentence {
     pub holds: bool,
     /// What that says.
     pub verdict: Verdict,
-    /// What decides it, the most important first. Empty: nothing does alone.
-    pub decided_by: Vec<Decider>,
 }
 
 /// Who says a sentence.
@@ -126,7 +123,6 @@ impl Sentence {
             unit,
             holds,
             verdict: Verdict::of(holds, value, unit),
-            decided_by: Vec::new(),
         }
     }
 
@@ -136,13 +132,6 @@ impl Sentence {
         self.said_by = SaidBy::Paper;
         self.claim = Some(claim);
         self.text = claim.text().into();
-        self
-    }
-
-    /// Decided by this.
-    #[must_use]
-    pub(super) fn decided_by(mut self, deciders: impl IntoIterator<Item = Decider>) -> Self {
-        self.decided_by.extend(deciders);
         self
     }
 

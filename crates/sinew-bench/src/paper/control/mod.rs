@@ -16,7 +16,6 @@ pub use page::table;
 use super::PaperError;
 use super::by_hand::ByHand;
 use super::data::{FigureName, PaperFigure, given};
-use super::sentence::Sentence;
 use super::trial::joint;
 use cases::{DETECTOR_DEVIATION_RAD, ESTIMATE_RAD, OFFSET_RAD, STIFFNESS_ERROR};
 use sinew_model::robot::Robot;
@@ -73,18 +72,6 @@ pub fn control(robot: &Robot, effort: Effort) -> Result<PaperFigure, PaperError>
             figure,
         )
     })
-}
-
-/// What the paper says that elongation spoils, on its own motion alone.
-///
-/// # Errors
-/// As [`control`].
-pub(super) fn spoiled(robot: &Robot) -> Result<[Sentence; 2], PaperError> {
-    let joints = stretched_joints(robot)?;
-    let [_, blind, _] = climb::climbs(robot, joints)?;
-    let [shoulder, elbow] = joints.map(|joint| ByHand::new(robot, joint));
-    let stiffness = [shoulder?.stiffness_nm_per_rad, elbow?.stiffness_nm_per_rad];
-    Ok(sentences::spoiled(&blind, stiffness))
 }
 
 /// Indices of the two joints with stretched ropes.

@@ -1,7 +1,6 @@
 //! Sentences on stretched ropes, judged.
 
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::row::{Knowledge, RobotCase, Row};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::STEPS;
@@ -13,7 +12,6 @@ const JOINTS: [&str; 2] = ["shoulder", "elbow"];
 
 /// What the paper says that elongation spoils.
 pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -> [Sentence; 2] {
-    let offset = || [Decider::arm(ArmQuantity::Offset)];
     let least = |values: &[Vec<f64>; 2]| -> Vec<f64> {
         values
             .iter()
@@ -39,8 +37,7 @@ pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -
             Unit::Rad,
             short >= half,
         )
-        .of(Claim::SpoilsPosition)
-        .decided_by(offset()),
+        .of(Claim::SpoilsPosition),
         Sentence::added(
             "",
             "the shoulder's false torque; shoulder and elbow each feel at least half of K delta_e that isn't there, at rest at 90°",
@@ -48,8 +45,7 @@ pub(in super::super) fn spoiled(blind: &Climb, stiffness_nm_per_rad: [f64; 2]) -
             Unit::Nm,
             share >= 0.5,
         )
-        .of(Claim::SpoilsTorque)
-        .decided_by(offset()),
+        .of(Claim::SpoilsTorque),
     ]
 }
 

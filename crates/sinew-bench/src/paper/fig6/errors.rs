@@ -3,7 +3,6 @@
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{LENGTH_S, MOVE_S, STEPS, rest_end_s};
 use super::super::trial::{Trial, difference, mean, peak, std};
@@ -28,22 +27,15 @@ pub(super) fn of_the_model(
             RINGING_MRAD,
             Unit::Rad,
         )
-        .of(Claim::NoModelError)
-        .decided_by([Decider::Identity]),
+        .of(Claim::NoModelError),
     ];
-    let departs = |case: &Case, claim, quantity| {
+    let departs = |case: &Case, claim| {
         let value = 1e3 * worst_at_rest(trial, case);
         let rule = format!("at least {DEPARTED_MRAD} mrad off at one of four rests");
-        Sentence::added("", rule, value, Unit::Rad, value >= DEPARTED_MRAD)
-            .of(claim)
-            .decided_by([Decider::arm(quantity)])
+        Sentence::added("", rule, value, Unit::Rad, value >= DEPARTED_MRAD).of(claim)
     };
-    out.push(departs(
-        stiff,
-        Claim::StiffnessTooHigh,
-        ArmQuantity::StiffnessError,
-    ));
-    out.push(departs(light, Claim::MassesTooLow, ArmQuantity::MassError));
+    out.push(departs(stiff, Claim::StiffnessTooHigh));
+    out.push(departs(light, Claim::MassesTooLow));
     out.push(
         below(
             "",
@@ -52,8 +44,7 @@ pub(super) fn of_the_model(
             0.05,
             Unit::Rad,
         )
-        .of(Claim::DifferenceRemains)
-        .decided_by([Decider::Identity]),
+        .of(Claim::DifferenceRemains),
     );
     let at_90 = |case: &Case| 1e3 * trial.at_rest(&case.paper[0], STEPS);
     let deflection_mrad = 1e3 * by_hand.last_gravity_nm()? / by_hand.stiffness_nm_per_rad;

@@ -3,7 +3,6 @@
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{STEPS, rest_angle_rad};
 use super::super::trial::{Estimator, Trial, mean};
@@ -94,8 +93,7 @@ impl Forces {
                 Unit::ShareOfCases,
                 over == 1.0,
             )
-            .of(Claim::ExternalForces)
-            .decided_by([Decider::arm(ArmQuantity::ForceDirection)]),
+            .of(Claim::ExternalForces),
             Sentence::added(
                 "The sign of the error is that of −tau_ext.",
                 "in every one of these pushes whose torque is at least a fiftieth of the largest",

@@ -3,7 +3,6 @@
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial, peak};
@@ -38,9 +37,7 @@ fn sensor(robot: &Robot, trial: &Trial, shoulder: usize) -> Result<Sentence, Pap
         .map(|(found, theta)| found - (injected(theta[shoulder], offset) - theta[shoulder]))
         .collect();
     let rule = "largest error over the whole motion, at every sample, with a perfect sensor";
-    Ok(below("", rule, 1e3 * peak(&errors), 1e-3, Unit::Rad)
-        .of(Claim::TorqueSensor)
-        .decided_by([Decider::Identity]))
+    Ok(below("", rule, 1e3 * peak(&errors), 1e-3, Unit::Rad).of(Claim::TorqueSensor))
 }
 
 /// Eq. (2) without the friction of the drive, which the robot has.
@@ -71,7 +68,5 @@ fn motor(robot: &Robot, shoulder: usize, by_hand: &ByHand<'_>) -> Result<Sentenc
         "without it the estimate at one of four rests is off by at least a tenth of what the drive's {coulomb_nm} N·m can hide, {most_mrad:.1} mrad"
     );
     let holds = 1e3 * worst >= 0.1 * most_mrad && most_mrad > 0.0;
-    Ok(Sentence::added("", rule, 1e3 * worst, Unit::Rad, holds)
-        .of(Claim::MotorSide)
-        .decided_by([Decider::arm(ArmQuantity::DriveFriction)]))
+    Ok(Sentence::added("", rule, 1e3 * worst, Unit::Rad, holds).of(Claim::MotorSide))
 }

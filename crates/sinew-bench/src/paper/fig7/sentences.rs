@@ -1,7 +1,6 @@
 //! What the runs show of an added offset and of a relaxed rope.
 
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below, near};
 use super::super::staircase::{LENGTH_S, MOVE_S, STEPS, rest_end_s};
 use super::super::trial::{Trial, difference, mean, peak};
@@ -46,8 +45,7 @@ pub(super) fn sentences(
             0.1,
             Unit::Rad,
         )
-        .of(Claim::AddedOffsetSeen)
-        .decided_by([Decider::arm(ArmQuantity::RunToRun)]),
+        .of(Claim::AddedOffsetSeen),
         relaxed(&grown, radius_m),
         below(
             "",
@@ -56,8 +54,7 @@ pub(super) fn sentences(
             ENCODER_STEP_MRAD + 1e3 * RETENSION_ERROR_M / radius_m,
             Unit::Rad,
         )
-        .of(Claim::RetensioningRestores)
-        .decided_by([Decider::arm(ArmQuantity::Tensioner), Decider::arm(ArmQuantity::RunToRun)]),
+        .of(Claim::RetensioningRestores),
         below(
             "The difference shows the added offset at every rest.",
             "largest deviation from 10 mrad over the four rests; one step of the joint encoder",
@@ -95,5 +92,4 @@ fn relaxed(grown: &[f64; STEPS], radius_m: f64) -> Sentence {
         least >= half,
     )
     .of(Claim::RelaxedRopeSeen)
-    .decided_by([Decider::arm(ArmQuantity::PulleyRadius)])
 }

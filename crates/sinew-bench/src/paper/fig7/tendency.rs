@@ -3,7 +3,6 @@
 use super::super::PaperError;
 use super::super::by_hand::ByHand;
 use super::super::claim::Claim;
-use super::super::decider::{ArmQuantity, Decider};
 use super::super::sentence::{Sentence, Unit, below};
 use super::super::staircase::STEPS;
 use super::super::trial::{Estimator, Trial};
@@ -80,7 +79,6 @@ impl Tendency {
         let [both, torque, stiffness, neither, opposite] = &self.variants[..] else {
             return Ok(Vec::new());
         };
-        let model_errors = [ArmQuantity::StiffnessError, ArmQuantity::MassError].map(Decider::arm);
         let explained = [torque, stiffness, both].iter().all(|v| v.falls());
         let by_hand_mrad = self.opposite_by_hand_mrad(by_hand)?;
         Ok(vec![
@@ -91,8 +89,7 @@ impl Tendency {
                 Unit::Rad,
                 both.falls(),
             )
-            .of(Claim::EstimateDecreases)
-            .decided_by(model_errors.clone()),
+            .of(Claim::EstimateDecreases),
             Sentence::added(
                 "",
                 format!(
@@ -105,8 +102,7 @@ impl Tendency {
                 Unit::Rad,
                 explained,
             )
-            .of(Claim::DecreaseExplained)
-            .decided_by(model_errors),
+            .of(Claim::DecreaseExplained),
             Sentence::added(
                 "With the errors the other way round it increases.",
                 format!("the estimate rises from each rest to the next; last less first, by hand {} mrad and what friction adds", number(by_hand_mrad)),
