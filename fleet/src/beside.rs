@@ -6,13 +6,13 @@ use crate::folder::sides::{self, Fitted, Tendon};
 use crate::known_creep::{self, CreepKind, KnownCreeps};
 use crate::sessions::Sessions;
 use sinew_estimate::robot_dir;
+use sinew_model::robot::Robot;
+use sinew_model::transmission;
+use sinew_rope::{Catalogue, CatalogueError};
 use sinew_trend::prior::{RopePrior, rope_prior};
 use sinew_trend::{
     AnalyzeError, GoneOn, KeptTrend, SessionRecord, Stated, TrendRequest, go_on, mean_temperature_c,
 };
-use sinew_model::robot::Robot;
-use sinew_model::transmission;
-use sinew_rope::{Catalogue, CatalogueError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

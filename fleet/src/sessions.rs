@@ -5,9 +5,9 @@ use crate::folder::sides::Tendon;
 use datafusion::arrow::array::{Array as _, AsArray as _, RecordBatch};
 use datafusion::arrow::compute::cast;
 use datafusion::arrow::datatypes::{DataType, Float64Type};
-use sinew_trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
+use sinew_trend::SessionRecord;
 use std::collections::HashMap;
 
 /// All sessions of the present period and of the one before are taken, a period from a tendon's first session on, and those of some days

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use libfuzzer_sys::fuzz_target;
 use sinew_rope::bench::{Bench, simulate};
-use sinew_rope::{Catalogue, Draws};
 use sinew_rope::law::Law;
+use sinew_rope::{Catalogue, Draws};
 
 fn law() -> &'static Law {
     static LAW: OnceLock<Law> = OnceLock::new();
@@ -27,7 +27,10 @@ fuzz_target!(|text: &str| {
     if let Ok(run) = simulate(law(), &bench, bench.duration_s() / 3.0) {
         assert_eq!(run.time_s.len(), run.strain_percent.len());
         assert!(run.time_s.windows(2).all(|w| w[0] <= w[1]));
-        assert!(run.strain_percent.iter().all(|s| s.is_finite()), "{bench:?}");
+        assert!(
+            run.strain_percent.iter().all(|s| s.is_finite()),
+            "{bench:?}"
+        );
         assert!(run.irreversible_percent.iter().all(|s| *s >= -1e-9));
     }
 });

@@ -21,7 +21,11 @@ fuzz_target!(|text: &str| {
         let slack = 1e-9 * (1.0 + low.abs() + high.abs());
         low - slack <= mean && mean <= high + slack
     };
-    assert!(within(sum.tension_min_n, sum.tension_mean_n, sum.tension_max_n));
+    assert!(within(
+        sum.tension_min_n,
+        sum.tension_mean_n,
+        sum.tension_max_n
+    ));
     assert!(within(
         sum.temperature_min_c,
         sum.temperature_mean_c,

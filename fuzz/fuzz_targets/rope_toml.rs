@@ -10,7 +10,8 @@ fuzz_target!(|text: &str| {
     let Ok(entry) = CatalogueEntry::parse(text, "rope.toml") else {
         return;
     };
-    let again = CatalogueEntry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
+    let again =
+        CatalogueEntry::parse(&entry.to_toml(), "again.toml").expect("what is written is read");
     assert_eq!(entry, again);
     let Ok(parameters) = entry.parameters() else {
         return;
@@ -22,7 +23,8 @@ fuzz_target!(|text: &str| {
     let mut state = State::default();
     let mut last: f64 = 0.0;
     for seconds in [1.0, 1e3, 1e7] {
-        law.hold(&mut state, load, seconds).expect("a tenth of the breaking load");
+        law.hold(&mut state, load, seconds)
+            .expect("a tenth of the breaking load");
         let strain = law.strain(&state, load).expect("the same");
         assert!(strain.total_percent().is_finite(), "{strain:?}");
         assert!(strain.irreversible_percent() >= last - 1e-9 * last.abs());

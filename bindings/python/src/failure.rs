@@ -8,7 +8,6 @@ use sinew_estimate::EstimateError;
 use sinew_estimate::excitation::ExcitationError;
 use sinew_estimate::robot_dir::RobotDirError;
 use sinew_estimate::session::SessionError;
-use sinew_trend::{AnalyzeError, RecordError};
 use sinew_files::located::Place;
 use sinew_files::{Located, OutputError};
 use sinew_log::LogError;
@@ -17,6 +16,7 @@ use sinew_rope::predict::PredictError;
 use sinew_rope::task::TaskError;
 use sinew_sim::SimulateError;
 use sinew_sim::protocol::PlanError;
+use sinew_trend::{AnalyzeError, RecordError};
 use std::error::Error;
 
 /// Why something was not done.

@@ -11,13 +11,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sinew_estimate::strand_duty::{self, Strand};
 use sinew_estimate::{Given, Progress, Request as EstimateRequest};
-use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_model::transmission::Tendon;
 use sinew_report::rope::{
     catalogue_table, curve_times, plan_table, planned, predicted, prediction_series,
     prediction_table, rope_table, selected, selection_table,
 };
 use sinew_rope::duty::{Duty, Stretch};
+use sinew_rope::law::{Law, RopeLoad, State};
 use sinew_rope::predict::{self, Guide};
 use sinew_rope::select::{self, Constraints};
 use sinew_rope::task::{Drive, PretensionTask, RopeTask, TaskError};

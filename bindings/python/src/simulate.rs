@@ -8,8 +8,8 @@ use crate::robot::RobotArg;
 use crate::work::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sinew_estimate::robot_dir::{self, LoadedRobot};
 use sinew_estimate::excitation::{self, Sensors};
+use sinew_estimate::robot_dir::{self, LoadedRobot};
 use sinew_log::Compression;
 use sinew_sim::control::Simulated;
 use sinew_sim::protocol::{plan_adapted, plan_named};
@@ -207,5 +207,8 @@ pub(crate) fn propose_poses(
         )?)
     })?;
     let motion = proposal.to_toml();
-    Ok((Shown::new(proposal, sinew_report::excitation::render).into(), motion))
+    Ok((
+        Shown::new(proposal, sinew_report::excitation::render).into(),
+        motion,
+    ))
 }

@@ -5,12 +5,12 @@ use crate::failure::Failure;
 use crate::robot::RobotArg;
 use crate::work::work;
 use pyo3::prelude::*;
-use sinew_trend::{
-    Stated, TrendRequest, analyze, read_records, records_from_csv, records_from_json, sort_of,
-};
 use sinew_files::date::parse_utc_s;
 use sinew_report::trend::{format_note, page, render_table, trend_series, trend_table};
 use sinew_rope::Duty;
+use sinew_trend::{
+    Stated, TrendRequest, analyze, read_records, records_from_csv, records_from_json, sort_of,
+};
 use std::path::PathBuf;
 
 /// Where records come from: files, or texts with a name.

@@ -7,9 +7,9 @@ mod line;
 mod steps;
 
 use line::Bin;
-use sinew_trend::SessionRecord;
 use sinew_files::date::DAY_S;
 use sinew_model::statistics::quantile;
+use sinew_trend::SessionRecord;
 
 /// Share of the ages, in decades, that may be without sessions at their beginning and at their end.
 const MISSING_SHARES: [f64; 2] = [0.3, 0.15];

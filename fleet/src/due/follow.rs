@@ -4,10 +4,10 @@ use super::{screen, state};
 use crate::beside::{Beside, tendon_of};
 use crate::folder::sides::Fitted;
 use crate::sessions::{Sessions, thinned};
-use sinew_trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
 use sinew_model::Gaussian;
 use sinew_model::robot::Robot;
 use sinew_model::transmission::Tendon;
+use sinew_trend::{ForecastPoint, JointTrend, Passage, SessionRecord, TrendVerdict};
 use std::cmp::Ordering;
 
 /// A drift with temperature somewhat beyond what robot.toml allows for surprises nobody.
@@ -182,8 +182,8 @@ fn before_rad(rows: &[SessionRecord]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_trend::{Limit, LimitState};
     use sinew_files::date::DAY_S;
+    use sinew_trend::{Limit, LimitState};
 
     #[test]
     fn the_farthest_beyond_its_limit_is_the_worst() {

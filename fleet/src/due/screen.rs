@@ -13,8 +13,8 @@
 //! The largest session is in it, so that what jumped yesterday is never called far. Creep slows down with time, so a line is
 //! a bound; a robot that is used harder from tomorrow on isn't foreseen, by the whole trend neither.
 
-use sinew_trend::SessionRecord;
 use sinew_files::date::DAY_S;
+use sinew_trend::SessionRecord;
 
 /// Sessions looked at, and the days they may lie back.
 const SESSIONS: usize = 28;

@@ -4,11 +4,11 @@ use super::{DueList, Followed, Passage, StateUnused, rope_of, screen};
 use crate::FleetError;
 use crate::args::Due;
 use crate::words;
-use sinew_trend::{Limit, LimitState, TrendVerdict};
 use sinew_files::date::{DAY_S, day_of};
 use sinew_files::plain;
 use sinew_log::{Cell, CellKind, Column, TableWriter};
 use sinew_report::text::{paragraph, table};
+use sinew_trend::{Limit, LimitState, TrendVerdict};
 use std::path::Path;
 
 /// Columns of [`row`].

@@ -6,8 +6,8 @@
 
 use crate::FleetError;
 use crate::folder::sides::Tendon;
-use sinew_trend::KeptTrend;
 use sinew_files::AtomicFile;
+use sinew_trend::KeptTrend;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};

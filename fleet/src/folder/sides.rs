@@ -2,10 +2,10 @@
 
 use super::side;
 use crate::FleetError;
-use sinew_trend::Stated;
 use sinew_files::csv::Table;
 use sinew_files::date::parse_utc_s;
 use sinew_files::{Fault, limits};
+use sinew_trend::Stated;
 use std::collections::BTreeMap;
 use std::path::Path;
 

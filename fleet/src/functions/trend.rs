@@ -18,9 +18,9 @@ use datafusion::common::utils::SingleRowListArrayBuilder;
 use datafusion::error::DataFusionError;
 use datafusion::logical_expr::function::{AccumulatorArgs, StateFieldsArgs};
 use datafusion::logical_expr::{Accumulator, AggregateUDFImpl, Signature, Volatility};
-use sinew_trend::{JointTrend, Passage, TrendEvent};
 use sinew_files::date::DAY_S;
 use sinew_model::Gaussian;
+use sinew_trend::{JointTrend, Passage, TrendEvent};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
