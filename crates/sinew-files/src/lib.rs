@@ -6,7 +6,7 @@
 //! * [`csv`]: delimited text with a header, in every common dialect (feature `csv`);
 //! * [`bound`]: what a number may be, and the unit its key ends in;
 //! * [`limits`]: what is read and simulated at most;
-//! * [`unit`]: units that a file may name, as factors to SI;
+//! * [`mod@unit`]: units that a file may name, as factors to SI;
 //! * [`names`]: the name somebody may have meant;
 //! * [`number`]: numbers as a reader wants them;
 //! * [`JsonDocument`]: a result as JSON that names its schema;
