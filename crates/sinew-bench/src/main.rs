@@ -1,4 +1,4 @@
-//! The program `sinew-bench`: studies that ask how good the estimates are.
+//! The program `sinew-bench`: simulation studies of the accuracy of the estimates.
 //!
 //! `sinew paper`, `sinew scenarios` and `sinew trend simulate-year` run it.
 
@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use sinew::terminal::{Failure, Finish, Style};
 use std::process::ExitCode;
 
-/// Studies of how good the estimates are
+/// Simulation studies of the accuracy of the estimates, and the figures of the paper
 #[derive(Debug, Parser)]
 #[command(
     version,

@@ -1,5 +1,6 @@
 //! All tests of sinew-bench in one binary: one link, one start.
 
+mod command;
 mod control;
 mod coverage;
 mod excitation;

@@ -8,7 +8,7 @@ use sinew_files::Located;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TestFileError {
     /// It is no table of a test.
-    #[error("{file}: not a recording: {reason}")]
+    #[error("{file}: not a creep test: {reason}")]
     NotATest {
         /// File as the user named it.
         file: String,

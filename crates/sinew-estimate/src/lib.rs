@@ -1,4 +1,4 @@
-//! From frames to tendon offsets: replay, session estimate, baseline, trend of records.
+//! From frames to tendon offsets: replay, session estimate, baseline, proposed poses.
 //!
 //! Reading order: [`feeder`] (a frame to an observer), [`replay`] (the paper's estimate of a
 //! recording), [`session`] (absolute offsets since a [`baseline`]), [`jumps`] (rope or encoder),

@@ -156,6 +156,25 @@ fn a_csv_may_say_what_sessions_share() {
     }
 }
 
+/// The reader names the verdicts anew, as it doesn't see the estimator: each of the estimator's must be one.
+#[test]
+fn session_of_every_verdict_is_read() {
+    for verdict in [
+        Verdict::Longer,
+        Verdict::Shorter,
+        Verdict::Unchanged,
+        Verdict::CannotTell,
+    ] {
+        let mut session = session();
+        session.start_time_utc_s = Some(1_772_353_800.0);
+        session.joints[0].verdict = verdict;
+        let text = serde_json::to_string(&session).unwrap();
+        let read = records_from_json(&text, "a.json").unwrap();
+        let is_open = verdict == Verdict::CannotTell;
+        assert_eq!(read[0].offset_rad.is_none(), is_open, "{verdict:?}");
+    }
+}
+
 #[test]
 fn what_estimate_prints_is_read() {
     let estimate = format!(

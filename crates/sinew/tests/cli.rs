@@ -82,8 +82,6 @@ fn every_help_fits_80_columns_and_goes_to_stdout() {
         vec!["estimate", "-h"],
         vec!["simulate", "--help"],
         vec!["simulate", "-h"],
-        vec!["paper", "--help"],
-        vec!["paper", "-h"],
         vec!["robot", "--help"],
         vec!["robot", "check", "--help"],
         vec!["log", "--help"],
@@ -627,50 +625,6 @@ fn a_robot_and_a_recording_say_what_they_hold() {
 }
 
 #[test]
-fn the_papers_figures_become_files_with_judged_sentences() {
-    let dir = tempfile::tempdir().unwrap();
-    for name in ["fig6", "fig7"] {
-        let output = sinew(
-            &["paper", name, "--robot", &robot(), "--out", "f", "--json"],
-            dir.path(),
-        );
-        let json: serde_json::Value = serde_json::from_str(&out(&output)).expect("JSON");
-        let sentences = json["sentences"].as_array().expect("sentences");
-        let failed = sentences.iter().filter(|s| s["holds"] != true).count();
-        assert!(!sentences.is_empty());
-        assert_eq!(
-            code(&output),
-            if failed > 0 { 3 } else { 0 },
-            "{}",
-            err(&output)
-        );
-        let file = |ending: &str| {
-            std::fs::read(dir.path().join(format!("f/{name}.{ending}"))).expect(ending)
-        };
-        assert_eq!(&file("png")[1..4], b"PNG");
-        assert!(file("svg").starts_with(b"<svg"));
-        let page = String::from_utf8(file("html")).expect("UTF-8");
-        assert_eq!(page.matches("<svg xmlns").count(), 1);
-    }
-    refused(&["paper", "fig8"], dir.path(), 2, &["fig8", "fig6", "fig7"]);
-    refused(&["paper", "fig6"], dir.path(), 1, &["robots/biorob-like"]);
-    // An option that would do nothing is no option.
-    for (figure, option) in [
-        ("fig6", "--ropes"),
-        ("fig7", "--ropes"),
-        ("control", "--ropes"),
-        ("fig1", "--robot"),
-    ] {
-        refused(
-            &["paper", figure, option, "."],
-            dir.path(),
-            1,
-            &[option, figure, "leave it out"],
-        );
-    }
-}
-
-#[test]
 fn a_reader_that_goes_away_is_no_failure() {
     let dir = simulated("4");
     let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
@@ -749,26 +703,5 @@ fn a_frame_written_twice_loses_nothing() {
         out(&info).contains("time stamp seen before"),
         "{}",
         out(&info)
-    );
-}
-
-/// Of a session B that is shorter than a block nothing can be said.
-#[test]
-fn a_study_of_which_nothing_is_judged_is_no_success() {
-    let dir = tempfile::tempdir().expect("a temporary folder");
-    let robot = robot();
-    let show = ["scenarios", "show", "S5", "--robot", &robot];
-    let text = out(&sinew(&show, dir.path()));
-    let short = text.replacen("to_s = 120.0", "to_s = 60.05", 1);
-    assert_ne!(text, short);
-    std::fs::write(dir.path().join("short.toml"), short).expect("a scenario");
-    let study = ["scenarios", "run", "--scenario", "short.toml", "--n", "1"];
-    let study = [&study[..], &["--robot", &robot, "--no-steps", "--quiet"]].concat();
-    let output = sinew(&study, dir.path());
-    assert_eq!(code(&output), 1, "{}{}", out(&output), err(&output));
-    let said = out(&output);
-    assert!(
-        said.contains("Refused by the estimate") && said.contains("seed 1"),
-        "{said}"
     );
 }

@@ -95,12 +95,6 @@ fn json_names_what_happened_and_files_may_come_in_pieces() {
     assert!((size - 2.9).abs() < 0.8, "{size}");
 }
 
-/// `sinew trend simulate-year` of one robot.
-fn year<'a>(more: &[&'a str]) -> Vec<&'a str> {
-    let start = ["trend", "simulate-year", "--robot", "robots/biorob-like"];
-    [&start[..], &["--robots", "1"], more].concat()
-}
-
 #[test]
 fn a_year_that_may_be_mistyped_is_asked_about() {
     let output = sinew(&["trend", SESSIONS, "--tensioned", "2025-03-01"]);
@@ -137,80 +131,10 @@ fn what_is_wrong_is_refused_with_its_place() {
             1,
             "robots/none",
         ),
-        (year(&["--chained"]), 2, "--chain"),
-        (year(&["--days", "20"]), 2, "--chain"),
-        (year(&["--chain", "--days", "366"]), 2, "366"),
-        (year(&["--session", "play"]), 2, "check"),
-        (year(&["--chain", "--session", "hard"]), 1, "--chain away"),
-        (
-            year(&["--chain", "--days", "1", "--out", SESSIONS]),
-            1,
-            "is not a file of simulated sessions",
-        ),
     ] {
         let output = sinew(&args);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(code), "{args:?}: {error}");
         assert!(error.contains(words), "{args:?}: {error}");
     }
-}
-
-#[test]
-fn years_go_on_where_they_ended() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("years.jsonl");
-    let out = out.to_str().unwrap();
-    let run = |robots: &str| -> serde_json::Value {
-        let output = sinew(&[
-            "trend",
-            "simulate-year",
-            "--robot",
-            "robots/biorob-like",
-            "--joints",
-            "elbow",
-            "--forecasters",
-            "rope,alone",
-            "--robots",
-            robots,
-            "--out",
-            out,
-            "--json",
-            "--quiet",
-        ]);
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        serde_json::from_slice(&output.stdout).unwrap()
-    };
-    let one = run("1");
-    assert_eq!(one["summary"].as_array().unwrap().len(), 2);
-    let again = run("1");
-    assert_eq!(
-        again["years"][0]["failure"]["day"],
-        one["years"][0]["failure"]["day"]
-    );
-    let rms = |v: &serde_json::Value| v["summary"][0]["tracking_rms_rad"].as_f64().unwrap();
-    assert!((rms(&one) - rms(&again)).abs() < 1e-9);
-    assert!(std::fs::read_to_string(out).unwrap().lines().count() == 2);
-    // A year that is kept is not lived through again: what stands in the file counts.
-    let kept = std::fs::read_to_string(out).unwrap();
-    let (head, year) = kept.split_once('\n').unwrap();
-    let mut year: serde_json::Value = serde_json::from_str(year).unwrap();
-    year["tendons"][0]["error_rms_rad"] = 77.0.into();
-    std::fs::write(out, format!("{head}\n{year}\n")).unwrap();
-    assert_eq!(rms(&run("1")), 77.0);
-    std::fs::write(out, "{}\n").unwrap();
-    let output = sinew(&[
-        "trend",
-        "simulate-year",
-        "--robot",
-        "robots/biorob-like",
-        "--robots",
-        "1",
-        "--out",
-        out,
-    ]);
-    assert_eq!(output.status.code(), Some(1));
 }

@@ -1,4 +1,4 @@
-//! `sinew watch` and `sinew fleet` run programs of their own, or say how to get them.
+//! `sinew watch`, `sinew fleet` and the studies run programs of their own, or say how to get them.
 
 use std::path::Path;
 use std::process::Command;
@@ -24,14 +24,14 @@ fn a_missing_program_is_told_with_how_to_install_it() {
             .unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{said}");
-        let cure = format!("cargo install --path {path} ");
-        assert!(said.contains(&cure), "{said}");
+        let cure = format!("install it with cargo install --path {path}");
+        assert!(said.trim_end().ends_with(&cure), "{said}");
     }
 }
 
 #[cfg(unix)]
 #[test]
-fn the_monitor_in_path_is_given_every_argument_and_its_exit_code_is_ours() {
+fn a_program_beside_or_in_path_is_given_every_argument() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     // Away from whatever lies beside the program built.
@@ -58,4 +58,26 @@ fn the_monitor_in_path_is_given_every_argument_and_its_exit_code_is_ours() {
     assert_eq!(run(), "in PATH --help -x a b -- --quiet\n");
     program(&folder.path().join("bin"), "beside");
     assert_eq!(run(), "beside --help -x a b -- --quiet\n");
+    // A study is named to the laboratory, with how this program speaks.
+    for (asked, given) in [
+        ("scenarios run --help", "scenarios --color auto run --help"),
+        (
+            "--verbose --color never paper fig6",
+            "paper --verbose --color never fig6",
+        ),
+        (
+            "trend simulate-year --robots 3",
+            "simulate-year --color auto --robots 3",
+        ),
+    ] {
+        let file = folder.path().join("bin/sinew-bench");
+        std::fs::write(&file, "#!/bin/sh\necho \"$@\"\nexit 3\n").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let output = Command::new(&sinew)
+            .args(asked.split(' '))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(3), "{asked}");
+        assert_eq!(String::from_utf8(output.stdout).unwrap().trim(), given);
+    }
 }

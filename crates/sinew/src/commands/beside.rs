@@ -22,22 +22,22 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// Runs the monitor.
     pub(crate) fn watch(self) -> Result<Finish, Failure> {
-        const MISSING: &str = "the monitor is a program of its own, sinew-watch, and is neither beside sinew nor in PATH; \
-             cargo install --path crates/sinew-watch installs it";
+        const MISSING: &str = "sinew-watch, the monitor, was not found beside sinew or in PATH; \
+             install it with cargo install --path crates/sinew-watch";
         run("sinew-watch", self.arguments, MISSING)
     }
 
     /// Asks a fleet's records.
     pub(crate) fn fleet(self) -> Result<Finish, Failure> {
-        const MISSING: &str = "the fleet's questions are a program of their own, sinew-fleet, and it is neither beside sinew \
-             nor in PATH; cargo install --path fleet installs it";
+        const MISSING: &str = "sinew-fleet, which queries the records of a fleet, was not found beside sinew or in PATH; \
+             install it with cargo install --path fleet";
         run("sinew-fleet", self.arguments, MISSING)
     }
 
     /// Runs a study of the laboratory.
     pub(crate) fn bench(self, study: &str) -> Result<Finish, Failure> {
-        const MISSING: &str = "studies are a program of their own, sinew-bench, and it is neither beside sinew nor in PATH; \
-             cargo install --path crates/sinew-bench installs it";
+        const MISSING: &str = "sinew-bench, which runs simulation studies, was not found beside sinew or in PATH; \
+             install it with cargo install --path crates/sinew-bench";
         let mut arguments = vec![study.into()];
         arguments.extend(style_arguments());
         arguments.extend(self.arguments);
