@@ -56,7 +56,7 @@ fn block_by_block(scenario: &str, (first_seed, n): (u64, u64), at: End) -> (f64,
     let (_, recordings) = run_recordings(&options, &mut |_, _| {}).expect("recordings");
     let ends = recordings.iter().flat_map(|recording| &recording.ends);
     let (mut squares, mut silent, mut count) = (0.0, 0, 0);
-    for end in ends.filter(|end| end.form == Form::Recursive && end.end == at) {
+    for end in ends.filter(|end| end.form == Form::Online && end.end == at) {
         let outside = end.errors_rad.iter().filter(|e| e.is_nonzero_95()).count();
         silent += if end.is_warned { 0 } else { outside };
         count += end.errors_rad.len();

@@ -227,7 +227,7 @@ fn a_second_slip_in_four_poses_is_not_taken_for_lost_stiffness() {
     let plan = plan_named("S9").unwrap();
     for seed in [5008, 5045, 10012, 10022] {
         let recording = record(&plan, seed, Sessions::Chain).unwrap();
-        let at_end = |end: &&EndScore| (end.form, end.end) == (Form::Recursive, End::Chain);
+        let at_end = |end: &&EndScore| (end.form, end.end) == (Form::Online, End::Chain);
         let end = recording.ends.iter().find(at_end).unwrap();
         for (i, error) in end.errors_rad.iter().enumerate() {
             let off = error.mean.abs() / error.deviation;
@@ -445,49 +445,4 @@ fn a_temperature_that_is_unknown_or_stated_counts_as_in_a_recording() {
     assert!(filter.unknown_temperature_rad(0) > 0.0);
     // 15 K times 0.1 mrad/K, known and unknown alike; the room varies by a few kelvin only.
     assert!(widths[0] > 1e-3 && widths[2] > 1e-3, "{widths:?}");
-}
-
-/// A recording gone over block by block says what the filter beside the robot says, and when it was in doubt.
-#[test]
-fn a_recording_is_gone_over_as_beside_the_robot() {
-    let robot = biorob_like();
-    let options = SessionOptions::default();
-    let (parts, _) = work_session(&robot, 40, |t| t, &[60.0, 120.0]);
-    let learning = session::Learning::default();
-    let (baseline, _) = session::learn_recorded(&robot, &parts[0], "A", &learning).unwrap();
-    let (filter, _) = block_by_block(&robot, &baseline, &options, &parts[1]);
-    let blocks = &parts[1].blocks;
-    let with = Some((&baseline, "A"));
-    let course = session::replay_live(&robot, blocks, with, &options).unwrap();
-    assert_eq!(course.blocks.len(), blocks.len());
-    assert_eq!(course.in_doubt, filter.is_provisional());
-    for (i, joint) in course.joints.iter().enumerate() {
-        assert_eq!(joint.name, robot.joint_names()[i]);
-        assert_eq!(joint.offset_rad, filter.offset(i));
-        let changed = filter.stiffness_changed(i);
-        assert_eq!(joint.stiffness_changed_probability, Some(changed));
-        assert_eq!(
-            course.blocks.last().unwrap().offset_rad[i],
-            joint.offset_rad
-        );
-    }
-    // Its first half minute is in doubt, and every block in doubt is in one span.
-    assert!(
-        course.doubts[0].from_s == blocks[0].time_s
-            && course.doubts[0].to_s - blocks[0].time_s > 20.0
-    );
-    for block in &course.blocks {
-        let spans = course.doubts.iter();
-        let inside = spans.filter(|d| (d.from_s..=d.to_s).contains(&block.time_s));
-        assert_eq!(
-            inside.count(),
-            usize::from(block.in_doubt),
-            "{}",
-            block.time_s
-        );
-    }
-    // Against the encoders' zero, too.
-    let fresh = session::replay_live(&robot, blocks, None, &options).unwrap();
-    assert!(fresh.joints[1].offset_rad.deviation > course.joints[1].offset_rad.deviation);
-    assert_eq!(fresh.joints[1].stiffness_changed_probability, None);
 }

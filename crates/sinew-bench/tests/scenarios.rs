@@ -501,7 +501,7 @@ fn variants_are_resumable_and_count_what_is_wrong_and_unsaid() {
         let ends: Vec<(Form, End, usize)> =
             (scenario.ends.iter().map(|e| (e.form, e.end, e.offsets))).collect();
         let wanted =
-            [Form::Batch, Form::Recursive].map(|form| [(form, End::B, 4), (form, End::Chain, 4)]);
+            [Form::Batch, Form::Online].map(|form| [(form, End::B, 4), (form, End::Chain, 4)]);
         assert_eq!(ends, wanted.concat());
         // Two estimates of the same recording, and not one twice.
         let [batch, recursive] = [&scenario.ends[0], &scenario.ends[2]];
@@ -611,7 +611,7 @@ fn tendons_that_creep_while_they_are_looked_at_are_read_at_the_end_and_named() {
                 }
             }
             for end in &recording.ends {
-                if end.form == Form::Recursive {
+                if end.form == Form::Online {
                     let outside = end.errors_rad.iter().filter(|e| e.is_nonzero_95()).count();
                     read += end.errors_rad.len();
                     silent += if end.is_warned { 0 } else { outside };

@@ -3,9 +3,11 @@
 use crate::baseline::Baseline;
 use crate::document::{EstimateDocument, Method};
 use crate::error::SessionError;
+use crate::online::trajectory;
 use crate::replay;
 use crate::request::{Progress, Request};
-use crate::session::{self, SessionOptions, Window};
+use crate::session::{self, Recorded, SessionEstimate, SessionOptions, Window};
+use sinew_model::robot::Robot;
 
 /// How recordings are estimated.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +20,7 @@ pub struct Plan<'a> {
     pub baseline: Option<(&'a Baseline, &'a str)>,
     /// What is known of the session.
     pub options: SessionOptions,
-    /// Whether the form beside a running robot goes over the recording, too ([`session::replay_live`]).
+    /// Whether the online estimate goes over the recording, too ([`crate::online::replay`]).
     pub live: bool,
 }
 
@@ -34,12 +36,18 @@ pub fn estimate(
     let (method, session, reading, next) = match plan.method {
         Method::Paper => (Method::Paper, None, replay::run(request, progress)?, None),
         Method::Absolute => {
+            let (baseline, options) = (plan.baseline, &plan.options);
+            let also = |robot: &Robot, recorded: &Recorded, session: &mut SessionEstimate| {
+                let name = &session.recording;
+                let course = || trajectory(robot, recorded, baseline, options, name);
+                session.live = plan.live.then(course);
+            };
             let (reading, session, next) = session::estimate_with_replay(
                 request,
                 plan.window,
-                plan.baseline,
-                &plan.options,
-                plan.live,
+                baseline,
+                options,
+                &also,
                 progress,
             )?;
             (Method::Absolute, Some(session), reading, Some(next))

@@ -94,6 +94,78 @@ impl Jumps {
         (self.samples, self.sum_s, self.steps, self.last_s) = (0, 0.0, 0, None);
     }
 
+    /// Goes on where `before` ended: the last samples, and the slot of time under way.
+    ///
+    /// # Realtime
+    /// No allocation where there is [room](Jumps::reserve), lock, panic or clock.
+    pub(crate) fn go_on_from(&mut self, before: &mut Self) {
+        self.clear();
+        self.joints = before.joints;
+        std::mem::swap(&mut self.readings, &mut before.readings);
+        (self.samples, self.times) = (before.samples, before.times);
+        (self.sum_s, self.steps, self.last_s) = (before.sum_s, before.steps, before.last_s);
+        if let Some(slot_s) = before.slots_s.last() {
+            self.slots_s.push(*slot_s);
+            self.largest.resize(2 * self.joints, Jump::default());
+        }
+    }
+
+    /// Appends what [goes on](Jumps::go_on_from) from here.
+    pub(crate) fn append(&mut self, next: &Self) {
+        let width = 2 * self.joints;
+        let mut largest = next.largest.as_slice();
+        let mut slots_s = next.slots_s.as_slice();
+        if let (Some(last), Some((first, more))) = (self.slots_s.last(), slots_s.split_first())
+            && last == first
+        {
+            let (own, rest) = largest.split_at(width);
+            let from = self.largest.len() - width;
+            for (known, jump) in self.largest[from..].iter_mut().zip(own) {
+                if jump.size_rad.abs() > known.size_rad.abs() {
+                    *known = *jump;
+                }
+            }
+            (slots_s, largest) = (more, rest);
+        }
+        self.slots_s.extend_from_slice(slots_s);
+        self.largest.extend_from_slice(largest);
+        for [from_s, to_s] in &next.blind {
+            self.mark_blind(*from_s, *to_s);
+        }
+        (self.sum_s, self.steps, self.last_s) = (next.sum_s, next.steps, next.last_s);
+    }
+
+    /// Forgets slots and gaps that ended before a time, s.
+    pub(crate) fn forget_before(&mut self, time_s: f64) {
+        let over = self
+            .slots_s
+            .partition_point(|from_s| from_s + SLOT_S < time_s);
+        self.slots_s.drain(..over);
+        self.largest.drain(..over * 2 * self.joints);
+        self.blind.retain(|[_, to_s]| *to_s >= time_s);
+    }
+
+    /// Slots that ended after one time and up to another, s, and gaps alike.
+    pub(crate) fn between(&self, from_s: f64, to_s: f64) -> Self {
+        let range = from_s..to_s;
+        let slots = || {
+            let ended = |(_, slot_s): &(usize, &f64)| range.contains(&(**slot_s + SLOT_S));
+            self.slots_s.iter().enumerate().filter(ended)
+        };
+        let width = 2 * self.joints;
+        Self {
+            slots_s: slots().map(|(_, slot_s)| *slot_s).collect(),
+            largest: slots()
+                .flat_map(|(k, _)| self.largest[k * width..(k + 1) * width].iter().copied())
+                .collect(),
+            blind: (self.blind.iter().copied())
+                .filter(|[_, to_s]| range.contains(to_s))
+                .collect(),
+            readings: self.readings.clone(),
+            ..*self
+        }
+    }
+
     /// Takes a sample at `time_s`: motor and joint readings, rad.
     pub fn push(&mut self, time_s: f64, theta: &[f64], q: &[f64]) {
         if let Some(last_s) = self.last_s {

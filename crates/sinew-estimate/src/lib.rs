@@ -21,6 +21,7 @@ pub mod jumps;
 pub mod live;
 mod nuisance;
 mod one_signal;
+pub mod online;
 mod recording;
 pub mod replay;
 mod request;

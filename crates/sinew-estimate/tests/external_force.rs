@@ -1,9 +1,10 @@
 //! A constant force from outside that pulls at the tool since the baseline.
 
 use crate::support::{least, seeds, sessions, watching};
+use sinew_estimate::online::trajectory;
 use sinew_estimate::session::{
     Learning, LiveCourse, Recorded, SessionEstimate, SessionOptions, Warning, estimate_recorded,
-    learn_recorded, replay_live,
+    learn_recorded,
 };
 use sinew_model::Gaussian;
 use sinew_sim::protocol::{Plan, plan_named};
@@ -138,7 +139,7 @@ fn a_hose_that_pulls_is_no_stretch_block_by_block() {
                 let [a, b] = &case.sessions;
                 let (baseline, _) = learn_recorded(&robot, a, "a", &Learning::default()).unwrap();
                 let options = watching(&case.plan);
-                replay_live(&robot, &b.blocks, Some((&baseline, "a")), &options).unwrap()
+                trajectory(&robot, b, Some((&baseline, "a")), &options, "b")
             };
             let is_inside = |course: &LiveCourse| {
                 let pairs = course.joints.iter().zip(&case.truth_mrad);
@@ -151,7 +152,9 @@ fn a_hose_that_pulls_is_no_stretch_block_by_block() {
             let (found, blind) = (course(2.0), course(0.0));
             assert_eq!(blind.external_force, None);
             blind_inside += is_inside(&blind);
-            let force = found.external_force.unwrap();
+            let Some(force) = found.external_force else {
+                panic!("{name} {seed}: no force");
+            };
             println!("{name} {seed}: {} inside, {force:?}", is_inside(&found));
             inside += is_inside(&found);
             count += found.joints.len() as u32;

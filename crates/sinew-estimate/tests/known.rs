@@ -11,6 +11,7 @@ use flat::document;
 use sinew_estimate::baseline::{MergeOptions, merge};
 use sinew_estimate::feeder::Injection;
 use sinew_estimate::init::Init;
+use sinew_estimate::online::trajectory;
 use sinew_estimate::robot_check::RobotCheck;
 use sinew_estimate::robot_dir;
 use sinew_estimate::session::{self, BlockEstimate, Payload, SessionOptions, Touch, Window};
@@ -195,7 +196,7 @@ fn what_touches_and_stands_say_is_what_they_said() {
         said.nuisance.clear();
         document(&mut answers, name, &said);
         blocks(&mut answers, name, &said.blocks);
-        let live = session::replay_live(&plain, &recorded.blocks, with, &options).unwrap();
+        let live = trajectory(&plain, &recorded, with, &options, name);
         document(&mut answers, &format!("{name} live"), &live);
         for (k, block) in live.blocks.iter().enumerate().skip(59).step_by(60) {
             answers.about(&format!("{name} live over time, {k}"));

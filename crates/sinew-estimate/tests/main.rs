@@ -15,6 +15,7 @@ mod known;
 mod motor_current;
 mod offset_map;
 mod offset_scenarios;
+mod online;
 mod real_absolute;
 mod real_data;
 mod recursive;

@@ -82,6 +82,7 @@ fn documents() -> Vec<Published> {
         Published::of::<sinew_bench::paper::PaperFigure>(),
         Published::of::<sinew_bench::year::YearReport>(),
         Published::of::<sinew_bench::scenarios::ScenarioReport>(),
+        Published::of::<sinew_bench::scenarios::CourseReport>(),
         Published::of::<sinew_sim::control::Simulated>(),
     ]
 }

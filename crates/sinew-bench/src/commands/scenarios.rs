@@ -42,6 +42,10 @@ pub(crate) struct Run {
     /// at the end of B, and of C with what was known after B. With --scenario: those instead, judged like this
     #[arg(long, conflicts_with_all = ["robot", "unmodelled", "no_steps"])]
     variants: bool,
+    /// The online estimate at every block of B and C, instead of ends: how soon it is useful, how long it is outside its
+    /// interval unsaid, what it says after a slip
+    #[arg(long, conflicts_with_all = ["variants", "no_steps", "no_motor_torque", "table"])]
+    course: bool,
     /// Recordings per scenario
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     n: u64,
@@ -138,6 +142,15 @@ impl Run {
         };
         let bar = Bar::new("recordings", self.quiet);
         let mut progress = |done, all| bar.set(done as f64, all as f64);
+        if self.course {
+            let report = scenarios::run_courses(&options, &mut progress)?;
+            drop(bar);
+            answer_as(self.json, &report, scenarios::render_courses)?;
+            return Ok(match report.scenarios.iter().all(|s| s.recordings == 0) {
+                true => Finish::Refused,
+                false => Finish::lossy(!report.refusals.is_empty()),
+            });
+        }
         let (report, recordings) = scenarios::run_recordings(&options, &mut progress)?;
         drop(bar);
         write_table(self.table.as_deref(), || scenarios::rows(&recordings))?;

@@ -41,8 +41,8 @@ fn one((end, form): (End, Form), scores: &[&EndScore]) -> Option<EndSummary> {
     })
 }
 
-/// One line per scenario and end, as text of at most 80 columns; the last lines are all together. A second table is of the form
-/// that goes on block by block.
+/// One line per scenario and end, as text of at most 80 columns; the last lines are all together. A second table is of the online
+/// estimate.
 pub fn render_ends(report: &ScenarioReport) -> String {
     let mut text = ends_of(report, Form::Batch, "warned\n%");
     text.push('\n');
@@ -52,12 +52,12 @@ pub fn render_ends(report: &ScenarioReport) -> String {
          their session warned of nothing; far: those more than three standard deviations off, of which chance leaves 0.27 %",
         0,
     ));
-    text.push_str("\nBlock by block, as beside a running robot\n");
-    text.push_str(&ends_of(report, Form::Recursive, "doubt\n%"));
+    text.push_str("\nOnline estimate\n");
+    text.push_str(&ends_of(report, Form::Online, "warned\n%"));
     text.push('\n');
     text.push_str(&paragraph(
-        "chain: B and C without a break; doubt: recordings at whose end the estimate is in doubt, or says that the \
-         temperature isn't known; silent: offsets outside their interval without either",
+        "chain: B and C without a break; warned: recordings at whose end the estimate is provisional, or warns of \
+         anything; silent: offsets outside their interval without either",
         0,
     ));
     for s in &report.scenarios {

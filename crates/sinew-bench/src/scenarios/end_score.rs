@@ -1,9 +1,9 @@
 //! One recording at the end of a session: which offsets are inside their intervals, and which are outside unsaid.
 
 use serde::{Deserialize, Serialize};
+use sinew_estimate::online::{OnlineJoint, Window};
 use sinew_estimate::session::{SessionEstimate, TendonEstimate};
 use sinew_model::Gaussian;
-use sinew_model::offset::RecursiveOffsets;
 use sinew_model::robot::Robot;
 
 /// Which sessions are estimated, and what for.
@@ -50,12 +50,12 @@ pub enum End {
 pub enum Form {
     /// The estimate of a whole recording.
     Batch,
-    /// The one that goes on block by block beside a running robot. It warns by being in doubt.
-    Recursive,
+    /// The same on a sliding window, with a check of the newest blocks, as beside a running robot. It warns by being provisional, too.
+    Online,
 }
 
 impl Form {
-    pub(super) const ALL: [Self; 2] = [Self::Batch, Self::Recursive];
+    pub(super) const ALL: [Self; 2] = [Self::Batch, Self::Online];
 }
 
 /// All elastic joints of one recording at one end.
@@ -68,7 +68,7 @@ pub struct EndScore {
     pub form: Form,
     /// Estimate less truth per elastic joint, with the deviation stated, rad.
     pub errors_rad: Vec<Gaussian>,
-    /// Whether that session's own result warned of anything, or was in doubt.
+    /// Whether that session's own result warned of anything, or was provisional.
     pub is_warned: bool,
 }
 
@@ -87,26 +87,19 @@ impl EndScore {
         }
     }
 
-    /// Of the form that goes on block by block.
-    pub(super) fn recursive(
-        end: End,
-        robot: &Robot,
-        truth_rad: &[f64],
-        said: &RecursiveOffsets,
-    ) -> Self {
-        let elastic = (0..truth_rad.len()).filter(|i| robot.transmissions[*i].is_some());
-        let error = |i: usize| {
-            let offset = said.offset(i);
-            Gaussian::new(offset.mean - truth_rad[i], offset.deviation)
+    /// Of the online estimate.
+    pub(super) fn online(end: End, truth_rad: &[f64], window: &Window) -> Self {
+        let answer = window.answer();
+        let error = |own: &OnlineJoint| {
+            let offset = own.offset_rad;
+            Gaussian::new(offset.mean - truth_rad[own.joint], offset.deviation)
         };
+        let warns = |estimate: &SessionEstimate| !estimate.warnings.is_empty();
         Self {
             end,
-            form: Form::Recursive,
-            errors_rad: elastic.clone().map(error).collect(),
-            is_warned: said.is_provisional()
-                || elastic
-                    .map(|i| said.unknown_temperature_rad(i))
-                    .any(|added| added > 0.0),
+            form: Form::Online,
+            errors_rad: answer.joints.iter().map(error).collect(),
+            is_warned: answer.is_provisional() || window.estimate().is_none_or(warns),
         }
     }
 

@@ -1,11 +1,12 @@
 //! The one place where the bench calls the estimator it judges.
 
 use sinew_estimate::baseline::Baseline;
+use sinew_estimate::online::Window;
 use sinew_estimate::session;
 use sinew_estimate::session::{
     Payload, Recorded, Recorder, SessionError, SessionEstimate, SessionOptions,
 };
-use sinew_model::offset::{FeatureConfig, RecursiveOffsets};
+use sinew_model::offset::FeatureConfig;
 use sinew_model::robot::Robot;
 
 /// A recorder as `sinew baseline` and `sinew estimate` use it.
@@ -22,7 +23,7 @@ pub(super) fn learn(
 }
 
 /// What a user says. `payload`: whether the gripper may hold something.
-fn options(payload: bool) -> SessionOptions {
+pub(super) fn options(payload: bool) -> SessionOptions {
     SessionOptions {
         payload: if payload {
             Payload::Unknown
@@ -33,19 +34,24 @@ fn options(payload: bool) -> SessionOptions {
     }
 }
 
-/// The estimate that goes on block by block, from A's baseline.
-pub(super) fn live(
-    robot: &Robot,
-    baseline: &Baseline,
-    payload: bool,
-) -> Result<RecursiveOffsets, SessionError> {
-    session::live(robot, (baseline, "session A"), &options(payload))
+/// The online estimate since A's baseline.
+pub(super) fn online(robot: &Robot, baseline: &Baseline, payload: bool) -> Window {
+    let baseline = Some((baseline.clone(), "session A".to_owned()));
+    Window::new(
+        robot.clone(),
+        baseline,
+        &options(payload),
+        "sessions B and C",
+    )
 }
 
-/// Takes a session's blocks; one that isn't finite is left out.
-pub(super) fn follow(filter: &mut RecursiveOffsets, recorded: &Recorded) {
-    for block in &recorded.blocks {
-        let _left_out = filter.step(block);
+/// Takes the blocks of a session, and solves the window whenever that is due.
+pub(super) fn follow(window: &mut Window, recorded: &Recorded) {
+    for part in recorded.parts() {
+        window.push(&part);
+        if window.is_due() {
+            window.solve();
+        }
     }
 }
 

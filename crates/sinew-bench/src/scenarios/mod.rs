@@ -5,6 +5,8 @@
 //! (what they say together).
 
 mod bound;
+mod course;
+mod course_report;
 mod end;
 mod end_score;
 mod estimator;
@@ -19,6 +21,10 @@ mod simulated;
 mod summary;
 mod table;
 
+pub use course::{Course, JointCourse, SlipCourse, course};
+pub use course_report::{
+    CourseFigures, CourseReport, CourseSummary, SlipFigures, render_courses, run_courses,
+};
 pub use end::render_ends;
 pub use end_score::{End, EndScore, Form, Sessions};
 pub use options::Options;

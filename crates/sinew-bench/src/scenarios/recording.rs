@@ -165,15 +165,14 @@ pub fn record(plan: &Plan, seed: u64, sessions: Sessions) -> Result<Recording, S
         watch_c(plan, &simulated, &after_b, sessions, &mut out).map_err(refused)?;
     }
     if sessions == Sessions::Chain {
-        let mut filter = estimator::live(robot, &baseline, payload).map_err(refused)?;
+        let mut window = estimator::online(robot, &baseline, payload);
         let ends = [
             (End::B, &simulated.truth_rad),
             (End::Chain, &simulated.truth_at_end_rad),
         ];
         for ((end, truth_rad), session) in ends.into_iter().zip(&simulated.sessions[1..]) {
-            estimator::follow(&mut filter, session);
-            out.ends
-                .push(EndScore::recursive(end, robot, truth_rad, &filter));
+            estimator::follow(&mut window, session);
+            out.ends.push(EndScore::online(end, truth_rad, &window));
         }
     }
     Ok(out)

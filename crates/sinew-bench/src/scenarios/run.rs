@@ -15,7 +15,7 @@ use std::path::Path;
 /// Another simulation or estimator: what older files hold can't go on.
 const RECORDINGS: journal::Kind = journal::Kind {
     format: "sinew-scenarios",
-    version: 18,
+    version: 19,
     holds: "scenario results",
 };
 
@@ -110,7 +110,7 @@ pub fn run_recordings(
 }
 
 /// What is to be run, each by a name of its own.
-fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
+pub(super) fn plans(options: &Options) -> Result<Vec<Plan>, ScenarioError> {
     let robot = match &options.robot {
         Some(folder) => Some(robot_dir::load(folder, None)?.robot),
         None => None,

@@ -23,6 +23,8 @@ pub(super) struct Simulated {
     pub(super) bound_rad: Option<Vec<f64>>,
     /// With the lag of the paper, and matched.
     pub(super) means: [PaperMeans; 2],
+    /// Of every block of the last session: offset of every joint since the end of A, rad.
+    pub(super) truth_of_blocks_rad: Vec<Vec<f64>>,
 }
 
 /// What takes in the frames of a recording, session by session.
@@ -52,13 +54,22 @@ impl Takers {
 impl Simulated {
     /// Simulates `plan` with `seed`, as far as `judged` asks for.
     pub(super) fn new(plan: &Plan, seed: u64, judged: Sessions) -> Result<Self, ScenarioError> {
+        let sessions = if judged == Sessions::B { 2 } else { 3 };
+        let spans = plan.scenario.sessions[..sessions].iter();
+        let spans = spans.map(|s| (s.from_s, s.to_s)).collect();
+        Self::of_spans(plan, seed, spans)
+    }
+
+    /// Simulates `plan` with `seed`; B and C are one session.
+    pub(super) fn as_one(plan: &Plan, seed: u64) -> Result<Self, ScenarioError> {
+        let [a, b, c] = [0, 1, 2].map(|k| &plan.scenario.sessions[k]);
+        Self::of_spans(plan, seed, vec![(a.from_s, a.to_s), (b.from_s, c.to_s)])
+    }
+
+    fn of_spans(plan: &Plan, seed: u64, spans: Vec<(f64, f64)>) -> Result<Self, ScenarioError> {
         let mut scenario = plan.scenario.clone();
         scenario.seed = seed;
-        let sessions = if judged == Sessions::B { 2 } else { 3 };
-        let spans: Vec<(f64, f64)> = scenario.sessions[..sessions]
-            .iter()
-            .map(|s| (s.from_s, s.to_s))
-            .collect();
+        let sessions = spans.len();
         scenario.duration_s = spans.last().map(|s| s.1);
         let mut takers = Takers {
             spans,
@@ -92,7 +103,7 @@ impl Simulated {
     }
 
     fn of(plan: &Plan, simulation: &Simulation, takers: Takers, bound: BoundRecorder) -> Self {
-        let end_of_b_s = takers.spans[1].1;
+        let end_of_b_s = plan.scenario.sessions[1].to_s;
         let sessions: Vec<Recorded> = takers
             .recorders
             .into_iter()
@@ -118,7 +129,9 @@ impl Simulated {
                 .map(|i| offset(i, end_s) - offset(i, ends_s[0]))
                 .collect()
         };
+        let last = sessions.last().map_or(&[][..], |session| &session.blocks);
         Self {
+            truth_of_blocks_rad: last.iter().map(|b| since_a(b.time_s)).collect(),
             truth_rad: since_a(at_s),
             truth_at_end_rad: since_a(ends_s[ends_s.len() - 1]),
             slips: simulation

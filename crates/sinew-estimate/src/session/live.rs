@@ -1,11 +1,11 @@
 //! The recursive form of the session estimate, for a robot that runs.
 
-use super::result::{Doubt, LiveBlock, LiveCourse, LiveTendon, TemperatureSource};
+use super::result::TemperatureSource;
 use super::temperature;
 use crate::baseline::Baseline;
 use crate::error::SessionError;
 use crate::estimator::{SessionOptions, estimator};
-use sinew_model::offset::{Belief, Block, Prior, RecursiveOffsets, UNKNOWN_OFFSET_RAD, beliefs};
+use sinew_model::offset::{Belief, Prior, RecursiveOffsets, UNKNOWN_OFFSET_RAD, beliefs};
 use sinew_model::robot::Robot;
 
 /// The recursive form since `baseline` (with the file's name), for a robot that runs: blocks of a
@@ -66,62 +66,6 @@ pub fn live_without_baseline(
         file: robot.name.clone(),
         error,
     })
-}
-
-/// What the recursive form says of blocks that were recorded, as it would have beside the running robot: since `baseline` (with the
-/// file's name), or against the encoders' zero.
-///
-/// # Errors
-/// [`SessionError`] when the baseline is of another robot.
-pub fn replay_live(
-    robot: &Robot,
-    blocks: &[Block],
-    baseline: Option<(&Baseline, &str)>,
-    options: &SessionOptions,
-) -> Result<LiveCourse, SessionError> {
-    let mut filter = match baseline {
-        Some(baseline) => live(robot, baseline, options)?,
-        None => live_without_baseline(robot, options)?,
-    };
-    let elastic = (0..robot.arm.dof()).filter(|&i| robot.transmissions[i].is_some());
-    let elastic: Vec<usize> = elastic.collect();
-    let mut out = LiveCourse {
-        joints: Vec::new(),
-        external_force: None,
-        in_doubt: filter.is_provisional(),
-        doubts: Vec::new(),
-        blocks: Vec::with_capacity(blocks.len()),
-    };
-    for block in blocks {
-        // One that is not a number somewhere changes nothing.
-        let weight = filter.step(block).unwrap_or(0.0);
-        let in_doubt = filter.is_provisional();
-        if in_doubt {
-            match out.doubts.last_mut().filter(|_| out.in_doubt) {
-                Some(doubt) => doubt.to_s = block.time_s,
-                None => out.doubts.push(Doubt {
-                    from_s: block.time_s,
-                    to_s: block.time_s,
-                }),
-            }
-        }
-        out.in_doubt = in_doubt;
-        out.blocks.push(LiveBlock {
-            time_s: block.time_s,
-            weight,
-            offset_rad: elastic.iter().map(|&i| filter.offset(i)).collect(),
-            in_doubt,
-        });
-    }
-    out.joints = (elastic.iter())
-        .map(|&i| LiveTendon {
-            name: robot.joint_names()[i].clone(),
-            offset_rad: filter.offset(i),
-            stiffness_changed_probability: baseline.map(|_| filter.stiffness_changed(i)),
-        })
-        .collect();
-    out.external_force = filter.external_force();
-    Ok(out)
 }
 
 /// What `filter`, which [`live`] began from `before`, knows by `end_time_ns` of `recording`, as the next of the chain:

@@ -40,9 +40,10 @@ pub use crate::anchored::{AnchorReading, AnchoredOffset};
 pub use crate::error::SessionError;
 pub use crate::estimator::{SessionOptions, estimator};
 pub use crate::touch::{Touch, TouchReading};
-pub use live::{live, live_saved, live_without_baseline, replay_live};
+pub use live::{live, live_saved, live_without_baseline};
 pub use poses::Poses;
 pub use recorder::{Recorded, Recorder, Window};
+pub(crate) use result::OUTLIER as OUTLIER_WEIGHT;
 pub use result::{
     BlockEstimate, Doubt, LeftOut, LimitState, LiveBlock, LiveCourse, LiveTendon, MotorTorque,
     PayloadChange, RetensionLimit, SegmentEstimate, SessionEstimate, StiffnessSinceBefore,
@@ -52,6 +53,7 @@ pub use run::{
     Learning, Since, estimate, estimate_recorded, estimate_stretch, estimate_with_replay, learn,
     learn_recorded,
 };
+pub(crate) use run::{Solved, continues, solve_stretch};
 pub use sinew_model::offset::Payload;
 pub use torque_range::TorqueRange;
 pub use warning::{Warning, WitnessFault};

@@ -112,8 +112,46 @@ impl Recorded {
         self.jumps.reserve(duration_s);
     }
 
+    /// Nothing yet, of a robot.
+    pub(crate) fn empty(robot: &Robot) -> Self {
+        Self {
+            elastic: (0..robot.arm.dof())
+                .filter(|&i| robot.transmissions[i].is_some())
+                .collect(),
+            jumps: Jumps::new(robot.arm.dof()),
+            ..Self::default()
+        }
+    }
+
+    /// Forgets what was recorded, and keeps the room.
+    pub(crate) fn clear(&mut self) {
+        self.room.append(&mut self.blocks);
+        self.jumps.clear();
+        (self.frames_missing, self.duration_s) = (0, 0.0);
+    }
+
+    /// Block by block, in order: what a recorder would have handed over as it came.
+    pub fn parts(&self) -> impl Iterator<Item = Self> + '_ {
+        let mut from_s = f64::NEG_INFINITY;
+        let end_s = self.end_s();
+        self.blocks.iter().map(move |block| {
+            let jumps = self.jumps.between(from_s, block.time_s);
+            from_s = block.time_s;
+            let before_end_ns = ((end_s - block.time_s) * 1e9).round() as i64;
+            Self {
+                blocks: vec![block.clone()],
+                elastic: self.elastic.clone(),
+                jumps,
+                start_time_ns: self.start_time_ns,
+                end_time_ns: self.end_time_ns - before_end_ns,
+                motor_current: self.motor_current,
+                ..Self::default()
+            }
+        })
+    }
+
     /// Time of the last block, s of the recording.
-    pub(super) fn end_s(&self) -> f64 {
+    pub(crate) fn end_s(&self) -> f64 {
         self.blocks.last().map_or(0.0, |b| b.time_s)
     }
 }
@@ -145,13 +183,7 @@ impl Recorder {
                 gap_s,
                 ..Touches::default()
             },
-            out: Recorded {
-                elastic: (0..robot.arm.dof())
-                    .filter(|&i| robot.transmissions[i].is_some())
-                    .collect(),
-                jumps: Jumps::new(robot.arm.dof()),
-                ..Recorded::default()
-            },
+            out: Recorded::empty(robot),
         }
     }
 
@@ -225,16 +257,18 @@ impl Recorder {
         empty
     }
 
+    /// Whether the next block has [room](Recorder::make_room).
+    pub(crate) fn has_room(&self) -> bool {
+        !self.out.room.is_empty()
+    }
+
     /// Forgets what was recorded, and keeps the room. The filters go on.
     ///
     /// # Realtime
     /// No allocation, lock, panic or clock.
     pub fn clear(&mut self) {
         self.first_s = None;
-        let out = &mut self.out;
-        out.room.append(&mut out.blocks);
-        out.jumps.clear();
-        (out.frames_missing, out.duration_s) = (0, 0.0);
+        self.out.clear();
     }
 
     /// What was recorded since the beginning or the last call, for an empty recording that takes its place. The
@@ -244,7 +278,9 @@ impl Recorder {
     /// No allocation, lock, panic or clock.
     pub fn exchange(&mut self, empty: Recorded) -> Recorded {
         self.first_s = None;
-        std::mem::replace(&mut self.out, empty)
+        let mut recorded = std::mem::replace(&mut self.out, empty);
+        self.out.jumps.go_on_from(&mut recorded.jumps);
+        recorded
     }
 
     /// What was recorded since the beginning or the last [`Recorder::exchange`].

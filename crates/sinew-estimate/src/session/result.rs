@@ -55,7 +55,7 @@ pub struct SessionEstimate {
     pub left_out: Vec<LeftOut>,
     /// Distinct poses the arm stood or passed at, as far as gravity tells them apart.
     pub poses: usize,
-    /// What the form beside a running robot says of the same recording; `None` where nobody asked.
+    /// What the online estimate says of the same recording; `None` where nobody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveCourse>,
     /// Everything estimated along: what was believed before and after.
@@ -296,7 +296,7 @@ pub struct BlockEstimate {
 }
 
 /// A block of less weight, three standard deviations off in the mean, counts as left out.
-pub(super) const OUTLIER: f64 = 0.25;
+pub(crate) const OUTLIER: f64 = 0.25;
 
 impl BlockEstimate {
     /// Whether it was left out as contact or disturbance: it is three standard deviations off in the mean.
@@ -305,7 +305,7 @@ impl BlockEstimate {
     }
 }
 
-/// What the form that goes on block by block says of a recording, as beside a running robot.
+/// What the online estimate ([`crate::online`]) says of a recording, block by block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LiveCourse {
@@ -314,9 +314,9 @@ pub struct LiveCourse {
     /// A constant force from outside at the tool, as far as it is known at the end; `None`: none is looked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub external_force: Option<ForceEstimate>,
-    /// Whether the offsets are in doubt at the end.
+    /// Whether any offset is provisional at the end.
     pub in_doubt: bool,
-    /// When they were: the first half minute, contacts, slips that had not settled.
+    /// When any was: until the first window is solved, and after steps that are suspected or may end.
     pub doubts: Vec<Doubt>,
     /// Block by block, for a plot; not part of the JSON.
     #[serde(skip)]
@@ -350,11 +350,11 @@ pub struct Doubt {
 pub struct LiveBlock {
     /// Middle of the block, s.
     pub time_s: f64,
-    /// Weight it got, 0 (left out) to 1.
+    /// Probability that nothing touches the arm, 0 to 1.
     pub weight: f64,
-    /// Offset as it is then, rad.
+    /// Offset as it is then, rad; not a number until a window has been solved.
     pub offset_rad: Vec<Gaussian>,
-    /// Whether it is in doubt then.
+    /// Whether any offset is provisional then.
     pub in_doubt: bool,
 }
 

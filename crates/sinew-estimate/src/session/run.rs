@@ -2,7 +2,7 @@
 
 use super::anchor;
 use super::context::Context;
-use super::live::{open, replay_live};
+use super::live::open;
 use super::recorder::{Blocks, Recorded, Window, read};
 use super::result::{SessionEstimate, TemperatureSource};
 use super::revisits;
@@ -18,8 +18,8 @@ use crate::replay;
 use crate::replay::{Estimate, Pass};
 use crate::request::{Progress, Request};
 use sinew_model::offset::{
-    Belief, JointParameter, MapEstimator, Payload, SearchScope, SharedError, TENSIONED_OFFSET_RAD,
-    UNKNOWN_OFFSET_RAD, beliefs,
+    Belief, JointParameter, MapError, MapEstimate, MapEstimator, Payload, SearchScope, SharedError,
+    TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD, beliefs,
 };
 use sinew_model::robot::Robot;
 use sinew_model::{Gaussian, Z95};
@@ -208,7 +208,7 @@ pub fn estimate(
 }
 
 /// [`estimate`], and the paper's estimate ([`replay::run`]) of the same frames: the recording is read
-/// once. With `live` the form beside a running robot goes over it, too. A CSV file asked for is written last.
+/// once. `also` may add to the result what it makes of the blocks. A CSV file asked for is written last.
 ///
 /// # Errors
 /// [`SessionError`]; no file has been written then.
@@ -217,7 +217,7 @@ pub fn estimate_with_replay(
     window: Window,
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
-    live: bool,
+    also: &dyn Fn(&Robot, &Recorded, &mut SessionEstimate),
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Estimate, SessionEstimate, Baseline), SessionError> {
     let reference = replay::reference(request, progress)?;
@@ -233,10 +233,7 @@ pub fn estimate_with_replay(
     let file = request.name();
     let robot = &opened.loaded.robot;
     let (mut session, next) = estimate_recorded(robot, &recorded, &file, baseline, options)?;
-    if live {
-        let course = replay_live(robot, &recorded.blocks, baseline, options)?;
-        session.live = Some(course);
-    }
+    also(robot, &recorded, &mut session);
     let mut paper = pass.finish(opened)?;
     if let Some(reference) = reference {
         replay::compare(&mut paper, &reference);
@@ -261,16 +258,20 @@ pub fn estimate_recorded(
     baseline: Option<(&Baseline, &str)>,
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
-    let goes_on = baseline.is_some_and(|(baseline, _)| {
-        let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
-        // A baseline's own offsets are zero by definition: what follows it is opened anew.
-        (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1
-    });
-    let since = match goes_on {
+    let since = match continues(baseline.map(|(baseline, _)| baseline), recorded) {
         true => Since::Now,
         false => Since::Days(1.0),
     };
     estimate_stretch(robot, recorded, name, (baseline, since), options)
+}
+
+/// Whether a recording goes on where the last one of `baseline` ended.
+pub(crate) fn continues(baseline: Option<&Baseline>, recorded: &Recorded) -> bool {
+    baseline.is_some_and(|baseline| {
+        let pause_s = (recorded.start_time_ns - baseline.end_time_ns) as f64 * 1e-9;
+        // A baseline's own offsets are zero by definition: what follows it is opened anew.
+        (-0.5..CONTINUES_S).contains(&pause_s) && baseline.recordings.len() > 1
+    })
 }
 
 /// [`estimate_recorded`] by somebody who knows what the recording has to do with the baseline.
@@ -284,25 +285,52 @@ pub fn estimate_stretch(
     baseline: (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
 ) -> Result<(SessionEstimate, Baseline), SessionError> {
+    let solved = solve_stretch(robot, recorded, name, baseline, options)?;
+    Ok((solved.estimate, solved.next))
+}
+
+/// An estimate with what it was made with.
+#[derive(Debug, Clone)]
+pub(crate) struct Solved {
+    pub(crate) estimate: SessionEstimate,
+    /// The chain's next file.
+    pub(crate) next: Baseline,
+    pub(crate) estimator: MapEstimator,
+    /// Posterior of the last segment, with the index of its first block.
+    pub(crate) last: (usize, MapEstimate),
+}
+
+/// [`estimate_stretch`], with the posterior and the estimator that made it.
+pub(crate) fn solve_stretch(
+    robot: &Robot,
+    recorded: &Recorded,
+    name: &str,
+    baseline: (Option<(&Baseline, &str)>, Since),
+    options: &SessionOptions,
+) -> Result<Solved, SessionError> {
     /// More than this that fits nothing makes a stated payload suspect, rad.
     const SUSPECT_RAD: f64 = 2e-3;
-    let worst = |estimate: &SessionEstimate| {
-        let misfits = estimate.joints.iter().map(|j| j.misfit_rad);
+    let worst = |solved: &Solved| {
+        let misfits = solved.estimate.joints.iter().map(|j| j.misfit_rad);
         misfits.fold(0.0, f64::max)
     };
     let estimate_as_stated = |options: &SessionOptions| {
         let as_one = estimate_with_lag(robot, recorded, name, baseline, options, 0.0)?;
-        let late = as_one.0.warnings.iter().find_map(|warning| match warning {
-            Warning::SidesOutOfStep { motor_late_s } => Some(motor_late_s.mean.abs()),
-            _ => None,
-        });
+        let late = as_one
+            .estimate
+            .warnings
+            .iter()
+            .find_map(|warning| match warning {
+                Warning::SidesOutOfStep { motor_late_s } => Some(motor_late_s.mean.abs()),
+                _ => None,
+            });
         match late {
             None => Ok(as_one),
             Some(late_s) => estimate_with_lag(robot, recorded, name, baseline, options, late_s),
         }
     };
     let stated = estimate_as_stated(options)?;
-    let suspect_rad = worst(&stated.0);
+    let suspect_rad = worst(&stated);
     if suspect_rad < SUSPECT_RAD {
         return Ok(stated);
     }
@@ -326,10 +354,10 @@ pub fn estimate_stretch(
             open.external_force_n = None;
         }
         let mut opened = estimate_as_stated(&open)?;
-        if worst(&opened.0) > 0.5 * suspect_rad {
+        if worst(&opened) > 0.5 * suspect_rad {
             continue;
         }
-        let said = &mut opened.0;
+        let said = &mut opened.estimate;
         if payload {
             let payload_kg = said.payload_kg;
             said.warnings
@@ -353,7 +381,7 @@ fn estimate_with_lag(
     (baseline, since): (Option<(&Baseline, &str)>, Since),
     options: &SessionOptions,
     lag_s: f64,
-) -> Result<(SessionEstimate, Baseline), SessionError> {
+) -> Result<Solved, SessionError> {
     let session = Session::new(robot, recorded, options);
     let (recorded, estimator) = (&*session.recorded, &session.estimator);
     let prior = estimator.prior();
@@ -456,7 +484,16 @@ fn estimate_with_lag(
         let warning = temperature::unknown_drift(robot, drift, width, now_c - then_c);
         estimate.warnings.extend(warning);
     }
-    Ok((estimate, next))
+    let last = (segments.estimates.last().cloned()).ok_or_else(|| SessionError::Map {
+        file: name.into(),
+        error: MapError::NoData,
+    })?;
+    Ok(Solved {
+        estimate,
+        next,
+        last,
+        estimator: session.estimator,
+    })
 }
 
 /// A recording as far as it can be believed, and the estimator that goes with it.

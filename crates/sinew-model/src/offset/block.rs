@@ -106,6 +106,12 @@ impl Block {
         self.stood_s >= LONG_STAND_S
     }
 
+    /// Memory it takes, bytes.
+    pub fn bytes(&self) -> usize {
+        let numbers: usize = self.columns().iter().map(|column| column.len()).sum();
+        size_of::<Self>() + size_of::<f64>() * (numbers + self.q.len())
+    }
+
     /// Whether `other` is of an arm of the same size.
     pub(crate) fn fits(&self, other: &Self) -> bool {
         let columns = self.columns().into_iter().zip(other.columns());

@@ -35,7 +35,7 @@ mod recursive;
 mod shared_error;
 mod state_entry;
 
-pub use batch::MapEstimator;
+pub use batch::{Innovation, MapEstimator, Prediction};
 pub use belief::{Belief, Payload, TENSIONED_OFFSET_RAD, UNKNOWN_OFFSET_RAD};
 pub use block::Block;
 pub use change::{ChangeKind, ChangePoint, SearchScope};

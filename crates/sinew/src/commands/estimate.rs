@@ -48,7 +48,7 @@ pub(crate) struct Estimate {
     #[command(flatten)]
     pub(super) session: SessionArgs,
 
-    /// Say, too, what the form beside a running robot makes of it block by block, and when it is in doubt
+    /// Say, too, what the online estimate says of it block by block, and when that is provisional
     #[arg(long, conflicts_with = "each")]
     live: bool,
     /// Which estimate answers [default: absolute; paper with --reference or a setting of the paper's]

@@ -86,6 +86,23 @@ impl MapEstimator {
         self
     }
 
+    /// What its equations rest on.
+    pub(super) fn model(&self) -> &EstimationModel {
+        &self.model
+    }
+
+    /// Lag-one autocorrelation of the noise of consecutive blocks, 0 to 1, that of the low-pass and of friction's stroke: the
+    /// noise of a block is taken as a first-order autoregression, whose mean over `m` blocks has `(1 + ρ)/(1 − ρ)` times the variance of
+    /// independent noise.
+    pub fn noise_autocorrelation(&self) -> f64 {
+        (self.model.inflation - 1.0) / (self.model.inflation + 1.0)
+    }
+
+    /// How much of a block's information counts, 0 to 1: by how far the arm travels in it.
+    pub fn information_share(&self, block: &Block) -> f64 {
+        self.model.share(block)
+    }
+
     /// What the recursive form shares.
     pub(crate) fn into_model(self) -> EstimationModel {
         self.model

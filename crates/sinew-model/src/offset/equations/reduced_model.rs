@@ -110,15 +110,19 @@ impl ReducedModel {
 
     /// A belief in this model's parameters: `T m`, `T C Tᵀ`.
     pub(crate) fn believed(&self, belief: &Belief) -> Belief {
-        let d = belief.mean.len();
-        // T C, then T (T C)ᵀ.
-        let half = self.reduced_rows(&belief.covariance, d);
-        let turned = transposed(&half, d);
         Belief {
             mean: self.reduced(&belief.mean),
-            covariance: self.reduced_rows(&turned, self.layout.dimension()),
+            covariance: self.reduced_covariance(&belief.covariance, belief.mean.len()),
             temperature_c: belief.temperature_c,
         }
+    }
+
+    /// `T C Tᵀ` of a covariance with `total` rows; changes after the state as they are.
+    pub(crate) fn reduced_covariance(&self, covariance: &[f64], total: usize) -> Vec<f64> {
+        // T C, then T (T C)ᵀ.
+        let half = self.reduced_rows(covariance, total);
+        let rows = half.len() / total.max(1);
+        self.reduced_rows(&transposed(&half, total), rows)
     }
 
     /// `T` times the rows of a matrix of so many columns.

@@ -1,0 +1,264 @@
+//! The online estimate over two sessions, judged at every block.
+
+use super::simulated::Simulated;
+use super::{ScenarioError, estimator};
+use serde::{Deserialize, Serialize};
+use sinew_estimate::online::{OnlineAnswer, replay};
+use sinew_model::Gaussian;
+use sinew_sim::protocol::Plan;
+
+/// An interval narrower than this is useful, half of 95 %, rad.
+const USEFUL_RAD: f64 = 3e-3;
+/// An offset is right with half a 95 % interval of at most this, rad, or this many times what it was before the slip.
+const RIGHT_RAD: f64 = 2e-3;
+const RIGHT_RATIO: f64 = 1.3;
+/// Calm: from this time on, s, and not within this time after a slip, s.
+const CALM_FROM_S: f64 = 30.0;
+const CALM_AFTER_S: f64 = 12.0;
+/// Far: more deviations from the truth.
+const FAR: f64 = 3.0;
+
+/// Every answer of the online estimate of one recording against the truth of its time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Course {
+    /// One entry per elastic joint.
+    pub joints: Vec<JointCourse>,
+    /// Slips in the order of time.
+    pub slips: Vec<SlipCourse>,
+    /// Changes reported with a probability of 0.9 where there was none, each counted once.
+    pub false_changes: usize,
+    /// Time judged, s.
+    pub watched_s: f64,
+    /// Processor time of all solutions and checks, s.
+    pub processor_s: f64,
+}
+
+/// One joint: numbers of blocks.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointCourse {
+    /// Joint.
+    pub name: String,
+    /// First time at which the answer was useful, s; `None`: never.
+    pub first_useful_s: Option<f64>,
+    /// Blocks judged.
+    pub blocks: usize,
+    /// Inside, settled, and narrower than 3 mrad.
+    pub useful: usize,
+    /// Provisional.
+    pub provisional: usize,
+    /// Blocks of calm, and how many of them were provisional.
+    pub calm: usize,
+    /// Provisional while calm.
+    pub calm_provisional: usize,
+    /// Inside the 95 % interval.
+    pub inside: usize,
+    /// Outside, and settled.
+    pub silent: usize,
+    /// Beyond three deviations, and settled.
+    pub far: usize,
+    /// Longest time silent without a break, s.
+    pub longest_silent_s: f64,
+    /// Half widths of the 95 % intervals, rad.
+    pub median_half_width_rad: f64,
+}
+
+/// A slip as the online estimate took it; times since the slip, s.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlipCourse {
+    /// Joint.
+    pub joint: String,
+    /// When, s.
+    pub at_s: f64,
+    /// Until the answer was last silently outside within 30 s.
+    pub silent_s: f64,
+    /// Until the interval holds the truth or the answer is provisional.
+    pub holds_s: Option<f64>,
+    /// Until it was right: inside, settled, narrow. `None`: not within 30 s.
+    pub right_s: Option<f64>,
+}
+
+/// Simulates `plan` with `seed` and judges the online estimate over B and C.
+///
+/// # Errors
+/// [`ScenarioError`].
+pub fn course(plan: &Plan, seed: u64) -> Result<Course, ScenarioError> {
+    let simulated = Simulated::as_one(plan, seed)?;
+    let refused = |error| ScenarioError::Session {
+        scenario: plan.name.clone(),
+        seed,
+        error: Box::new(error),
+    };
+    let robot = &plan.robot;
+    let (baseline, _) = estimator::learn(robot, &simulated.sessions[0]).map_err(refused)?;
+    let recorded = &simulated.sessions[1];
+    let from_s = recorded.blocks.first().map_or(0.0, |b| b.time_s);
+    let names = robot.joint_names();
+    let mut judges: Vec<Judge> = (recorded.elastic.iter())
+        .map(|i| Judge::new(names[*i].clone()))
+        .collect();
+    let mut slips: Vec<SlipJudge> = (simulated.slips.iter())
+        .map(|(joint, at_s, _)| SlipJudge::new(*joint, *at_s))
+        .collect();
+    let options = estimator::options(plan.payload_unknown);
+    let begun = cpu_time::ProcessTime::now();
+    let mut truth = simulated.truth_of_blocks_rad.iter();
+    let mut each = |answer: &OnlineAnswer| {
+        let time_s = answer.time_s;
+        let Some(truth_rad) = truth.next() else {
+            return;
+        };
+        let calm = time_s - from_s >= CALM_FROM_S
+            && !(simulated.slips.iter())
+                .any(|(_, at_s, _)| (*at_s..at_s + CALM_AFTER_S).contains(&time_s));
+        for (judge, own) in judges.iter_mut().zip(&answer.joints) {
+            let known = own.offset_rad;
+            let error = Gaussian::new(known.mean - truth_rad[own.joint], known.deviation);
+            let settled = own.provisional.is_none();
+            judge.take(time_s - from_s, error, settled, calm);
+            for slip in slips.iter_mut().filter(|s| s.joint == own.joint) {
+                slip.take(time_s, error, settled);
+            }
+        }
+    };
+    let window = replay(
+        robot,
+        recorded,
+        Some((&baseline, "session A")),
+        &options,
+        "sessions B and C",
+        &mut each,
+    );
+    let processor_s = begun.elapsed().as_secs_f64();
+    drop(window);
+    Ok(Course {
+        watched_s: recorded.duration_s,
+        joints: judges.into_iter().map(Judge::finish).collect(),
+        slips: slips.into_iter().map(|s| s.finish(names)).collect(),
+        false_changes: 0,
+        processor_s,
+    })
+}
+
+/// Judges one joint.
+struct Judge {
+    out: JointCourse,
+    widths: Vec<f64>,
+    silent_since_s: Option<f64>,
+}
+
+impl Judge {
+    fn new(name: String) -> Self {
+        Self {
+            out: JointCourse {
+                name,
+                ..JointCourse::default()
+            },
+            widths: Vec::new(),
+            silent_since_s: None,
+        }
+    }
+
+    fn take(&mut self, time_s: f64, error: Gaussian, settled: bool, calm: bool) {
+        let out = &mut self.out;
+        let known = error.is_finite();
+        let inside = known && !error.is_nonzero_95();
+        let useful = inside && settled && error.half_width_95() <= USEFUL_RAD;
+        out.blocks += 1;
+        out.useful += usize::from(useful);
+        out.provisional += usize::from(!settled);
+        out.calm += usize::from(calm);
+        out.calm_provisional += usize::from(calm && !settled);
+        out.inside += usize::from(inside);
+        let silent = settled && !inside;
+        out.silent += usize::from(silent);
+        out.far += usize::from(settled && !(error.mean.abs() <= FAR * error.deviation));
+        if useful && out.first_useful_s.is_none() {
+            out.first_useful_s = Some(time_s);
+        }
+        match (silent, self.silent_since_s) {
+            (true, None) => self.silent_since_s = Some(time_s),
+            (true, Some(from_s)) => {
+                out.longest_silent_s = out.longest_silent_s.max(time_s - from_s);
+            }
+            (false, _) => self.silent_since_s = None,
+        }
+        if known {
+            self.widths.push(error.half_width_95());
+        }
+    }
+
+    fn finish(mut self) -> JointCourse {
+        let median = sinew_model::statistics::upper_median(&mut self.widths);
+        JointCourse {
+            median_half_width_rad: median.unwrap_or(f64::NAN),
+            ..self.out
+        }
+    }
+}
+
+/// Judges one slip.
+struct SlipJudge {
+    joint: usize,
+    at_s: f64,
+    /// Half width before it, rad.
+    before_rad: f64,
+    silent_s: f64,
+    holds_s: Option<f64>,
+    right_s: Option<f64>,
+}
+
+impl SlipCourse {
+    /// A slip is followed for so long, s.
+    pub(super) const FOLLOWED_S: f64 = 30.0;
+}
+
+impl SlipJudge {
+    fn new(joint: usize, at_s: f64) -> Self {
+        Self {
+            joint,
+            at_s,
+            before_rad: f64::INFINITY,
+            silent_s: 0.0,
+            holds_s: None,
+            right_s: None,
+        }
+    }
+
+    fn take(&mut self, time_s: f64, error: Gaussian, settled: bool) {
+        let since_s = time_s - self.at_s;
+        let width = error.half_width_95();
+        if since_s < 0.0 {
+            if settled {
+                self.before_rad = width;
+            }
+            return;
+        }
+        if since_s > SlipCourse::FOLLOWED_S {
+            return;
+        }
+        let inside = error.is_finite() && !error.is_nonzero_95();
+        if settled && !inside && self.right_s.is_none() {
+            self.silent_s = since_s;
+        }
+        if (inside || !settled) && self.holds_s.is_none() {
+            self.holds_s = Some(since_s);
+        }
+        let narrow = width <= RIGHT_RAD.max(RIGHT_RATIO * self.before_rad);
+        if inside && settled && narrow && self.right_s.is_none() && since_s > 1.0 {
+            self.right_s = Some(since_s);
+        }
+    }
+
+    fn finish(self, names: &[String]) -> SlipCourse {
+        SlipCourse {
+            joint: names[self.joint].clone(),
+            at_s: self.at_s,
+            silent_s: self.silent_s,
+            holds_s: self.holds_s,
+            right_s: self.right_s,
+        }
+    }
+}

@@ -1,0 +1,493 @@
+//! Whether something has changed since the last posterior: a forward filter over "nothing", "contact" and "an offset of joint j
+//! stepped at block k", on the innovations of the link equations.
+//!
+//! Between two solutions of the window nothing else is known of the newest blocks, and the search for change points does not accept a
+//! change within its last seconds. Innovations of block `b` at joint `i` are modelled as
+//!
+//! ```text
+//! e_i(b) = m_i(b) + s_i [b ≥ k, i = j] + n_i(b),   n_i(b) = ρ n_i(b−1) + ε_i(b)
+//! z_i(b) = e_i(b) − ρ e_i(b−1)
+//! ```
+//!
+//! * `m_i`: what the posterior leaves unknown of the equation, `H P Hᵀ`, and what the model gets wrong in a pose; it is renewed as the
+//!   arm travels.
+//! * `s_i ~ N(0, (8 mrad)²)`: the step, tracked by a Kalman filter from its fourth block on; before, while the low-pass and
+//!   friction let it appear, its part of `z` is `N(0, (2.5 mrad)²)`.
+//! * `ε_i`: Student's t with six degrees of freedom.
+//! * contact: every joint's `e ~ N(0, c²)`, or with 0.3 that of one joint alone, `c` of 1, 3, 10 or 30 mrad.
+//!
+//! Hazards: a contact every 20 s that lasts 1.5 s, a step every 10 h of motion at each tendon.
+
+/// Prior deviation of a step of an offset, rad: `UNKNOWN_OFFSET_RAD` would be that of any; a rope or an encoder slips by less.
+const STEP_RAD: f64 = 8e-3;
+/// Deviation of what one block shows of a step that appears, rad.
+const APPEARING_RAD: f64 = 2.5e-3;
+/// Blocks in which a step appears: the low-pass and friction.
+const APPEARS: u32 = 3;
+/// Deviations of an innovation in a contact, rad, each as likely: from a brush to a push of some 15 N at the tool.
+const CONTACT_RAD: [f64; 4] = [1e-3, 3e-3, 10e-3, 30e-3];
+/// Probability that a contact shows at one joint alone.
+const ALONE: f64 = 0.3;
+/// Time between contacts, and how long one lasts, s.
+const CONTACT_EVERY_S: f64 = 20.0;
+const CONTACT_LASTS_S: f64 = 1.5;
+/// Time between steps of one tendon's offset, s of motion.
+const STEP_EVERY_S: f64 = 36_000.0;
+/// Onsets that are followed at a joint: the likeliest.
+const ONSETS: usize = 10;
+/// Degrees of freedom of the noise.
+const FREEDOM: f64 = 6.0;
+/// An onset of less probability is dropped.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Noise of the link equations, from the residuals of the last solution.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Noise {
+    /// Autocorrelation of consecutive blocks.
+    pub(super) rho: f64,
+    /// Deviation of `ε`, rad, per joint.
+    pub(super) white_rad: Vec<f64>,
+    /// Variance of what stays while the arm does not travel, rad², per joint: `m` without the posterior's part.
+    pub(super) slow_rad2: Vec<f64>,
+}
+
+/// An innovation that is slowly renewed, or a step: a Gaussian level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Level {
+    mean: f64,
+    variance: f64,
+}
+
+/// Logarithm of the density of `x` with Student's t of [`FREEDOM`] degrees and a scale of variance `variance`.
+fn ln_student(x: f64, variance: f64) -> f64 {
+    /// `ln Γ(3.5) − ln Γ(3) − ½ ln(6 π)`.
+    const LN_SCALE: f64 = -0.960_435_170_8;
+    LN_SCALE
+        - 0.5 * variance.ln()
+        - 0.5 * (FREEDOM + 1.0) * (1.0 + x * x / (FREEDOM * variance)).ln()
+}
+
+fn ln_normal(x: f64, variance: f64) -> f64 {
+    -0.5 * (x * x / variance + (std::f64::consts::TAU * variance).ln())
+}
+
+impl Level {
+    /// Log density of `z`, which sees `gain` times the level beside noise.
+    fn ln_density(&self, z: f64, gain: f64, noise_rad2: f64) -> f64 {
+        let variance = gain * gain * self.variance + noise_rad2;
+        ln_student(z - gain * self.mean, variance)
+    }
+
+    /// Takes `z` with a weight: `share`, the probability that it holds for this level, and Student's.
+    fn update(&mut self, z: f64, gain: f64, noise_rad2: f64, share: f64) {
+        let innovation = z - gain * self.mean;
+        let spread = gain * gain * self.variance + noise_rad2;
+        let student = (FREEDOM + 1.0) / (FREEDOM + innovation * innovation / spread);
+        let information = share * student.min(1.0) * gain * gain / noise_rad2;
+        let kalman_gain = self.variance * information / (1.0 + self.variance * information);
+        self.mean += kalman_gain * innovation / gain;
+        self.variance *= 1.0 - kalman_gain;
+    }
+
+    /// Renews a share of it, from `N(0, variance)`.
+    fn renew(&mut self, share: f64, variance: f64) {
+        let kept = 1.0 - share;
+        self.mean *= kept;
+        self.variance = kept * kept * self.variance + (1.0 - kept * kept) * variance;
+    }
+}
+
+/// A step that may have begun at a block.
+#[derive(Debug, Clone, Copy)]
+struct Onset {
+    joint: usize,
+    since_s: f64,
+    /// Blocks since.
+    age: u32,
+    level: Level,
+    /// Log probability, without and with a contact now.
+    ln: [f64; 2],
+}
+
+/// A step of a joint's offset that may have happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SuspectedStep {
+    /// Posterior probability that it has.
+    pub(super) probability: f64,
+    /// Likeliest time, s.
+    pub(super) since_s: f64,
+    /// Its size, rad, if it has.
+    pub(super) mean_rad: f64,
+    pub(super) deviation_rad: f64,
+}
+
+impl SuspectedStep {
+    /// Probability that a step has happened and is larger than `size_rad`.
+    pub(super) fn probability_beyond(&self, size_rad: f64) -> f64 {
+        let tail = |distance_rad: f64| {
+            0.5 * libm::erfc(distance_rad / (self.deviation_rad * std::f64::consts::SQRT_2))
+        };
+        self.probability * (tail(size_rad - self.mean_rad) + tail(size_rad + self.mean_rad))
+    }
+}
+
+/// One block as the detector takes it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Innovations<'a> {
+    pub(super) time_s: f64,
+    /// Innovation of every joint, rad.
+    pub(super) residual_rad: &'a [f64],
+    /// What the posterior leaves unknown of it, and what friction may hold in a stand, rad².
+    pub(super) unknown_rad2: &'a [f64],
+    /// Share of the pose's part that is renewed.
+    pub(super) renewed: f64,
+    /// Whether the block before is missing.
+    pub(super) after_gap: bool,
+}
+
+/// The forward filter.
+#[derive(Debug, Clone)]
+pub(super) struct ChangeDetector {
+    noise: Noise,
+    block_s: f64,
+    /// Innovations of the block before.
+    before_rad: Vec<f64>,
+    levels: Vec<Level>,
+    /// Variances that they are renewed with, rad².
+    slow_rad2: Vec<f64>,
+    /// Log probability of nothing, without and with a contact now.
+    ln_nothing: [f64; 2],
+    onsets: Vec<Onset>,
+    started: bool,
+}
+
+/// `ln Σ exp`.
+fn ln_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let most = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    match most.is_finite() {
+        true => most + values.map(|x| (x - most).exp()).sum::<f64>().ln(),
+        false => most,
+    }
+}
+
+/// Log probabilities without and with a contact after a block, from those before: `[stays, comes after a contact]` are the log
+/// densities of a block without a contact, `contact` that of one with.
+fn through(ln: [f64; 2], free: [f64; 2], contact: f64, block_s: f64) -> [f64; 2] {
+    let (begins, ends) = (block_s / CONTACT_EVERY_S, block_s / CONTACT_LASTS_S);
+    let sum = |a: f64, b: f64| ln_sum([a, b].into_iter());
+    [
+        sum(
+            ln[0] + (1.0 - begins).ln() + free[0],
+            ln[1] + ends.ln() + free[1],
+        ),
+        contact + sum(ln[0] + begins.ln(), ln[1] + (1.0 - ends).ln()),
+    ]
+}
+
+impl ChangeDetector {
+    pub(super) fn new(noise: Noise, block_s: f64) -> Self {
+        let n = noise.white_rad.len();
+        let nothing = Level {
+            mean: 0.0,
+            variance: 0.0,
+        };
+        Self {
+            noise,
+            block_s,
+            before_rad: vec![0.0; n],
+            levels: vec![nothing; n],
+            slow_rad2: vec![0.0; n],
+            ln_nothing: [0.0, f64::NEG_INFINITY],
+            onsets: Vec::new(),
+            started: false,
+        }
+    }
+
+    /// Takes the innovations of the next block.
+    pub(super) fn step(&mut self, block: &Innovations<'_>) {
+        let n = self.levels.len();
+        let rho = self.noise.rho;
+        let gain = 1.0 - rho;
+        for (i, level) in self.levels.iter_mut().enumerate() {
+            let renewed = if self.started { block.renewed } else { 1.0 };
+            let slow_rad2 = block.unknown_rad2[i] + self.noise.slow_rad2[i];
+            level.renew(renewed, slow_rad2);
+            // What has become less known has, at once.
+            level.variance += (slow_rad2 - self.slow_rad2[i]).max(0.0) * (1.0 - renewed);
+            self.slow_rad2[i] = slow_rad2;
+        }
+        let e = block.residual_rad;
+        let z: Vec<f64> = e
+            .iter()
+            .zip(&self.before_rad)
+            .map(|(e, b)| e - rho * b)
+            .collect();
+        let white: Vec<f64> = self.noise.white_rad.iter().map(|w| w.powi(2)).collect();
+        let white = |i: usize| white[i];
+        let stationary = |i: usize| white(i) / (1.0 - rho * rho);
+        // Without a contact: as the last block went on, and after a contact or a gap, when it did not.
+        let fresh = !self.started || block.after_gap;
+        let of = |level: &Level, i: usize| {
+            let alone = level.ln_density(e[i], 1.0, stationary(i));
+            match fresh {
+                true => [alone, alone],
+                false => [level.ln_density(z[i], gain, white(i)), alone],
+            }
+        };
+        let free: Vec<[f64; 2]> = (0..n).map(|i| of(&self.levels[i], i)).collect();
+        let all_free = [0, 1].map(|k| free.iter().map(|f| f[k]).sum::<f64>());
+        let contacts = CONTACT_RAD.map(|size| {
+            let touched = |i: usize| ln_normal(e[i], size * size + stationary(i));
+            let alone = (0..n).map(|i| all_free[1] - free[i][1] + touched(i) - (n as f64).ln());
+            let every = (0..n).map(touched).sum::<f64>();
+            ln_sum([(1.0 - ALONE).ln() + every, ALONE.ln() + ln_sum(alone)].into_iter())
+        });
+        let contact = ln_sum(contacts.into_iter()) - (CONTACT_RAD.len() as f64).ln();
+        let was_nothing = self.ln_nothing;
+        let hazard = self.block_s / STEP_EVERY_S;
+        self.ln_nothing = through(was_nothing, all_free, contact, self.block_s)
+            .map(|ln| ln + (1.0 - hazard * n as f64).ln());
+        for onset in &mut self.onsets {
+            let i = onset.joint;
+            onset.age += 1;
+            let appears = onset.age < APPEARS;
+            let own = match appears {
+                true => {
+                    let more = APPEARING_RAD.powi(2);
+                    let alone = ln_normal(e[i], STEP_RAD.powi(2) + stationary(i));
+                    let goes_on = ln_normal(z[i], more + white(i));
+                    [if fresh { alone } else { goes_on }, alone]
+                }
+                false => of(&onset.level, i),
+            };
+            let others = [0, 1].map(|k| all_free[k] - free[i][k] + own[k]);
+            onset.ln = through(onset.ln, others, contact, self.block_s);
+            if !appears {
+                let free_now = (onset.ln[0] - ln_sum(onset.ln.into_iter())).exp();
+                match fresh {
+                    true => onset.level.update(e[i], 1.0, stationary(i), free_now),
+                    false => onset.level.update(z[i], gain, white(i), free_now),
+                }
+            }
+        }
+        for i in 0..n {
+            let level = Level {
+                mean: self.levels[i].mean,
+                variance: self.levels[i].variance + STEP_RAD.powi(2),
+            };
+            let alone = ln_normal(e[i], level.variance + stationary(i));
+            let goes_on = ln_normal(z[i], APPEARING_RAD.powi(2) + white(i));
+            let own = [if fresh { alone } else { goes_on }, alone];
+            let others = [0, 1].map(|k| all_free[k] - free[i][k] + own[k]);
+            let ln = through(was_nothing, others, contact, self.block_s);
+            self.onsets.push(Onset {
+                joint: i,
+                since_s: block.time_s - 0.5 * self.block_s,
+                age: 0,
+                level,
+                ln: ln.map(|ln| ln + hazard.ln()),
+            });
+        }
+        self.normalise();
+        // The level of a joint, as far as nothing has changed there.
+        let own = self.probabilities();
+        let free_now = self.free();
+        for (i, level) in self.levels.iter_mut().enumerate() {
+            let share = (free_now * (1.0 - own[i])).max(0.0);
+            match fresh {
+                true => level.update(e[i], 1.0, stationary(i), share),
+                false => level.update(z[i], gain, white(i), share),
+            }
+        }
+        self.before_rad.copy_from_slice(e);
+        self.started = true;
+    }
+
+    /// Probability that there is no contact in the last block.
+    pub(super) fn free(&self) -> f64 {
+        let free = self.onsets.iter().map(|o| o.ln[0].exp());
+        self.ln_nothing[0].exp() + free.sum::<f64>()
+    }
+
+    /// Probability of a step, per joint.
+    fn probabilities(&self) -> Vec<f64> {
+        let mut out = vec![0.0; self.levels.len()];
+        for onset in &self.onsets {
+            out[onset.joint] += onset.ln[0].exp() + onset.ln[1].exp();
+        }
+        out
+    }
+
+    fn normalise(&mut self) {
+        let own = self.onsets.iter().flat_map(|o| o.ln);
+        let total = ln_sum(self.ln_nothing.into_iter().chain(own));
+        if !total.is_finite() {
+            // Numbers that no hypothesis explains say nothing.
+            self.ln_nothing = [0.0, f64::NEG_INFINITY];
+            self.onsets.clear();
+            return;
+        }
+        self.ln_nothing = self.ln_nothing.map(|ln| ln - total);
+        for onset in &mut self.onsets {
+            onset.ln = onset.ln.map(|ln| ln - total);
+        }
+        self.onsets
+            .retain(|o| ln_sum(o.ln.into_iter()) > NEGLIGIBLE.ln());
+        for i in 0..self.levels.len() {
+            let mut own: Vec<f64> = (self.onsets.iter())
+                .filter(|o| o.joint == i)
+                .map(|o| ln_sum(o.ln.into_iter()))
+                .collect();
+            if own.len() > ONSETS {
+                own.sort_by(|a, b| b.total_cmp(a));
+                let least = own[ONSETS - 1];
+                self.onsets
+                    .retain(|o| o.joint != i || ln_sum(o.ln.into_iter()) >= least);
+            }
+        }
+    }
+
+    /// What is suspected of a joint's offset; `None`: nothing is.
+    pub(super) fn suspected(&self, joint: usize) -> Option<SuspectedStep> {
+        let own = || self.onsets.iter().filter(|o| o.joint == joint);
+        let probability: f64 = own().map(|o| o.ln[0].exp() + o.ln[1].exp()).sum();
+        let likeliest =
+            own().max_by(|a, b| a.ln[0].max(a.ln[1]).total_cmp(&b.ln[0].max(b.ln[1])))?;
+        let (mut mean, mut square) = (0.0, 0.0);
+        for onset in own() {
+            let share = (onset.ln[0].exp() + onset.ln[1].exp()) / probability;
+            let level = onset.level;
+            mean += share * level.mean;
+            square += share * (level.mean * level.mean + level.variance);
+        }
+        // What differs between poses is not the step's.
+        let pose = self.noise.slow_rad2[joint];
+        Some(SuspectedStep {
+            probability,
+            since_s: likeliest.since_s,
+            mean_rad: mean,
+            deviation_rad: (square - mean * mean + pose).max(0.0).sqrt(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCK_S: f64 = 0.2;
+    const NOISE_RAD: f64 = 0.2e-3;
+    const RHO: f64 = 0.66;
+
+    /// Two joints with the noise that is expected, and what `more` adds to a joint at a block.
+    fn run(blocks: u32, seed: u64, more: impl Fn(usize, u32) -> f64) -> Vec<ChangeDetector> {
+        let mut state = seed;
+        let mut random = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let noise = Noise {
+            rho: RHO,
+            white_rad: vec![NOISE_RAD; 2],
+            slow_rad2: vec![(0.1e-3_f64).powi(2); 2],
+        };
+        let mut detector = ChangeDetector::new(noise, BLOCK_S);
+        let mut noise_rad = [0.0; 2];
+        let mut out = Vec::new();
+        for b in 0..blocks {
+            let residual_rad: Vec<f64> = (0..2)
+                .map(|i| {
+                    // A sum of twelve evenly spread numbers is nearly normal.
+                    let normal = (0..12).map(|_| random()).sum::<f64>() - 6.0;
+                    noise_rad[i] = RHO * noise_rad[i] + NOISE_RAD * normal;
+                    noise_rad[i] + more(i, b)
+                })
+                .collect();
+            detector.step(&Innovations {
+                time_s: BLOCK_S * f64::from(b),
+                residual_rad: &residual_rad,
+                unknown_rad2: &[1e-8, 1e-8],
+                renewed: 0.1,
+                after_gap: false,
+            });
+            out.push(detector.clone());
+        }
+        out
+    }
+
+    fn probability(detector: &ChangeDetector, joint: usize) -> f64 {
+        let beyond = |step: SuspectedStep| step.probability_beyond(0.5e-3);
+        detector.suspected(joint).map_or(0.0, beyond)
+    }
+
+    #[test]
+    fn probabilities_sum_to_one() {
+        for detector in run(60, 1, |i, b| if i == 0 && b > 30 { 4e-3 } else { 0.0 }) {
+            let steps: f64 = detector.probabilities().iter().sum();
+            let nothing: f64 = detector.ln_nothing.iter().map(|ln| ln.exp()).sum();
+            // Less what dropped onsets had.
+            assert!((steps + nothing - 1.0).abs() < 1e-6, "{steps} {nothing}");
+            assert!((0.0..=1.0 + 1e-9).contains(&detector.free()));
+        }
+    }
+
+    /// A step that appears over three blocks is found within five, at its joint, with its size.
+    #[test]
+    fn a_step_is_found_at_its_joint() {
+        const AT: u32 = 50;
+        for (seed, size_rad) in [(2, 5e-3), (3, -3e-3), (4, 15e-3)] {
+            let shown = |b: u32| match b.checked_sub(AT) {
+                None => 0.0,
+                Some(k) => size_rad * [0.2, 0.55, 0.8, 1.0][k.min(3) as usize],
+            };
+            let all = run(80, seed, |i, b| if i == 1 { shown(b) } else { 0.0 });
+            let before = &all[AT as usize - 1];
+            assert!(probability(before, 1) < 0.01);
+            let soon = &all[AT as usize + 5];
+            assert!(probability(soon, 1) > 0.9, "{}", probability(soon, 1));
+            let last = all.last().unwrap();
+            let step = last.suspected(1).unwrap();
+            assert!(step.probability > 0.99 && probability(last, 0) < 0.01);
+            let error_rad = (step.mean_rad - size_rad).abs();
+            assert!(error_rad < 3.0 * step.deviation_rad, "{step:?}");
+            assert!(
+                (step.since_s - BLOCK_S * f64::from(AT)).abs() < 1.0,
+                "{step:?}"
+            );
+        }
+    }
+
+    /// A push of a second moves both joints and ends: no step, and no lasting one during it.
+    #[test]
+    fn a_contact_that_ends_is_no_step() {
+        let push = |i: usize, b: u32| match (50..56).contains(&b) {
+            true => [12e-3, -7e-3][i] * (1.0 + 0.3 * f64::from(b % 3)),
+            false => 0.0,
+        };
+        let all = run(80, 5, push);
+        let during = &all[53];
+        assert!(during.free() < 0.1, "{}", during.free());
+        let last = all.last().unwrap();
+        assert!(last.free() > 0.9);
+        for joint in 0..2 {
+            assert!(
+                probability(last, joint) < 0.05,
+                "{}",
+                probability(last, joint)
+            );
+        }
+    }
+
+    /// Where nothing happens, less than one answer in a hundred is widened.
+    #[test]
+    fn nothing_is_rarely_suspected() {
+        let mut suspected = 0;
+        for seed in 10..20 {
+            let all = run(300, seed, |_, _| 0.0);
+            suspected += all.iter().filter(|d| probability(d, 0) > 0.05).count();
+        }
+        assert!(suspected < 30, "{suspected}");
+    }
+}

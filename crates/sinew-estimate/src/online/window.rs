@@ -1,0 +1,331 @@
+//! The window of blocks that is estimated again and again, and the check of what came since.
+
+use super::answer::{OnlineAnswer, OnlineJoint, Provisional, hull};
+use super::detector::{ChangeDetector, Innovations, Noise};
+use crate::baseline::Baseline;
+use crate::error::SessionError;
+use crate::estimator::SessionOptions;
+use crate::session::{
+    OUTLIER_WEIGHT, Recorded, SessionEstimate, Since, Solved, Warning, continues, solve_stretch,
+};
+use sinew_model::Gaussian;
+use sinew_model::offset::{Block, FeatureConfig, Prediction};
+use sinew_model::robot::Robot;
+use sinew_model::statistics::upper_median;
+
+/// Blocks that a window holds, s of them.
+const WINDOW_S: f64 = 120.0;
+/// Of a stand so much is held, s; later blocks replace each other, as they repeat what is known.
+const STAND_S: f64 = 10.0;
+/// A window is solved every so many blocks: 2 s.
+const SOLVE_EVERY: u64 = 10;
+/// A solution does not accept a change within its last seconds, so that the newest blocks of it are checked again, s.
+const RECENT_S: f64 = 8.0;
+/// Where it is likelier that a step has moved the offset out of its 95 % interval, the interval is widened: as likely as what the
+/// interval leaves outside anyway.
+const SUSPECTED: f64 = 0.05;
+/// A share of rejected blocks above this makes what remains unrepresentative.
+const MUCH_REJECTED: f64 = 0.35;
+/// Standard deviation over the median size of normal errors.
+const DEVIATION_PER_MEDIAN: f64 = 1.4826;
+
+/// A solved window, as the next blocks are checked against it.
+#[derive(Debug, Clone)]
+struct Solution {
+    solved: Solved,
+    prediction: Prediction,
+    detector: ChangeDetector,
+    /// Joints with an elastic transmission: those of the detector.
+    elastic: Vec<usize>,
+    /// Middle of its last block, s.
+    time_s: f64,
+}
+
+/// The online estimate of a session: the last blocks that carry information, estimated from the session's starting belief by the
+/// estimator of whole recordings ([`crate::session::estimate`]).
+///
+/// [`Window::push`] takes a block and checks it against the last solution; [`Window::solve`] solves the window. Both
+/// allocate: a worker's, not a control loop's.
+#[derive(Debug)]
+pub struct Window {
+    robot: Robot,
+    baseline: Option<(Baseline, String)>,
+    options: SessionOptions,
+    name: String,
+    recorded: Recorded,
+    /// Whether blocks have left the window.
+    slid: bool,
+    is_due: bool,
+    since_solved: u64,
+    solution: Option<Box<Solution>>,
+    error: Option<SessionError>,
+    answer: OnlineAnswer,
+}
+
+impl Window {
+    /// Since `baseline`, with the name of its file, or against the zero of the encoders. `name`: of the session.
+    pub fn new(
+        robot: Robot,
+        baseline: Option<(Baseline, String)>,
+        options: &SessionOptions,
+        name: &str,
+    ) -> Self {
+        let recorded = Recorded::empty(&robot);
+        Self {
+            answer: OnlineAnswer::starting(&recorded.elastic),
+            recorded,
+            robot,
+            baseline,
+            options: *options,
+            name: name.into(),
+            slid: false,
+            is_due: false,
+            since_solved: 0,
+            solution: None,
+            error: None,
+        }
+    }
+
+    /// The latest answer.
+    pub fn answer(&self) -> &OnlineAnswer {
+        &self.answer
+    }
+
+    /// What [`crate::session::estimate`] gives for the window's blocks, as of the last solution.
+    pub fn estimate(&self) -> Option<&SessionEstimate> {
+        self.solution.as_ref().map(|s| &s.solved.estimate)
+    }
+
+    /// The next baseline of the chain, as of the last solution.
+    pub fn next(&self) -> Option<&Baseline> {
+        self.solution.as_ref().map(|s| &s.solved.next)
+    }
+
+    /// Why the last window could not be solved; `None`: it was.
+    pub fn error(&self) -> Option<&SessionError> {
+        self.error.as_ref()
+    }
+
+    /// Whether a solution is due.
+    pub fn is_due(&self) -> bool {
+        self.is_due
+    }
+
+    /// Blocks the window holds, and the memory they take, bytes.
+    pub fn size(&self) -> (usize, usize) {
+        let blocks = &self.recorded.blocks;
+        (blocks.len(), blocks.iter().map(Block::bytes).sum())
+    }
+
+    /// Takes what was recorded since the last call, in order: blocks and the jumps of readings.
+    pub fn push(&mut self, part: &Recorded) {
+        if self.answer.blocks == 0 {
+            self.recorded.start_time_ns = part.start_time_ns;
+        }
+        self.recorded.end_time_ns = part.end_time_ns;
+        self.recorded.motor_current |= part.motor_current;
+        self.recorded.frames_missing += part.frames_missing;
+        self.recorded.jumps.append(&part.jumps);
+        for block in &part.blocks {
+            self.push_block(block.clone());
+        }
+    }
+
+    fn push_block(&mut self, mut block: Block) {
+        if let Some(stated) = self.options.temperature_c {
+            block.temperature_c = stated.mean;
+        }
+        self.answer.blocks += 1;
+        self.answer.time_s = block.time_s;
+        let blocks = &mut self.recorded.blocks;
+        let repeats =
+            block.stood_s > STAND_S && blocks.last().is_some_and(|last| last.stood_s > STAND_S);
+        match blocks.last_mut() {
+            Some(last) if repeats => *last = block,
+            _ => {
+                blocks.push(block);
+                self.since_solved += 1;
+                self.is_due |= self.since_solved >= SOLVE_EVERY;
+            }
+        }
+        self.slide();
+        if let Some(solution) = &mut self.solution {
+            solution.check(&self.recorded.blocks, 1);
+            Self::update(&mut self.answer, solution);
+        }
+    }
+
+    /// Drops blocks that no longer fit.
+    fn slide(&mut self) {
+        let block_s = FeatureConfig::default().block_s;
+        let most = (WINDOW_S / block_s) as usize;
+        let recorded = &mut self.recorded;
+        let over = recorded.blocks.len().saturating_sub(most);
+        if over > 0 {
+            recorded.blocks.drain(..over);
+            self.slid = true;
+            let from_s = recorded.blocks[0].time_s - 0.5 * block_s;
+            recorded.jumps.forget_before(from_s);
+            let start_s = recorded.end_s() + 0.5 * block_s - from_s;
+            recorded.start_time_ns = recorded.end_time_ns - (start_s * 1e9) as i64;
+        }
+        recorded.duration_s = (recorded.end_time_ns - recorded.start_time_ns) as f64 * 1e-9;
+    }
+
+    /// Solves the window; the answer is that of its last block.
+    pub fn solve(&mut self) {
+        (self.is_due, self.since_solved) = (false, 0);
+        let baseline = self.baseline.as_ref().map(|(b, file)| (b, file.as_str()));
+        // What was known when the session began may have changed before the window begins.
+        let since = match !self.slid && continues(baseline.map(|(b, _)| b), &self.recorded) {
+            true => Since::Now,
+            false => Since::Days(1.0),
+        };
+        let solved = solve_stretch(
+            &self.robot,
+            &self.recorded,
+            &self.name,
+            (baseline, since),
+            &self.options,
+        );
+        match solved {
+            Ok(solved) => {
+                let mut solution = Box::new(Solution::new(solved, &self.recorded));
+                let blocks = &self.recorded.blocks;
+                let end_s = self.recorded.end_s();
+                let recent = blocks.partition_point(|b| end_s - b.time_s > RECENT_S);
+                solution.check(blocks, blocks.len() - recent);
+                Self::update(&mut self.answer, &solution);
+                (self.solution, self.error) = (Some(solution), None);
+            }
+            Err(error) => {
+                self.error = Some(error);
+                for joint in &mut self.answer.joints {
+                    let settled = joint.offset_rad.is_finite() && joint.provisional.is_none();
+                    if settled {
+                        joint.provisional = Some(Provisional::Refused);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The answer from a solution and the blocks checked against it.
+    fn update(answer: &mut OnlineAnswer, solution: &Solution) {
+        let estimate = &solution.solved.estimate;
+        answer.solved_s = solution.time_s;
+        answer.external_force = estimate.external_force;
+        answer.contact_probability = (1.0 - solution.detector.free()).clamp(0.0, 1.0);
+        for (k, (own, tendon)) in (answer.joints.iter_mut().zip(&estimate.joints)).enumerate() {
+            let may_end = estimate.warnings.iter().find_map(|warning| match warning {
+                Warning::ChangeMayEnd { joint, time_s, .. } if *joint == tendon.name => {
+                    Some(Provisional::ChangeMayEnd { since_s: *time_s })
+                }
+                _ => None,
+            });
+            let share = estimate.left_out_share;
+            let rejected = (share > MUCH_REJECTED).then_some(Provisional::Rejected { share });
+            *own = OnlineJoint {
+                joint: own.joint,
+                offset_rad: tendon.offset_rad,
+                stiffness_changed_probability: tendon
+                    .stiffness_since_before
+                    .map(|since| since.probability),
+                provisional: may_end.or(rejected),
+            };
+            let Some(step) = solution.detector.suspected(k) else {
+                continue;
+            };
+            let known = tendon.offset_rad;
+            let stepped = Gaussian::new(
+                known.mean + step.mean_rad,
+                known.deviation.hypot(step.deviation_rad),
+            );
+            if step.probability_beyond(known.half_width_95()) > SUSPECTED {
+                own.offset_rad = hull(known, stepped);
+                own.provisional = Some(Provisional::Step {
+                    since_s: step.since_s,
+                    probability: step.probability,
+                });
+            }
+        }
+    }
+}
+
+impl Solution {
+    fn new(solved: Solved, recorded: &Recorded) -> Self {
+        let (from, map) = &solved.last;
+        let noise = noise(&solved, &recorded.blocks[*from..], &recorded.elastic);
+        let prediction = solved.estimator.prediction(map);
+        Self {
+            detector: ChangeDetector::new(noise, FeatureConfig::default().block_s),
+            prediction,
+            elastic: recorded.elastic.clone(),
+            time_s: recorded.end_s(),
+            solved,
+        }
+    }
+
+    /// Lets the detector see the last `count` blocks.
+    fn check(&mut self, blocks: &[Block], count: usize) {
+        /// Blocks before them from which a force's low-pass settles.
+        const SETTLES: usize = 10;
+        let estimator = &self.solved.estimator;
+        let from = blocks.len() - count;
+        let before = from.saturating_sub(SETTLES);
+        let n = self.solved.last.1.noise_rad.len();
+        let innovations = estimator.innovations(&self.prediction, &blocks[before..]);
+        let block_s = FeatureConfig::default().block_s;
+        for (k, own) in innovations.chunks_exact(n).enumerate().skip(from - before) {
+            let block = &blocks[before + k];
+            let last = (before + k).checked_sub(1).map(|k| blocks[k].time_s);
+            let of = |f: &dyn Fn(&sinew_model::offset::Innovation) -> f64| -> Vec<f64> {
+                let elastic = self.elastic.iter();
+                elastic.map(|i| own[*i].as_ref().map_or(0.0, f)).collect()
+            };
+            self.detector.step(&Innovations {
+                time_s: block.time_s,
+                residual_rad: &of(&|e| e.residual_rad / e.offset_gain),
+                unknown_rad2: &of(&|e| {
+                    (e.parameter_variance_rad2 + e.held_rad.powi(2)) / e.offset_gain.powi(2)
+                }),
+                renewed: estimator.information_share(block),
+                after_gap: last.is_none_or(|last| block.time_s - last > 1.5 * block_s),
+            });
+        }
+    }
+}
+
+/// Noise of the link equations of the elastic joints, in the blocks of a solution that were not rejected.
+fn noise(solved: &Solved, blocks: &[Block], elastic: &[usize]) -> Noise {
+    /// A joint whose noise is all slow is trusted to so much of it.
+    const LEAST_WHITE: f64 = 0.1;
+    let (_, map) = &solved.last;
+    let n = map.noise_rad.len();
+    let rho = solved.estimator.noise_autocorrelation();
+    let stationary = (1.0 - rho * rho).sqrt();
+    let block_s = FeatureConfig::default().block_s;
+    let residuals = solved.estimator.residuals(map, blocks);
+    let is_used = |k: &usize| {
+        let follows = blocks[*k].time_s - blocks[k - 1].time_s < 1.5 * block_s;
+        follows && map.weights[k - 1..=*k].iter().all(|w| *w >= OUTLIER_WEIGHT)
+    };
+    let used: Vec<usize> = (1..blocks.len()).filter(is_used).collect();
+    let white_rad: Vec<f64> = (elastic.iter())
+        .map(|i| {
+            let whole = map.noise_rad[*i] * stationary;
+            let white = |k: &usize| residuals[k * n + i] - rho * residuals[(k - 1) * n + i];
+            let mut sizes: Vec<f64> = used.iter().map(|k| white(k).abs()).collect();
+            let found = upper_median(&mut sizes).map(|median| DEVIATION_PER_MEDIAN * median);
+            found.map_or(whole, |found| found.max(LEAST_WHITE * whole))
+        })
+        .collect();
+    let slow_rad2 = (elastic.iter().zip(&white_rad))
+        .map(|(i, white)| (map.noise_rad[*i].powi(2) - (white / stationary).powi(2)).max(0.0))
+        .collect();
+    Noise {
+        rho,
+        white_rad,
+        slow_rad2,
+    }
+}

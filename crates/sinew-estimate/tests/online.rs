@@ -1,0 +1,297 @@
+//! The online estimate: the estimator of recordings on a sliding window.
+
+use crate::stands;
+use crate::support::{biorob_like, repository, sessions, watching, work_session};
+use sinew_estimate::baseline::Baseline;
+use sinew_estimate::online::{
+    OnlineAnswer, OnlineEstimator, Provisional, StepOutcome, Window, replay,
+};
+use sinew_estimate::session::{
+    Learning, Recorded, Recorder, SessionOptions, estimate_recorded, learn_recorded,
+};
+use sinew_model::StepError;
+use sinew_model::offset::FeatureConfig;
+use sinew_model::robot::Robot;
+use sinew_sim::protocol::plan_named;
+
+const PITCH: usize = 1;
+const ELBOW: usize = 2;
+
+fn learned(robot: &Robot, recorded: &Recorded) -> Baseline {
+    learn_recorded(robot, recorded, "A", &Learning::default())
+        .unwrap()
+        .0
+}
+
+/// The first blocks of a recording.
+fn until(recorded: &Recorded, count: usize) -> Recorded {
+    let mut part = recorded.clone();
+    part.blocks.truncate(count);
+    let end_s = recorded.blocks.last().unwrap().time_s;
+    let before_end_s = end_s - part.blocks.last().unwrap().time_s;
+    part.end_time_ns -= (before_end_s * 1e9).round() as i64;
+    part
+}
+
+/// At every solution the window says what the estimate of a recording that ends there says, to the last bit.
+#[test]
+fn a_window_gives_what_the_estimate_of_its_blocks_gives() {
+    let plan = plan_named("S7").unwrap();
+    let ([a, b], _) = sessions(&plan, 31);
+    let (robot, options) = (&plan.robot, watching(&plan));
+    let baseline = learned(robot, &a);
+    let with = Some((&baseline, "A"));
+    let mut window = Window::new(
+        robot.clone(),
+        Some((baseline.clone(), "A".into())),
+        &options,
+        "B",
+    );
+    let mut compared = 0;
+    for count in [10, 40, 150, b.blocks.len() / 10 * 10] {
+        let part = until(&b, count);
+        let mut seen = 0;
+        window = replay(robot, &part, with, &options, "B", &mut |answer| {
+            seen += 1;
+            assert_eq!(answer.blocks, seen);
+        });
+        let (estimate, _) = estimate_recorded(robot, &part, "B", with, &options).unwrap();
+        let online = window.estimate().unwrap();
+        assert_eq!(online.joints.len(), 4);
+        for (online, batch) in online.joints.iter().zip(&estimate.joints) {
+            assert_eq!(
+                online.offset_rad, batch.offset_rad,
+                "{count}: {}",
+                batch.name
+            );
+            assert_eq!(online.stiffness_since_before, batch.stiffness_since_before);
+            assert_eq!(online.verdict, batch.verdict);
+            compared += 1;
+        }
+        assert_eq!(online.payload_kg, estimate.payload_kg);
+        assert_eq!(online.left_out, estimate.left_out);
+        assert_eq!(online.warnings, estimate.warnings);
+    }
+    assert_eq!(compared, 16);
+    let next = window.next().unwrap();
+    assert_eq!(next.recordings, ["A", "B"]);
+}
+
+/// Two tendons slip by 5 mrad 20 s apart: each is suspected within two seconds, no other is for long, and ten seconds later the offset is
+/// right.
+#[test]
+fn a_slip_is_suspected_at_once_and_then_followed() {
+    const SLIPS: [(usize, f64); 2] = [(PITCH, 130.0), (ELBOW, 150.0)];
+    const SIZE_RAD: f64 = 5e-3;
+    let robot = biorob_like();
+    let (parts, truth) = work_session(&robot, 60, |text| text, &[60.0]);
+    let baseline = learned(&robot, &parts[0]);
+    let options = SessionOptions::default();
+    let (mut suspected_s, mut silent_s) = ([f64::NAN; 2], [0.0; 2]);
+    let (mut provisional, mut calm) = (0, 0);
+    let mut each = |answer: &OnlineAnswer| {
+        let time_s = answer.time_s;
+        for (k, (joint, at_s)) in SLIPS.into_iter().enumerate() {
+            let own = &answer.joints[joint];
+            if time_s < at_s {
+                continue;
+            }
+            let is_step = matches!(own.provisional, Some(Provisional::Step { .. }));
+            if is_step && suspected_s[k].is_nan() {
+                suspected_s[k] = time_s - at_s;
+            }
+            let error_rad = own.offset_rad.mean - 1e-3 * truth[joint] - SIZE_RAD;
+            // An honest interval is left now and then: what counts is what the slip does.
+            let outside = error_rad.abs() > 1.5 * own.offset_rad.half_width_95();
+            if outside && own.provisional.is_none() {
+                silent_s[k] = time_s - at_s;
+            }
+        }
+        let after = |at_s: f64| (at_s..at_s + 12.0).contains(&time_s);
+        if time_s > 75.0 && !SLIPS.iter().any(|(_, at_s)| after(*at_s)) {
+            calm += answer.joints.len();
+            let own = answer.joints.iter().filter(|own| own.provisional.is_some());
+            provisional += own.count();
+        }
+    };
+    let with = Some((&baseline, "A"));
+    let window = replay(&robot, &parts[1], with, &options, "B", &mut each);
+    println!("suspected after {suspected_s:.1?} s, silently outside until {silent_s:.1?} s");
+    println!("{provisional} of {calm} answers provisional where nothing happens");
+    assert!(suspected_s.iter().all(|s| *s < 2.0), "{suspected_s:?}");
+    assert!(silent_s.iter().all(|s| *s < 2.0), "{silent_s:?}");
+    assert!(20 * provisional < calm, "{provisional} of {calm}");
+    for (joint, _) in SLIPS {
+        let own = window.answer().joints[joint];
+        let error_rad = own.offset_rad.mean - 1e-3 * truth[joint] - SIZE_RAD;
+        assert!(error_rad.abs() < own.offset_rad.half_width_95(), "{own:?}");
+        assert!(own.offset_rad.half_width_95() < 3e-3 && own.provisional.is_none());
+    }
+}
+
+/// An arm that stands for minutes after it worked knows what it knew, and holds no more memory.
+#[test]
+fn a_stand_of_minutes_replaces_no_motion() {
+    let robot = biorob_like();
+    let baseline = stands::baseline(&robot);
+    let recorded = stands::recording(&robot, 2, 400.0, 11, "");
+    let with = Some((&baseline, "A"));
+    let moves = recorded
+        .blocks
+        .iter()
+        .take_while(|block| block.stood_s < 12.0);
+    let worked = until(&recorded, moves.count());
+    let options = SessionOptions::default();
+    let [worked, stood] = [&worked, &recorded]
+        .map(|recorded| replay(&robot, recorded, with, &options, "B", &mut |_| ()));
+    let [(before, _), (blocks, bytes)] = [&worked, &stood].map(Window::size);
+    println!(
+        "{before}, then {blocks} blocks, {:.2} MB",
+        1e-6 * bytes as f64
+    );
+    assert!(recorded.blocks.len() > 2 * blocks && blocks <= before + 1);
+    for own in &stood.answer().joints {
+        let then = worked.answer().joint(own.joint).unwrap().offset_rad;
+        let offset = own.offset_rad;
+        assert!(offset.mean.abs() < offset.half_width_95(), "{own:?}");
+        assert!(offset.deviation < 1.5 * then.deviation, "{own:?} {then:?}");
+    }
+}
+
+/// A window forgets what is older than two minutes.
+#[test]
+fn a_window_slides_by_whole_blocks() {
+    let robot = biorob_like();
+    let (parts, _) = work_session(&robot, 42, |text| text, &[60.0]);
+    let baseline = learned(&robot, &parts[0]);
+    let mut twice = parts[1].clone();
+    let length_s = twice.blocks.last().unwrap().time_s - twice.blocks[0].time_s + 0.2;
+    for block in &parts[1].blocks {
+        let mut block = block.clone();
+        block.time_s += length_s;
+        twice.blocks.push(block);
+    }
+    let with = Some((&baseline, "A"));
+    let window = replay(
+        &robot,
+        &twice,
+        with,
+        &SessionOptions::default(),
+        "B",
+        &mut |_| (),
+    );
+    let (blocks, _) = window.size();
+    assert!(twice.blocks.len() > 800 && blocks == 600, "{blocks}");
+    let estimate = window.estimate().unwrap();
+    let from_s = twice.blocks[twice.blocks.len() - 600].time_s;
+    assert!(
+        (estimate.segments[0].from_s - from_s).abs() < 2.5,
+        "{from_s}"
+    );
+    assert!(
+        (115.0..=130.0).contains(&estimate.duration_s),
+        "{}",
+        estimate.duration_s
+    );
+}
+
+/// Sample by sample, worked on by the caller or by a thread, it gives what a replay of the recording gives.
+#[test]
+fn samples_one_by_one_give_what_a_replay_gives() {
+    let robot = biorob_like();
+    let options = SessionOptions::default();
+    let file = repository().join("examples/01-stretched-arm/stretched-arm.mcap");
+    let mut recording = sinew_log::open(&file, &sinew_log::OpenOptions::default()).unwrap();
+    let mut recorder = Recorder::new(&robot, &FeatureConfig::default(), 0.5);
+    let mut frames = Vec::new();
+    while let Some(frame) = recording.next_frame().unwrap() {
+        let start_ns = frames
+            .first()
+            .map_or(frame.time_ns, |f: &sinew_log::Frame| f.time_ns);
+        recorder.push(frame, 1e-9 * (frame.time_ns - start_ns) as f64);
+        frames.push(frame.clone());
+    }
+    let recorded = recorder.finish();
+    let baseline = learned(&robot, &recorded);
+    let with = Some((&baseline, "A"));
+    let replayed = replay(&robot, &recorded, with, &options, "B", &mut |_| ());
+    let online = || {
+        let baseline = Some((baseline.clone(), "A".into()));
+        OnlineEstimator::new(robot.clone(), baseline, &options, "B").unwrap()
+    };
+    let run = |online: &mut OnlineEstimator, after: &mut dyn FnMut(&mut OnlineEstimator)| {
+        let mut last_ns = frames[0].time_ns;
+        let mut blocks = 0;
+        for frame in &frames {
+            let dt_s = 1e-9 * (frame.time_ns - last_ns) as f64;
+            last_ns = frame.time_ns;
+            let (q, theta, tau_m) = (&frame.q, &frame.theta, &frame.tau_m);
+            let outcome = online.step(dt_s, q, theta, tau_m, frame.temperature_c);
+            if outcome.unwrap() == StepOutcome::Block {
+                blocks += 1;
+                after(online);
+            }
+        }
+        blocks
+    };
+    let mut own = online();
+    assert!(own.answer().is_provisional() && own.answer().joints[0].offset_rad.mean.is_nan());
+    assert!(own.save("B", 0).is_err());
+    let blocks = run(&mut own, &mut OnlineEstimator::work);
+    assert_eq!(blocks, recorded.blocks.len());
+    let (now, then) = (own.answer().clone(), replayed.answer());
+    assert_eq!((now.blocks, own.blocks_dropped()), (then.blocks, 0));
+    for (now, then) in now.joints.iter().zip(&then.joints) {
+        // Blocks are some nanoseconds apart, by rounding of times.
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        assert!(
+            close(now.offset_rad.mean, then.offset_rad.mean),
+            "{now:?} {then:?}"
+        );
+        assert!(close(now.offset_rad.deviation, then.offset_rad.deviation));
+    }
+    let saved = own.save("today", 5).unwrap();
+    assert_eq!((&*saved.recordings[1], saved.end_time_ns), ("today", 5));
+    // What can't be a sample changes nothing.
+    let four = [0.1; 4];
+    let refused = own.step(0.002, &four[..3], &four, &[], f64::NAN);
+    assert_eq!(refused, Err(StepError::Length));
+    for dt_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = own.step(dt_s, &four, &four, &[], f64::NAN);
+        assert_eq!(refused, Err(StepError::TimeStep));
+    }
+    // A thread of its own, waited for at the end: it is never late by so much that blocks are dropped.
+    let mut threaded = online();
+    threaded.start_worker().unwrap();
+    run(&mut threaded, &mut |online| {
+        while online.answer().blocks == 0 && online.blocks_dropped() == 0 {
+            std::thread::yield_now();
+        }
+    });
+    while threaded.answer().blocks < now.blocks && threaded.blocks_dropped() == 0 {
+        std::thread::yield_now();
+    }
+}
+
+/// A recording gone over with `--live`: spans of provisional answers hold every provisional block.
+#[test]
+fn spans_of_a_trajectory_hold_what_is_provisional() {
+    let robot = biorob_like();
+    let options = SessionOptions::default();
+    let (parts, _) = work_session(&robot, 40, |text| text, &[60.0, 120.0]);
+    let baseline = learned(&robot, &parts[0]);
+    let with = Some((&baseline, "A"));
+    let course = sinew_estimate::online::trajectory(&robot, &parts[1], with, &options, "B");
+    assert_eq!(course.blocks.len(), parts[1].blocks.len());
+    assert!(course.blocks[0].in_doubt && !course.in_doubt);
+    for block in &course.blocks {
+        let spans = course.doubts.iter();
+        let inside = spans.filter(|d| (d.from_s..=d.to_s).contains(&block.time_s));
+        let expected = usize::from(block.in_doubt);
+        assert_eq!(inside.count(), expected, "{}", block.time_s);
+    }
+    // Against the zero of the encoders, too.
+    let fresh = sinew_estimate::online::trajectory(&robot, &parts[1], None, &options, "B");
+    let [fresh, since] = [&fresh, &course].map(|c| c.joints[PITCH].offset_rad.deviation);
+    assert!(fresh > since, "{fresh} {since}");
+}
