@@ -1,6 +1,6 @@
 //! PNG and JPEG bytes to grey levels.
 
-use super::picture::{Picture, check_sides};
+use super::picture::{DEEPER, Picture, check_sides};
 use std::io::Cursor;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -44,15 +44,14 @@ fn png(bytes: &[u8]) -> Result<Picture, String> {
     let mut samples = buffer(reader.output_buffer_size())?;
     reader.next_frame(&mut samples).map_err(|e| e.to_string())?;
     let (colour, depth) = reader.output_color_type();
-    let channels = colour.samples();
-    if depth == png::BitDepth::Sixteen {
+    let levels = if depth == png::BitDepth::Sixteen {
         let (pairs, _) = samples.as_chunks::<2>();
-        let samples: Vec<u16> = pairs.iter().map(|&pair| u16::from_be_bytes(pair)).collect();
-        let levels = luminance(samples, channels, u16::MAX.into(), |v| v as u16);
-        return Picture::from_luma16(width, height, levels);
-    }
-    let levels = luminance(samples, channels, u8::MAX.into(), |v| v as u8);
-    Picture::from_luma8(width, height, levels)
+        let deep = pairs.iter().map(|&pair| u16::from_be_bytes(pair));
+        luminance(deep, colour.samples())
+    } else {
+        luminance(samples.into_iter().map(deeper), colour.samples())
+    };
+    Picture::from_luma16(width, height, levels)
 }
 
 fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
@@ -75,8 +74,8 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
     decoder
         .decode_into(&mut samples)
         .map_err(|e| e.to_string())?;
-    let levels = luminance(samples, space.num_components(), u8::MAX.into(), |v| v as u8);
-    Picture::from_luma8(width, height, levels)
+    let levels = luminance(samples.into_iter().map(deeper), space.num_components());
+    Picture::from_luma16(width, height, levels)
 }
 
 fn buffer(size_bytes: Option<usize>) -> Result<Vec<u8>, String> {
@@ -89,30 +88,27 @@ fn buffer(size_bytes: Option<usize>) -> Result<Vec<u8>, String> {
     }
 }
 
+fn deeper(level: u8) -> u16 {
+    DEEPER * u16::from(level)
+}
+
 /// One level per pixel: the first channel of one or two, the luminance of three or four.
-///
-/// `white` is the level of white. The sum is formed in single precision of 0 to 1.
-fn luminance<T: Copy + Into<f32>>(
-    samples: Vec<T>,
-    channels: usize,
-    white: f32,
-    level: impl Fn(f32) -> T,
-) -> Vec<T> {
-    let share = 1.0 / white;
-    match channels {
-        1 => samples,
-        2 => samples.chunks_exact(2).map(|pixel| pixel[0]).collect(),
-        _ => samples
-            .chunks_exact(channels)
-            .map(|pixel| {
-                let mut luma = 0.0;
-                for (&sample, weight) in pixel.iter().zip(LUMINANCE) {
-                    luma += sample.into() * share * weight;
-                }
-                level((luma * white).round())
-            })
-            .collect(),
+fn luminance(mut samples: impl Iterator<Item = u16>, channels: usize) -> Vec<u16> {
+    if channels < 3 {
+        return samples.step_by(channels).collect();
     }
+    let pixel = || {
+        let mut luma = 0.0;
+        for weight in LUMINANCE {
+            luma += f32::from(samples.next()?) * weight;
+        }
+        samples
+            .by_ref()
+            .take(channels - LUMINANCE.len())
+            .for_each(drop);
+        Some(luma.round() as u16)
+    };
+    std::iter::from_fn(pixel).collect()
 }
 
 #[cfg(test)]
@@ -121,18 +117,16 @@ mod tests {
 
     #[test]
     fn grey_stays_and_colours_weigh_as_in_srgb() {
-        let grey: Vec<u8> = (0..=255).flat_map(|v| [v, v, v]).collect();
-        let levels = luminance(grey, 3, 255.0, |v| v as u8);
-        assert_eq!(levels, (0..=255).collect::<Vec<u8>>());
-        // 255 · 0.2126, 255 · 0.7152, 255 · 0.0722; opacity has no part in it.
-        let pure = vec![255, 0, 0, 9, 0, 255, 0, 9, 0, 0, 255, 9];
-        assert_eq!(luminance(pure, 4, 255.0, |v| v as u8), [54, 182, 18]);
-        let deep = vec![65_535_u16, 0, 0, 0, 65_535, 0];
-        assert_eq!(luminance(deep, 3, 65_535.0, |v| v as u16), [13_936, 46_869]);
-        assert_eq!(
-            luminance(vec![7_u8, 1, 8, 2], 2, 255.0, |v| v as u8),
-            [7, 8]
-        );
+        let grey = (0..=255).flat_map(|v| [deeper(v); 3]);
+        let levels = luminance(grey, 3);
+        assert_eq!(levels, (0..=255).map(deeper).collect::<Vec<u16>>());
+        // 65535 · 0.2126, 65535 · 0.7152, 65535 · 0.0722; opacity has no part in it.
+        let pure = [255, 0, 0, 9, 0, 255, 0, 9, 0, 0, 255, 9];
+        let levels = luminance(pure.into_iter().map(deeper), 4);
+        assert_eq!(levels, [13_936, 46_869, 4_730]);
+        let deep = [65_535, 0, 0, 0, 65_535, 0];
+        assert_eq!(luminance(deep.into_iter(), 3), [13_936, 46_869]);
+        assert_eq!(luminance([7, 1, 8, 2].into_iter(), 2), [7, 8]);
     }
 
     #[test]

@@ -7,10 +7,9 @@
 //! Neighbouring blocks whose phases follow each other at that frequency then make up the scale.
 
 use super::picture::Picture;
-use super::robust::median;
+use super::robust::{median, quantile};
 use super::spectrum::{Spectrum, between_bins};
-use super::strips::{Blocks, Demodulator, Region, STRIP_ROWS, Strips};
-use std::f64::consts::TAU;
+use super::strips::{Block, Blocks, Demodulator, Region, STRIP_ROWS, Strips};
 
 /// Fewest pixels from line to line: with fewer the second harmonic, which tells thin lines from a
 /// chance pattern, is gone.
@@ -33,10 +32,6 @@ const DOUBLE_SHARE: f64 = 0.3;
 /// Amplitude of a block that belongs to the scale, share of the strong ones'. Rows with only
 /// every second line have half the amplitude.
 pub(crate) const BLOCK_SHARE: f64 = 0.3;
-/// Phases of neighbours that belong together differ from the common step by less, cycles. A window
-/// moves on by four graduations: a quarter of a cycle is a pitch that differs by 6 %, which
-/// perspective does; chance agrees in half of the cases, and not in six neighbours running.
-const STEP_TOLERANCE: f64 = 0.25;
 /// Fewest blocks of a scale.
 const BLOCKS_LEAST: usize = 6;
 /// Largest tilt of the lines, degrees. Beyond it a strip's rows blur its lines.
@@ -51,9 +46,17 @@ pub(crate) struct Found {
     pub(crate) frequency: f64,
     /// Box around the scale in the picture as measured.
     pub(crate) region: Region,
-    /// Blocks that belong to it, in `Demodulator::blocks` order over the whole picture.
+    /// Blocks of the whole picture.
     pub(crate) blocks: Blocks,
-    pub(crate) member: Vec<bool>,
+    /// Blocks that belong to it, and its coordinate there, graduations.
+    pub(crate) scale: Vec<(usize, f64)>,
+}
+
+impl Found {
+    /// Blocks that belong to the scale.
+    pub(crate) fn members(&self) -> impl Iterator<Item = &Block> {
+        self.scale.iter().map(|(at, _)| &self.blocks.all[*at])
+    }
 }
 
 /// Finds the scale in a picture or the part of it that is named; the error is why there is none.
@@ -98,25 +101,22 @@ fn find_along(picture: &Picture, part: Region, upright: bool) -> Result<(f64, Fo
     let frequency = vote(&strips)?;
     let demodulator = Demodulator::new(frequency, part.width);
     let blocks = demodulator.blocks(&strips);
-    let member = grow(&blocks).ok_or_else(|| {
+    let scale = grow(&blocks, frequency).ok_or_else(|| {
         format!(
             "a pattern every {:.1} px, but no connected region of lines",
             1.0 / frequency
         )
     })?;
-    let weight = blocks.members(&member).map(|b| b.contrast()).sum();
-    let half = demodulator.length() as f64 / 2.0;
-    let region = around(&blocks, &member, half, picture);
-    Ok((
-        weight,
-        Found {
-            upright,
-            frequency,
-            region,
-            blocks,
-            member,
-        },
-    ))
+    let mut found = Found {
+        upright,
+        frequency,
+        region: part,
+        blocks,
+        scale,
+    };
+    found.region = around(&found, demodulator.length() as f64 / 2.0, picture);
+    let weight = found.members().map(Block::contrast).sum();
+    Ok((weight, found))
 }
 
 /// The frequency that most stretches have their peak at.
@@ -145,7 +145,7 @@ fn vote(strips: &Strips) -> Result<f64, String> {
 }
 
 fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, f64)>) {
-    let mut spectrum = Spectrum::new(length);
+    let spectrum = Spectrum::new(length);
     // Six graduations in a stretch at least.
     let lowest = 6.max(length * shrink / PITCH_MOST_PX as usize);
     let highest = (length as f64 / 3.0).min((length * shrink) as f64 / PITCH_LEAST_PX) as usize;
@@ -166,9 +166,8 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
         };
         let mut start = 0;
         while start + length <= levels.len() {
-            let mean = spectrum.of(&levels[start..start + length]);
+            let (mean, power) = spectrum.of(&levels[start..start + length]);
             start += length / 2;
-            let power = &spectrum.power;
             let Some(peak) = (lowest..=highest).max_by(|a, b| power[*a].total_cmp(&power[*b]))
             else {
                 continue;
@@ -181,7 +180,7 @@ fn collect(strips: &Strips, length: usize, shrink: usize, votes: &mut Vec<(f64, 
             if !is_peak || contrast < CONTRAST_LEAST || power[peak] < PEAK_OVER_MEDIAN * median {
                 continue;
             }
-            let frequency = between_bins(power, peak) / (length * shrink) as f64;
+            let frequency = between_bins(&power, peak) / (length * shrink) as f64;
             votes.push((frequency, contrast * shrink as f64));
         }
     }
@@ -221,73 +220,26 @@ fn within(votes: &[(f64, f64)], around: f64) -> (f64, f64) {
 }
 
 /// Largest connected set of blocks with lines whose phases follow each other.
-fn grow(blocks: &Blocks) -> Option<Vec<bool>> {
-    let mut contrasts: Vec<f64> = blocks.all.iter().map(|b| b.contrast()).collect();
-    contrasts.sort_unstable_by(f64::total_cmp);
+fn grow(blocks: &Blocks, frequency: f64) -> Option<Vec<(usize, f64)>> {
     // The scale may cover little of the picture: strong means the strongest fiftieth.
-    let strong = *contrasts.get(contrasts.len() - 1 - contrasts.len() / 50)?;
+    let contrasts = blocks.all.iter().map(Block::contrast).collect();
+    let strong = quantile(contrasts, 0.98)?;
     let least = (BLOCK_SHARE * strong).max(CONTRAST_LEAST);
     let bright: Vec<bool> = blocks.all.iter().map(|b| b.contrast() >= least).collect();
-    let across = common_step(blocks, &bright, (0, 1));
-    let down = common_step(blocks, &bright, (1, 0));
-    let mut label = vec![usize::MAX; blocks.all.len()];
-    let mut best: (f64, usize, usize) = (0.0, 0, 0);
-    let mut queue = Vec::new();
-    for seed in 0..blocks.all.len() {
-        if !bright[seed] || label[seed] != usize::MAX {
-            continue;
-        }
-        label[seed] = seed;
-        queue.push(seed);
-        let (mut weight, mut count) = (0.0, 0);
-        while let Some(at) = queue.pop() {
-            weight += blocks.all[at].contrast();
-            count += 1;
-            let (s, w) = (at / blocks.windows, at % blocks.windows);
-            let mut visit = |to: usize, from: usize, step: f64| {
-                if bright[to] && label[to] == usize::MAX {
-                    let off = cycles(blocks.all[from].turn_to(&blocks.all[to])) - step;
-                    if (off - off.round()).abs() < STEP_TOLERANCE {
-                        label[to] = seed;
-                        queue.push(to);
-                    }
-                }
-            };
-            if w + 1 < blocks.windows {
-                visit(at + 1, at, across);
-            }
-            if w > 0 {
-                visit(at - 1, at, -across);
-            }
-            if s + 1 < blocks.strips {
-                visit(at + blocks.windows, at, down);
-            }
-            if s > 0 {
-                visit(at - blocks.windows, at, -down);
-            }
-        }
-        if weight > best.0 {
-            best = (weight, seed, count);
-        }
-    }
-    (best.2 >= BLOCKS_LEAST).then(|| label.iter().map(|l| *l == best.1).collect())
+    let (across, down) = blocks.common_steps(&bright);
+    // A step across passes whole graduations.
+    let hop = blocks.hop;
+    let whole = (frequency * hop - across).round();
+    let slopes = ((whole + across) / hop, down / STRIP_ROWS as f64);
+    let step = |a: &Block, b: &Block| slopes.0 * (b.x - a.x) + slopes.1 * (b.y - a.y);
+    let scale = blocks.unwrapped(&bright, step);
+    (scale.len() >= BLOCKS_LEAST).then_some(scale)
 }
 
-/// Angle of a phasor, cycles.
-fn cycles((re, im): (f64, f64)) -> f64 {
-    im.atan2(re) / TAU
-}
-
-/// Mean phase step between neighbours `(strips, windows)` apart, cycles.
-fn common_step(blocks: &Blocks, used: &[bool], apart: (usize, usize)) -> f64 {
-    let turns = blocks.pairs(used, apart).map(|(a, b)| a.turn_to(b));
-    cycles(turns.fold((0.0, 0.0), |sum, turn| (sum.0 + turn.0, sum.1 + turn.1)))
-}
-
-fn around(blocks: &Blocks, member: &[bool], half: f64, picture: &Picture) -> Region {
+fn around(found: &Found, half: f64, picture: &Picture) -> Region {
     let (mut left, mut right) = (f64::MAX, f64::MIN);
     let (mut top, mut bottom) = (f64::MAX, f64::MIN);
-    for block in blocks.members(member) {
+    for block in found.members() {
         left = left.min(block.x - half);
         right = right.max(block.x + half);
         top = top.min(block.y - STRIP_ROWS as f64 / 2.0);

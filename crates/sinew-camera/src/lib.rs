@@ -27,7 +27,6 @@
 mod decode;
 mod error;
 mod find;
-mod fit_phase_map;
 mod frames;
 mod line_index;
 mod marks;

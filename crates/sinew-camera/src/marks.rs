@@ -6,7 +6,7 @@
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
 use super::robust::quantile;
-use super::strips::{Blocks, STRIP_ROWS, Strips};
+use super::strips::{Block, STRIP_ROWS, Strips};
 
 /// Bands across the scale.
 const BANDS: usize = 12;
@@ -42,12 +42,8 @@ pub(crate) struct Bands {
 
 impl Bands {
     /// Around the blocks that belong to the scale.
-    pub(crate) fn around(blocks: &Blocks, member: &[bool], map: &PhaseMap) -> Self {
-        let (sin, cos) = map.tilt_rad().sin_cos();
-        let across: Vec<f64> = blocks
-            .members(member)
-            .map(|b| (b.y - map.y0) * cos - (b.x - map.x0) * sin)
-            .collect();
+    pub(crate) fn around<'a>(blocks: impl Iterator<Item = &'a Block>, map: &PhaseMap) -> Self {
+        let across: Vec<f64> = blocks.map(|b| map.across(b.x, b.y)).collect();
         let share = |p: f64| quantile(across.clone(), p);
         let (Some(from), Some(to)) = (share(0.02), share(0.98)) else {
             return Self { from: 0.0, to: 0.0 };

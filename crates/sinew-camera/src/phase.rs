@@ -7,15 +7,15 @@
 
 use super::find::BLOCK_SHARE;
 use super::phase_map::PhaseMap;
-use super::robust::{self, Equation, median};
+use super::robust::{self, Equation, wrap};
 use super::strips::{Block, Blocks};
 use std::f64::consts::TAU;
 
 /// Noise of neighbouring windows is correlated: two Hann windows that overlap by half share 1/6.
 /// The variance of a mean of many is larger by `1 + 2/6`.
 const OVERLAP_VARIANCE: f64 = 4.0 / 3.0;
-/// A block may weigh this many times the median one.
-const WEIGHT_CAP: f64 = 3.0;
+/// A block agrees with the fit within this: noise of a good block is a hundredth of it.
+const AGREE_CYCLES: f64 = 0.12;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shift {
@@ -35,129 +35,49 @@ pub(crate) struct Shift {
     pub(crate) agree: Vec<bool>,
 }
 
-pub(super) struct Used<'a> {
-    pub(super) block: &'a Block,
-    index: usize,
-    /// Turned back by the map.
-    re: f64,
-    im: f64,
-    pub(super) phase: f64,
-    pub(super) weight: f64,
-}
-
-impl Used<'_> {
-    fn turn_back(&mut self, map: &PhaseMap, (du, dv): (f64, f64)) {
-        let row = map.row(self.block.x, self.block.y);
-        self.phase -= du * row[1] + dv * row[2];
-        let size = self.re.hypot(self.im);
-        (self.re, self.im) = (
-            size * (TAU * self.phase).cos(),
-            size * (TAU * self.phase).sin(),
-        );
-    }
-}
-
-/// Length of the weighted mean phasor once two slopes are taken out.
-fn agreement(used: &[Used<'_>], map: &PhaseMap, (du, dv): (f64, f64)) -> f64 {
-    let (re, im) = used.iter().fold((0.0, 0.0), |(re, im), u| {
-        let row = map.row(u.block.x, u.block.y);
-        let (s, c) = (TAU * (u.phase - du * row[1] - dv * row[2])).sin_cos();
-        (re + u.weight * c, im + u.weight * s)
-    });
-    re.hypot(im)
-}
-
-pub(super) fn collect<'a>(blocks: &'a Blocks, member: &[bool], map: &PhaseMap) -> Vec<Used<'a>> {
-    let mut used: Vec<Used<'a>> = blocks
-        .all
-        .iter()
-        .zip(member)
-        .enumerate()
-        .filter(|(_, (_, m))| **m)
-        .map(|(index, (block, _))| {
-            let (s, c) = (-TAU * map.at(block.x, block.y)).sin_cos();
-            let re = block.re * c - block.im * s;
-            let im = block.im * c + block.re * s;
-            Used {
-                block,
-                index,
-                re,
-                im,
-                phase: im.atan2(re) / TAU,
-                // The phase's noise goes with 1/amplitude.
-                weight: block.amplitude().powi(2),
-            }
+/// Measures the phase of a frame against the map from the blocks in `member`.
+pub(crate) fn measure(blocks: &Blocks, member: &[bool], map: &PhaseMap) -> Option<Shift> {
+    let used: Vec<usize> = (0..member.len()).filter(|at| member[*at]).collect();
+    let weights = robust::capped(used.iter().map(|at| blocks.all[*at].power()));
+    let equation = |block: &Block, value: f64, weight: f64| {
+        let row = map.row(block.x, block.y);
+        Equation {
+            row: [1.0, row[1], row[2], 0.0, 0.0, 0.0],
+            value,
+            weight,
+        }
+    };
+    // A rock larger than the blocks' own phases would wrap: neighbours tell it first.
+    let step = |a: &Block, b: &Block| map.at(b.x, b.y) - map.at(a.x, a.y);
+    let region: Vec<Equation> = (blocks.unwrapped(member, step).into_iter())
+        .map(|(at, coordinate)| {
+            let block = &blocks.all[at];
+            equation(block, coordinate - map.at(block.x, block.y), block.power())
         })
         .collect();
-    if let Some(median) = median(used.iter().map(|u| u.weight).collect()) {
-        for u in &mut used {
-            u.weight = (u.weight / median.max(f64::MIN_POSITIVE)).min(WEIGHT_CAP);
-        }
-    }
-    used
-}
-
-pub(super) fn mean_phase(used: &[Used<'_>]) -> f64 {
-    let (re, im) = used.iter().fold((0.0, 0.0), |(re, im), u| {
-        let size = u.re.hypot(u.im).max(f64::MIN_POSITIVE);
-        (re + u.weight * u.re / size, im + u.weight * u.im / size)
-    });
-    im.atan2(re) / TAU
-}
-
-/// Measures the phase of a frame against the map from the blocks in `member`. `still`: without the
-/// two slopes.
-pub(crate) fn measure(
-    blocks: &Blocks,
-    member: &[bool],
-    map: &PhaseMap,
-    still: bool,
-) -> Option<Shift> {
-    let mut used = collect(blocks, member, map);
-    if used.len() < 4 {
-        return None;
-    }
-    // A rock larger than the blocks' own phases would wrap: neighbours tell its slope first.
-    let mut du = 0.0;
-    if !still {
-        let slope = (
-            rock(blocks, member, map, (0, 1)) * map.half_width,
-            rock(blocks, member, map, (1, 0)) * map.half_height,
-        );
-        // Where much is covered, the neighbours' steps may come from what covers it.
-        if agreement(&used, map, slope) > agreement(&used, map, (0.0, 0.0)) {
-            du = slope.0;
-            for u in &mut used {
-                u.turn_back(map, slope);
-            }
-        }
-    }
-    let mean = mean_phase(&used);
-    let equations: Vec<Equation> = used
-        .iter()
-        .map(|u| {
-            let row = map.row(u.block.x, u.block.y);
-            Equation {
-                row: [1.0, row[1], row[2], 0.0, 0.0, 0.0],
-                value: wrap(u.phase - mean),
-                weight: u.weight,
-            }
+    let first = robust::fit(&region, 3)?;
+    // What stands apart from them is held against that.
+    let all: Vec<Equation> = (used.iter().zip(weights))
+        .map(|(at, weight)| {
+            let block = &blocks.all[*at];
+            let mut equation = equation(block, block.phase() - map.at(block.x, block.y), weight);
+            equation.value = first.at(&equation) + wrap(first.off(&equation));
+            equation
         })
         .collect();
-    let fit = robust::fit(&equations, if still { 1 } else { 3 })?;
-    let c = fit.coefficients;
+    let fit = robust::fit(&all, 3)?;
     let mut agree = vec![false; member.len()];
     let (mut re, mut im, mut total) = (0.0, 0.0, 0.0);
-    for (u, e) in used.iter().zip(&equations) {
-        let off = wrap(e.value - c[0] - c[1] * e.row[1] - c[2] * e.row[2]);
-        agree[u.index] = off.abs() < AGREE_CYCLES;
-        re += e.weight * (TAU * off).cos();
-        im += e.weight * (TAU * off).sin();
-        total += e.weight;
+    for (at, equation) in used.iter().zip(&all) {
+        let off = wrap(fit.off(equation));
+        agree[*at] = off.abs() < AGREE_CYCLES;
+        re += equation.weight * (TAU * off).cos();
+        im += equation.weight * (TAU * off).sin();
+        total += equation.weight;
     }
-    du += c[1];
+    let [phase, du, ..] = fit.coefficients;
     Some(Shift {
-        phase: wrap(mean + c[0]),
+        phase: wrap(phase),
         phase_std: fit.first_std * OVERLAP_VARIANCE.sqrt(),
         stretch: -du / map.half_width * map.pitch_px(),
         du,
@@ -165,22 +85,6 @@ pub(crate) fn measure(
         scatter: fit.scatter,
         agree,
     })
-}
-
-/// A block agrees with the fit within this: noise of a good block is a hundredth of it.
-const AGREE_CYCLES: f64 = 0.12;
-
-/// Common phase step between neighbours once the map is taken out, cycles per pixel.
-fn rock(blocks: &Blocks, member: &[bool], map: &PhaseMap, neighbour: (usize, usize)) -> f64 {
-    let (mut re, mut im, mut apart) = (0.0, 0.0, 1.0);
-    for (a, b) in blocks.pairs(member, neighbour) {
-        let (sin, cos) = (-TAU * (map.at(b.x, b.y) - map.at(a.x, a.y))).sin_cos();
-        let (r, i) = a.turn_to(b);
-        re += r * cos - i * sin;
-        im += i * cos + r * sin;
-        apart = (b.x - a.x) + (b.y - a.y);
-    }
-    im.atan2(re) / TAU / apart
 }
 
 /// Blocks in the rows of the lines whose contrast is a fair share of what lines have in this
@@ -205,9 +109,4 @@ pub(crate) fn lined(blocks: &Blocks, strong: f64, rows: (f64, f64)) -> Vec<bool>
     } else {
         own
     }
-}
-
-/// To −½ … ½.
-pub(crate) fn wrap(cycles: f64) -> f64 {
-    cycles - cycles.round()
 }

@@ -2,7 +2,9 @@
 //! graduations, of a plane (pitch and tilt), a bend and a twist (perspective) and a third power
 //! along the scale (lens).
 
-use super::robust::TERMS;
+use super::find::Found;
+use super::robust::{self, Equation, TERMS};
+use std::collections::HashSet;
 
 /// `s(x, y)`: graduations, whole on a dark line.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,12 +13,44 @@ pub(crate) struct PhaseMap {
     pub(crate) x0: f64,
     pub(crate) y0: f64,
     pub(super) half_width: f64,
-    pub(super) half_height: f64,
+    half_height: f64,
     /// Of `1, u, v, u², uv, u³`.
-    pub(super) c: [f64; TERMS],
+    c: [f64; TERMS],
 }
 
+/// Terms beyond the plane are kept where the scatter falls by this.
+const WORTH: f64 = 0.97;
+
 impl PhaseMap {
+    /// Fits the map to the blocks of the scale, whose coordinates the first frame's neighbours tell.
+    pub(crate) fn fit(found: &Found) -> Option<Self> {
+        let scale: Vec<_> = (found.scale.iter())
+            .map(|(at, coordinate)| (&found.blocks.all[*at], *coordinate))
+            .collect();
+        let mean =
+            |of: &dyn Fn(usize) -> f64| (0..scale.len()).map(of).sum::<f64>() / scale.len() as f64;
+        let (x0, y0) = (mean(&|i| scale[i].0.x), mean(&|i| scale[i].0.y));
+        let reach =
+            |of: &dyn Fn(usize) -> f64| (0..scale.len()).map(|i| of(i).abs()).fold(8.0, f64::max);
+        let mut map = Self {
+            x0,
+            y0,
+            half_width: reach(&|i| scale[i].0.x - x0),
+            half_height: reach(&|i| scale[i].0.y - y0),
+            c: [0.0; TERMS],
+        };
+        let weights = robust::capped(scale.iter().map(|(block, _)| block.power()));
+        let equations: Vec<Equation> = (scale.iter().zip(weights))
+            .map(|((block, coordinate), weight)| Equation {
+                row: map.row(block.x, block.y),
+                value: *coordinate,
+                weight,
+            })
+            .collect();
+        map.c = fit_needed(&equations, terms(found))?.coefficients;
+        Some(map)
+    }
+
     pub(super) fn row(&self, x: f64, y: f64) -> [f64; TERMS] {
         let (u, v) = (
             (x - self.x0) / self.half_width,
@@ -48,6 +82,12 @@ impl PhaseMap {
         )
     }
 
+    /// How far across the scale a pixel lies from the map's middle line, px.
+    pub(crate) fn across(&self, x: f64, y: f64) -> f64 {
+        let (sin, cos) = self.tilt_rad().sin_cos();
+        (y - self.y0) * cos - (x - self.x0) * sin
+    }
+
     /// Pixels between lines at the origin, across them.
     pub(crate) fn pitch_px(&self) -> f64 {
         let (a, b) = self.slope(self.x0, self.y0);
@@ -58,5 +98,34 @@ impl PhaseMap {
     pub(crate) fn tilt_rad(&self) -> f64 {
         let (a, b) = self.slope(self.x0, self.y0);
         b.atan2(a)
+    }
+}
+
+/// The fit with as few terms as do: a bend that is only noise would lead far astray beside the
+/// part of the picture where the scale was.
+fn fit_needed(equations: &[Equation], most: usize) -> Option<robust::Fit> {
+    let all: Vec<robust::Fit> = (3..=most)
+        .map_while(|terms| robust::fit(equations, terms))
+        .collect();
+    let best = all.last()?.scatter;
+    all.into_iter().find(|fit| WORTH * fit.scatter <= best)
+}
+
+/// How many terms the blocks can carry: a third power needs more windows than a plane.
+fn terms(found: &Found) -> usize {
+    let windows = found.blocks.windows;
+    let count = |of: fn(usize, usize) -> usize| {
+        let all: HashSet<usize> = found.scale.iter().map(|(at, _)| of(*at, windows)).collect();
+        all.len()
+    };
+    match (
+        count(|at, windows| at % windows),
+        count(|at, windows| at / windows),
+    ) {
+        (..=4, _) => 3,
+        (5..=6, _) => 4,
+        (_, ..=2) => 4,
+        (7..=9, _) => 5,
+        _ => 6,
     }
 }

@@ -10,17 +10,12 @@ pub const SIDE_LIMIT_PX: u32 = sinew_files::limits::PICTURE_SIDE.most as u32;
 pub struct Picture {
     width: usize,
     height: usize,
-    levels: Levels,
+    /// 0 black, 65535 white.
+    levels: Vec<u16>,
 }
 
-/// Grey levels in the depth they were recorded with.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Levels {
-    /// 0 black, 255 white.
-    Eight(Vec<u8>),
-    /// 0 black, 65535 white.
-    Sixteen(Vec<u16>),
-}
+/// A grey level of 16 bits over the same of 8.
+pub(crate) const DEEPER: u16 = 257;
 
 impl Picture {
     /// A picture of 8-bit grey levels.
@@ -28,12 +23,8 @@ impl Picture {
     /// # Errors
     /// The numbers, when `levels` has not `width * height` values or a side is 0 or too long.
     pub fn from_luma8(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, String> {
-        check(width, height, levels.len())?;
-        Ok(Self {
-            width,
-            height,
-            levels: Levels::Eight(levels),
-        })
+        let deeper = levels.into_iter().map(|level| DEEPER * u16::from(level));
+        Self::from_luma16(width, height, deeper.collect())
     }
 
     /// A picture of 16-bit grey levels.
@@ -41,11 +32,18 @@ impl Picture {
     /// # Errors
     /// As [`Picture::from_luma8`].
     pub fn from_luma16(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, String> {
-        check(width, height, levels.len())?;
+        check_sides(width, height)?;
+        if levels.len() != width * height {
+            return Err(format!(
+                "{} grey levels for {width} × {height} = {} px",
+                levels.len(),
+                width * height
+            ));
+        }
         Ok(Self {
             width,
             height,
-            levels: Levels::Sixteen(levels),
+            levels,
         })
     }
 
@@ -59,17 +57,14 @@ impl Picture {
         self.height
     }
 
-    pub(crate) fn levels(&self) -> &Levels {
-        &self.levels
+    /// Levels of a row, 0 black, 65535 white.
+    pub(crate) fn row(&self, y: usize) -> &[u16] {
+        &self.levels[y * self.width..][..self.width]
     }
 
     /// Grey level, 0 black to 1 white.
     pub fn level(&self, x: usize, y: usize) -> f64 {
-        let i = y * self.width + x;
-        match &self.levels {
-            Levels::Eight(v) => f64::from(v[i]) / 255.0,
-            Levels::Sixteen(v) => f64::from(v[i]) / 65_535.0,
-        }
+        f64::from(self.row(y)[x]) / f64::from(u16::MAX)
     }
 
     /// The picture with its scale along the rows.
@@ -80,15 +75,24 @@ impl Picture {
         }
     }
 
-    /// Rows become columns: a scale that stands upright lies down.
+    /// Rows become columns: a scale that stands upright lies down. In tiles, so that both sides of
+    /// the copy stay in the cache.
     fn transposed(&self) -> Self {
-        let levels = match &self.levels {
-            Levels::Eight(v) => Levels::Eight(transpose(v, self.width, self.height)),
-            Levels::Sixteen(v) => Levels::Sixteen(transpose(v, self.width, self.height)),
-        };
+        const TILE: usize = 32;
+        let (width, height) = (self.width, self.height);
+        let mut levels = vec![0; self.levels.len()];
+        for top in (0..height).step_by(TILE) {
+            for left in (0..width).step_by(TILE) {
+                for y in top..(top + TILE).min(height) {
+                    for x in left..(left + TILE).min(width) {
+                        levels[x * height + y] = self.levels[y * width + x];
+                    }
+                }
+            }
+        }
         Self {
-            width: self.height,
-            height: self.width,
+            width: height,
+            height: width,
             levels,
         }
     }
@@ -103,33 +107,6 @@ pub(crate) fn check_sides(width: usize, height: usize) -> Result<(), String> {
         ));
     }
     Ok(())
-}
-
-fn check(width: usize, height: usize, count: usize) -> Result<(), String> {
-    check_sides(width, height)?;
-    if count != width * height {
-        return Err(format!(
-            "{count} grey levels for {width} × {height} = {} px",
-            width * height
-        ));
-    }
-    Ok(())
-}
-
-/// Transposes in tiles, so that both sides of the copy stay in the cache.
-fn transpose<T: Copy + Default>(from: &[T], width: usize, height: usize) -> Vec<T> {
-    const TILE: usize = 32;
-    let mut to = vec![T::default(); from.len()];
-    for top in (0..height).step_by(TILE) {
-        for left in (0..width).step_by(TILE) {
-            for y in top..(top + TILE).min(height) {
-                for x in left..(left + TILE).min(width) {
-                    to[x * height + y] = from[y * width + x];
-                }
-            }
-        }
-    }
-    to
 }
 
 #[cfg(test)]

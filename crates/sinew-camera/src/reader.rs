@@ -59,26 +59,7 @@ impl ScaleReader {
             }
             return result;
         }
-        let (mut reference, view) = Reference::new(picture, &self.options)?;
-        let deviation_m = reference.reference_std * reference.scale.pitch_m;
-        if deviation_m > self.options.deviation_most_m {
-            return Err(Rejection::Unsure {
-                deviation_m,
-                most_m: self.options.deviation_most_m,
-            });
-        }
-        let reading = Reading {
-            position_m: 0.0,
-            position_deviation_m: deviation_m,
-            quality: view.shift.coherence,
-            contrast: reference.scale.contrast,
-            visible_share: 1.0,
-            residual_m: view.shift.scatter * reference.scale.pitch_m,
-            lines: reference.scale.lines,
-            stretch: 0.0,
-            jumped: false,
-        };
-        reference.usual.push(reference.scale.contrast);
+        let (reference, reading, view) = Reference::first(picture, &self.options)?;
         self.reference = Some(reference);
         Ok((reading, view))
     }

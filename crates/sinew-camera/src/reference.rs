@@ -1,19 +1,16 @@
 //! The frame a series is measured against, and every later frame held against it.
 
 use super::find::{self, Found, PITCH_LEAST_PX, TILT_MOST_DEG};
-use super::fit_phase_map::fit_phase_map;
 use super::line_index::{Counted, LineIndex};
-use super::marks::{self, Bands, Code};
-use super::phase::{self, Shift};
+use super::marks::{self, Bands};
+use super::phase;
 use super::phase_map::PhaseMap;
 use super::picture::Picture;
 use super::reading::{PITCH_M, ReadOptions, Reading, Scale};
 use super::rejection::{DARK, Rejection};
 use super::robust::median;
-use super::strips::{Blocks, Demodulator, Region, STRIP_ROWS, Strips};
-use super::visibility::{
-    View, line_contrast, line_rows, occlusion, scale_contrast, search_window, visible_lines,
-};
+use super::strips::{Demodulator, Region, STRIP_ROWS, Strips};
+use super::visibility::{View, line_contrast, line_rows, occlusion, search_window, visible_lines};
 
 /// Share of white pixels above which lines drown.
 const GLARE: f64 = 0.6;
@@ -48,11 +45,12 @@ pub(super) struct Reference {
     whole: Region,
     bands: Bands,
     line_index: LineIndex,
+    /// Blocks of the scale.
     members: usize,
     /// Standard deviation of the reference frame's own phase, graduations.
-    pub(super) reference_std: f64,
+    reference_std: f64,
     /// Contrast of the first frames used.
-    pub(super) usual: Vec<f64>,
+    usual: Vec<f64>,
     /// Last position as a coordinate, graduations (rises where the scale moves back).
     last: f64,
     /// Frames without a reading since the last one with.
@@ -75,7 +73,11 @@ fn check_light(strips: &Strips) -> Result<(), Rejection> {
 }
 
 impl Reference {
-    pub(super) fn new(picture: &Picture, options: &ReadOptions) -> Result<(Self, View), Rejection> {
+    /// Reads the frame that becomes the reference.
+    pub(super) fn first(
+        picture: &Picture,
+        options: &ReadOptions,
+    ) -> Result<(Self, Reading, View), Rejection> {
         let found = match find::find(picture, options.region, options.upright) {
             Ok(found) => found,
             Err(reason) => {
@@ -86,17 +88,12 @@ impl Reference {
                 return Err(Rejection::NoScale(reason));
             }
         };
-        let view = picture.lying(found.upright);
-        let none = |why: &str| Rejection::NoScale(why.to_owned());
-        let (map, shift) =
-            fit_phase_map(&found).ok_or_else(|| none("lines don't follow each other evenly"))?;
-        if shift.coherence < COHERENCE {
-            return Err(none("lines don't follow each other evenly"));
-        }
-        if map.tilt_rad().to_degrees().abs() > TILT_MOST_DEG {
+        let uneven = || Rejection::NoScale("lines don't follow each other evenly".into());
+        let map = PhaseMap::fit(&found).ok_or_else(uneven)?;
+        let lean_deg = map.tilt_rad().to_degrees();
+        if lean_deg.abs() > TILT_MOST_DEG {
             return Err(Rejection::NoScale(format!(
-                "lines lean by {:.0}°, at most {TILT_MOST_DEG}° is read; turn the camera",
-                map.tilt_rad().to_degrees()
+                "lines lean by {lean_deg:.0}°, at most {TILT_MOST_DEG}° is read; turn the camera"
             )));
         }
         if map.pitch_px() < PITCH_LEAST_PX * 0.95 {
@@ -105,60 +102,54 @@ impl Reference {
                 map.pitch_px()
             )));
         }
-        Ok(Self::build(picture, &view, options, &found, map, &shift))
+        let mut reference = Self::new(picture, options, &found, map);
+        // The map's own frame is measured once more, on the grid of all later frames.
+        let (reading, view) = match reference.read(picture, options) {
+            Err(Rejection::Covered { .. }) => return Err(uneven()),
+            read => read?,
+        };
+        if view.shift.coherence < COHERENCE {
+            return Err(uneven());
+        }
+        reference.members = view.agreeing();
+        reference.reference_std = reading.position_deviation_m / reference.scale.pitch_m;
+        reference.scale.contrast = reading.contrast;
+        reference.scale.lines = reading.lines;
+        reference.scale.longer_every = reference.line_index.longer_every();
+        let reading = Reading {
+            position_m: 0.0,
+            quality: view.shift.coherence,
+            visible_share: 1.0,
+            stretch: 0.0,
+            ..reading
+        };
+        Ok((reference, reading, view))
     }
 
-    fn build(
-        picture: &Picture,
-        view: &Picture,
-        options: &ReadOptions,
-        found: &Found,
-        map: PhaseMap,
-        shift: &Shift,
-    ) -> (Self, View) {
+    fn new(picture: &Picture, options: &ReadOptions, found: &Found, map: PhaseMap) -> Self {
+        let view = picture.lying(found.upright);
         let whole = match options.region {
             Some(region) if found.upright => region.transposed(),
             Some(region) => region,
-            None => Region::whole(view),
+            None => Region::whole(&view),
         };
-        let window = search_window(found.region, whole);
-        let demodulator = Demodulator::new(found.frequency, whole.width);
-        let bands = Bands::around(&found.blocks, &found.member, &map);
-        let strips = Strips::of(view, window);
-        let blocks = demodulator.blocks(&strips);
-        let strong = scale_contrast(&blocks, found.region);
-        let rows = line_rows(found.region);
-        let lined = phase::lined(&blocks, strong, rows);
-        // The map's own frame is measured once more, on the grid of all later frames.
-        let shift = phase::measure(&blocks, &lined, &map, false).unwrap_or_else(|| shift.clone());
-        let members = shift.agree.iter().filter(|a| **a).count().max(1);
-        let occluded = occlusion(&blocks, &shift.agree, demodulator.length());
-        let code = marks::read(&strips, &map, &shift, bands, &occluded);
-        let mut line_index = LineIndex::default();
-        line_index.learn(&code, 0);
-        let mut scale = scale_of(found, &map, options);
-        scale.contrast = strong;
-        scale.lines = visible_lines(&map, &shift, &blocks);
-        scale.longer_every = line_index.longer_every();
-        let reference = Self {
+        Self {
             size: (picture.width(), picture.height()),
             upright: found.upright,
-            demodulator,
-            window,
-            rows,
+            demodulator: Demodulator::new(found.frequency, whole.width),
+            window: search_window(found.region, whole),
+            rows: line_rows(found.region),
             whole,
-            bands,
-            line_index,
-            members,
-            reference_std: shift.phase_std.hypot(FOLDING / map.pitch_px().powi(3)),
+            bands: Bands::around(found.members(), &map),
+            line_index: LineIndex::default(),
+            members: found.scale.len(),
+            reference_std: FOLDING / map.pitch_px().powi(3),
             usual: Vec::new(),
-            last: shift.phase,
+            last: 0.0,
             missed: 0,
-            scale,
+            scale: scale_of(found, &map, options),
             map,
-        };
-        let view = reference.view(window, blocks, lined, shift);
-        (reference, view)
+        }
     }
 
     pub(super) fn read(
@@ -190,56 +181,28 @@ impl Reference {
     ) -> Result<(Reading, View), Rejection> {
         let strips = Strips::of(view, window);
         check_light(&strips)?;
+        let rows = match window == self.window {
+            true => self.rows,
+            false => (f64::MIN, f64::MAX),
+        };
         let blocks = self.demodulator.blocks(&strips);
-        let measured = self.measure(&blocks, window)?;
-        let shift = &measured.shift;
-        let pitch_m = self.scale.pitch_m;
-        let deviation_m = shift.phase_std.hypot(self.reference_std) * pitch_m;
-        if deviation_m.is_nan() || deviation_m > options.deviation_most_m {
-            return Err(Rejection::Unsure {
-                deviation_m,
-                most_m: options.deviation_most_m,
-            });
-        }
-        let occluded = occlusion(&blocks, &shift.agree, self.demodulator.length());
-        let code = marks::read(&strips, &self.map, shift, self.bands, &occluded);
-        let (whole, jumped) = self.count(&code, shift.phase)?;
-        self.line_index.learn(&code, whole);
-        self.last = shift.phase + whole as f64;
-        self.missed = 0;
-        if self.usual.len() < USUAL_FRAMES {
-            self.usual.push(measured.strong);
-        }
-        let reading = Reading {
-            position_m: -self.last * pitch_m,
-            position_deviation_m: deviation_m,
-            quality: measured.visible_share * shift.coherence * measured.share.min(1.0),
-            contrast: measured.strong,
-            visible_share: measured.visible_share,
-            residual_m: shift.scatter * pitch_m,
-            lines: visible_lines(&self.map, shift, &blocks),
-            stretch: shift.stretch,
-            jumped,
-        };
-        let view = self.view(window, blocks, measured.lined, measured.shift);
-        Ok((reading, view))
-    }
-
-    /// Phase of a frame's blocks against the map, or why it can't be trusted.
-    fn measure(&self, blocks: &Blocks, window: Region) -> Result<Measured, Rejection> {
-        let usual = self.usual();
-        let rows = if window == self.window {
-            self.rows
-        } else {
-            (f64::MIN, f64::MAX)
-        };
-        let strong = line_contrast(blocks, self.members, rows);
-        let share = strong / usual;
-        let lined = phase::lined(blocks, strong, rows);
+        let strong = line_contrast(&blocks, self.members, rows);
+        let lined = phase::lined(&blocks, strong, rows);
         let none = || Rejection::NoScale("no lines at the distance of the reference frame".into());
-        let shift = phase::measure(blocks, &lined, &self.map, false).ok_or_else(none)?;
-        let agree = shift.agree.iter().filter(|a| **a).count();
-        let visible_share = (agree as f64 / self.members as f64).min(1.0);
+        let shift = phase::measure(&blocks, &lined, &self.map).ok_or_else(none)?;
+        let view = View {
+            upright: self.upright,
+            lined,
+            shift,
+            map: self.map.clone(),
+            window,
+            window_px: self.demodulator.length(),
+            blocks,
+        };
+        let visible_share = (view.agreeing() as f64 / self.members as f64).min(1.0);
+        let usual = median(self.usual.clone()).unwrap_or(strong);
+        let share = strong / usual;
+        let (shift, blocks) = (&view.shift, &view.blocks);
         if share < BLUR {
             // Blurred lines still follow each other; anything else is no line.
             let even = shift.coherence > COHERENCE && visible_share > VISIBLE;
@@ -250,63 +213,55 @@ impl Reference {
             });
         }
         if visible_share < VISIBLE {
-            let left = phase::lined(blocks, usual, rows).contains(&true);
-            return Err(if left && agree > 0 {
-                Rejection::Covered {
-                    share: visible_share,
-                }
+            let left = phase::lined(blocks, usual, rows).contains(&true) && view.agreeing() > 0;
+            let share = visible_share;
+            return Err(if left {
+                Rejection::Covered { share }
             } else {
                 none()
             });
         }
-        Ok(Measured {
-            lined,
-            shift,
-            strong,
-            share,
+        let pitch_m = self.scale.pitch_m;
+        let deviation_m = shift.phase_std.hypot(self.reference_std) * pitch_m;
+        if deviation_m.is_nan() || deviation_m > options.deviation_most_m {
+            return Err(Rejection::Unsure {
+                deviation_m,
+                most_m: options.deviation_most_m,
+            });
+        }
+        let occluded = occlusion(blocks, &shift.agree, self.demodulator.length());
+        let code = marks::read(&strips, &self.map, shift, self.bands, &occluded);
+        let counted = self
+            .line_index
+            .count(&code, shift.phase, self.last, self.missed);
+        let (whole, jumped) = match counted {
+            Counted::Graduations { whole, jumped } => (whole, jumped),
+            Counted::Ambiguous { nearest, other } => {
+                return Err(Rejection::Ambiguous {
+                    nearest_m: -nearest * pitch_m,
+                    other_m: -other * pitch_m,
+                });
+            }
+        };
+        self.line_index.learn(&code, whole);
+        self.last = shift.phase + whole as f64;
+        self.missed = 0;
+        if self.usual.len() < USUAL_FRAMES {
+            self.usual.push(strong);
+        }
+        let reading = Reading {
+            position_m: -self.last * pitch_m,
+            position_deviation_m: deviation_m,
+            quality: visible_share * shift.coherence * share.min(1.0),
+            contrast: strong,
             visible_share,
-        })
+            residual_m: shift.scatter * pitch_m,
+            lines: visible_lines(&self.map, shift, blocks),
+            stretch: shift.stretch,
+            jumped,
+        };
+        Ok((reading, view))
     }
-
-    /// Whole graduations to add to a phase, and whether they were counted by the longer lines.
-    fn count(&self, code: &Code, phase: f64) -> Result<(i64, bool), Rejection> {
-        match self.line_index.count(code, phase, self.last, self.missed) {
-            Counted::Graduations { whole, jumped } => Ok((whole, jumped)),
-            Counted::Ambiguous { nearest, other } => Err(Rejection::Ambiguous {
-                nearest_m: -nearest * self.scale.pitch_m,
-                other_m: -other * self.scale.pitch_m,
-            }),
-        }
-    }
-
-    fn view(&self, window: Region, blocks: Blocks, lined: Vec<bool>, shift: Shift) -> View {
-        View {
-            upright: self.upright,
-            lined,
-            shift,
-            map: self.map.clone(),
-            window,
-            window_px: self.demodulator.length(),
-            blocks,
-        }
-    }
-
-    /// Median contrast of the first frames used.
-    fn usual(&self) -> f64 {
-        median(self.usual.clone()).unwrap_or(0.0)
-    }
-}
-
-/// A frame's phase with what it rests on.
-struct Measured {
-    lined: Vec<bool>,
-    shift: Shift,
-    /// Contrast of the strong blocks.
-    strong: f64,
-    /// The same over the usual.
-    share: f64,
-    /// Share of the reference frame's blocks that agree.
-    visible_share: f64,
 }
 
 /// The scale as the map describes it; contrast and lines are still to come.

@@ -117,18 +117,7 @@ pub enum RejectionKind {
 
 impl std::fmt::Display for RejectionKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Unreadable => "unreadable",
-            Self::OtherSize => "other-size",
-            Self::Dark => "dark",
-            Self::Overexposed => "overexposed",
-            Self::Blurred => "blurred",
-            Self::Covered => "covered",
-            Self::NoScale => "no-scale",
-            Self::Ambiguous => "ambiguous",
-            Self::Unsure => "unsure",
-            Self::SameTime => "same-time",
-        })
+        self.serialize(f)
     }
 }
 

@@ -22,84 +22,87 @@ pub(crate) struct Fit {
     pub(crate) scatter: f64,
 }
 
+impl Fit {
+    /// What the fit has for an equation.
+    pub(crate) fn at(&self, equation: &Equation) -> f64 {
+        let terms = self.coefficients.iter().zip(&equation.row);
+        terms.map(|(c, r)| c * r).sum()
+    }
+
+    /// How far an equation's value is off the fit.
+    pub(crate) fn off(&self, equation: &Equation) -> f64 {
+        equation.value - self.at(equation)
+    }
+}
+
 /// Tukey's constant for 95 % efficiency with Gaussian residuals.
 const TUKEY: f64 = 4.685;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_STD: f64 = 1.4826;
+/// An equation may weigh this many times the median one.
+const WEIGHT_CAP: f64 = 3.0;
 /// Rounds of reweighting; the weights settle to 1 % within five.
 const ROUNDS: usize = 6;
 
 /// Iteratively reweighted least squares with Tukey's biweight. `None` when there are fewer
 /// equations than terms or they don't determine the terms.
 pub(crate) fn fit(equations: &[Equation], terms: usize) -> Option<Fit> {
-    if equations.len() <= terms {
-        return None;
-    }
     let mut keep = vec![1.0; equations.len()];
-    let mut scaled: Vec<f64> = Vec::with_capacity(equations.len());
-    let mut coefficients = [0.0; TERMS];
-    let mut inverse_first = f64::NAN;
-    for round in 0..ROUNDS {
+    let mut fit = None;
+    for _ in 0..ROUNDS {
         let mut normal = [[0.0; TERMS + 2]; TERMS];
+        let (mut squares, mut freedom) = (0.0, -(terms as f64));
         for (equation, keep) in equations.iter().zip(&keep) {
-            let weight = equation.weight * keep;
-            for i in 0..terms {
-                let left = weight * equation.row[i];
-                for j in i..terms {
-                    normal[i][j] += left * equation.row[j];
+            for (normal, left) in normal.iter_mut().zip(&equation.row[..terms]) {
+                let left = equation.weight * keep * left;
+                for (sum, right) in normal.iter_mut().zip(&equation.row[..terms]) {
+                    *sum += left * right;
                 }
-                normal[i][TERMS] += left * equation.value;
+                normal[TERMS] += left * equation.value;
             }
-        }
-        for i in 0..terms {
-            for j in 0..i {
-                normal[i][j] = normal[j][i];
-            }
+            freedom += keep;
         }
         // Beside the right side stands the first unit vector: its solution begins with the first
         // coefficient's variance.
         normal[0][TERMS + 1] = 1.0;
-        let solution = solve(normal, terms)?;
-        for i in 0..terms {
-            coefficients[i] = solution[i].0;
+        let solution = solve(normal, terms).filter(|_| freedom > 0.0)?;
+        let found = fit.insert(Fit {
+            coefficients: solution.map(|(coefficient, _)| coefficient),
+            first_std: 0.0,
+            scatter: 0.0,
+        });
+        let scaled: Vec<f64> = (equations.iter())
+            .map(|e| found.off(e) * e.weight.sqrt())
+            .collect();
+        for (r, keep) in scaled.iter().zip(&keep) {
+            squares += keep * r * r;
         }
-        inverse_first = solution[0].1;
-        if round + 1 == ROUNDS {
-            break;
-        }
-        scaled.clear();
-        scaled.extend(
-            equations
-                .iter()
-                .map(|e| residual(e, &coefficients, terms) * e.weight.sqrt()),
-        );
+        let variance = squares / freedom;
+        found.first_std = (variance * solution[0].1).max(0.0).sqrt();
+        found.scatter = variance.sqrt();
         let cut = TUKEY * MAD_TO_STD * median(scaled.iter().map(|r| r.abs()).collect())?;
         if cut <= 0.0 {
             break;
         }
-        for (keep, r) in keep.iter_mut().zip(&scaled) {
-            let t = r / cut;
-            *keep = if t.abs() < 1.0 {
-                (1.0 - t * t).powi(2)
-            } else {
-                0.0
-            };
-        }
+        let tukey = |r: &f64| (1.0 - (r / cut).powi(2)).max(0.0).powi(2);
+        keep = scaled.iter().map(tukey).collect();
     }
-    let (mut squares, mut count) = (0.0, 0.0);
-    for (equation, keep) in equations.iter().zip(&keep) {
-        squares += equation.weight * keep * residual(equation, &coefficients, terms).powi(2);
-        count += keep;
+    fit
+}
+
+/// Weights over the median one, none above [`WEIGHT_CAP`].
+pub(crate) fn capped(weights: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut weights: Vec<f64> = weights.collect();
+    let middle = median(weights.clone()).unwrap_or(0.0);
+    for weight in &mut weights {
+        *weight = (*weight / middle.max(f64::MIN_POSITIVE)).min(WEIGHT_CAP);
     }
-    if count <= terms as f64 {
-        return None;
-    }
-    let variance = squares / (count - terms as f64);
-    Some(Fit {
-        coefficients,
-        first_std: (variance * inverse_first).max(0.0).sqrt(),
-        scatter: variance.sqrt(),
-    })
+    weights
+}
+
+/// To −½ … ½.
+pub(crate) fn wrap(cycles: f64) -> f64 {
+    cycles - cycles.round()
 }
 
 /// Middle value, the upper one of two.
@@ -116,29 +119,19 @@ pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     Some(*values.select_nth_unstable_by(place, f64::total_cmp).1)
 }
 
-fn residual(equation: &Equation, coefficients: &[f64; TERMS], terms: usize) -> f64 {
-    let sum: f64 = (0..terms).map(|k| coefficients[k] * equation.row[k]).sum();
-    equation.value - sum
-}
-
-/// Gauss with pivots on a symmetric positive matrix, two right sides.
+/// Gauss on a symmetric positive matrix, two right sides.
 fn solve(mut m: [[f64; TERMS + 2]; TERMS], terms: usize) -> Option<[(f64, f64); TERMS]> {
     let largest = (0..terms).map(|i| m[i][i]).fold(0.0, f64::max);
     for column in 0..terms {
-        let pivot =
-            (column..terms).max_by(|a, b| m[*a][column].abs().total_cmp(&m[*b][column].abs()))?;
-        m.swap(column, pivot);
+        let pivot = m[column];
         // Terms are scaled to about 1: a pivot this small means that they can't be told apart.
-        let size = m[column][column].abs();
-        if size.is_nan() || size <= 1e-9 * largest {
+        if pivot[column].is_nan() || pivot[column] <= 1e-9 * largest {
             return None;
         }
-        for row in 0..terms {
-            if row != column {
-                let factor = m[row][column] / m[column][column];
-                for k in (column..terms).chain([TERMS, TERMS + 1]) {
-                    m[row][k] -= factor * m[column][k];
-                }
+        for row in (0..terms).filter(|row| *row != column) {
+            let factor = m[row][column] / pivot[column];
+            for (held, pivot) in m[row].iter_mut().zip(pivot) {
+                *held -= factor * pivot;
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::decode::decode;
 use super::error::CameraError;
-use super::frames::{self, Times};
+use super::frames::{self, FrameFile, Times};
 use super::outcome::{Frame, Outcome};
 use super::overlay;
 use super::picture::Picture;
@@ -11,7 +11,7 @@ use super::rejection::Rejection;
 use super::request::{Request, check, check_region};
 use super::video::Video;
 use sinew_files::{limits, read_bytes, write_file};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 
 /// Decoded frames that wait to be read. More would only cost memory.
 const AHEAD: usize = 3;
@@ -40,51 +40,50 @@ pub fn run(
     on_progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, CameraError> {
     check(request)?;
-    if request.input.is_dir() {
-        let list = frames::list(&request.input, &request.times)?;
-        let total = list.frames.len();
-        let (sender, receiver) = sync_channel(AHEAD);
-        return std::thread::scope(|scope| {
-            scope.spawn(move || {
-                for file in list.frames {
-                    let picture = read_bytes(&file.path, &limits::PICTURE_FILE)
-                        .map_err(|e| e.to_string())
-                        .and_then(|bytes| decode(&bytes));
-                    let arrival = Ok((file.name, file.time_s, picture));
-                    if sender.send(arrival).is_err() {
-                        return;
-                    }
+    let (arrivals, total, notes): (Box<dyn Iterator<Item = Arrival> + Send>, _, _) =
+        if request.input.is_dir() {
+            let list = frames::list(&request.input, &request.times)?;
+            let total = list.frames.len();
+            (
+                Box::new(list.frames.into_iter().map(decoded)),
+                total,
+                list.notes,
+            )
+        } else {
+            let rate = match &request.times {
+                Times::Names => None,
+                Times::Rate(rate) => Some(*rate),
+                Times::Table(_) => {
+                    return Err(CameraError::Option(
+                        "a video has its own times; a table of times goes with a folder of frames"
+                            .into(),
+                    ));
                 }
-            });
-            read_all(request, receiver, total, list.notes, on_progress)
-        });
-    }
-    let rate = match &request.times {
-        Times::Names => None,
-        Times::Rate(rate) => Some(*rate),
-        Times::Table(_) => {
-            return Err(CameraError::Option(
-                "a video has its own times; a table of times goes with a folder of frames".into(),
-            ));
-        }
-    };
-    let mut video = Video::open(&request.input, &request.tools, rate)?;
-    let total = video.times.len();
+            };
+            let mut video = Video::open(&request.input, &request.tools, rate)?;
+            let total = video.times.len();
+            let next = move || Some(video.next().transpose()?.map(|(n, t, p)| (n, t, Ok(p))));
+            (Box::new(std::iter::from_fn(next)), total, Vec::new())
+        };
     let (sender, receiver) = sync_channel(AHEAD);
     std::thread::scope(|scope| {
-        scope.spawn(move || decode_video(&mut video, &sender));
-        read_all(request, receiver, total, Vec::new(), on_progress)
+        scope.spawn(move || {
+            for arrival in arrivals {
+                let stop = arrival.is_err();
+                if sender.send(arrival).is_err() || stop {
+                    return;
+                }
+            }
+        });
+        read_all(request, receiver, total, notes, on_progress)
     })
 }
 
-fn decode_video(video: &mut Video, sender: &SyncSender<Arrival>) {
-    while let Some(frame) = video.next().transpose() {
-        let arrival = frame.map(|(name, time_s, picture)| (name, time_s, Ok(picture)));
-        let stop = arrival.is_err();
-        if sender.send(arrival).is_err() || stop {
-            return;
-        }
-    }
+fn decoded(file: FrameFile) -> Arrival {
+    let picture = read_bytes(&file.path, &limits::PICTURE_FILE)
+        .map_err(|e| e.to_string())
+        .and_then(|bytes| decode(&bytes));
+    Ok((file.name, file.time_s, picture))
 }
 
 fn read_all(

@@ -3,7 +3,7 @@
 use super::marks::{self, BEYOND};
 use super::phase::Shift;
 use super::phase_map::PhaseMap;
-use super::robust::quantile;
+use super::robust::{median, quantile};
 use super::strips::{Blocks, Region, STRIP_ROWS};
 
 /// What a frame's measurement saw, for drawing.
@@ -16,6 +16,13 @@ pub(crate) struct View {
     pub(crate) map: PhaseMap,
     pub(crate) window: Region,
     pub(crate) window_px: usize,
+}
+
+impl View {
+    /// Number of blocks that agree.
+    pub(super) fn agreeing(&self) -> usize {
+        self.shift.agree.iter().filter(|agrees| **agrees).count()
+    }
 }
 
 /// The scale with room to wander across, all along.
@@ -37,23 +44,6 @@ pub(super) fn line_rows(region: Region) -> (f64, f64) {
     (top - margin, top + region.height as f64 + margin)
 }
 
-/// Contrast of the reference frame's strong blocks: those within the scale's box.
-pub(super) fn scale_contrast(blocks: &Blocks, region: Region) -> f64 {
-    let inside = |x: f64, y: f64| {
-        x >= region.x as f64
-            && x <= (region.x + region.width) as f64
-            && y >= region.y as f64
-            && y <= (region.y + region.height) as f64
-    };
-    let contrasts: Vec<f64> = blocks
-        .all
-        .iter()
-        .filter(|b| inside(b.x, b.y))
-        .map(|b| b.contrast())
-        .collect();
-    quantile(contrasts, 0.8).unwrap_or(0.0)
-}
-
 /// Contrast that a fifth of as many blocks as the scale has exceed.
 pub(super) fn line_contrast(blocks: &Blocks, members: usize, rows: (f64, f64)) -> f64 {
     let contrasts: Vec<f64> = blocks
@@ -73,30 +63,25 @@ pub(super) fn occlusion(
     agree: &[bool],
     window_px: usize,
 ) -> impl Fn(f64) -> bool + use<> {
-    let count: Vec<usize> = (0..blocks.windows)
-        .map(|w| {
-            (0..blocks.strips)
-                .filter(|s| agree[s * blocks.windows + w])
-                .count()
-        })
+    let agrees = |at: &usize| agree[*at];
+    let column = |w: usize| (w..agree.len()).step_by(blocks.windows);
+    let counts = (0..blocks.windows).map(|w| column(w).filter(agrees).count() as f64);
+    let windows: Vec<(f64, f64)> = counts
+        .enumerate()
+        .map(|(w, n)| (blocks.all[w].x, n))
         .collect();
-    let mut sorted: Vec<usize> = count.iter().copied().filter(|c| *c > 0).collect();
-    sorted.sort_unstable();
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(usize::MAX);
-    let reach = window_px as f64 / 2.0;
-    let middle: Vec<f64> = (0..blocks.windows).map(|w| blocks.all[w].x).collect();
-    let ends = (
-        middle.first().copied().unwrap_or(0.0),
-        middle.last().copied().unwrap_or(0.0),
-    );
+    let counts = windows.iter().map(|(_, count)| *count);
+    let usual = median(counts.filter(|count| *count > 0.0).collect()).unwrap_or(f64::MAX);
+    let end = |window: Option<&(f64, f64)>| window.map_or(0.0, |(middle, _)| *middle);
+    let ends = (end(windows.first()), end(windows.last()));
+    let reach = 1.25 * window_px as f64 / 2.0;
     move |x| {
         // Beyond the last window's middle there is only that one.
         let x = x.clamp(ends.0, ends.1);
-        middle
+        let mut near = windows
             .iter()
-            .zip(&count)
-            .filter(|(m, _)| (*m - x).abs() < 1.25 * reach)
-            .any(|(_, count)| 3 * count < 2 * usual)
+            .filter(|(middle, _)| (middle - x).abs() < reach);
+        near.any(|(_, count)| 3.0 * count < 2.0 * usual)
     }
 }
 
